@@ -167,8 +167,7 @@ def run_benchmark(
             (`egad.detectors.GraspPoses`), or grasps from above; or the name of one that needs no
             file: `antipodal-cloud`, `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that
             egad ships; it needs PyTorch); or `labels`, which knows where the
-            objects are and proposes the best of 100 sampled grasps of each. With several jobs it
-            must be importable.
+            objects are and proposes the best of 100 sampled grasps of each.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         scenes: Kinds of scenes: single, packed, pile.
@@ -179,8 +178,7 @@ def run_benchmark(
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
         engine: What computes the physics: `mujoco` or `pybullet`.
-        jobs: Processes; the result does not depend on them. With several, a script needs
-            `if __name__ == "__main__":` around its call.
+        jobs: Processes; the result does not depend on them.
         keep_going: Whether to go on with a detector that fails in every attempt of three rounds.
 
     Raises:
@@ -236,7 +234,7 @@ def clear_tables(
     shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
     work = partial(clear_rounds, objects=objects, detect=detect, settings=settings)
     done, monitor = [], FailureMonitor(len(todo), settings.clutter.keep_going, "rounds")
-    with workers(jobs, chunk=1) as mapper:
+    with workers(jobs) as mapper:
         for cleared in progress(mapper(work, shards), "clearing", len(shards)):
             for _, rows in cleared[0].groupby(ROUND, sort=False):
                 monitor.check(rows)

@@ -86,7 +86,7 @@ def prepare_objects(
         UserError: None of the objects can be simulated.
     """
     work = partial(_prepared, rule=rule, gripper=gripper, label_seed=label_seed)
-    with workers(jobs, chunk=1) as mapper:
+    with workers(jobs) as mapper:
         made = list(progress(mapper(work, targets), "making models", len(targets)))
     usable = [each for each in made if each is not None]
     if not usable:

@@ -131,8 +131,7 @@ def run_trials(
             (`egad.detectors.Detector`); or the name of one that needs no file:
             `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that egad ships; it needs
             PyTorch); or `labels`, which knows where the object is and proposes the best of 100
-            grasps that are sampled with the seed. With several jobs it must be a function or class
-            that can be imported.
+            grasps that are sampled with the seed.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         attempts: Attempts at each object; 20 as in the paper.
@@ -143,8 +142,7 @@ def run_trials(
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
             If it is not 0, the image also has holes beside edges and on steep surfaces.
         engine: What computes the physics: `mujoco` or `pybullet`.
-        jobs: Processes; the result does not depend on them. With several, a script needs
-            `if __name__ == "__main__":` around its call.
+        jobs: Processes; the result does not depend on them.
         keep_going: Whether to go on with a detector that fails in every attempt at the first three
             objects.
 
@@ -152,7 +150,7 @@ def run_trials(
         UserError: The detector fails in every attempt at the first three objects, or at all if
             there are fewer. There is no such gripper, detector or rule, the engine is not
             installed, a number is out of bounds, there are no objects, a mesh file of the dataset
-            is missing, or the detector cannot be imported by other processes.
+            is missing, or the detector cannot be sent to other processes.
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre.
@@ -179,7 +177,7 @@ def run_trials(
         check_views_will_do(detect)
     work = partial(_attempts, detect=detect, rule=rule, parameters=parameters)
     tables, monitor = [], FailureMonitor(len(targets), keep_going)
-    with workers(jobs, chunk=1) as mapper:
+    with workers(jobs) as mapper:
         for table in progress(mapper(work, targets), "trying", len(targets)):
             monitor.check(table)
             tables.append(table)

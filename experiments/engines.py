@@ -90,7 +90,7 @@ def main(results: Path, gripper: str) -> None:
     table = attempts_of(results, gripper)
     work = partial(carried_out, results=results, gripper=gripper)
     groups = [(str(name), rows) for name, rows in table.groupby("id")]
-    with workers(2, chunk=1) as mapper:
+    with workers(2) as mapper:
         found = pd.concat(list(progress(mapper(work, groups), "carrying out", len(groups))))
     known = found.dropna(subset=PAIR)
     print(f"| detector | attempts | same outcome | same success | {PAIR[0]} | {PAIR[1]} | ranks |")

@@ -1,6 +1,7 @@
 """Simulated trials from Python: detectors that must succeed or fail, and wrong arguments."""
 
 import math
+import threading
 
 import h5py
 import numpy as np
@@ -126,11 +127,14 @@ def test_an_object_that_is_inside_out_is_turned():
 
 
 def test_processes_give_the_same_table(good):
-    """Meshes by name and a dataset, with a detector of this module and one by its name."""
+    """Meshes by name and a dataset, with a detector that cannot be imported and one by its name."""
+
+    def detect(view, gripper, rng):
+        return across_the_bar(view, gripper, rng)
+
     two = {"bar": BAR, "short": BAR.copy().apply_scale(0.8)}
     one, more = (
-        egad.run_trials(across_the_bar, two, "panda", attempts=4, seed=2, jobs=jobs)
-        for jobs in (1, 2)
+        egad.run_trials(detect, two, "panda", attempts=4, seed=2, jobs=jobs) for jobs in (1, 2)
     )
     pd.testing.assert_frame_equal(one.table, more.table)
     assert one.table["label"].tolist() == ["bar"] * 4 + ["short"] * 4
@@ -183,7 +187,7 @@ def test_an_object_without_grasps_gives_the_labels_nothing_to_propose():
         ({"seed": "x"}, "seed is 'x'"),
         ({"detect": 3}, "a detector is a function or the name of one, got 3"),
         ({"jobs": 0}, "jobs is 0"),
-        ({"detect": lambda *_: [], "jobs": 2}, "in a module that can be imported"),
+        ({"detect": threading.Lock().acquire, "jobs": 2}, "cannot be sent to another process"),
     ],
 )
 def test_wrong_arguments_are_told(change, message):

@@ -8,20 +8,28 @@ import pickle
 import signal
 import subprocess
 import sys
+import threading
+import time
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
 from multiprocessing.connection import Connection
-from multiprocessing.reduction import ForkingPickler
 from typing import Any, Self
 
-from egad._util.workers import Work, one_thread
-from egad.errors import LESS_MEMORY, RejectedError, UserError
+import cloudpickle
+from threadpoolctl import threadpool_limits
+
+from egad.errors import LESS_MEMORY, EgadError, RejectedError, UserError
 
 log = logging.getLogger(__name__)
+_dumps: Callable[[Any], bytes] = cloudpickle.dumps
 
 CHANCES = 2
 ENDING_TIME = 5.0  # seconds
+WATCHING = 1.0  # seconds
+NOT_SENT = "this cannot be sent to another process, as several jobs need"
+Work = Callable[[Any], Any]
 Opened = Callable[[], AbstractContextManager[Work]]
 
 
@@ -29,22 +37,31 @@ class WorkerDiedError(Exception):
     """The process of a worker ended by itself; the text says how."""
 
 
+class WorkerKilledError(UserError):
+    """The process of a worker was killed, as Linux does when memory runs out."""
+
+
 class WorkerTimeoutError(Exception):
     """A worker took too long and was stopped."""
 
 
+class _RemoteError(Exception):
+    """An error in another process; the text is its traceback."""
+
+
 # All that a new process needs to import what this one can. It does not import the program, as
-# `multiprocessing` does, so programs need no `if __name__ == "__main__":`.
+# `multiprocessing` does, so programs need no `if __name__ == "__main__":`; what they define is
+# sent to it by value.
 CHILD = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from egad._util.child_process import serve; serve(int(sys.argv[2]))"
+    "from egad._util.child_process import serve; serve(int(sys.argv[2]), int(sys.argv[3]))"
 )
 
 
 class Worker:
     """Work in a process of its own, which can die or be stopped without harm to this one.
 
-    After that, the next item starts a new process.
+    After that, the next item starts a new process. It ends when this one is killed.
     """
 
     def __init__(
@@ -60,7 +77,7 @@ class Worker:
 
         Args:
             opened: Makes what does the work, in that process: a context manager that lasts as
-                long. Its name must be importable there.
+                long.
             limit: Seconds for one item. None for as long as it takes.
             start_limit: Seconds to start. None for as long as it takes.
             name: What to call it in messages.
@@ -71,6 +88,7 @@ class Worker:
         self._opened, self._limit, self._start_limit = opened, limit, start_limit
         self._name = name
         self._process: subprocess.Popen[bytes] | None = None
+        self._killed = False
 
     def __enter__(self) -> Self:
         self.start()
@@ -90,21 +108,25 @@ class Worker:
         Raises:
             WorkerTimeoutError: It took too long.
             WorkerDiedError: The process ended.
-            UserError: The process was killed, or cannot be started.
+            WorkerKilledError: The process was killed.
+            UserError: It cannot be started, or the item cannot be sent to it.
             Exception: What the work raises; one with the same text if it cannot be pickled.
         """
+        pickled = _pickled(item)
         if not self.running:
             self.start()
+        if self._killed:
+            raise WorkerDiedError(f"{self._name} has been stopped")
         try:
-            self._pipe.send(item)
+            self._pipe.send_bytes(pickled)
             if not self._pipe.poll(self._limit):
                 self.stop(patience=0)
                 raise WorkerTimeoutError(f"{self._name} did not answer within {self._limit:g} s")
-            result, error = self._pipe.recv()
+            result, error, origin = self._pipe.recv()
         except (EOFError, OSError) as gone:
             raise WorkerDiedError(self._ending()) from gone
         if error is not None:
-            raise error
+            raise error from origin
         return result
 
     def start(self) -> None:
@@ -114,13 +136,13 @@ class Worker:
             UserError: It was killed, ended, or took too long.
             Exception: What `opened` raises.
         """
-        opened = ForkingPickler.dumps(self._opened)
+        opened = _pickled(self._opened)
         self._pipe, theirs = multiprocessing.Pipe()
         where = json.dumps([path for path in sys.path if isinstance(path, str)])
         with theirs:
             number = theirs.fileno()
             self._process = subprocess.Popen(  # noqa: S603
-                [sys.executable, "-c", CHILD, where, str(number)],
+                [sys.executable, "-c", CHILD, where, str(number), str(os.getpid())],
                 env={**os.environ, **self._environment},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL if self._quiet else None,
@@ -132,22 +154,24 @@ class Worker:
             if not self._pipe.poll(self._start_limit):
                 self.stop(patience=0)
                 raise UserError(f"{self._name} was not ready within {self._start_limit:g} s")
-            _, error = self._pipe.recv()
+            _, error, origin = self._pipe.recv()
         except (EOFError, OSError) as gone:
             raise UserError(f"{self._ending()} while it started") from gone
         if error is not None:
             self.stop()
-            raise error
+            raise error from origin
 
     def _ending(self) -> str:
         """How a process ended that does not answer any more, in words.
 
         Raises:
-            UserError: It was killed, as Linux does when memory runs out.
+            WorkerKilledError: It was killed.
         """
         status = self.stop()
         if status == -signal.SIGKILL:
-            raise UserError(f"{self._name} was killed, probably out of memory; {LESS_MEMORY}")
+            raise WorkerKilledError(
+                f"{self._name} was killed, probably out of memory; {LESS_MEMORY}"
+            )
         return f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
 
     def stop(self, patience: float = ENDING_TIME) -> int | None:
@@ -163,8 +187,14 @@ class Worker:
             process.wait()
             return None
 
+    def kill(self) -> None:
+        """End the process for good, though another thread may be waiting for its answer."""
+        self._killed = True
+        if process := self._process:
+            process.kill()
 
-class Survivor:
+
+class Survivor(Worker):
     """Work in one thread of a process of its own, started anew when it dies or takes too long."""
 
     def __init__(self, opened: Opened, limit: float | None = None) -> None:
@@ -174,14 +204,7 @@ class Survivor:
             opened: As of `Worker`.
             limit: Seconds for one item; a process that takes longer counts as one that died.
         """
-        self._worker = Worker(partial(_in_one_thread, opened), limit)
-
-    def __enter__(self) -> Self:
-        self._worker.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._worker.__exit__(*error)
+        super().__init__(partial(_in_one_thread, opened), limit)
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
         """Do the work on one item.
@@ -195,7 +218,7 @@ class Survivor:
         """
         for _ in range(CHANCES):
             try:
-                return self._worker(item)
+                return super().__call__(item)
             except (WorkerDiedError, WorkerTimeoutError) as error:
                 log.warning("%s", error)
         return None
@@ -207,46 +230,80 @@ def _in_one_thread(opened: Opened) -> Iterator[Work]:
         yield work
 
 
-def serve(number: int) -> None:
-    """Work for the process at the other end of a pipe until it closes it.
+def one_thread() -> threadpool_limits:
+    """Algebra in one thread: else each process has one for every core, and they wait."""
+    import scipy.linalg  # noqa: F401, PLC0415 (only libraries that are loaded can be limited)
+
+    return threadpool_limits(1)
+
+
+def serve(number: int, parent: int) -> None:
+    """Work for the process at the other end of a pipe until it closes it or is killed.
 
     The first message tells what makes the work, and the first answer says that it is made.
 
     Args:
         number: File descriptor of this end.
+        parent: Number of the other process.
     """
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     with Connection(number) as pipe, ExitStack() as stack:
         try:
             work = stack.enter_context(pipe.recv()())
         except EOFError:
             return
         except Exception as error:
-            pipe.send((None, _portable(error)))
+            pipe.send_bytes(_failure(error))
             return
-        pipe.send((None, None))
+        pipe.send((None, None, None))
         while True:
             try:
-                item = pipe.recv()
+                item = pipe.recv_bytes()
             except EOFError:
                 return
-            try:
-                pipe.send(_answer(work, item))
-            except Exception as reason:  # the result cannot be pickled
-                pipe.send((None, _portable(reason)))
+            pipe.send_bytes(_answer(work, item))
 
 
-def _answer(work: Work, item: Any) -> tuple[Any, Exception | None]:  # noqa: ANN401 (as above)
+def _end_with(parent: int) -> None:
+    """End this process, whatever it does, when the one that started it has ended."""
+    while os.getppid() == parent:
+        time.sleep(WATCHING)
+    os._exit(1)
+
+
+def _answer(work: Work, item: bytes) -> bytes:
     """What comes of an item, or what it raises."""
     try:
-        return work(item), None
+        return _dumps((work(_unpickled(item)), None, None))
     except Exception as error:
-        return None, _portable(error)
+        return _failure(error)
+
+
+def _pickled(what: Any) -> bytes:  # noqa: ANN401 (whatever the work takes, or what makes it)
+    try:
+        return _dumps(what)
+    except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
+        raise UserError(f"{NOT_SENT}: {error}") from error
+
+
+def _unpickled(sent: bytes) -> Any:  # noqa: ANN401 (as above)
+    try:
+        return pickle.loads(sent)  # noqa: S301 (our own)
+    except (ImportError, AttributeError) as error:
+        raise UserError(f"{NOT_SENT}: {error}") from error
+
+
+def _failure(error: Exception) -> bytes:
+    """An error as an answer, with its traceback unless its text was written for a person."""
+    trace = "".join(traceback.format_exception(error))
+    origin = None if isinstance(error, EgadError) else _RemoteError(f"\n{trace}")
+    return _dumps((None, _portable(error), origin))
 
 
 def _portable(error: Exception) -> Exception:
     """An error as it is if it can be sent; else one with its text."""
     try:
-        pickle.loads(pickle.dumps(error))  # noqa: S301 (our own)
+        pickle.loads(_dumps(error))  # noqa: S301 (our own)
     except Exception:
         for kind in (UserError, RejectedError):
             if isinstance(error, kind):

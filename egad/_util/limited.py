@@ -14,8 +14,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from egad._util import input_limits
-from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
-from egad._util.workers import Work
+from egad._util.child_process import Work, Worker, WorkerDiedError, WorkerTimeoutError
 from egad.errors import RejectedError, TableError, UserError
 
 T = TypeVar("T")
@@ -59,8 +58,8 @@ class LimitedProcess:
         """Call a function of a module.
 
         Args:
-            function: Its name must be importable.
-            arguments: For it. These and the result can be pickled.
+            function: It, its arguments and the result can be pickled.
+            arguments: For it.
 
         Raises:
             LimitError: It took too much memory or time, or its process ended.

@@ -1,103 +1,63 @@
 """Work spread over processes, in an order and with results that do not depend on how many."""
 
-import multiprocessing
-import os
-import pickle
-import sys
-import threading
+import signal
+import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing.synchronize import Event
-from pathlib import Path
+from queue import SimpleQueue
 from typing import Any, NamedTuple
 
-from threadpoolctl import threadpool_limits
-
-from egad._util.parameters import check_count
-from egad.errors import LESS_MEMORY, UserError
-
-# New processes, not copies of this one, which have its locks without the threads that hold them.
-ANEW = multiprocessing.get_context("spawn")
-UNGUARDED = (
-    "could not start: with several jobs, a script needs "
-    '`if __name__ == "__main__":` around its calls'
+from egad._util.child_process import (
+    Work,
+    Worker,
+    WorkerDiedError,
+    WorkerKilledError,
+    one_thread,
 )
-NO_FILE = "could not start: several jobs need a script that is a file; save the program, or use 1"
-NOT_IMPORTABLE = "with several jobs, functions must be in a module that can be imported"
-Work = Callable[[Any], Any]
+from egad._util.parameters import check_count
+from egad.errors import UserError
+
 Mapper = Callable[[Work, Iterable[Any]], Iterable[Any]]
+SHOWN = 100  # characters of an item
 
 
 @contextmanager
-def workers(count: int, chunk: int = 2) -> Iterator[Mapper]:
+def workers(count: int) -> Iterator[Mapper]:
     """A `map` that keeps order and runs in several processes.
-
-    They import the module of the work, so a program that calls this from its top level needs
-    `if __name__ == "__main__":` there.
 
     Args:
         count: Processes; with 1, the work is done in this one.
-        chunk: Items that a process takes at once: 1 for long work.
 
     Raises:
-        UserError: The count is not allowed, the work cannot be imported by other processes, or a
-            process has ended.
+        UserError: The count is not allowed, the work or an item cannot be sent to other processes,
+            or a process has ended; the message shows its item.
     """
     if check_count("jobs", count) == 1:
         with one_thread():
             yield map
         return
-    if getattr(multiprocessing.current_process(), "_inheriting", False):
-        raise SystemExit(1)  # a worker that runs the program again; the first process reports it
-    started = ANEW.Event()
+    processes = [Worker(_ready) for _ in range(count)]
+    threads, idle = ThreadPoolExecutor(count), SimpleQueue[Worker]()
+    for process in processes:
+        idle.put(process)
 
     def mapper(work: Work, items: Iterable[Any]) -> Iterable[Any]:
-        pickled = _pickled(work)
-        if b"__main__" in pickled and not Path(_main_file()).is_file():
-            raise UserError(f"{NOT_IMPORTABLE}; one of a notebook or a prompt cannot")
-        told = pool.map(partial(_told, pickled), map(_pickled, items), chunksize=chunk)
-        return map(_warned, told)
+        return map(_warned, threads.map(partial(_ask, idle, work), items))
 
     try:
-        with ProcessPoolExecutor(count, ANEW, _start_worker, (started,)) as pool:
-            try:
-                yield mapper
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)  # else it does all that is queued
-                raise
-    except BrokenProcessPool as error:
-        raise UserError(f"a worker process {_ending(started.is_set())}") from error
-
-
-def _ending(started: bool) -> str:
-    """Why the processes of a pool have ended, as far as it can be told."""
-    if started:
-        return f"ended unexpectedly, probably out of memory; {LESS_MEMORY}"
-    program = _main_file()
-    return NO_FILE if program and not Path(program).is_file() else UNGUARDED
-
-
-def _pickled(what: Any) -> bytes:  # noqa: ANN401 (whatever the work takes, or the work)
-    """Something as other processes get it.
-
-    They unpickle it with the work, not in the queue of the pool: there, an error would end them.
-
-    Raises:
-        UserError: It cannot be pickled.
-    """
-    try:
-        return pickle.dumps(what)
-    except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
-        raise UserError(f"{NOT_IMPORTABLE} ({error})") from error
-
-
-def _main_file() -> str:
-    """The file of the program; empty or no file in a notebook or at a prompt."""
-    return getattr(sys.modules["__main__"], "__file__", None) or ""
+        yield mapper
+    except BaseException:
+        threads.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.kill()
+        raise
+    finally:
+        threads.shutdown()
+        for process in processes:
+            process.stop(patience=0)
 
 
 class _Told(NamedTuple):
@@ -107,6 +67,19 @@ class _Told(NamedTuple):
     warnings: list[tuple[str, type[Warning], str, int]]
 
 
+def _ask(idle: SimpleQueue[Worker], work: Work, item: Any) -> _Told:  # noqa: ANN401 (of the work)
+    """Have an idle process do work on an item."""
+    process = idle.get()
+    try:
+        told: _Told = process((work, item))
+    except (WorkerDiedError, WorkerKilledError) as error:
+        shown = textwrap.shorten(repr(item), SHOWN, placeholder="...")
+        raise UserError(f"{error} (its item: {shown})") from error
+    finally:
+        idle.put(process)
+    return told
+
+
 def _warned(told: _Told) -> Any:  # noqa: ANN401 (whatever the work gives)
     """The result of another process, whose warnings are given here."""
     for warning in told.warnings:
@@ -114,37 +87,17 @@ def _warned(told: _Told) -> Any:  # noqa: ANN401 (whatever the work gives)
     return told.result
 
 
-def _told(work: bytes, item: bytes) -> _Told:
-    """Do pickled work on an item, and keep the warnings.
+@contextmanager
+def _ready() -> Iterator[Work]:
+    """What a process of a pool does. Interrupts are for the one that it works for."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with one_thread():
+        yield _told
 
-    Raises:
-        UserError: The work or the item is of a module that this process does not have.
-        Exception: What the work raises.
-    """
-    try:
-        call, what = pickle.loads(work), pickle.loads(item)  # noqa: S301 (our own)
-    except (ImportError, AttributeError) as error:
-        raise UserError(f"{NOT_IMPORTABLE} ({error})") from error
+
+def _told(task: tuple[Work, Any]) -> _Told:
+    """Do work on an item, and keep the warnings."""
+    work, item = task
     with warnings.catch_warnings(record=True) as found:
-        result = call(what)
+        result = work(item)
     return _Told(result, [(str(w.message), w.category, w.filename, w.lineno) for w in found])
-
-
-def _start_worker(started: Event) -> None:
-    """Prepare a process of a pool; it ends when the one that it works for is killed."""
-    started.set()
-    one_thread()
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    if parent := multiprocessing.parent_process():
-        parent.join()
-        os._exit(1)
-
-
-def one_thread() -> threadpool_limits:
-    """Algebra in one thread: else each process has one for every core, and they wait."""
-    import scipy.linalg  # noqa: F401, PLC0415 (only libraries that are loaded can be limited)
-
-    return threadpool_limits(1)

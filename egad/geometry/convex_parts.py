@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
-from egad._util.workers import one_thread
+from egad._util.child_process import one_thread
 from egad.errors import RejectedError
 from egad.geometry.checks import check_mesh
 from egad.geometry.cuts import best_plane, middle_plane

@@ -129,13 +129,12 @@ def evolve(
         evaluations: Offspring in all, rounded up to whole steps of `population`.
         seed: The same arguments give the same archive, for any number of jobs.
         measures: From a closed mesh in metres to two numbers; by default EGAD's complexity and
-            graspability for the gripper `yumi`, as `egad.measure`. With several jobs it must be a
-            function that can be imported.
+            graspability for the gripper `yumi`, as `egad.measure`.
         ranges: Lowest and highest value of each measure.
         cells: Cells along each measure.
         elites_per_cell: Most objects that a cell keeps: those that are least alike.
         population: Offspring of a step.
-        jobs: Processes. With several, a script needs `if __name__ == "__main__":` around its call.
+        jobs: Processes; the result does not depend on them.
 
     Returns:
         The archive: `len`, `coverage`, `qd_score`, `to_frame()`; `egad.load(archive)` gives the
@@ -143,7 +142,7 @@ def evolve(
 
     Raises:
         UserError: A number is out of bounds; the measures are no function, do not return two
-            numbers, or cannot be imported by other processes; or no object was accepted, such as
+            numbers, or cannot be sent to other processes; or no object was accepted, such as
             when they are always NaN.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.

@@ -1,12 +1,13 @@
 """Success rates with confidence intervals: overall, per cell of the grid, and as trends."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import binomtest, norm, rankdata, t
+from scipy.stats import ConstantInputWarning, binomtest, norm, pearsonr, rankdata, t
 
 from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
@@ -251,12 +252,8 @@ def trend(values: Floats, rates: Floats) -> Trend:
 
 def _spearman(x: Floats, y: Floats) -> Floats:
     """Rank correlation of each row of x with that of y, (draws,); NaN if either is constant."""
-    if x.shape[1] == 0:
+    if x.shape[1] < 2:
         return np.full(len(x), np.nan)
-    a, b = (rankdata(values, axis=1) for values in (x, y))
-    a, b = (ranks - ranks.mean(axis=1, keepdims=True) for ranks in (a, b))
-    scale = np.sqrt((a**2).sum(axis=1) * (b**2).sum(axis=1))
-    defined = scale > 0
-    rho: Floats = np.full(len(x), np.nan)
-    rho[defined] = (a * b).sum(axis=1)[defined] / scale[defined]
-    return rho
+    with warnings.catch_warnings(action="ignore", category=ConstantInputWarning):
+        found: Floats = pearsonr(rankdata(x, axis=1), rankdata(y, axis=1), axis=1).statistic
+    return found

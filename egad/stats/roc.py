@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import rankdata
+from scipy.stats import mannwhitneyu
 
 from egad._util.arrays import Flags, Floats
 from egad.stats.rates import Interval, Rate, bootstrap
@@ -51,11 +51,11 @@ def roc_area(rating: Floats, success: Flags) -> float:
 
     Source: Mann and Whitney's U over the number of pairs.
     """
-    good, bad = int(success.sum()), int((~success).sum())
-    if good == 0 or bad == 0:
+    good, bad = rating[success], rating[~success]
+    if len(good) == 0 or len(bad) == 0:
         return np.nan
-    higher = rankdata(rating)[success].sum() - good * (good + 1) / 2
-    return float(higher / (good * bad))
+    higher = mannwhitneyu(good, bad, method="asymptotic").statistic
+    return float(higher / (len(good) * len(bad)))
 
 
 def area(rating: Floats, success: Flags, objects: Names) -> Area:

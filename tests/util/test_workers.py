@@ -1,10 +1,14 @@
 import ctypes
+import importlib
 import os
 import signal
 import subprocess
 import sys
+import time
+import types
 import warnings
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -53,7 +57,7 @@ def killed(number):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-WANT = "probably out of memory; use fewer processes: `jobs` in Python"
+WANT = r"probably out of memory; use fewer processes: `jobs` in Python.* \(its item: 5\)$"
 
 
 def test_a_worker_killed_for_memory_stops_all_with_advice():
@@ -61,93 +65,113 @@ def test_a_worker_killed_for_memory_stops_all_with_advice():
         list(mapper(killed, range(9)))
 
 
-UNGUARDED = """
+def crashed(mesh):
+    if mesh["name"] == "B1":
+        os.abort()
+
+
+def test_a_crash_is_told_with_its_item():
+    items = [{"name": name, "vertices": np.zeros((900, 3))} for name in ("A0", "B1", "C2")]
+    with pytest.raises(UserError) as found, workers(2) as mapper:
+        list(mapper(crashed, items))
+    message = str(found.value)
+    assert message.startswith("a worker process ended with status -6 (its item: {'name': 'B1', ")
+    assert len(message) < 200
+
+
+def failed(number):
+    if number == 0:
+        raise ZeroDivisionError("no such number")
+    time.sleep(600)
+
+
+def test_an_error_ends_what_else_runs_and_has_the_traceback_of_its_process():
+    start = time.monotonic()
+    with pytest.raises(ZeroDivisionError, match="no such") as found, workers(2) as mapper:
+        list(mapper(failed, range(9)))
+    assert time.monotonic() - start < 100
+    assert "test_workers.py" in str(found.value.__cause__)
+    assert ", in failed" in str(found.value.__cause__)
+
+
+PROGRAM = """
 from egad._util.workers import workers
 
+print("once")
+
+def double(number):
+    return scale * number
+
+class Item:
+    def __init__(self, number):
+        self.number = number
+
+    def __eq__(self, other):
+        return type(other) is Item and self.number == other.number
+
+def copy(item):
+    return Item(item.number)
+
+scale = 2
 with workers(2) as mapper:
-    print(list(mapper(abs, [-1, -2, -3])))
+    print(list(mapper(double, [1, 2])), list(mapper(lambda number: -number, [1])))
+    assert list(mapper(copy, [Item(1), Item(2)])) == [Item(1), Item(2)]
 """
+LINES = PROGRAM.strip().splitlines()
+GUARDED = "\n".join([LINES[0], 'if __name__ == "__main__":', *(f"  {each}" for each in LINES[1:])])
 
 
-def test_a_script_without_a_guard_is_told_so_in_one_sentence(tmp_path):
-    program = tmp_path / "unguarded.py"
-    program.write_text(UNGUARDED)
+@pytest.mark.parametrize("program", [PROGRAM, GUARDED])
+@pytest.mark.parametrize("given", ["as a file", "in the command", "as input"])
+def test_programs_need_no_guard_and_no_file_for_what_they_define(tmp_path, program, given):
+    """As in a script of a beginner, or in a notebook."""
+    (tmp_path / "program.py").write_text(program)
+    options = {"as a file": ["program.py"], "in the command": ["-c", program], "as input": ["-"]}
     done = subprocess.run(
-        [sys.executable, program], capture_output=True, text=True, check=False, timeout=300
+        [sys.executable, *options[given]],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
+        input=program,
+        capture_output=True,
+        text=True,
+        check=True,
     )
-    *_, last = done.stderr.strip().splitlines()
-    assert last.startswith("egad.errors.UserError: a worker process could not start: ")
-    assert '`if __name__ == "__main__":`' in last
-    assert "bootstrapping phase" not in done.stderr
-    assert done.stdout == ""
-    guard = "if __name__ == '__main__':\n  with workers"
-    program.write_text(UNGUARDED.replace("with workers", guard))
-    done = subprocess.run([sys.executable, program], capture_output=True, text=True, check=True)
-    assert done.stdout == "[1, 2, 3]\n"
+    assert done.stdout == "once\n[2, 4] [-1]\n"
+    assert done.stderr == ""
 
 
-AT_A_PROMPT = """
-from egad._util.workers import workers
+def test_work_that_cannot_be_sent_is_told(monkeypatch):
+    pointer, module = ctypes.pointer(ctypes.c_int(1)), types.ModuleType("only_here")
+    exec("def double(number): return 2 * number", module.__dict__)  # noqa: S102 (as a plugin is)
+    monkeypatch.setitem(sys.modules, "only_here", module)
+    for work, items, why in (
+        (partial(max, pointer), [1], "pointers"),
+        (abs, [pointer], "pointers"),
+        (module.double, [1], "only_here"),
+    ):
+        want = f"cannot be sent to another process, as several jobs need: .*{why}"
+        with pytest.raises(UserError, match=want), workers(2) as mapper:
+            list(mapper(work, items))
+
+
+FRAGILE = """
+import os
+
+if "BREAK" in os.environ:
+    raise ZeroDivisionError("it breaks")
 
 def double(number):
     return 2 * number
-
-with workers(2) as mapper:
-    print(list(mapper(double, [1, 2])))
 """
 
 
-@pytest.mark.parametrize("program", ["-", "-c"])
-def test_functions_of_a_prompt_are_told(program):
-    """Given as input or in the command, they have no file that a process could import."""
-    command = [sys.executable, program, *([AT_A_PROMPT] if program == "-c" else [])]
-    done = subprocess.run(command, input=AT_A_PROMPT, capture_output=True, text=True, check=False)
-    assert "must be in a module that can be imported; one of a notebook" in done.stderr
-    assert "memory" not in done.stderr
-
-
-def run(program, **options):
-    return subprocess.run(program, capture_output=True, text=True, check=False, **options)
-
-
-GUARDED = """
-from egad._util.workers import workers
-
-if __name__ == "__main__":
-    def double(number):
-        return 2 * number
-
-    class Item:
-        pass
-
-    with workers(2) as mapper:
-        print(list(mapper(WORK, ITEMS)))
-"""
-
-
-@pytest.mark.parametrize(("work", "items"), [("double", "[1, 2]"), ("type", "[Item()]")])
-def test_what_is_defined_within_the_guard_cannot_be_imported(tmp_path, work, items):
-    """Other processes import the script without running what is within the guard."""
-    program = tmp_path / "guarded.py"
-    program.write_text(GUARDED.replace("WORK", work).replace("ITEMS", items))
-    *_, last = run([sys.executable, program]).stderr.strip().splitlines()
-    assert "egad.errors.UserError: with several jobs, functions must be in a module" in last
-    assert ("double" if work == "double" else "Item") in last
-    assert "memory" not in last
-
-
-def test_a_program_from_standard_input_is_told_that_jobs_need_a_file():
-    program = GUARDED.replace("WORK", "abs").replace("ITEMS", "[-1, -2]")
-    *_, last = run([sys.executable, "-"], input=program).stderr.strip().splitlines()
-    assert "several jobs need a script that is a file" in last
-    assert "__main__" not in last
-
-
-def test_work_that_cannot_be_pickled_is_told():
-    pointer = ctypes.pointer(ctypes.c_int(1))
-    for work, items in ((partial(max, pointer), [1]), (abs, [pointer]), (lambda _: 1, [1])):
-        with pytest.raises(UserError, match="that can be imported"), workers(2) as mapper:
-            list(mapper(work, items))
+def test_a_module_that_breaks_in_a_process_is_no_crash(tmp_path, monkeypatch):
+    (tmp_path / "fragile.py").write_text(FRAGILE)
+    monkeypatch.syspath_prepend(tmp_path)
+    work = importlib.import_module("fragile").double
+    monkeypatch.setenv("BREAK", "yes")
+    with pytest.raises(ZeroDivisionError, match="it breaks"), workers(2) as mapper:
+        list(mapper(work, [1]))
 
 
 @pytest.mark.parametrize("count", [0, -1, 1.5, "2", True])
@@ -164,16 +188,19 @@ def pid(_):
     time.sleep(0.3)
     return os.getpid()
 
-if __name__ == "__main__":
-    with workers(2) as mapper:
-        print(*set(mapper(pid, range(8))), flush=True)
-        os.kill(os.getpid(), signal.SIGKILL)
+with workers(2) as mapper:
+    print(*set(mapper(pid, range(8))), flush=True)
+    if BUSY:
+        mapper(time.sleep, [600, 600])
+        time.sleep(1)
+    os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def test_workers_end_when_what_they_work_for_is_killed(tmp_path):
+@pytest.mark.parametrize("busy", [False, True])
+def test_workers_end_when_what_they_work_for_is_killed(tmp_path, busy):
     program = tmp_path / "abandons.py"
-    program.write_text(ABANDONS)
+    program.write_text(ABANDONS.replace("BUSY", str(busy)))
     with subprocess.Popen([sys.executable, program], stdout=subprocess.PIPE) as process:
         pids = list(map(int, process.stdout.readline().split()))
     assert process.returncode == -signal.SIGKILL

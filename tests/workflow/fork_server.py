@@ -24,7 +24,7 @@ import egad.config.schema
 import egad.config.stages
 import egad.data
 import egad.detectors.ggcnn
-import egad.exchange.sums
+import egad.io.sums
 import egad.perception.splits
 import egad.workflow.display
 import egad.workflow.shards  # noqa: F401
