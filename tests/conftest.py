@@ -1,6 +1,7 @@
 import builtins
 import os
 import sys
+from contextlib import nullcontext
 
 # Tests run in a process a core: more threads would only wait for each other.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -11,6 +12,7 @@ import pandas as pd
 import pytest
 import trimesh
 from compiled import reached_kernels
+from forks import forked
 
 from egad.config import Shape
 from egad.cppn.surface import packed_surface
@@ -26,6 +28,13 @@ from egad.tables.evolution import ARCHIVE
 def pytest_collection_modifyitems(items):
     """Begin with the cluster, which mostly waits: at the end a core would be idle."""
     items.sort(key=lambda item: item.get_closest_marker("slurm") is None)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _forked_workers(request):
+    """Workers are forks, but where their own start is tested."""
+    with nullcontext() if "util" in request.path.parts else forked():
+        yield
 
 
 @pytest.fixture(scope="session")

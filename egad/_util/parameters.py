@@ -27,6 +27,7 @@ Range = tuple[float, float]
 FractionRange = tuple[Fraction, Fraction]
 Offset = Annotated[float, Field(ge=-0.5, le=0.5)]
 Axis = Literal["x", "y", "z"]
+Place = tuple[float, float, float]  # metres, or a direction
 Pixels = Annotated[int, Field(ge=16, le=4096)]
 Percent = Annotated[float, Field(ge=0, le=100)]
 MAX_SIDE_FRACTION = 3

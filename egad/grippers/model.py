@@ -7,7 +7,6 @@ import numpy as np
 
 from egad._util.arrays import Floats
 
-Place = tuple[float, float, float]
 PALM_BODY, FIRST_FINGER, SECOND_FINGER = 0, -1, 1  # what a link belongs to
 
 
@@ -34,8 +33,7 @@ class HandLink(NamedTuple):
 
     Attributes:
         name: In the description.
-        body: Place = tuple[float, float, float]
-    PALM_BODY, FIRST_FINGER (the finger at negative x) or SECOND_FINGER.
+        body:     PALM_BODY, FIRST_FINGER (the finger at negative x) or SECOND_FINGER.
         shapes: (n, 3) arrays of corners of its convex parts, in its own frame, metres.
         mass: Kilograms.
         carrier: Number of the link that carries it; -1 for those that carry the palm, and for it.

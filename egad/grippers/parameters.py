@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.display import facts_html
-from egad._util.parameters import Length, UserParameters, UserPath
-from egad.grippers.model import Place
+from egad._util.parameters import Length, Place, UserParameters, UserPath
 
 
 class Pad(NamedTuple):

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from egad._util.arrays import Floats
+from egad._util.parameters import Place
 from egad.errors import UserError
 from egad.grippers.description import (
     compile_skeleton,
@@ -23,7 +24,7 @@ from egad.grippers.description import (
 from egad.grippers.fingers import Sides, find_driven, find_sides, snapped
 from egad.grippers.links import hand_link
 from egad.grippers.mechanism import Mechanism
-from egad.grippers.model import GripperModel, Place
+from egad.grippers.model import GripperModel
 from egad.grippers.stroke import Stroke, find_stroke
 from egad.grippers.tree import find_palm, hand_bodies, joint_name, moving_joints, subtree
 

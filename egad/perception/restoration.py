@@ -2,9 +2,8 @@
 
 import numpy as np
 import pandas as pd
+import skimage  # its parts are loaded when they are used
 from scipy import ndimage
-from skimage.filters import apply_hysteresis_threshold
-from skimage.restoration import denoise_bilateral
 
 from egad._util.arrays import Flags, Floats
 from egad.grasps import TABLE_CLEARANCE
@@ -54,7 +53,9 @@ def _denoised(view: View, window: Window, noise: float) -> View:
     found = View(depth.copy(), view.intrinsics, view.pose)
     part = view.depth[window].astype(np.float64)
     if part.size > 0:
-        found.depth[window] = denoise_bilateral(part, WINDOW, TOLERANCE * noise, SPREAD)
+        found.depth[window] = skimage.restoration.denoise_bilateral(
+            part, WINDOW, TOLERANCE * noise, SPREAD
+        )
         table = ~_standing(found.heights()[window])
         found.depth[window][table] = depth[window][table]
     return found
@@ -65,7 +66,7 @@ def _standing(heights: Floats) -> Flags:
     noise = noise_of(heights)
     low = max(STANDING * noise, TABLE_CLEARANCE)
     high = max(SURELY_STANDING * noise, TABLE_CLEARANCE)
-    return np.asarray(apply_hysteresis_threshold(heights, low, high))
+    return np.asarray(skimage.filters.apply_hysteresis_threshold(heights, low, high))
 
 
 def noise_of(heights: Floats) -> float:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+import scipy  # scipy.stats is loaded when it is used
 from numpy.typing import NDArray
-from scipy.stats import binomtest
 
 from egad._util.arrays import Ints
 from egad._util.display import facts_html
@@ -162,4 +162,4 @@ def mcnemar(only_first: int, only_second: int) -> float:
         only_second: Attempts that only the other one did.
     """
     differing = only_first + only_second
-    return float(binomtest(only_first, differing).pvalue) if differing else 1.0
+    return float(scipy.stats.binomtest(only_first, differing).pvalue) if differing else 1.0

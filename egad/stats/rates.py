@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+import scipy  # scipy.stats is loaded when it is used
 from numpy.typing import NDArray
-from scipy.stats import ConstantInputWarning, binomtest, norm, pearsonr, rankdata, t
 
 from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
@@ -31,7 +31,7 @@ def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:
     """
     if attempts == 0:
         return 0.0, 1.0
-    found = binomtest(successes, attempts).proportion_ci(confidence, method="wilson")
+    found = scipy.stats.binomtest(successes, attempts).proportion_ci(confidence, method="wilson")
     return float(found.low), float(found.high)
 
 
@@ -59,8 +59,8 @@ def bootstrap(
     values = statistic(generator(0, "bootstrap").integers(count, size=(DRAWS, count)))
     if np.isnan(values).all():
         return np.nan, np.nan
-    far = np.sqrt(count / (count - 1)) * t.ppf((1 + confidence) / 2, count - 1)
-    ends: Floats = np.nanquantile(values, norm.cdf(np.array([-far, far])))
+    far = np.sqrt(count / (count - 1)) * scipy.stats.t.ppf((1 + confidence) / 2, count - 1)
+    ends: Floats = np.nanquantile(values, scipy.stats.norm.cdf(np.array([-far, far])))
     return float(ends[0]), float(ends[1])
 
 
@@ -254,6 +254,7 @@ def _spearman(x: Floats, y: Floats) -> Floats:
     """Rank correlation of each row of x with that of y, (draws,); NaN if either is constant."""
     if x.shape[1] < 2:
         return np.full(len(x), np.nan)
-    with warnings.catch_warnings(action="ignore", category=ConstantInputWarning):
-        found: Floats = pearsonr(rankdata(x, axis=1), rankdata(y, axis=1), axis=1).statistic
+    with warnings.catch_warnings(action="ignore", category=scipy.stats.ConstantInputWarning):
+        ranks = (scipy.stats.rankdata(values, axis=1) for values in (x, y))
+        found: Floats = scipy.stats.pearsonr(*ranks, axis=1).statistic
     return found

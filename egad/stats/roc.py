@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
+import scipy  # scipy.stats is loaded when it is used
 from numpy.typing import NDArray
-from scipy.stats import mannwhitneyu
 
 from egad._util.arrays import Flags, Floats
 from egad.stats.rates import Interval, Rate, bootstrap
@@ -54,7 +54,7 @@ def roc_area(rating: Floats, success: Flags) -> float:
     good, bad = rating[success], rating[~success]
     if len(good) == 0 or len(bad) == 0:
         return np.nan
-    higher = mannwhitneyu(good, bad, method="asymptotic").statistic
+    higher = scipy.stats.mannwhitneyu(good, bad, method="asymptotic").statistic
     return float(higher / (len(good) * len(bad)))
 
 

@@ -18,6 +18,7 @@ EXCLUDED = ("workflow.job", "provenance.record")  # how scripts run, and what is
 Name = tuple[str, str]  # of a definition: its module, and its name there
 
 
+@cache
 def code_version(module: str | Path, package: Path = PACKAGE) -> str:
     """A fingerprint of a script or module and of all that it uses of the package, at any depth.
 
@@ -40,7 +41,7 @@ def code_version(module: str | Path, package: Path = PACKAGE) -> str:
     used = _Used(str(module), package)
     digest = hashlib.sha256()
     for name in sorted(used.found):
-        digest.update(f"{Path(name[0]).name}.{name[1]}\n".encode())
+        digest.update(f"{name[0].rpartition('/')[2]}.{name[1]}\n".encode())
         for each in used.found[name]:
             digest.update(f"{each.code}\n".encode())
     for path in sorted(used.files):

@@ -1,10 +1,11 @@
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
 from egad.errors import UserError
-from egad.io.sums import SUMS, checksum, missing_files, read_sums, write_sums
+from egad.io.sums import SUMS, checksum, files_of, missing_files, read_sums, write_sums
 from egad.tables.origin import Origin, made_by
 
 
@@ -80,3 +81,12 @@ def test_missing_files_are_those_that_were_written_and_are_gone(folder):
     (folder / SUMS).write_text("00  ../b\n")
     assert missing_files(folder) == []
     assert missing_files(folder / "gone") == []
+
+
+@pytest.mark.parametrize("names", ["abc", "cba"])
+def test_files_are_in_the_order_of_their_names_whatever_that_on_disk(tmp_path, monkeypatch, names):
+    files = [tmp_path / name for name in names]
+    for file in files:
+        file.touch()
+    monkeypatch.setattr(Path, "rglob", lambda *_: iter(files))
+    assert files_of(tmp_path) == sorted(files)

@@ -23,13 +23,12 @@ def bumpy(subdivisions=3):
 
 def slow_complexity(mesh, bins):
     """Vertex by vertex, with a histogram in a dictionary."""
-    counts = {}
-    for v in range(len(mesh.vertices)):
+    counts, vertices, faces = {}, np.array(mesh.vertices), np.array(mesh.faces)
+    for v in range(len(vertices)):
         angles = 0.0
-        for face in mesh.faces:
-            if v in face:
-                a, b = (mesh.vertices[w] - mesh.vertices[v] for w in face if w != v)
-                angles += np.arccos(a @ b / np.linalg.norm(a) / np.linalg.norm(b))
+        for face in faces[(faces == v).any(axis=1)]:
+            a, b = (vertices[w] - vertices[v] for w in face if w != v)
+            angles += np.arccos(a @ b / np.linalg.norm(a) / np.linalg.norm(b))
         key = int((2 * np.pi - angles + 2 * np.pi) / (4 * np.pi) * bins)
         counts[key] = counts.get(key, 0) + 1
     shares = [count / len(mesh.vertices) for count in counts.values()]

@@ -4,18 +4,19 @@ import fcntl
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 import yaml
-from launcher import Launcher
+from forks import Forked
 
 ROOT = Path(__file__).parents[2]
-LAUNCHER = Launcher()
 SOURCES = ["Snakefile", "config", "envs", "profiles", "workflow"]
 TEST_CONFIG = "config/test.yaml"
 # The message of a job has what it is given, where a person reads what it does.
@@ -74,8 +75,21 @@ class Checkout:
 
     def snakemake(self, *arguments, configs=(TEST_CONFIG,), **variables):
         """Run Snakemake to its end: its exit status and what it said."""
-        words = _words(arguments, configs)
-        return LAUNCHER.run(words, self.folder, self.environment | variables)
+        words = ["-m", "snakemake", *_words(arguments, configs)]
+        with tempfile.NamedTemporaryFile("r", encoding="utf-8") as said:
+            with Path(said.name).open("ab") as file:
+                run = Forked(
+                    words,
+                    folder=self.folder,
+                    environment=self.environment | variables,
+                    files={1: file.fileno(), 2: file.fileno()},
+                    own_session=True,
+                )
+            try:
+                return run.wait(), said.read()
+            except BaseException:  # given up: it is killed with all its jobs
+                os.killpg(run.pid, signal.SIGKILL)
+                raise
 
     def make(self, *arguments, configs=(TEST_CONFIG,), **variables):
         """Run Snakemake, with some more variables, and fail with what it said if it fails."""
@@ -160,16 +174,16 @@ def checkout(folder):
     return Checkout(folder)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _stopped():
-    yield
-    LAUNCHER.stop()
-
-
 @pytest.fixture
 def another(tmp_path):
     """Makes clean checkouts by name."""
     return lambda name: checkout(tmp_path / name)
+
+
+@pytest.fixture
+def empty(tmp_path):
+    """A folder without anything."""
+    return Checkout(tmp_path)
 
 
 @pytest.fixture

@@ -247,7 +247,7 @@ USED = [
     ("evalset/datasheet.py", "ATTEMPTS = 20", "ATTEMPTS = 10", {"datasheet"}),
     ("map_elites/variation.py", "LEAST = 0.25", "LEAST = 0.5", {"evolve"}),
     ("geometry/convex_parts.py", "SLIVER = 1e-6", "SLIVER = 1e-5", {"bundle", "convex_parts"}),
-    ("exchange/threemf.py", "MILLIMETRES = 1000.0", "MILLIMETRES = 1.0", {"print_export"}),
+    ("io/plates.py", "MILLIMETRES = 1000.0", "MILLIMETRES = 1.0", {"print_export"}),
     ("stats/rates.py", "DRAWS = 10_000", "DRAWS = 1_000", {"report"}),
     # defaults of functions
     ("grasps/quality.py", "friction: ArrayLike = 0.5,", "friction: ArrayLike = 0.4,", RATED),

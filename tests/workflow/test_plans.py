@@ -259,24 +259,25 @@ def described_hand(folder):
 def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean, hand_in):
     hand = hand_in(clean.folder)
     own = clean.overlay("own.yaml", {"grippers": {"mine": hand}})
-    configs, stages = (
-        ["config/test.yaml", own],
-        {
-            "rescaled/mine/scales.parquet": "rescale",
-            "graspability/mine.parquet": "graspability",
-            "grasps/mine.parquet": "grasp_label",
-            "grasps/mine.sampling.parquet": "grasp_label",
-            "print/mine/manifest.parquet": "print_export",
-            "trials/mine/antipodal-depth.parquet": "simulated_trial",
-            "agreement/mine.parquet": "agreement",
-            "images/mine/card.md": "render",
-            "size_effect/mine.parquet": "size_effect",
-            "exchange/mine.hdf5": "dexnet",
-            "exchange/mine-acronym": "export",
-        },
-    )
-    for target, rule in stages.items():
-        assert rule in clean.planned(f"results/egad/{target}", configs=configs)
+    stages = {
+        "rescaled/mine/scales.parquet": {"rescale"},
+        "graspability/mine.parquet": {"graspability"},
+        "grasps/mine.parquet": {"grasp_label", "join_grasps"},
+        "grasps/mine.sampling.parquet": {"grasp_label", "join_sampling"},
+        "print/mine/manifest.parquet": {"print_export"},
+        "trials/mine/antipodal-depth.parquet": {"simulated_trial", "join_trials"},
+        "agreement/mine.parquet": {"agreement", "join_agreement"},
+        "images/mine/card.md": {"render", "image_card"},
+        "size_effect/mine.parquet": {"size_effect"},
+        "exchange/mine.hdf5": {"dexnet"},
+        "exchange/mine-acronym": {"export"},
+    }
+    targets = [f"results/egad/{target}" for target in stages]
+    told = clean.told(*targets, configs=["config/test.yaml", own])
+    makers = {file: job.rule for job in told for file in job.output.split()}
+    assert {job.rule for job in told} >= set().union(*stages.values())
+    for target, rules in zip(targets, stages.values(), strict=True):
+        assert makers[target] in rules
 
 
 def test_an_edited_mesh_of_a_gripper_labels_again(copy):
