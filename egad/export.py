@@ -1,6 +1,6 @@
 """Objects with sampled grasps in the formats of other programs, from Python.
 
-The formats are those of `egad.exchange`, but for those that need the results of a run.
+The formats are those of `egad.exchange` that do not need the results of a run.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,16 +14,18 @@ from egad._util.display import facts_html
 from egad._util.files import as_path, atomic_output, check_empty
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
-from egad.errors import RejectedError, check_name
+from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import (
-    GRASPS,
+    FORMATS,
     OBJECTS,
     SURFACES,
     NamedGripper,
     check_format,
     check_key,
     module_of,
+    needs_run,
+    writer_of,
 )
 from egad.geometry import Material
 from egad.grasping import dataset_grasps
@@ -41,8 +43,6 @@ from egad.sim import (
     check_engine,
     simulate_labels,
 )
-
-FORMATS = (*(name for name in GRASPS if name != "dexnet"), *SURFACES, *OBJECTS)
 
 
 class _Job(NamedTuple):
@@ -132,6 +132,10 @@ def export(
         PartsWarning: An object needs more convex parts than are allowed.
     """
     check_name("format", format, FORMATS)
+    if needs_run(format):
+        raise UserError(
+            f"format {format!r} is written from the results of a run: see `egad export --help`"
+        )
     check_name("rule", rule, SCALE_RULES)
     check_engine(engine)
     hand = as_gripper(gripper)
@@ -170,7 +174,7 @@ def _writer(name: str, job: _Job) -> Callable[[Path, NamedMesh, trimesh.Trimesh]
 
     def write_object(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
         made = make_simulation_object(mesh, density, bundle, item.label)
-        module_of(name).write(folder, item.label, made, bundle.friction)
+        writer_of(name)(folder, item.label, made, bundle.friction)
 
     def write_grasps(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
         labelled = dataset_grasps(mesh, item.id, job.labels)

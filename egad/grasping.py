@@ -4,13 +4,9 @@ import pandas as pd
 import trimesh
 from numpy.typing import ArrayLike
 
-from egad._util.parameters import (
-    check_count,
-)
+from egad._util.parameters import check_count
 from egad._util.progress import phase_if_slow
-from egad.geometry import (
-    check_units,
-)
+from egad.geometry import check_units
 from egad.grasps import (
     APPROACH_ANGLES,
     CONE,
@@ -21,9 +17,7 @@ from egad.grasps import (
     label_parameters,
 )
 from egad.grippers import Gripper, as_gripper, hand_body
-from egad.measures import (
-    center_of_mass,
-)
+from egad.measures import center_of_mass
 from egad.meshes import center_or_given
 from egad.random import generator
 

@@ -7,10 +7,7 @@ import trimesh
 
 from egad._util.arrays import Floats
 from egad._util.display import facts_html
-from egad._util.parameters import (
-    SCALE_RULES,
-    check_count,
-)
+from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import phase_if_slow
 from egad.errors import check_name
 from egad.geometry import (

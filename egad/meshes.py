@@ -8,10 +8,7 @@ from numpy.typing import ArrayLike
 from egad._util.arguments import check_array, check_number
 from egad._util.arrays import Floats
 from egad._util.files import as_path
-from egad._util.parameters import (
-    MAX_SIDE_FRACTION,
-    from_arguments,
-)
+from egad._util.parameters import MAX_SIDE_FRACTION, from_arguments
 from egad._util.progress import phase_if_slow
 from egad.evalset import Bundle, make_parts, measure_parts, warn_if_beyond
 from egad.geometry import (

@@ -75,7 +75,7 @@ class EvolvedObject:
 
     @cached_property
     def mesh(self) -> trimesh.Trimesh:
-        """The closed surface, in metres, in single precision: the same in every mesh format.
+        """The closed surface, in metres, in single precision: the same in every format in metres.
 
         Raises:
             UserError: The mesh file of a dataset folder is missing or damaged.

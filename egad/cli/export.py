@@ -19,7 +19,7 @@ from egad.errors import UserError
 from egad.exchange import (
     ALL,
     EVALUATION_SET,
-    OF_OBJECTS,
+    OBJECT_FORMATS,
     Format,
     ObjectSet,
     last_files,
@@ -31,7 +31,8 @@ from egad.exchange import (
 Dataset = Annotated[
     Path,
     typer.Argument(
-        help="folder of a dataset, e.g. results/egad; `released`; or an archive.parquet"
+        help="folder of a dataset, e.g. results/egad; `released` or `evaluation-set`; or an "
+        "archive.parquet"
     ),
 ]
 RELEASED = "released"
@@ -41,7 +42,7 @@ def export(
     dataset: Dataset,
     gripper: Annotated[str, gripper_option()],
     out: Annotated[Path, out_option("file or folder to write, as the format has it")],
-    ending: Annotated[Format, typer.Option("--format", help="format to write")],
+    format_name: Annotated[Format, typer.Option("--format", help="format to write")],
     config: Config = None,
     objects: Annotated[
         ObjectSet | None,
@@ -59,51 +60,57 @@ def export(
     if dataset.is_file() or str(dataset) in (RELEASED, EVALUATION_SET):
         if objects and str(dataset) != RELEASED:
             raise UserError(f"--objects: for the folder of a run, not for {dataset}")
-        _export_archive(dataset, gripper, out, ending, config, objects)
+        _export_archive(dataset, gripper, out, format_name, config, objects)
         return
     chosen = objects or EVALUATION_SET
-    reads = {name: dataset / file for name, file in sources(ending, gripper, chosen).items()}
-    if ending in OF_OBJECTS:
+    reads = {name: dataset / file for name, file in sources(format_name, gripper, chosen).items()}
+    if format_name in OBJECT_FORMATS:
         named_gripper(settings_in(config), gripper)  # an opening is none: results have names
-        _check_made(dataset / file for file in last_files(ending, gripper, chosen))
+        _check_made(dataset / file for file in last_files(format_name, gripper, chosen))
     for name in reads.keys() & {"grasps", "simulated_grasps"}:
         reads[name] = grasp_table(dataset, gripper)
     whole = settings_in(config)
     named_gripper(whole, gripper)
     check_opening(dataset, gripper, whole.grippers[gripper].opening)
-    settings = select(whole, settings_class(ending, chosen), gripper)
-    arguments = {"gripper": gripper, "format": ending, "objects": objects}
+    settings = select(whole, settings_class(format_name, chosen), gripper)
+    arguments = {"gripper": gripper, "format": format_name, "objects": objects}
     with recorded("export", settings=settings, inputs=reads.values(), arguments=arguments):
-        if ending == "dexnet":
+        if format_name == "dexnet":
             _write_dexnet(settings, whole, dataset, gripper, reads["grasps"], out)
         else:
-            write_format(ending, chosen, settings, gripper, reads, out)
+            write_format(format_name, chosen, settings, gripper, reads, out)
         write_sums(out)
 
 
 def _export_archive(
-    archive: Path, gripper: str, out: Path, ending: str, config: Path | None, objects: str | None
+    archive: Path,
+    gripper: str,
+    out: Path,
+    format_name: str,
+    config: Path | None,
+    objects: str | None,
 ) -> None:
     """Write objects that no run has scaled or grasped yet, as `egad.export` does.
 
     Raises:
         UserError: The format needs results of a run.
     """
-    from egad.export import FORMATS, export
+    from egad.exchange import needs_run
+    from egad.export import export
     from egad.objects import load
 
-    if ending not in FORMATS:
+    if needs_run(format_name):
         folder = Path("results/egad")
-        files = " ".join(str(folder / file) for file in last_files(ending, gripper))
+        files = " ".join(str(folder / file) for file in last_files(format_name, gripper))
         shipped = " --configfile config/released.yaml --" if not archive.is_file() else ""
         raise UserError(
-            f"{archive} has objects alone, and {ending} needs results of a run; first make them "
-            f"with snakemake --cores 2{shipped} {files}, then export {folder}"
+            f"{archive} has objects alone, and {format_name} needs results of a run; first make "
+            f"them with snakemake --cores 2{shipped} {files}, then export {folder}"
         )
     settings, name = gripper_in(settings_in(config), gripper)
     hand = name if config is None and name in GRIPPERS else settings.grippers[name]
     whole = str(archive) != RELEASED or objects == ALL
-    export(load(str(archive) if whole else EVALUATION_SET), ending, hand, out)
+    export(load(str(archive) if whole else EVALUATION_SET), format_name, hand, out)
 
 
 def _check_made(files: Iterable[Path]) -> None:

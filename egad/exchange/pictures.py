@@ -1,5 +1,6 @@
 """Picture files of image sets: depths as TIFF, masks as PNG."""
 
+import logging
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -9,13 +10,14 @@ from PIL import Image
 
 from egad.perception import SPLITS, ImageGrasps, RenderedImage
 
+log = logging.getLogger(__name__)
 NOTHING = 0.0  # what readers of these sets take for a missing depth
 
 
 def write_by_split(
     pictures: Iterable[RenderedImage], folder: Path, write: Callable[[RenderedImage, Path], bool]
 ) -> int:
-    """Write a set of images, one folder per split.
+    """Write a set of images, one folder per split, and log how many were written of how many.
 
     Args:
         pictures: The images.
@@ -27,7 +29,9 @@ def write_by_split(
     """
     for split in SPLITS:
         (folder / split).mkdir()
-    return sum(write(picture, folder / picture.split) for picture in pictures)
+    written = [write(picture, folder / picture.split) for picture in pictures]
+    log.info("%d of %d images", sum(written), len(written))
+    return sum(written)
 
 
 def write_depth(depth: NDArray[np.float32], path: Path) -> None:

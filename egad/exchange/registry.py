@@ -1,18 +1,22 @@
 """The formats of other programs, each a module with its name in the folder of its kind.
 
-- `objects/NAME.py`: `write(folder, name, made, friction)` writes an object with its convex parts.
-- `grasps/NAME.py`: `run(settings, ..., out)` writes the grasps of a run; its parameters name what
-  it reads (`SOURCES`). `write(folder, label, mesh, grasps, hand)`, if it has one, writes one object
-  with its simulated grasps for `egad.export`.
-- `images/NAME.py`: `write(pictures, gripper, folder)` writes rendered images.
+- `objects/NAME.py`: `write(folder, name, made, friction)` writes one object into a folder that is
+  there. `made` is an `egad.evalset.SimulationObject`: mesh, convex parts, mass and stable poses.
+- `images/NAME.py`: `write(pictures, gripper, folder)` writes rendered images into an empty folder.
+- `grasps/NAME.py`: `run(settings, ..., out)` writes the grasps of a run, and makes `out`. Its
+  parameters name what it reads: `gripper`, the name, and files of `SOURCES`. The annotation of
+  `settings` is the class of the settings that it needs; each such class has a `gripper`.
+  `write(folder, label, mesh, grasps, hand)`, if there is one, writes one object with its simulated
+  grasps for `egad.export`.
 
-A module may have `check(hand)`, which raises an error if the format cannot be written. Surfaces are
-mesh files, which `egad.io` writes. `egad.export`, the command `egad export`, `targets.exports` and
-the rule `export` know every format.
+A module may have `check(hand)`, which is called before any of these and raises an error if the
+format cannot be written. Surfaces are mesh files, which `egad.io` writes. `egad.export`, the
+command `egad export`, `targets.exports` and the rule `export` know every format.
 """
 
 import importlib
 from collections.abc import Callable, Mapping
+from functools import partial
 from inspect import signature
 from pathlib import Path
 from types import ModuleType
@@ -37,7 +41,7 @@ SOURCES = {
     "convex_parts": "convex_parts/{gripper}.parquet",
 }
 # of folders, the file that is written last
-LAST = {"meshes": "scales.parquet", "images": "card.md", "bundle": "bundle.parquet"}
+LAST_FILE = {"meshes": "scales.parquet", "images": "card.md", "bundle": "bundle.parquet"}
 
 
 def _modules(kind: str) -> tuple[str, ...]:
@@ -46,8 +50,14 @@ def _modules(kind: str) -> tuple[str, ...]:
 
 SURFACES = ("glb", "obj", "stl")  # the endings of `egad.io.WRITERS`, which takes long to import
 OBJECTS, GRASPS, IMAGES = (_modules(kind) for kind in ("objects", "grasps", "images"))
-OF_OBJECTS = (*SURFACES, *OBJECTS)
-FORMATS = tuple(sorted([*OF_OBJECTS, *GRASPS, *IMAGES]))
+OBJECT_FORMATS = (*SURFACES, *OBJECTS)
+FORMATS = tuple(sorted([*OBJECT_FORMATS, *GRASPS, *IMAGES]))
+MODULES = {
+    **dict.fromkeys(SURFACES, "egad.exchange.surfaces"),
+    **{name: f"egad.exchange.objects.{name}" for name in OBJECTS},
+    **{name: f"egad.exchange.grasps.{name}" for name in GRASPS},
+    **{name: f"egad.exchange.images.{name}" for name in IMAGES},
+}
 if TYPE_CHECKING:
     Format = str
     ObjectFormat = str
@@ -55,21 +65,19 @@ else:
     Format, ObjectFormat = Literal[FORMATS], Literal[OBJECTS]
 
 
-def module_name(name: str) -> str:
-    """The module that writes a format."""
-    kinds = {"objects": OBJECTS, "grasps": GRASPS, "images": IMAGES}
-    found = [f"egad.exchange.{kind}.{name}" for kind, names in kinds.items() if name in names]
-    return found[0] if found else "egad.io.mesh"
-
-
 def module_of(name: str) -> ModuleType:
-    """The same, imported.
+    """The module that writes a format.
 
     Raises:
         MissingPackageError: A package that it needs is not installed.
     """
     with needed_for(name):
-        return importlib.import_module(module_name(name))
+        return importlib.import_module(MODULES[name])
+
+
+def modules_of_format(name: str) -> list[str]:
+    """The modules whose code decides what a format writes."""
+    return [MODULES[name], *([] if name in GRASPS else [f"{__package__}.whole_sets"])]
 
 
 def check_format(name: str, hand: NamedGripper) -> None:
@@ -82,6 +90,21 @@ def check_format(name: str, hand: NamedGripper) -> None:
         check(hand)
 
 
+def needs_run(name: str) -> bool:
+    """Whether a format is written from the results of a run only.
+
+    Raises:
+        MissingPackageError: A package that it needs is not installed.
+    """
+    return name in IMAGES or (name in GRASPS and not hasattr(module_of(name), "write"))
+
+
+def writer_of(name: str) -> Callable[..., Any]:
+    """What writes one object in a format of objects: arguments as of `objects/NAME.py`."""
+    write: Callable[..., Any] = module_of(name).write
+    return partial(write, ending=name) if name in SURFACES else write
+
+
 def export_function(name: str, objects: ObjectSet = EVALUATION_SET) -> Callable[..., Any]:
     """The function that writes a format from the results of a run.
 
@@ -89,16 +112,16 @@ def export_function(name: str, objects: ObjectSet = EVALUATION_SET) -> Callable[
         name: The format.
         objects: Which objects are written, for a format of objects.
     """
-    from egad.exchange import whole_sets  # noqa: PLC0415 (commands list the formats without it)
-
+    if name in GRASPS:
+        found: Callable[..., Any] = module_of(name).run
+        return found
+    loops = importlib.import_module(f"{__package__}.whole_sets")
     if name in IMAGES:
-        return whole_sets.write_images
-    whole = objects == ALL
-    if name in SURFACES:
-        return whole_sets.write_all_surfaces if whole else whole_sets.write_evaluation_surfaces
-    if name in OBJECTS:
-        return whole_sets.write_all if whole else whole_sets.write_evaluation_set
-    found: Callable[..., Any] = module_of(name).run
+        found = loops.write_images
+    elif objects == EVALUATION_SET:
+        found = loops.write_evaluation_set
+    else:
+        found = loops.write_all_surfaces if name in SURFACES else loops.write_all
     return found
 
 
@@ -128,7 +151,7 @@ def sources(name: str, gripper: str, objects: ObjectSet = EVALUATION_SET) -> dic
 def last_files(name: str, gripper: str, objects: ObjectSet = EVALUATION_SET) -> list[str]:
     """The same as paths; for a folder, the file that is written last."""
     found = sources(name, gripper, objects)
-    return [str(Path(path, LAST.get(each, ""))) for each, path in found.items()]
+    return [str(Path(path, LAST_FILE.get(each, ""))) for each, path in found.items()]
 
 
 def write_format(
@@ -144,14 +167,16 @@ def write_format(
     Args:
         name: The format.
         objects: Which objects are written, for a format of objects.
-        settings: Settings, of the class that `settings_class` gives.
+        settings: Of the class `settings_class`.
         gripper: The name of the gripper.
         reads: The files of `sources`.
         out: File or folder to write.
     """
     check_format(name, NamedGripper(gripper, settings.gripper))
-    known = {"settings": settings, "gripper": gripper, "out": out, "ending": f".{name}", **reads}
-    if name in (*OBJECTS, *IMAGES):
+    known = {"settings": settings, "gripper": gripper, "ending": name, "out": out, **reads}
+    if name in OBJECT_FORMATS:
+        known["write"] = writer_of(name)
+    elif name in IMAGES:
         known["write"] = module_of(name).write
-    write = export_function(name, objects)
-    write(**{each: known[each] for each in signature(write).parameters})
+    export = export_function(name, objects)
+    export(**{each: known[each] for each in signature(export).parameters})

@@ -29,7 +29,7 @@ def write_evaluation_set(
     """Write the objects of a simulation bundle.
 
     Args:
-        settings: Not needed.
+        settings: Those of the format.
         write: Writes an object.
         bundle: Folder of the bundle.
         out: Folder to write.
@@ -38,36 +38,11 @@ def write_evaluation_set(
         UserError: A file of the bundle is missing or damaged, or the folder is not empty.
     """
     del settings
-    with _new_folder(out) as folder:
-        for label, made, friction in _bundled(bundle):
-            write(folder, label, made, friction)
-
-
-def write_evaluation_surfaces(
-    settings: GripperFormat, ending: str, bundle: Path, out: Path
-) -> None:
-    """Write the surfaces of the objects of a simulation bundle.
-
-    Args:
-        settings: Not needed.
-        ending: Ending of the files.
-        bundle: Folder of the bundle.
-        out: Folder to write.
-
-    Raises:
-        UserError: As for `write_evaluation_set`.
-    """
-    del settings
-    with _new_folder(out) as folder:
-        for label, made, _ in _bundled(bundle):
-            write_mesh(made.mesh, folder / f"{label}{ending}")
-
-
-def _bundled(bundle: Path) -> Iterator[tuple[str, SimulationObject, float]]:
-    """Labels, objects and their friction."""
     rows = parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
-    for row in progress(rows, "writing objects", len(rows)):
-        yield row["label"], read_simulation_object(bundle, row), row["friction"]
+    with _new_folder(out) as folder:
+        for row in progress(rows, "writing objects", len(rows)):
+            write(folder, row["label"], read_simulation_object(bundle, row), row["friction"])
+    log.info("%d objects", len(rows))
 
 
 def write_all(
@@ -86,21 +61,22 @@ def write_all(
         UserError: The folder is not empty.
         TableError: The table is damaged.
     """
-    missing = {path.stem for path in meshes.glob("*.obj")}
+    labels, written = {path.stem for path in meshes.glob("*.obj")}, set()
     found = read_convex_objects(convex_parts, meshes, settings.material.density)
     with _new_folder(out) as folder:
-        for label, made in progress(found, "writing objects", len(missing)):
+        for label, made in progress(found, "writing objects", len(labels)):
             write(folder, label, made, settings.bundle.friction)
-            missing.remove(label)
-    for label in sorted(missing):
+            written.add(label)
+    for label in sorted(labels - written):
         log.warning("%s is left out: it has no convex parts in %s", label, convex_parts)
+    log.info("%d objects", len(written))
 
 
 def write_all_surfaces(settings: GripperFormat, ending: str, meshes: Path, out: Path) -> None:
     """Write the surfaces of all objects of a dataset.
 
     Args:
-        settings: Not needed.
+        settings: Those of the format.
         ending: Ending of the files.
         meshes: Folder of the scaled meshes.
         out: Folder to write.
@@ -112,7 +88,8 @@ def write_all_surfaces(settings: GripperFormat, ending: str, meshes: Path, out: 
     paths = sorted(meshes.glob("*.obj"))
     with _new_folder(out) as folder:
         for path in progress(paths, "writing objects", len(paths)):
-            write_mesh(read_mesh(path, "m"), folder / f"{path.stem}{ending}")
+            write_mesh(read_mesh(path, "m"), folder / f"{path.stem}.{ending}")
+    log.info("%d objects", len(paths))
 
 
 def write_images(settings: GripperFormat, write: WriteImages, images: Path, out: Path) -> None:
@@ -128,7 +105,7 @@ def write_images(settings: GripperFormat, write: WriteImages, images: Path, out:
         UserError: Shards are missing, the images do not fit the format, or the folder has files.
     """
     with _new_folder(out) as folder:
-        log.info("%d written", write(_pictures(images), settings.gripper, folder))
+        write(_pictures(images), settings.gripper, folder)
 
 
 def _pictures(images: Path) -> Iterator[RenderedImage]:

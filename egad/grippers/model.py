@@ -33,7 +33,7 @@ class HandLink(NamedTuple):
 
     Attributes:
         name: In the description.
-        body:     PALM_BODY, FIRST_FINGER (the finger at negative x) or SECOND_FINGER.
+        body: PALM_BODY, FIRST_FINGER (the finger at negative x) or SECOND_FINGER.
         shapes: (n, 3) arrays of corners of its convex parts, in its own frame, metres.
         mass: Kilograms.
         carrier: Number of the link that carries it; -1 for those that carry the palm, and for it.

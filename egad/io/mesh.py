@@ -74,8 +74,14 @@ def write_mesh(mesh: trimesh.Trimesh, path: Path) -> None:
     Args:
         mesh: Metres.
         path: A file with one of the endings of `WRITERS`; STL files are in millimetres and say so.
+
+    Raises:
+        UserError: The file has another ending.
     """
-    WRITERS[path.suffix.lower()](mesh, path)
+    ending = path.suffix.lower()
+    if ending not in WRITERS:
+        raise UserError(f"{path.name}: such files are not written; endings: {' '.join(WRITERS)}")
+    WRITERS[ending](mesh, path)
 
 
 def read_content(path: Path) -> Content:

@@ -1,6 +1,6 @@
 """What a file was made from and by: noted at the edge, where a command knows what it reads.
 
-`parquet.write` and `exchange.sums.write_sums` put it into what they write, so that no function
+`parquet.write` and `io.sums.write_sums` put it into what they write, so that no function
 between the two has to pass it on. It holds no time, no name of a machine and no absolute path: the
 same configuration gives the same origin.
 """

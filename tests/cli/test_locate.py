@@ -69,8 +69,9 @@ def test_an_object_of_the_archive_is_nearest_to_itself(among, placed):
     table, _ = placed
     ids = dict(zip(among.objects["label"], among.objects["id"], strict=True))
     for row in table.head(3).to_dict("records"):
-        assert ids[row["nearest"][0]] == row["name"]
-        assert row["distances"][0] < 0.02
+        ranked = zip(row["nearest"], row["distances"], strict=True)
+        same = [ids[label] for label, distance in ranked if distance == 0]
+        assert row["name"] in same  # beside its mirror images
         assert row["diversity"] == pytest.approx(np.mean(row["distances"]))
 
 

@@ -74,13 +74,16 @@ def test_settings_that_contradict_each_other_are_refused(wrong):
 
 def test_the_grippers_of_the_literature_are_there():
     openings = {name: gripper.opening for name, gripper in Settings().grippers.items()}
-    assert openings == {
-        "yumi": 0.05,
-        "panda": 0.08,
-        "egad_75mm": 0.075,
-        "robotiq_2f_85": 0.085,
-        "robotiq_2f_140": 0.14,
-    }
+    assert (
+        openings.items()
+        >= {
+            "yumi": 0.05,
+            "panda": 0.08,
+            "egad_75mm": 0.075,
+            "robotiq_2f_85": 0.085,
+            "robotiq_2f_140": 0.14,
+        }.items()
+    )
 
 
 def test_every_section_is_read_by_some_stage():

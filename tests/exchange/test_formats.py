@@ -2,9 +2,19 @@
 
 import pytest
 
+import egad
 from egad.config import GRIPPERS
 from egad.errors import UserError
-from egad.exchange import OBJECTS, SURFACES, NamedGripper, check_format, module_of
+from egad.exchange import (
+    FORMATS,
+    IMAGES,
+    OBJECTS,
+    SURFACES,
+    NamedGripper,
+    check_format,
+    module_of,
+    needs_run,
+)
 from egad.io import WRITERS, write_mesh
 
 HAND = NamedGripper("panda", GRIPPERS["panda"])
@@ -45,3 +55,14 @@ def test_a_missing_package_is_named():
     with pytest.raises(UserError, match=r"usd needs OpenUSD: pip install 'egad\[usd\]'"):
         check_format("usd", HAND)
     check_format("sdf", HAND)
+
+
+def test_a_format_that_reads_results_of_a_run_says_so(tmp_path, made):
+    assert {name for name in FORMATS if needs_run(name)} == {"dexnet", *IMAGES}
+    with pytest.raises(UserError, match="'dexnet' is written from the results of a run"):
+        egad.export({"ball": made.mesh}, "dexnet", "panda", tmp_path / "out")
+
+
+def test_a_format_that_there_is_not_is_an_error():
+    with pytest.raises(KeyError, match="nonsense"):
+        check_format("nonsense", HAND)

@@ -237,7 +237,7 @@ TRIED = {"simulate", "clutter", "agreement", "simulated_label", "render"}
 RATED = {"evolve", "postprocess", "graspability", "grasp_label", "size_effect", "render"}
 SHAPED = {"evolve", "postprocess", "gallery"}
 SCRIPTS = ROOT / "workflow/scripts"
-RULES = set(re.findall(r'code_of\("(\w+)"\)', TEXT))
+RULES = set(re.findall(r'code_of(?:_format)?\("(\w+)"\)', TEXT))
 # What is changed, and the stages that use it. Written by hand, from what they do: the report draws
 # scenes of a simulation and lists all settings; the gallery reads those of evolution.
 USED = [
@@ -298,7 +298,7 @@ def test_a_rule_has_the_version_of_the_code_that_it_runs(rule):
 
 
 # That of a format too, which is a module.
-OTHERWISE = {"export": "code_of_export,"}
+OTHERWISE = {name: f'code_of_format("{name}"),' for name in ("export", "release_archive")}
 
 
 def test_every_script_is_run_by_a_rule():

@@ -202,7 +202,7 @@ def test_every_object_has_a_mesh_with_its_volume(finished, load):
         mesh = trimesh.load_mesh(finished.results / f"egad/meshes/{row.label}.obj")
         assert mesh.is_watertight == row.watertight
         assert mesh.volume == pytest.approx(row.volume, rel=1e-6)
-        assert mesh.extents.max() <= 0.1 + 1e-9
+        assert mesh.extents.max() <= 0.1 * (1 + 2**-23)  # to the rounding of single precision
     meshes = {path.stem for path in (finished.results / "egad/meshes").glob("*.obj")}
     assert meshes == set(objects["label"])
 

@@ -20,8 +20,8 @@ from egad.exchange import (
     NamedGripper,
     check_format,
     last_files,
-    module_name,
     module_of,
+    modules_of_format,
     settings_class,
     sources,
 )
@@ -117,9 +117,14 @@ def code_of(script):
     return code_version(workflow.source_path(f"../scripts/{script}.py"))
 
 
-def code_of_export(wildcards):
+def code_of_format(script):
     """The same with that of the format in the file name."""
-    return f"{code_of('export')}-{code_version(module_name(wildcards.format))}"
+
+    def versions(wildcards):
+        modules = modules_of_format(wildcards.format)
+        return "-".join([code_of(script), *map(code_version, modules)])
+
+    return versions
 
 
 def shard_of(count):

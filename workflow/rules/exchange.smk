@@ -85,10 +85,10 @@ rule export:
         **needs(mb=1500, minutes=30),
     params:
         settings=settings_of_export(),
-        style="{format}",
+        format_name="{format}",
         chosen=SETTINGS.targets.export_objects,
         dataset="results/{dataset}",
-        code=code_of_export,
+        code=code_of_format("export"),
     message:
         "Writing {wildcards.dataset} for {wildcards.gripper} as {wildcards.format}"
     script:

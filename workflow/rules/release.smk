@@ -117,9 +117,9 @@ rule release_archive:
         **needs(mb=1500, minutes=60),
     params:
         settings=settings_of(SimulationBundle),
-        style="{format}",
+        format_name="{format}",
         meshes=subpath(input.scales, parent=True),
-        code=code_of("release_archive"),
+        code=code_of_format("release_archive"),
     message:
         "Writing the objects of the release as {wildcards.format}"
     script:

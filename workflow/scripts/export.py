@@ -11,7 +11,7 @@ def run(
     settings: dict[str, Any],
     dataset: Path,
     gripper: str,
-    style: str,
+    format_name: str,
     chosen: ObjectSet,
     out: Path,
 ) -> None:
@@ -21,13 +21,13 @@ def run(
         settings: Those of the format.
         dataset: Folder of the dataset.
         gripper: Name of the gripper.
-        style: The format.
+        format_name: The format.
         chosen: Which objects are written, for a format of objects.
         out: Folder to write.
     """
-    parsed = settings_class(style, chosen).model_validate(settings)
-    reads = {name: dataset / file for name, file in sources(style, gripper, chosen).items()}
-    write_format(style, chosen, parsed, gripper, reads, out)
+    parsed = settings_class(format_name, chosen).model_validate(settings)
+    reads = {name: dataset / file for name, file in sources(format_name, gripper, chosen).items()}
+    write_format(format_name, chosen, parsed, gripper, reads, out)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.config.stages import SimulationBundle
-from egad.exchange import WriteObject, module_of, read_convex_objects
+from egad.exchange import WriteObject, read_convex_objects, writer_of
 from egad.io import mesh_files, write_zip
 from egad.workflow.job import run_job
 
@@ -17,7 +17,7 @@ log = logging.getLogger(__name__)
 
 def run(
     settings: SimulationBundle,
-    style: str,
+    format_name: str,
     meshes: Path,
     convex_parts: Path,
     out: Path,
@@ -26,7 +26,7 @@ def run(
 
     Args:
         settings: Density and friction.
-        style: The format, such as `urdf`.
+        format_name: The format, such as `urdf`.
         meshes: Folder of the scaled meshes.
         convex_parts: Convex parts of the objects, sorted by label.
         out: Objects for simulators, scaled to the gripper of the release, for each FORMAT of
@@ -35,7 +35,7 @@ def run(
     Raises:
         UserError: The format needs a package that is not installed.
     """
-    write = module_of(style).write
+    write = writer_of(format_name)
     count = len(mesh_files(meshes, "*.obj"))
     with atomic_output(out, keep=False) as path:
         write_zip(path, _written(settings, write, meshes, convex_parts, count))

@@ -105,8 +105,8 @@ def run(
             gripper with a `file`. See `docs/exchange.md`.
 
     Raises:
-        UserError: The gripper has no joints, a name is not allowed, the grasps have no simulated
-            labels, or the folder is not empty.
+        UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
+            empty.
     """
     check_empty(out)
     check_simulated(simulated_grasps)

@@ -4,6 +4,7 @@ Mahler et al., "Dex-Net 2.0", RSS 2017. The folder is what `autolab_core.TensorD
 """
 
 import json
+import logging
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
@@ -16,6 +17,7 @@ from egad.errors import UserError
 from egad.grippers import Gripper
 from egad.perception import RenderedImage, fill_missing, pose_values
 
+log = logging.getLogger(__name__)
 Image = NDArray[np.float32]
 Tensors = dict[str, NDArray[Any]]
 
@@ -75,6 +77,7 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
         _save(waiting, folder, len(splits) // FILE)
     maps = {"object_category_map.json": objects, "pose_category_map.json": poses}
     _describe(folder, maps, np.array(splits))
+    log.info("%d rows", len(splits))
     return len(splits)
 
 

@@ -9,7 +9,9 @@ from described_hands import box_urdf
 import egad
 from egad.config import Postprocess, Settings
 from egad.config.stages import GraspabilityOfGripper, select
+from egad.geometry import in_single_precision
 from egad.grippers import GRIPPERS, Gripper
+from egad.io import write_obj
 from egad.tables import parquet
 from egad.tables.objects import GRASPABILITIES, OBJECTS
 
@@ -20,7 +22,7 @@ def dataset(tmp_path, lumpy):
     blank = {f.name: "" if str(f.type) == "string" else 0 for f in OBJECTS}
     frame = pd.DataFrame([blank | {"label": label} for label in ("A0", "B0")])
     parquet.write(frame[OBJECTS.names], OBJECTS, tmp_path / "objects.parquet")
-    lumpy.export(tmp_path / "A0.obj")
+    write_obj(in_single_precision(lumpy), tmp_path / "A0.obj")
     trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).export(tmp_path / "B0.obj")
     return tmp_path
 
@@ -34,7 +36,7 @@ def test_a_gripper_by_file_measures_as_its_opening_does(dataset):
         settings = select(whole, GraspabilityOfGripper, name)
         graspability.run(settings, dataset / "objects.parquet", dataset, dataset / "out.parquet")
         tables[name] = parquet.read(dataset / "out.parquet", GRASPABILITIES).set_index("label")
-        mesh = trimesh.load_mesh(dataset / "A0.obj")
+        mesh = egad.read_mesh(dataset / "A0.obj", units="m")
         expected = egad.measure(mesh, grippers[name], max_candidates=1024)
         assert tables[name].loc["A0", "graspability"] == pytest.approx(
             expected.graspability, rel=1e-6

@@ -1,0 +1,11 @@
+"""Objects as mesh files, which hold their surface alone."""
+
+from pathlib import Path
+
+from egad.evalset import SimulationObject
+from egad.io import write_mesh
+
+
+def write(folder: Path, name: str, made: SimulationObject, _friction: float, ending: str) -> None:
+    """Write `NAME.ENDING`, called as formats of objects are."""
+    write_mesh(made.mesh, folder / f"{name}.{ending}")
