@@ -1,5 +1,7 @@
 """Work in a process of its own, which can die or be stopped without harm to this one."""
 
+import functools
+import io
 import json
 import logging
 import multiprocessing
@@ -12,9 +14,10 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from functools import partial
 from multiprocessing.connection import Connection
+from operator import attrgetter
 from typing import Any, Self
 
 import cloudpickle
@@ -23,14 +26,17 @@ from threadpoolctl import threadpool_limits
 from egad.errors import LESS_MEMORY, EgadError, RejectedError, UserError
 
 log = logging.getLogger(__name__)
-_dumps: Callable[[Any], bytes] = cloudpickle.dumps
 
-CHANCES = 2
+MAX_ATTEMPTS = 2
 ENDING_TIME = 5.0  # seconds
 WATCHING = 1.0  # seconds
-NOT_SENT = "this cannot be sent to another process, as several jobs need"
+NOT_SENT = (
+    "this cannot be sent to another process, as several jobs need; "
+    "put it into a module of its own, or use 1 job"
+)
+CACHED = type(functools.cache(len))
 Work = Callable[[Any], Any]
-Opened = Callable[[], AbstractContextManager[Work]]
+MakeWork = Callable[[], AbstractContextManager[Work]]
 
 
 class WorkerDiedError(Exception):
@@ -66,7 +72,7 @@ class Worker:
 
     def __init__(
         self,
-        opened: Opened,
+        make_work: MakeWork,
         limit: float | None = None,
         start_limit: float | None = None,
         name: str = "a worker process",
@@ -76,7 +82,7 @@ class Worker:
         """Prepare; the process starts with the `with` block or with the first item.
 
         Args:
-            opened: Makes what does the work, in that process: a context manager that lasts as
+            make_work: Makes what does the work, in that process: a context manager that lasts as
                 long.
             limit: Seconds for one item. None for as long as it takes.
             start_limit: Seconds to start. None for as long as it takes.
@@ -85,7 +91,7 @@ class Worker:
             quiet: Whether what it prints is dropped.
         """
         self._environment, self._quiet = environment or {}, quiet
-        self._opened, self._limit, self._start_limit = opened, limit, start_limit
+        self._make_work, self._limit, self._start_limit = make_work, limit, start_limit
         self._name = name
         self._process: subprocess.Popen[bytes] | None = None
         self._killed = False
@@ -112,31 +118,29 @@ class Worker:
             UserError: It cannot be started, or the item cannot be sent to it.
             Exception: What the work raises; one with the same text if it cannot be pickled.
         """
-        pickled = _pickled(item)
-        if not self.running:
+        message = to_bytes(item)
+        if not (self.running or self._killed):
             self.start()
         if self._killed:
             raise WorkerDiedError(f"{self._name} has been stopped")
         try:
-            self._pipe.send_bytes(pickled)
+            self._pipe.send_bytes(message)
             if not self._pipe.poll(self._limit):
                 self.stop(patience=0)
                 raise WorkerTimeoutError(f"{self._name} did not answer within {self._limit:g} s")
-            result, error, origin = self._pipe.recv()
+            answer = self._pipe.recv_bytes()
         except (EOFError, OSError) as gone:
             raise WorkerDiedError(self._ending()) from gone
-        if error is not None:
-            raise error from origin
-        return result
+        return _result(answer)
 
     def start(self) -> None:
         """Start the process.
 
         Raises:
-            UserError: It was killed, ended, or took too long.
-            Exception: What `opened` raises.
+            UserError: It was killed, ended, or took too long, or `make_work` cannot be sent to it.
+            Exception: What `make_work` raises.
         """
-        opened = _pickled(self._opened)
+        message = to_bytes(self._make_work)
         self._pipe, theirs = multiprocessing.Pipe()
         where = json.dumps([path for path in sys.path if isinstance(path, str)])
         with theirs:
@@ -150,16 +154,18 @@ class Worker:
                 pass_fds=[number],
             )
         try:
-            self._pipe.send_bytes(opened)
+            self._pipe.send_bytes(message)
             if not self._pipe.poll(self._start_limit):
                 self.stop(patience=0)
                 raise UserError(f"{self._name} was not ready within {self._start_limit:g} s")
-            _, error, origin = self._pipe.recv()
+            answer = self._pipe.recv_bytes()
         except (EOFError, OSError) as gone:
             raise UserError(f"{self._ending()} while it started") from gone
-        if error is not None:
+        try:
+            _result(answer)
+        except Exception:
             self.stop()
-            raise error from origin
+            raise
 
     def _ending(self) -> str:
         """How a process ended that does not answer any more, in words.
@@ -174,12 +180,17 @@ class Worker:
             )
         return f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
 
+    def close_pipe(self) -> None:
+        """Let the process end by itself, without waiting for it: nobody can ask any more."""
+        if self.running:
+            self._pipe.close()
+
     def stop(self, patience: float = ENDING_TIME) -> int | None:
         """End the process; returns its status if it ends by itself within `patience` seconds."""
+        self.close_pipe()
         process, self._process = self._process, None
         if process is None:
             return None
-        self._pipe.close()  # it ends by itself when nobody can ask any more
         try:
             return process.wait(patience)
         except subprocess.TimeoutExpired:
@@ -194,17 +205,17 @@ class Worker:
             process.kill()
 
 
-class Survivor(Worker):
+class RestartingWorker(Worker):
     """Work in one thread of a process of its own, started anew when it dies or takes too long."""
 
-    def __init__(self, opened: Opened, limit: float | None = None) -> None:
+    def __init__(self, make_work: MakeWork, limit: float | None = None) -> None:
         """Prepare; the process starts with the `with` block.
 
         Args:
-            opened: As of `Worker`.
+            make_work: As of `Worker`.
             limit: Seconds for one item; a process that takes longer counts as one that died.
         """
-        super().__init__(partial(_in_one_thread, opened), limit)
+        super().__init__(partial(_in_one_thread, make_work), limit)
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
         """Do the work on one item.
@@ -216,7 +227,7 @@ class Survivor(Worker):
             UserError: The process was killed.
             Exception: What the work raises; one with the same text if it cannot be pickled.
         """
-        for _ in range(CHANCES):
+        for _ in range(MAX_ATTEMPTS):
             try:
                 return super().__call__(item)
             except (WorkerDiedError, WorkerTimeoutError) as error:
@@ -225,8 +236,8 @@ class Survivor(Worker):
 
 
 @contextmanager
-def _in_one_thread(opened: Opened) -> Iterator[Work]:
-    with one_thread(), opened() as work:
+def _in_one_thread(make_work: MakeWork) -> Iterator[Work]:
+    with one_thread(), make_work() as work:
         yield work
 
 
@@ -246,25 +257,21 @@ def serve(number: int, parent: int) -> None:
         number: File descriptor of this end.
         parent: Number of the other process.
     """
-    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
-    with Connection(number) as pipe, ExitStack() as stack:
+    threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
+    with Connection(number) as pipe, ExitStack() as stack, suppress(EOFError):
+        first = pipe.recv_bytes()
         try:
-            work = stack.enter_context(pipe.recv()())
-        except EOFError:
-            return
+            work = stack.enter_context(from_bytes(first)())
         except Exception as error:
             pipe.send_bytes(_failure(error))
             return
-        pipe.send((None, None, None))
+        pipe.send_bytes(_dumps((None, None, None)))
         while True:
-            try:
-                item = pipe.recv_bytes()
-            except EOFError:
-                return
+            item = pipe.recv_bytes()
             pipe.send_bytes(_answer(work, item))
 
 
-def _end_with(parent: int) -> None:
+def _exit_with_parent(parent: int) -> None:
     """End this process, whatever it does, when the one that started it has ended."""
     while os.getppid() == parent:
         time.sleep(WATCHING)
@@ -274,19 +281,68 @@ def _end_with(parent: int) -> None:
 def _answer(work: Work, item: bytes) -> bytes:
     """What comes of an item, or what it raises."""
     try:
-        return _dumps((work(_unpickled(item)), None, None))
+        return _dumps((work(from_bytes(item)), None, None))
     except Exception as error:
         return _failure(error)
 
 
-def _pickled(what: Any) -> bytes:  # noqa: ANN401 (whatever the work takes, or what makes it)
+def _result(answer: bytes) -> Any:  # noqa: ANN401 (whatever the work gives)
+    """The result in an answer; raises the error in it."""
+    result, error, origin = from_bytes(answer)
+    if error is not None:
+        raise error from origin
+    return result
+
+
+class _Pickler(cloudpickle.CloudPickler):  # type: ignore[misc]
+    """Sends what the program defines by value, cached functions with an empty cache."""
+
+    def reducer_override(self, obj: Any) -> Any:  # noqa: ANN401 (any object, any reduction)
+        if isinstance(obj, CACHED) and not _is_importable(obj):
+            attributes = {k: v for k, v in vars(obj).items() if k != "cache_parameters"}
+            return _with_cache, (obj.__wrapped__, obj.cache_parameters()), attributes
+        return super().reducer_override(obj)
+
+
+def _is_importable(function: Any) -> bool:  # noqa: ANN401 (its type is private)
+    """Whether another process finds a function by its name, as it does in modules."""
+    try:
+        module, name = function.__module__, function.__qualname__
+        return module != "__main__" and attrgetter(name)(sys.modules[module]) is function
+    except (KeyError, AttributeError):
+        return False
+
+
+def _with_cache(function: Callable[..., Any], parameters: dict[str, Any]) -> Callable[..., Any]:
+    cached: Callable[..., Any] = functools.lru_cache(**parameters)(function)
+    return cached
+
+
+def _dumps(what: Any) -> bytes:  # noqa: ANN401 (all that is sent)
+    file = io.BytesIO()
+    _Pickler(file).dump(what)
+    return file.getvalue()
+
+
+def to_bytes(what: Any) -> bytes:  # noqa: ANN401 (whatever the work takes, or what makes it)
+    """Pickle something for another process.
+
+    Raises:
+        UserError: It cannot be pickled.
+    """
     try:
         return _dumps(what)
     except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
         raise UserError(f"{NOT_SENT}: {error}") from error
 
 
-def _unpickled(sent: bytes) -> Any:  # noqa: ANN401 (as above)
+def from_bytes(sent: bytes) -> Any:  # noqa: ANN401 (as above)
+    """Unpickle what another process sent.
+
+    Raises:
+        UserError: This process lacks a module or a name that it needs.
+        Exception: What unpickling raises.
+    """
     try:
         return pickle.loads(sent)  # noqa: S301 (our own)
     except (ImportError, AttributeError) as error:

@@ -1,12 +1,11 @@
 """Work spread over processes, in an order and with results that do not depend on how many."""
 
 import signal
-import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from functools import partial
+from functools import lru_cache, partial
 from queue import SimpleQueue
 from typing import Any, NamedTuple
 
@@ -15,7 +14,9 @@ from egad._util.child_process import (
     Worker,
     WorkerDiedError,
     WorkerKilledError,
+    from_bytes,
     one_thread,
+    to_bytes,
 )
 from egad._util.parameters import check_count
 from egad.errors import UserError
@@ -39,13 +40,14 @@ def workers(count: int) -> Iterator[Mapper]:
         with one_thread():
             yield map
         return
-    processes = [Worker(_ready) for _ in range(count)]
+    processes = [Worker(_worker_context) for _ in range(count)]
     threads, idle = ThreadPoolExecutor(count), SimpleQueue[Worker]()
     for process in processes:
         idle.put(process)
 
     def mapper(work: Work, items: Iterable[Any]) -> Iterable[Any]:
-        return map(_warned, threads.map(partial(_ask, idle, work), items))
+        ask = partial(_ask_idle_worker, idle, to_bytes(work))
+        return map(_with_warnings_given, threads.map(ask, items))
 
     try:
         yield mapper
@@ -57,47 +59,62 @@ def workers(count: int) -> Iterator[Mapper]:
     finally:
         threads.shutdown()
         for process in processes:
-            process.stop(patience=0)
+            process.close_pipe()
+        for process in processes:
+            process.stop()
 
 
-class _Told(NamedTuple):
-    """What a process has to say: its result, and the warnings with their file and line."""
+class _Answer(NamedTuple):
+    """What a process gives for an item: the result, and the warnings with their file and line."""
 
     result: Any
     warnings: list[tuple[str, type[Warning], str, int]]
 
 
-def _ask(idle: SimpleQueue[Worker], work: Work, item: Any) -> _Told:  # noqa: ANN401 (of the work)
-    """Have an idle process do work on an item."""
+def _ask_idle_worker(idle: SimpleQueue[Worker], work: bytes, item: Any) -> _Answer:  # noqa: ANN401
+    """Have an idle process do pickled work on an item."""
     process = idle.get()
     try:
-        told: _Told = process((work, item))
+        answer: _Answer = process((work, item))
     except (WorkerDiedError, WorkerKilledError) as error:
-        shown = textwrap.shorten(repr(item), SHOWN, placeholder="...")
-        raise UserError(f"{error} (its item: {shown})") from error
+        raise UserError(f"{error} (its item: {_describe_item(item)})") from error
     finally:
         idle.put(process)
-    return told
+    return answer
 
 
-def _warned(told: _Told) -> Any:  # noqa: ANN401 (whatever the work gives)
+def _describe_item(item: object) -> str:
+    """An item in one line of at most `SHOWN` characters."""
+    text = " ".join(repr(item).split())
+    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
+
+
+def _with_warnings_given(answer: _Answer) -> Any:  # noqa: ANN401 (whatever the work gives)
     """The result of another process, whose warnings are given here."""
-    for warning in told.warnings:
+    for warning in answer.warnings:
         warnings.warn_explicit(*warning)
-    return told.result
+    return answer.result
 
 
 @contextmanager
-def _ready() -> Iterator[Work]:
+def _worker_context() -> Iterator[Work]:
     """What a process of a pool does. Interrupts are for the one that it works for."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with one_thread():
-        yield _told
+        yield _run_recording_warnings
 
 
-def _told(task: tuple[Work, Any]) -> _Told:
-    """Do work on an item, and keep the warnings."""
-    work, item = task
+def _run_recording_warnings(task: tuple[bytes, Any]) -> _Answer:
+    """Do pickled work on an item, and keep the warnings."""
+    pickled, item = task
+    work = _load_work(pickled)
     with warnings.catch_warnings(record=True) as found:
         result = work(item)
-    return _Told(result, [(str(w.message), w.category, w.filename, w.lineno) for w in found])
+    return _Answer(result, [(str(w.message), w.category, w.filename, w.lineno) for w in found])
+
+
+@lru_cache(4)
+def _load_work(pickled: bytes) -> Work:
+    """Unpickle work once for many items, with all that it caches; evolution alternates some."""
+    work: Work = from_bytes(pickled)
+    return work

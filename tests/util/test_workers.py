@@ -1,3 +1,4 @@
+import atexit
 import ctypes
 import importlib
 import os
@@ -79,6 +80,14 @@ def test_a_crash_is_told_with_its_item():
     assert len(message) < 200
 
 
+def test_a_long_item_is_cut_at_its_end():
+    path = f"/{'long_folder/' * 20}B1.obj"
+    with pytest.raises(UserError) as found, workers(2) as mapper:
+        list(mapper(crashed, [{"name": "B1", "path": path}]))
+    shown = str({"name": "B1", "path": path})[:97]
+    assert str(found.value).endswith(f" (its item: {shown}...)")
+
+
 def failed(number):
     if number == 0:
         raise ZeroDivisionError("no such number")
@@ -92,6 +101,57 @@ def test_an_error_ends_what_else_runs_and_has_the_traceback_of_its_process():
     assert time.monotonic() - start < 100
     assert "test_workers.py" in str(found.value.__cause__)
     assert ", in failed" in str(found.value.__cause__)
+
+
+def wait_for(folder, pattern, count):
+    end = time.monotonic() + 60
+    while len(list(folder.glob(pattern))) < count and time.monotonic() < end:
+        time.sleep(0.01)
+
+
+def finalized(folder):
+    """Runs in two processes, and leaves a file when both of them end at the same time."""
+
+    def finalize():
+        (folder / f"{os.getpid()}.ending").touch()
+        wait_for(folder, "*.ending", 2)
+        (folder / f"{os.getpid()}.ended").touch()
+
+    atexit.register(finalize)
+    (folder / f"{os.getpid()}.started").touch()
+    wait_for(folder, "*.started", 2)
+    return os.getpid()
+
+
+def test_processes_end_together_and_by_themselves_when_all_is_done(tmp_path):
+    with workers(2) as mapper:
+        pids = set(mapper(finalized, [tmp_path] * 2))
+    assert {int(path.stem) for path in tmp_path.glob("*.ended")} == pids
+    assert len(pids) == 2
+
+
+class Counted:
+    """Work that counts how often it is pickled, and unpickled in each process."""
+
+    pickled = unpickled = 0
+
+    def __getstate__(self):
+        Counted.pickled += 1
+        return "sent"
+
+    def __setstate__(self, state):
+        Counted.unpickled += 1
+
+    def __call__(self, _):
+        return Counted.unpickled
+
+
+def test_work_is_pickled_once_and_unpickled_once_in_each_process(monkeypatch):
+    monkeypatch.setattr(Counted, "pickled", 0)
+    with workers(2) as mapper:
+        counts = set(mapper(Counted(), range(20)))
+    assert Counted.pickled == 1
+    assert counts == {1}
 
 
 PROGRAM = """
@@ -121,23 +181,89 @@ LINES = PROGRAM.strip().splitlines()
 GUARDED = "\n".join([LINES[0], 'if __name__ == "__main__":', *(f"  {each}" for each in LINES[1:])])
 
 
+def output(arguments, given, folder):
+    """What Python prints, which is no error."""
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
+        input=given,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stderr == ""
+    return done.stdout
+
+
 @pytest.mark.parametrize("program", [PROGRAM, GUARDED])
 @pytest.mark.parametrize("given", ["as a file", "in the command", "as input"])
 def test_programs_need_no_guard_and_no_file_for_what_they_define(tmp_path, program, given):
     """As in a script of a beginner, or in a notebook."""
     (tmp_path / "program.py").write_text(program)
     options = {"as a file": ["program.py"], "in the command": ["-c", program], "as input": ["-"]}
-    done = subprocess.run(
-        [sys.executable, *options[given]],
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
-        input=program,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout == "once\n[2, 4] [-1]\n"
-    assert done.stderr == ""
+    assert output(options[given], program, tmp_path) == "once\n[2, 4] [-1]\n"
+
+
+CACHES = """
+import functools
+import os
+import threading
+
+from egad._util.workers import workers
+from egad.errors import UserError
+
+loads = []
+
+@functools.cache
+def model():
+    loads.append("from a file")
+    return 10
+
+@functools.lru_cache(maxsize=50, typed=True)
+def fibonacci(number):
+    return number if number < 2 else fibonacci(number - 1) + fibonacci(number - 2)
+
+class Item:
+    @functools.cache
+    def double(self):
+        return 2 * model()
+
+fibonacci.author = "Leonardo"
+length = functools.cache(len)
+imported = functools.cache(functools.cmp_to_key)
+
+def work(number):
+    assert Item().double() == 20
+    assert (fibonacci.author, fibonacci.__name__) == ("Leonardo", "fibonacci")
+    assert fibonacci.cache_parameters() == {"maxsize": 50, "typed": True}
+    assert imported.cache_parameters() == {"maxsize": None, "typed": False}
+    return model() + length("abc") + fibonacci(number), len(loads)
+
+lock = threading.Lock()
+
+def locked(number):
+    with lock:
+        return number
+
+with workers(2) as mapper:
+    print(*mapper(work, [30, 31, 32, 33]), loads)
+    print(*mapper(functools.cache(lambda number: -number), [1, 2]))
+    try:
+        mapper(locked, [1])
+    except UserError as error:
+        print(error)
+"""
+PRINTED = """\
+(832053, 1) (1346282, 1) (2178322, 1) (3524591, 1) []
+-1 -2
+this cannot be sent to another process, as several jobs need; put it into a module of its own, \
+or use 1 job: cannot pickle '_thread.lock' object
+"""
+
+
+def test_cached_functions_of_programs_are_sent_and_locks_are_told(tmp_path):
+    assert output(["-c", CACHES], "", tmp_path) == PRINTED
 
 
 def test_work_that_cannot_be_sent_is_told(monkeypatch):
@@ -149,7 +275,7 @@ def test_work_that_cannot_be_sent_is_told(monkeypatch):
         (abs, [pointer], "pointers"),
         (module.double, [1], "only_here"),
     ):
-        want = f"cannot be sent to another process, as several jobs need: .*{why}"
+        want = f"cannot be sent to another process, as several jobs need; .*, or use 1 job: .*{why}"
         with pytest.raises(UserError, match=want), workers(2) as mapper:
             list(mapper(work, items))
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad._util.child_process import Survivor
+from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.sim import (
     LabelTrialParameters,
@@ -56,7 +56,7 @@ def run(
     parts = []
     limit = ENGINE_TIME * max(share.values(), default=1)
     phase("starting the simulator")
-    with Survivor(partial(open_agreement, settings, bundle), limit) as execute:
+    with RestartingWorker(partial(open_agreement, settings, bundle), limit) as execute:
         for row in progress(chosen, "trying", len(chosen)):
             label, name = row["label"], row["id"]
             sample = sample_labelled_grasps(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad._util.child_process import Survivor
+from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.clearing import Cleared
 from egad.config.stages import ClearedTables
@@ -56,7 +56,7 @@ def run(
     limit = 2 * settings.clutter.objects * attempt
     with (
         keep_failure(out),
-        Survivor(partial(open_clutter, settings, bundle, grasps), limit) as clear,
+        RestartingWorker(partial(open_clutter, settings, bundle, grasps), limit) as clear,
     ):
         for this in progress(todo, "clearing", len(todo)):
             done: Cleared | None = clear(this)

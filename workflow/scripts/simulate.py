@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad._util.child_process import Survivor
+from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.config.stages import SimulatedTrials
 from egad.detectors import (
@@ -56,7 +56,7 @@ def run(
     monitor = FailureMonitor(len(chosen), keep_going)
     with (
         keep_failure(out),
-        Survivor(partial(open_trials, settings, bundle, grasps), limit) as attempt,
+        RestartingWorker(partial(open_trials, settings, bundle, grasps), limit) as attempt,
     ):
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
             failed = partial(failed_attempts, row["label"], row["id"], settings)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad._util.child_process import Survivor
+from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.config.stages import SimulatedLabels
 from egad.outcomes import Outcome
@@ -43,7 +43,7 @@ def run(
     phase("starting the simulator")
     limit = ENGINE_TIME * settings.simulated_label.grasps
     objects = labelled.groupby("label")
-    with Survivor(partial(open_labels, settings, convex_parts, meshes), limit) as simulate:
+    with RestartingWorker(partial(open_labels, settings, convex_parts, meshes), limit) as simulate:
         for _, rows in progress(objects, "simulating grasps", objects.ngroups):
             labels = simulate(rows)
             if labels is None:

@@ -76,7 +76,7 @@ def test_shards_together_have_the_same_rows(dataset, table, tmp_path):
 
 def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monkeypatch, caplog):
     class Deadly:
-        def __init__(self, _opened, _limit):
+        def __init__(self, _make_work, _limit):
             pass
 
         def __enter__(self):
@@ -85,7 +85,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
         def __exit__(self, *_):
             pass
 
-    monkeypatch.setattr(agreement, "Survivor", Deadly)
+    monkeypatch.setattr(agreement, "RestartingWorker", Deadly)
     outcomes = executed(dataset, tmp_path / "out.parquet").groupby("label")["outcome"].unique()
     assert {label: set(found) for label, found in outcomes.items()} == {
         "A0": {"crashed"},

@@ -97,7 +97,7 @@ def test_shards_together_have_the_same_rows(dataset, table, tmp_path):
 
 def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monkeypatch, caplog):
     class Deadly:
-        def __init__(self, _opened, _limit):
+        def __init__(self, _make_work, _limit):
             pass
 
         def __enter__(self):
@@ -110,7 +110,7 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
         def __exit__(self, *_):
             pass
 
-    monkeypatch.setattr(simulate, "Survivor", Deadly)
+    monkeypatch.setattr(simulate, "RestartingWorker", Deadly)
     trials = parquet.read(tried(dataset, tmp_path / "out.parquet"), TRIALS)
     outcomes = dict(zip(trials["label"], trials["outcome"], strict=True))
     assert outcomes == {"A0": "crashed", "A1": "missed", "B0": "failed"}
