@@ -126,12 +126,12 @@ def check_unit_known(paths: Iterable[Path], units: str | None) -> None:
 
 def _is_silent(path: Path) -> bool:
     """Whether a file and its format say nothing of its unit."""
-    if path.suffix[1:].lower() in PRESCRIBED or not path.is_file():
+    ending = path.suffix.lower()
+    if ending not in ENDINGS or ending[1:] in PRESCRIBED or not path.is_file():
         return False
     with path.open("rb") as file:
         start = file.read(COMMENTS)
-    stl = path.suffix.lower() == ".stl"
-    return (stated_in_header(start) if stl else stated_in_comments(start)) is None
+    return (stated_in_header(start) if ending == ".stl" else stated_in_comments(start)) is None
 
 
 def _parsed(path: Path) -> Content:

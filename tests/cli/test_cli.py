@@ -35,6 +35,13 @@ def test_a_mesh_of_unknown_unit_is_refused_alike(tmp_path):
     assert "cube.stl does not state its unit" in text
 
 
+def test_a_file_that_is_no_mesh_is_told_as_that(tmp_path):
+    path = tmp_path / "cube.png"
+    path.touch()
+    found = egad("measure", "--jobs", 1, path)
+    assert "not a mesh file; allowed endings: .3mf .glb" in found.stderr
+
+
 def test_help_imports_no_library_that_is_slow_and_nothing_of_the_workflow():
     code = (
         "import sys, egad.cli.commands\n"

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from egad.config import GRIPPERS, Gripper, ImageNoise
-from egad.detectors.antipodal import _edges, _uneven, antipodal_depth
+from egad.detectors.antipodal import _Edges, _edges, _pairs, _uneven, antipodal_depth
 from egad.detectors.base import Grasp
 from egad.perception.camera import WHOLE, DepthCamera, Intrinsics, View, camera_above, table_depth
 from egad.perception.heightmap import heightmap_of
@@ -204,3 +204,11 @@ def test_what_is_looked_at_of_an_image_gives_the_edges_and_heights_of_all_of_it(
     edges, smaller = np.transpose(found)
     assert (edges > 0).sum() > 20
     assert smaller.sum() > 20
+
+
+@pytest.mark.parametrize(("degrees", "found"), [(38.0, 1), (39.5, 0)])
+def test_edges_oppose_each_other_within_the_friction_cone(degrees, found):
+    """Silicone has a friction of 0.8, whose cone has a half angle of 38.7 degrees."""
+    x, y = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    edges = _Edges(np.array([[-0.02, 0, 0.03], [0.02, 0, 0.03]]), np.array([[-x, y], [x, y]]))
+    assert len(_pairs(edges, Gripper(opening=0.08)).axis) == found

@@ -265,6 +265,13 @@ def test_an_empty_cell_borrows_the_nearest_object_beside_it():
     assert found(lonely, left_out=[0, 1]) == {2: [2], 3: [3]}
 
 
+def test_there_may_be_more_columns_than_rows():
+    table = objects((0.5, 0.975), (0.5, 0.75), (0.5, 1.75))  # columns are half as wide
+    wide = SelectEval(rows=2, columns=4, borrow=0.1)
+    cells = {k: v.tolist() for k, v in candidates_by_cell(table, wide, SPACE).items()}
+    assert cells == {1: [1], 2: [0], 3: [2]}
+
+
 def test_the_last_object_of_a_cell_is_not_borrowed():
     assert found(objects((1.02, 0.5), (1.5, 1.5))) == {2: [0], 3: [1]}
 

@@ -1,4 +1,5 @@
 import numpy as np
+import pandas as pd
 import pytest
 import trimesh
 
@@ -6,9 +7,9 @@ from egad.config import GraspLabel, Settings
 from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
-from egad.grasps.labels import label_grasps, sample_for_labels
+from egad.grasps.labels import label_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
-from egad.grasps.sampler import sample_contacts
+from egad.grasps.sampler import SamplingStatistics, sample_contacts
 from egad.grippers import BoxBody
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
@@ -74,3 +75,17 @@ def test_grasps_are_kept_that_no_horizontal_approach_reaches():
     _, tally = sample_for_labels(RayCaster(ring), SETTINGS, rng(0))
     assert sampled.blocked > 0
     assert tally.blocked == 0
+
+
+def test_what_became_of_the_grasps_is_counted_once():
+    """A hand that does not fit at a grasp cannot come there either."""
+    grasps = pd.DataFrame(
+        {
+            "quality": [0.001, 0.0, 0.002, 0.003],
+            "fits": [True, True, False, False],
+            "collision_free": [True, False, False, False],
+        }
+    )
+    row = statistics_row(5, SamplingStatistics(tried=9, too_wide=2, blocked=1), grasps)
+    assert (row["n_grasps"], row["n_in_collision"], row["n_unreachable"]) == (4, 2, 1)
+    assert (row["n_slipping"], row["n_surplus"]) == (1, 2)

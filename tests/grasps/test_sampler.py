@@ -8,7 +8,9 @@ from egad.config import Sampling
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import (
+    ContactPairs,
     SamplingStatistics,
+    _keep_apart,
     approach_directions,
     sample_contacts,
     valid_contacts,
@@ -79,6 +81,12 @@ def test_grasps_are_spread():
     turn = np.arccos(np.minimum(np.abs(grasps.axes @ grasps.axes.T), 1))
     distance = apart + 0.05 * 2 / np.pi * turn
     assert distance[~np.eye(len(grasps), dtype=bool)].min() >= 0.004
+
+
+def test_a_grasp_with_its_fingers_exchanged_is_the_same_grasp():
+    grasps, _ = draw(box(0.04, 0.04, 0.04), spacing=0.004)
+    turned = ContactPairs(grasps.points[:, ::-1], grasps.normals[:, ::-1], -grasps.axes)
+    assert len(_keep_apart(grasps, turned, 0.004)) == 0
 
 
 def test_open_fingers_reach_the_contacts():

@@ -128,7 +128,7 @@ def make(run, folder, grasps=("grasps-0.parquet", "grasps-1.parquet")):
         writes={"out": archive},
         params={
             "settings": select(SETTINGS, SimulationBundle).model_dump(mode="json"),
-            "style": "mjcf",
+            "format_name": "mjcf",
             "meshes": str(meshes),
         },
         wildcards={"format": "mjcf"},
