@@ -11,7 +11,7 @@ from typing import NamedTuple
 import trimesh
 
 from egad._util.display import facts_html
-from egad._util.files import as_path, atomic_output, check_empty
+from egad._util.files import as_path, new_folder
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError, check_name
@@ -153,9 +153,7 @@ def export(
     for item in items:
         check_key(item.label)
     target = as_path("out", out)
-    check_empty(target)
-    with atomic_output(target, keep=False) as folder:
-        folder.mkdir()
+    with new_folder(target) as folder:
         for item in progress(items, "exporting", len(items)):
             try:
                 write(folder, item, scaled_solid(item, hand, rule))

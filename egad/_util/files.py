@@ -85,15 +85,19 @@ def write_text(path: Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8")
 
 
-def check_empty(folder: Path) -> None:
-    """Check that a folder is empty or new, so that nothing is lost when it is written.
+@contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """A folder to fill, which is at its path at the end and not before; nothing there is lost.
 
     Raises:
-        UserError: It is not empty, or is a file.
+        UserError: There are files in a folder at the path, or it is a file.
     """
-    check_not_file(folder)
-    if folder.is_dir() and any(folder.iterdir()):
-        raise UserError(f"{folder} is not empty, and its files would be lost; name a new folder")
+    check_not_file(path)
+    if path.is_dir() and any(path.iterdir()):
+        raise UserError(f"{path} is not empty, and its files would be lost; name a new folder")
+    with atomic_output(path, keep=False) as folder:
+        folder.mkdir()
+        yield folder
 
 
 def check_not_file(folder: Path) -> None:

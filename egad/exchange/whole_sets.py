@@ -2,10 +2,9 @@
 
 import logging
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-from egad._util.files import atomic_output, check_empty
+from egad._util.files import new_folder
 from egad._util.progress import progress
 from egad.evalset import SimulationObject
 from egad.exchange.objects.simulation import read_convex_objects, read_simulation_object
@@ -39,7 +38,7 @@ def write_evaluation_set(
     """
     del settings
     rows = parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
-    with _new_folder(out) as folder:
+    with new_folder(out) as folder:
         for row in progress(rows, "writing objects", len(rows)):
             write(folder, row["label"], read_simulation_object(bundle, row), row["friction"])
     log.info("%d objects", len(rows))
@@ -63,7 +62,7 @@ def write_all(
     """
     labels, written = {path.stem for path in meshes.glob("*.obj")}, set()
     found = read_convex_objects(convex_parts, meshes, settings.material.density)
-    with _new_folder(out) as folder:
+    with new_folder(out) as folder:
         for label, made in progress(found, "writing objects", len(labels)):
             write(folder, label, made, settings.bundle.friction)
             written.add(label)
@@ -86,7 +85,7 @@ def write_all_surfaces(settings: GripperFormat, ending: str, meshes: Path, out: 
     """
     del settings
     paths = sorted(meshes.glob("*.obj"))
-    with _new_folder(out) as folder:
+    with new_folder(out) as folder:
         for path in progress(paths, "writing objects", len(paths)):
             write_mesh(read_mesh(path, "m"), folder / f"{path.stem}.{ending}")
     log.info("%d objects", len(paths))
@@ -104,7 +103,7 @@ def write_images(settings: GripperFormat, write: WriteImages, images: Path, out:
     Raises:
         UserError: Shards are missing, the images do not fit the format, or the folder has files.
     """
-    with _new_folder(out) as folder:
+    with new_folder(out) as folder:
         write(_pictures(images), settings.gripper, folder)
 
 
@@ -112,11 +111,3 @@ def _pictures(images: Path) -> Iterator[RenderedImage]:
     """All images of a folder; one shard at a time is in memory."""
     for table in shards(images):
         yield from progress(Images(table), "writing images", len(table))
-
-
-@contextmanager
-def _new_folder(out: Path) -> Iterator[Path]:
-    check_empty(out)
-    with atomic_output(out, keep=False) as folder:
-        folder.mkdir()
-        yield folder

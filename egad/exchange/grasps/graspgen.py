@@ -12,7 +12,7 @@ import trimesh
 import yaml
 
 from egad._util.arrays import Floats
-from egad._util.files import atomic_output, check_empty
+from egad._util.files import new_folder
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.exchange.simulated import check_simulated, simulated_by_object
@@ -227,10 +227,9 @@ def run(
         UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
             empty.
     """
-    check_empty(out)
-    check_simulated(simulated_grasps)
-    hand = graspgen_hand(check_key(gripper, "gripper"), settings.gripper)
-    with atomic_output(out, keep=False) as folder:
+    with new_folder(out) as folder:
+        check_simulated(simulated_grasps)
+        hand = graspgen_hand(check_key(gripper, "gripper"), settings.gripper)
         start_graspgen(folder, hand)
         for label, rows in simulated_by_object(simulated_grasps):
             name = f"{check_key(label)}.obj"

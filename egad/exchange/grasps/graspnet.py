@@ -7,7 +7,7 @@ import pandas as pd
 import trimesh
 
 from egad._util.arrays import Floats
-from egad._util.files import atomic_output, check_empty
+from egad._util.files import new_folder
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.exchange.simulated import check_simulated, simulated_by_object
@@ -111,9 +111,7 @@ def run(
         UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
             empty.
     """
-    check_empty(out)
-    check_simulated(simulated_grasps)
-    with atomic_output(out, keep=False) as folder:
-        folder.mkdir()
+    with new_folder(out) as folder:
+        check_simulated(simulated_grasps)
         for label, rows in simulated_by_object(simulated_grasps):
             write_graspnet(folder, check_key(label), rows, settings.gripper.opening)

@@ -9,7 +9,7 @@ import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad._util.files import atomic_output, check_empty
+from egad._util.files import new_folder
 from egad.errors import UserError
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
@@ -108,10 +108,8 @@ def run(
         UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
             empty.
     """
-    check_empty(out)
-    check_simulated(simulated_grasps)
-    with atomic_output(out, keep=False) as folder:
-        folder.mkdir()
+    with new_folder(out) as folder:
+        check_simulated(simulated_grasps)
         for label, rows in simulated_by_object(simulated_grasps):
             path = folder / f"{check_key(label)}.yaml"
             write_isaac_grasp(path, label, settings.gripper, rows)
