@@ -3,7 +3,7 @@
 import pyarrow as pa
 
 from egad.outcomes import POSE_FAILURES, SIMULATION_FAILURES, Outcome, listed
-from egad.tables.columns import FLOAT, INT, STRING, column
+from egad.tables.columns import FLOAT, INT, STRING, Result, column
 from egad.tables.evaluation import ENGINE, FAILURE, SUCCESS
 
 GRASP_POSE = tuple(f"pose_{row}{part}" for row in "xyz" for part in ("x", "y", "z", "t"))
@@ -46,3 +46,11 @@ CLUTTER = pa.schema(
         FAILURE,
     ]
 )
+
+RESULTS = [
+    Result(
+        "D/clutter/G/P.parquet",
+        "tables that detector P clears (`targets.clutter`), one attempt per row",
+        CLUTTER,
+    ),
+]

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,6 +20,20 @@ STRING, INT, FLOAT, BOOL, BINARY = (
     pa.bool_(),
     pa.large_binary(),
 )
+
+
+class Result(NamedTuple):
+    """A file or folder that a run writes.
+
+    Attributes:
+        path: In `results/`; D stands for a dataset, G for a gripper, P for a grasp detector.
+        meaning: What it is.
+        columns: Those of a table.
+    """
+
+    path: str
+    meaning: str
+    columns: pa.Schema | None = None
 
 
 def column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:

@@ -16,6 +16,7 @@ from egad.tables.columns import (
     ROBUST_QUALITY,
     ROBUST_SUCCESS_RATE,
     STRING,
+    Result,
     column,
     optional,
     pose,
@@ -203,3 +204,27 @@ AGREEMENT = pa.schema(
         ENGINE,
     ]
 )
+
+RESULTS = [
+    Result(
+        "D/convex_parts/G.parquet",
+        "convex parts of the scaled objects (for a release, and exports of all objects)",
+        CONVEX_PARTS,
+    ),
+    Result("D/eval49.parquet", "evaluation set", EVAL49),
+    Result("D/eval49/README.md", "datasheet of the evaluation set, with how to report results"),
+    Result("D/eval49/contact-sheet.pdf", "pictures of its objects, with names and sizes"),
+    Result("D/eval49/trials.csv", "empty table for attempts with a real robot"),
+    Result("D/print/G/LABEL_RULE_OPENING.stl", "evaluation set to print, in millimetres"),
+    Result("D/print/G/plate-N.3mf", "the same on the plates of a printer"),
+    Result("D/print/G/manifest.parquet", "what is on each plate", MANIFEST),
+    Result("D/bundle/G/LABEL/", "evaluation set for simulators; see docs/bundle.md"),
+    Result("D/bundle/G/README.md", "what these files are"),
+    Result("D/bundle/G/bundle.parquet", "its objects, parts and masses", BUNDLE),
+    Result("D/trials/G/P.parquet", "simulated trials, one attempt per row", TRIALS),
+    Result(
+        "D/agreement/G.parquet",
+        "sample of the labelled grasps, executed in simulation (`targets.agreement`)",
+        AGREEMENT,
+    ),
+]

@@ -15,6 +15,7 @@ from egad.tables.columns import (
     ID,
     INT,
     STRING,
+    Result,
     column,
     optional,
 )
@@ -90,3 +91,9 @@ HISTORY = pa.schema(
         ),
     ]
 )
+
+RESULTS = [
+    Result("D/archive.parquet", "elites of evolution", ARCHIVE),
+    Result("D/history.parquet", "statistics of the archive after each step", HISTORY),
+    Result("D/ancestry.parquet", "elites and all their ancestors", LINEAGE),
+]

@@ -13,6 +13,7 @@ from egad.tables.columns import (
     ROBUST_QUALITY,
     ROBUST_SUCCESS_RATE,
     STRING,
+    Result,
     column,
     optional,
     vector,
@@ -168,3 +169,29 @@ SIZE_EFFECT = pa.schema(
         column("quality", FLOAT, "Ferrari-Canny quality at this percentile; null without grasps"),
     ]
 )
+
+RESULTS = [
+    Result("D/rescaled/G/LABEL.obj", "meshes scaled to gripper G, in metres"),
+    Result("D/rescaled/G/scales.parquet", "their scales", SCALES),
+    Result(
+        "D/grasps/G.parquet",
+        "labelled grasps of the scaled objects; `simulated_*` with `targets.simulated_labels`, or "
+        "if an export needs them",
+        SIMULATED_GRASPS,
+    ),
+    Result(
+        "D/grasps/G.sampling.parquet",
+        "how many candidates were drawn, and why some were refused",
+        SAMPLING,
+    ),
+    Result(
+        "D/simulated/G.parquet",
+        "how often the simulated grasps of each object held (`targets.simulated_labels`)",
+        SIMULATED_OBJECTS,
+    ),
+    Result(
+        "D/size_effect/G.parquet",
+        "grasp quality over size of an easy, a medium and a hard object",
+        SIZE_EFFECT,
+    ),
+]

@@ -2,7 +2,7 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import BINARY, FLOAT, INT, STRING, column, pose
+from egad.tables.columns import BINARY, FLOAT, INT, STRING, Result, column, pose
 
 SINGLE = pa.float32()
 
@@ -66,3 +66,13 @@ IMAGES = pa.schema(
 )
 LISTS = IMAGES.names[IMAGES.names.index("object") :]
 """The columns that have one entry for each grasp."""
+
+RESULTS = [
+    Result(
+        "D/images/G/images-N.parquet",
+        "depth images with grasps (`targets.render`); see docs/images.md",
+        IMAGES,
+    ),
+    Result("D/images/G/card.md", "their description"),
+    Result("D/images/G/openings.svg", "how far the hand opens for the good grasps in them"),
+]

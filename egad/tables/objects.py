@@ -17,6 +17,7 @@ from egad.tables.columns import (
     INT,
     LABEL,
     STRING,
+    Result,
     column,
     vector,
 )
@@ -152,3 +153,21 @@ COMPARISON = pa.schema(
         column("diversity_mean", FLOAT, "mean diversity"),
     ]
 )
+
+RESULTS = [
+    Result("comparison.parquet", "coverage and diversity of all datasets", COMPARISON),
+    Result("comparison.svg", "small map of each dataset"),
+    Result("D/objects.parquet", "repaired and measured objects", OBJECTS),
+    Result("D/rejected.parquet", "rejected objects, with reasons", REJECTED),
+    Result("D/meshes/LABEL.obj", "meshes of the objects, in metres"),
+    Result(
+        "D/graspability/G.parquet",
+        "measures of the objects for gripper G (`targets.graspability`)",
+        GRASPABILITIES,
+    ),
+    Result("D/rescaled/G/rejected.parquet", "objects that cannot be scaled", REJECTED),
+    Result("D/grasps/G.rejected.parquet", "objects without grasps", REJECTED),
+    Result("D/eval49.rejected.parquet", "candidates that cannot be printed", REJECTED),
+    Result("D/bundle/G/rejected.parquet", "objects that are not in it", REJECTED),
+    Result("D/images/G/rejected.parquet", "objects without images", REJECTED),
+]

@@ -2,7 +2,7 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import BOOL, FLOAT, INT, STRING, column, vector
+from egad.tables.columns import BOOL, FLOAT, INT, STRING, Result, column, vector
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
@@ -48,3 +48,22 @@ RELEASED_GRASPS = pa.schema(
 )
 
 RELEASED_EVALUATION_SET = pa.schema([*EVAL49, MESH, PREVIEW])
+
+RESULTS = [
+    Result("release/", "dataset that anyone can host; see docs/release.md"),
+    Result(
+        "release/data/objects/SPLIT.parquet",
+        "objects of the splits train, validation and test",
+        RELEASED_OBJECTS,
+    ),
+    Result(
+        "release/data/grasps/SPLIT-NNNNN-of-NNNNN.parquet",
+        "their grasps, in the frame of the object scaled to the gripper of the release",
+        RELEASED_GRASPS,
+    ),
+    Result(
+        "release/data/evaluation_set.parquet",
+        "evaluation set of the release",
+        RELEASED_EVALUATION_SET,
+    ),
+]

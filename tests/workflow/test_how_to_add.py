@@ -20,17 +20,14 @@ from egad.tables.grasping import GRASPS, SCALES
 from egad.tables.objects import OBJECTS
 
 ROOT = Path(__file__).parents[2]
-BLOCK = re.compile(
-    r"^```python\n# (\S+?)(?:, (class|list) (\w+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE
-)
-# Where a block is put if it is added to something: behind what the pattern finds.
-PLACES = {"class": r"^class {}\(.*?^(?=    (?:@|def ))", "list": r"^{} = \[\n"}
+BLOCK = re.compile(r"^```python\n# (\S+?)(?:, class (\w+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+# A block that is added to a class is put behind what this finds.
+CLASS_HEAD = r"^class {}\(.*?^(?=    (?:@|def ))"
 ADDED = {
     "egad/measures/compactness.py",
     "egad/measures/parameters.py",
-    "egad/tables/objects.py",
+    "egad/tables/weights.py",
     "egad/exchange/grasps/plain.py",
-    "egad/workflow/results_page.py",
     "workflow/scripts/weigh.py",
     "workflow/Snakefile",
     "workflow/rules/weigh.smk",
@@ -46,7 +43,7 @@ onstart:
 
 
 def blocks():
-    """The code of the section of CONTRIBUTING: file, kind and name of what it is added to, text."""
+    """The code of the section of CONTRIBUTING: file, class that it is added to, text."""
     return BLOCK.findall((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
 
 
@@ -58,13 +55,12 @@ def copy(tmp_path_factory):
     for name in ("egad", "workflow", "config", "profiles", "envs", "docs"):
         shutil.copytree(ROOT / name, folder / name, ignore=skipped)
     shutil.copy(ROOT / "Snakefile", folder)
-    for file, kind, name, text in blocks():
+    for file, name, text in blocks():
         path = folder / file
         before = path.read_text(encoding="utf-8") if path.exists() else ""
-        if kind:
-            place = re.search(PLACES[kind].format(name), before, re.DOTALL | re.MULTILINE)
-            more = f"{text}\n" if kind == "class" else text
-            path.write_text(before[: place.end()] + more + before[place.end() :], encoding="utf-8")
+        if name:
+            end = re.search(CLASS_HEAD.format(name), before, re.DOTALL | re.MULTILINE).end()
+            path.write_text(f"{before[:end]}{text}\n{before[end:]}", encoding="utf-8")
         else:
             path.write_text(f"{before}\n{text}" if before else text, encoding="utf-8")
     (folder / "quick.smk").write_text(QUICK)

@@ -6,7 +6,8 @@ import pytest
 from rule_texts import ROOT, TEXT
 
 from egad.workflow import results_page
-from egad.workflow.results_page import RESULTS
+
+RESULTS = results_page.results()
 
 WILDCARDS = {
     "D": "{dataset}",
