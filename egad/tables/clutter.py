@@ -47,7 +47,7 @@ CLUTTER = pa.schema(
     ]
 )
 
-RESULTS = [
+FILES = [
     Result(
         "D/clutter/G/P.parquet",
         "tables that detector P clears (`targets.clutter`), one attempt per row",

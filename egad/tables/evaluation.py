@@ -205,7 +205,7 @@ AGREEMENT = pa.schema(
     ]
 )
 
-RESULTS = [
+FILES = [
     Result(
         "D/convex_parts/G.parquet",
         "convex parts of the scaled objects (for a release, and exports of all objects)",

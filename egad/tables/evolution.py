@@ -92,7 +92,7 @@ HISTORY = pa.schema(
     ]
 )
 
-RESULTS = [
+FILES = [
     Result("D/archive.parquet", "elites of evolution", ARCHIVE),
     Result("D/history.parquet", "statistics of the archive after each step", HISTORY),
     Result("D/ancestry.parquet", "elites and all their ancestors", LINEAGE),

@@ -170,7 +170,7 @@ SIZE_EFFECT = pa.schema(
     ]
 )
 
-RESULTS = [
+FILES = [
     Result("D/rescaled/G/LABEL.obj", "meshes scaled to gripper G, in metres"),
     Result("D/rescaled/G/scales.parquet", "their scales", SCALES),
     Result(

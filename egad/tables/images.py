@@ -67,7 +67,7 @@ IMAGES = pa.schema(
 LISTS = IMAGES.names[IMAGES.names.index("object") :]
 """The columns that have one entry for each grasp."""
 
-RESULTS = [
+FILES = [
     Result(
         "D/images/G/images-N.parquet",
         "depth images with grasps (`targets.render`); see docs/images.md",

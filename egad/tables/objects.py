@@ -154,7 +154,7 @@ COMPARISON = pa.schema(
     ]
 )
 
-RESULTS = [
+FILES = [
     Result("comparison.parquet", "coverage and diversity of all datasets", COMPARISON),
     Result("comparison.svg", "small map of each dataset"),
     Result("D/objects.parquet", "repaired and measured objects", OBJECTS),

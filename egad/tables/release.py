@@ -49,7 +49,7 @@ RELEASED_GRASPS = pa.schema(
 
 RELEASED_EVALUATION_SET = pa.schema([*EVAL49, MESH, PREVIEW])
 
-RESULTS = [
+FILES = [
     Result("release/", "dataset that anyone can host; see docs/release.md"),
     Result(
         "release/data/objects/SPLIT.parquet",

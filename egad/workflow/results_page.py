@@ -36,9 +36,9 @@ jobs pass to each other; the pipeline makes what it needs of them again.
 
 
 def results() -> list[Result]:
-    """What a run writes: `RESULTS` of every module of tables, and the others, by path."""
+    """What a run writes: `FILES` of every module of tables, and the others, by path."""
     names = [f"{tables.__name__}.{each.name}" for each in iter_modules(tables.__path__)]
-    listed = [getattr(import_module(name), "RESULTS", []) for name in names]
+    listed = [getattr(import_module(name), "FILES", []) for name in names]
     return sorted([*OTHERS, *chain.from_iterable(listed)], key=lambda each: each.path)
 
 
