@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -25,7 +25,7 @@ from egad.clearing import (
 )
 from egad.detectors import (
     IN_SCENES,
-    SHIPPED_NETWORK,
+    SHIPPED_NETWORKS,
     DetectorConfig,
     FailureMonitor,
     wanted_input,
@@ -38,6 +38,7 @@ from egad.objects import Dataset
 from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
 from egad.sim import (
     ENDINGS,
+    CellErrors,
     Clutter,
     ClutterParameters,
     EngineName,
@@ -145,6 +146,7 @@ def run_benchmark(
     rounds: int = 100,
     per_scene: int = 5,
     scale: tuple[float, float] = (0.8, 1.0),
+    errors: str | Mapping[str, Any] | CellErrors = "none",
     seed: int = 0,
     rule: str = "paper",
     engine: EngineName = "mujoco",
@@ -175,6 +177,7 @@ def run_benchmark(
         rounds: Rounds of each kind of scene and noise.
         per_scene: Objects in packed and piled scenes.
         scale: Range of the sizes of the objects, of those by the rule.
+        errors: Errors of a real cell, as of `egad.run_trials`.
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
         engine: What computes the physics: `mujoco` or `pybullet`.
@@ -201,12 +204,13 @@ def run_benchmark(
         rounds=rounds,
         objects=per_scene,
         scale=scale,
+        errors=errors,
         keep_going=keep_going,
     )
     settings = from_arguments(ClutterParameters, seed=seed, gripper=hand, clutter=clutter)
     if isinstance(detect, str):
         detect = DetectorConfig(
-            detector=check_name("detector", detect, (LABELS, SHIPPED_NETWORK, *IN_SCENES))
+            detector=check_name("detector", detect, (LABELS, *SHIPPED_NETWORKS, *IN_SCENES))
         )
     elif not callable(detect) and not isinstance(detect, DetectorConfig):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")

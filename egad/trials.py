@@ -14,7 +14,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.detectors import (
     QUICK,
-    SHIPPED_NETWORK,
+    SHIPPED_NETWORKS,
     Detector,
     DetectorConfig,
     FailureMonitor,
@@ -33,6 +33,7 @@ from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.outcomes import Outcome
 from egad.sim import (
+    CellErrors,
     EngineName,
     TrialParameters,
     TrialProtocol,
@@ -113,6 +114,9 @@ def run_trials(
     rule: str = "paper",
     reset: Literal["continue", "redrop"] = "continue",
     depth_noise: float = 0.0,
+    errors: str | Mapping[str, Any] | CellErrors = "none",
+    contact: Literal["collided", "close"] = "collided",
+    stopping_force: float = 20.0,
     engine: EngineName = "mujoco",
     jobs: int = 1,
     keep_going: bool = False,
@@ -130,8 +134,9 @@ def run_trials(
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
             (`egad.detectors.Detector`); or the name of one that needs no file:
             `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that egad ships; it needs
-            PyTorch); or `labels`, which knows where the object is and proposes the best of 100
-            grasps that are sampled with the seed.
+            PyTorch), `ggcnn2-evolved-published` (the same, carried out as on the robot of EGAD);
+            or `labels`, which knows where the object is and proposes the best of 100 grasps that
+            are sampled with the seed.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         attempts: Attempts at each object; 20 as in the paper.
@@ -141,6 +146,11 @@ def run_trials(
             failure it stays where it lies; `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
             If it is not 0, the image also has holes beside edges and on steep surfaces.
+        errors: Errors of a real cell: `none`, `typical`, or your own by their names, such as
+            `{"calibration": 0.002}`; [all of them](../../config/README.md#trialserrors).
+        contact: What a contact on the way down means: `collided` is a failure; with `close` the
+            fingers close where the hand was stopped, as on the robot of EGAD.
+        stopping_force: Contact force that stops the hand on its way down, newtons.
         engine: What computes the physics: `mujoco` or `pybullet`.
         jobs: Processes; the result does not depend on them.
         keep_going: Whether to go on with a detector that fails in every attempt at the first three
@@ -165,12 +175,15 @@ def run_trials(
         attempts=attempts,
         reset=reset,
         depth_noise=depth_noise,
+        errors=errors,
+        contact=contact,
+        stopping_force=stopping_force,
         keep_going=keep_going,
     )
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
     if isinstance(detect, str):
-        check_name("detector", detect, (LABELS, SHIPPED_NETWORK, *QUICK))
+        check_name("detector", detect, (LABELS, *SHIPPED_NETWORKS, *QUICK))
     elif not callable(detect):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
     else:

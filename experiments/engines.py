@@ -21,7 +21,7 @@ from typing_extensions import override
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.config import GRIPPERS, TrialProtocol
-from egad.sim import ARMS, ENGINES, TrialRunner, open_world, read_attempt
+from egad.sim import ARMS, ENGINES, CellErrors, TrialRunner, open_world, read_attempt
 from egad.sim.pybullet_world import PyBulletWorld
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
@@ -56,7 +56,7 @@ def carried_out(rows: tuple[str, pd.DataFrame], results: Path, gripper: str) -> 
     name, table = rows
     bundle = results / "bundle" / gripper
     model, arm = model_in(bundle, rows_by_id(bundle)[name]), ARMS["axis"](GRIPPERS[gripper])
-    tried = [read_attempt(row) for row in parquet.records(table)]
+    tried = [read_attempt(row, CellErrors()) for row in parquet.records(table)]
     with open_world("pybullet", [model], arm.robot) as world:
         runner = TrialRunner(world, arm, TrialProtocol())
         first = [runner.repeat(*each) for each in tried]

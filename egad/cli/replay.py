@@ -153,7 +153,9 @@ def repeat_attempt(
     arm = ARMS[settings.trials.arm](settings.gripper)
     with open_world(row["engine"], [model_in(bundle, known[row["id"]])], arm.robot) as world:
         film = Film(world)
-        again = TrialRunner(world, arm, settings.trials).repeat(*read_attempt(row))
+        again = TrialRunner(world, arm, settings.trials).repeat(
+            *read_attempt(row, settings.trials.errors)
+        )
     return again, film.frames
 
 

@@ -25,6 +25,7 @@ def manual() -> str:
     known = defaults()
     single = [name for name in keys_of(node_at(()) or {}) if not _is_section(name)]
     general = [name for name in single if not _is_table(name)]
+    shown: set[str] = set()
     parts = ["\n", table(["setting", "default", "meaning", "allowed"], _rows((), general, known))]
     for name in keys_of(node_at(()) or {}):
         path: tuple[str, ...] = (name, "any") if _is_table(name) else (name,)
@@ -33,8 +34,23 @@ def manual() -> str:
                 f"\n### `{name}`\n\n",
                 f"{_about(name)}\n\n",
                 _keys(path, known.get(name, {})),
+                *_nested(name, known.get(name, {}), shown),
             ]
     return "".join(parts) + "\n"
+
+
+def _nested(name: str, known: Mapping[str, Any], shown: set[str]) -> Iterator[str]:
+    """The sections within a section, of a kind that was not shown yet."""
+    for key in keys_of(node_at((name,)) or {}):
+        node = node_at((name, key)) or {}
+        if "properties" in node and node["title"] not in shown:
+            shown.add(node["title"])
+            yield f"\n### `{name}.{key}`\n\n{_meaning(node)}\n\n"
+            yield _keys((name, key), known[key])
+
+
+def _meaning(node: Node) -> str:
+    return " ".join(str(node.get("description", "")).split())
 
 
 def _about(name: str) -> str:
@@ -57,13 +73,14 @@ def _rows(
 ) -> Iterator[tuple[str, ...]]:
     for key in keys:
         name, meaning, may_be = _row(path, key)
-        shown = f"`{json.dumps(known[key])}`" if key in known else ""
+        inside = key in known and isinstance(known[key], dict)  # has a table of its own
+        shown = f"`{json.dumps(known[key])}`" if key in known and not inside else ""
         yield name, shown.replace('"', ""), meaning, may_be
 
 
 def _row(path: tuple[str, ...], key: str) -> tuple[str, str, str]:
     node: Node = node_at((*path, key)) or {}
-    return f"`{key}`", str(node.get("description", "")), allowed(node)
+    return f"`{key}`", _meaning(node), allowed(node)
 
 
 def _is_table(name: str) -> bool:

@@ -15,7 +15,7 @@ from .failures import try_to_plan as try_to_plan
 from .ggcnn import GGCNN as GGCNN
 from .labels import Labels as Labels
 from .parameters import DETECTORS as DETECTORS
-from .parameters import SHIPPED_NETWORK as SHIPPED_NETWORK
+from .parameters import SHIPPED_NETWORKS as SHIPPED_NETWORKS
 from .parameters import SHIPPED_WEIGHTS as SHIPPED_WEIGHTS
 from .parameters import DetectorConfig as DetectorConfig
 from .poses import Detector as Detector

@@ -16,10 +16,11 @@ from scipy import ndimage
 from egad._util.arrays import Floats, Ints
 from egad._util.extras import needed_for
 from egad.detectors.base import FULL_BITE, LEAST_BITE, WHERE, Grasp, bite_share, rank_grasps
+from egad.detectors.parameters import Execution
 from egad.errors import UserError
 from egad.grasps import TABLE_CLEARANCE
 from egad.grippers import Gripper
-from egad.learning import SIZE, Answer, peaks, prepare_input, read_maps
+from egad.learning import SIZE, Answer, peaks, prepare_input, read_as_published, read_maps
 from egad.perception import (
     Heightmap,
     View,
@@ -35,6 +36,7 @@ GGCNN_WEIGHTS = (
     "dougsm/ggcnn, as files named "
     "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
 )
+SHALLOW, LOWEST_TIP = 0.01, 0.005  # metres below the surface, and above the table
 Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
 
@@ -105,17 +107,24 @@ class _Spots(NamedTuple):
 class MapDetector:
     """Any network that gives the four maps of GG-CNN, as a grasp detector."""
 
-    def __init__(self, infer: Infer) -> None:
+    def __init__(self, infer: Infer, execution: Execution = "deepest") -> None:
         """Take a network.
 
         Args:
             infer: From depths (300, 300) of `targets.prepare_input` to quality, cos 2a,
                 sin 2a and width (4, 300, 300).
+            execution: Where the hand goes: see `__call__`.
         """
         self._infer = infer
+        self._execution = execution
 
     def __call__(self, view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
         """Grasps where the quality is highest and the hand gets deep enough, at most 10.
+
+        With the execution `published` it is one grasp, carried out as on the robot of EGAD (open
+        loop, in Morrison's repository mvp_grasp): at the pixel of the highest quality, however low
+        that is, the fingertips go 10 mm below the surface that the pixel sees, but not nearer to
+        the table than 5 mm, and the hand opens as wide as the network says. Ours is what follows.
 
         The middle 300 x 300 pixels go in, a smaller image enlarged, pixels without depth filled.
         The four images that come out are smoothed (see `egad.learning.targets`).
@@ -134,7 +143,10 @@ class MapDetector:
         """
         if not np.isfinite(view.depth).any():
             return []
-        answer = read_maps(self._infer(prepare_input(middle(view.depth).depth)))
+        maps = self._infer(prepare_input(middle(view.depth).depth))
+        if self._execution == "published":
+            return [_shallow(maps, view, gripper)]
+        answer = read_maps(maps)
         whole = restore(view)
         heightmap = heightmap_of(whole)
         if heightmap is None:
@@ -145,11 +157,13 @@ class MapDetector:
 class GGCNN(MapDetector):
     """GG-CNN or GG-CNN2, as the weights are."""
 
-    def __init__(self, weights: str | None) -> None:
+    def __init__(self, weights: str | None, execution: Execution = "deepest") -> None:
         """Load a network.
 
         Args:
             weights: File of weights: safetensors as `egad train` writes them, or published ones.
+            execution: Where the hand goes: as deep as the image allows (`deepest`), or as on the
+                robot of EGAD (`published`).
 
         Raises:
             UserError: PyTorch is missing, or the weights are, or they are of another network.
@@ -159,13 +173,13 @@ class GGCNN(MapDetector):
             from egad.learning import networks  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
         try:
-            super().__init__(networks.inference(files.read(path)))
+            super().__init__(networks.inference(files.read(path)), execution)
         except files.WeightsError as error:
             raise UserError(f"{error}; {GGCNN_WEIGHTS}") from error
 
-    def __reduce__(self) -> tuple[type["GGCNN"], tuple[str]]:
+    def __reduce__(self) -> tuple[type["GGCNN"], tuple[str, Execution]]:
         """For other processes, which load it again."""
-        return GGCNN, (str(self._weights),)
+        return GGCNN, (str(self._weights), self._execution)
 
 
 def middle(depth: NDArray[np.float32]) -> NetworkInput:
@@ -176,6 +190,25 @@ def middle(depth: NDArray[np.float32]) -> NetworkInput:
     if side < SIZE:
         cut = ndimage.zoom(cut, SIZE / side, order=1, mode="nearest", grid_mode=True)
     return NetworkInput(cut, (top, left), side / SIZE)
+
+
+def _shallow(maps: NDArray[np.floating], view: View, gripper: Gripper) -> Grasp:
+    """The best pixel as the robot of EGAD carried it out; see `MapDetector.__call__`."""
+    crop, answer = middle(view.depth), read_as_published(maps)
+    row, column = np.unravel_index(np.argmax(answer.quality), answer.quality.shape)
+    place = int(row), int(column)
+    depth = crop.depth[place]
+    ray = _rays(np.array([place[0]]), np.array([place[1]]), crop, view)[0]
+    x, y, top = view.pose[:3, 3] + depth * ray
+    tip = max(top - SHALLOW, LOWEST_TIP)
+    level = (max(top, tip) + tip) / 2
+    angle = answer.angle[place]
+    axis = np.array([np.cos(angle), -np.sin(angle)]) @ view.pose[:2, :2].T
+    width = answer.opening[place] * crop.scale * depth / view.intrinsics.focal
+    turn = float(np.arctan2(axis[1], axis[0]))
+    quality = float(answer.quality[place])
+    width = float(np.clip(width, 0, gripper.opening))
+    return Grasp((float(x), float(y), float(level)), turn, width, float(level - tip), quality)
 
 
 def _spots(answer: Answer, view: View, gripper: Gripper) -> _Spots:

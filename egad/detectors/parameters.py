@@ -1,20 +1,25 @@
 """Settings of grasp detectors."""
 
 from pathlib import Path
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Parameters, UserPath
 
+Execution = Literal["deepest", "published"]
 SHIPPED_NETWORK = "ggcnn2-evolved"
+SHIPPED_NETWORKS: dict[str, Execution] = {
+    SHIPPED_NETWORK: "deepest",
+    f"{SHIPPED_NETWORK}-published": "published",
+}
 # What `egad train` wrote; without `egad.data`, whose other files change no answer of a detector.
 SHIPPED_WEIGHTS = Path(__file__).parents[1] / "data" / SHIPPED_NETWORK / "weights.safetensors"
 SHIPPED = (
     "antipodal-cloud",
     "antipodal-depth",
     "ggcnn",
-    SHIPPED_NETWORK,
+    *SHIPPED_NETWORKS,
     "labels",
     "random",
     "vgn",
@@ -38,7 +43,11 @@ class DetectorConfig(Parameters):
     weights: UserPath | None = Field(
         None, description="file that the detector loads, such as the weights of a network"
     )
-
+    execution: Execution = Field(
+        "deepest",
+        description="how `ggcnn` is carried out: deepest: as deep as the image allows; published: "
+        "10 mm below the surface at the best pixel, as on the robot of EGAD",
+    )
     address: str | None = Field(
         None, description="address of the server of `graspgen`, such as tcp://localhost:5556"
     )
@@ -54,6 +63,8 @@ class DetectorConfig(Parameters):
             raise ValueError("a detector needs either `detector` or `command`")
         if (self.detector == GRASPGEN) != (self.address is not None):
             raise ValueError("the detector graspgen needs `address`, and no other takes it")
+        if self.execution != "deepest" and self.detector != "ggcnn":
+            raise ValueError(f"the detector {self.name} takes no `execution`: only ggcnn does")
         if self.detector is None:
             if self.weights:
                 raise ValueError("a detector with `command` takes no `weights`: put them there")

@@ -14,7 +14,12 @@ from egad.detectors.base import WHERE, DetectorError, Grasp
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
-from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORK, SHIPPED_WEIGHTS, DetectorConfig
+from egad.detectors.parameters import (
+    GRASPGEN,
+    SHIPPED_NETWORKS,
+    SHIPPED_WEIGHTS,
+    DetectorConfig,
+)
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.vgn import Vgn
@@ -46,9 +51,9 @@ def make_detector(config: DetectorConfig) -> Detector:
         raise UserError("labels: knows where the object is and answers in simulated trials only")
     if name == GRASPGEN and config.address:
         return GraspGen(config.address)
-    networks: dict[str, Callable[[str | None], Detector]] = {"ggcnn": GGCNN, "vgn": Vgn}
-    made = networks[name](config.weights) if name in networks else _own(config)
-    return with_checked_answers(made)
+    if name == "ggcnn":
+        return with_checked_answers(GGCNN(config.weights, config.execution))
+    return with_checked_answers(Vgn(config.weights) if name == "vgn" else _own(config))
 
 
 def with_checked_answers(detect: Callable[..., Any]) -> Detector:
@@ -128,6 +133,7 @@ def fingerprint(config: DetectorConfig) -> list[str]:
 
 def _with_shipped_weights(config: DetectorConfig) -> DetectorConfig:
     """The shipped network as `ggcnn` with its weights; any other detector as it is."""
-    if config.detector != SHIPPED_NETWORK:
+    if config.detector not in SHIPPED_NETWORKS:
         return config
-    return DetectorConfig(detector="ggcnn", weights=str(SHIPPED_WEIGHTS))
+    execution = SHIPPED_NETWORKS[config.detector]
+    return DetectorConfig(detector="ggcnn", weights=str(SHIPPED_WEIGHTS), execution=execution)

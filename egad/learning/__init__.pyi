@@ -14,4 +14,5 @@ from .parameters import Training as Training
 from .targets import Answer as Answer
 from .targets import peaks as peaks
 from .targets import prepare_input as prepare_input
+from .targets import read_as_published as read_as_published
 from .targets import read_maps as read_maps

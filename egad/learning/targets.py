@@ -61,6 +61,17 @@ def read_maps(maps: NDArray[np.floating]) -> Answer:
     return Answer(quality, np.arctan2(sine, cosine) / 2, part * WIDEST)
 
 
+def read_as_published(maps: NDArray[np.floating]) -> Answer:
+    """Decode angle and width, then smooth all three, as on the robot of EGAD.
+
+    Smoothing mixes angles of -90 and 90 degrees, which are the same, into 0; and where the network
+    is half certain the width is half of that of the grasp.
+    """
+    quality, cosine, sine, width = maps.astype(np.float64)
+    decoded = (quality, np.arctan2(sine, cosine) / 2, width * WIDEST)
+    return Answer(*(ndimage.gaussian_filter(each, SMOOTHING) for each in decoded))
+
+
 def peaks(quality: Floats) -> list[tuple[int, int]]:
     """Rows and columns of the pixels that are the best of all around them, the best first."""
     highest = ndimage.maximum_filter(quality, APART) == quality

@@ -1,7 +1,7 @@
 """All attempts at an object, as rows of a table; and attempts made from rows again."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -10,9 +10,10 @@ from egad.detectors import Detector, Grasp, Labels
 from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.arms import ARMS
+from egad.sim.cell_errors import SESSION, Deviation, draw
 from egad.sim.engines import open_world
 from egad.sim.model import Model
-from egad.sim.parameters import TrialParameters
+from egad.sim.parameters import CellErrors, TrialParameters
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
 from egad.sim.world import Pose
 from egad.tables.columns import INITIAL, POSE_PARTS
@@ -43,7 +44,7 @@ def run_attempts(
     arm = ARMS[settings.trials.arm](settings.gripper)
     with open_world(settings.trials.engine, [model], arm.robot) as world:
         bench = TrialRunner(world, arm, settings.trials)
-        attempts = list(_chain(bench, detect, seeds))
+        attempts = list(_chain(bench, detect, seeds, settings.trials.errors))
     return _table(label, object_id, seeds, attempts, known | _engine(settings))
 
 
@@ -57,43 +58,63 @@ def failed_attempts(
     return _table(label, object_id, seeds, attempts, known | _engine(settings))
 
 
-def read_attempt(row: Mapping[str, Any]) -> tuple[InitialPose, Grasp | None]:
-    """What an attempt of a table began with, and what was tried.
+def read_attempt(
+    row: Mapping[str, Any], errors: CellErrors
+) -> tuple[InitialPose, Grasp | None, Deviation]:
+    """What an attempt of a table began with, what was tried, and what was off.
 
     Args:
         row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
+        errors: Those of the trials.
     """
     start = InitialPose(row["initial_pose"], Pose.of([row[name] for name in INITIAL]))
+    deviation = draw(errors, *(int(row[name], 16) for name in ("session", "seed")))
     if np.isnan(row["width"]):
-        return start, None
+        return start, None, deviation
     x, y, z = (float(row[name]) for name in CENTER)
-    return start, Grasp((x, y, z), *(float(row[key]) for key in NUMBERS))
+    return start, Grasp((x, y, z), *(float(row[key]) for key in NUMBERS)), deviation
 
 
 def _engine(settings: TrialParameters) -> dict[str, str]:
     return {"engine": settings.trials.engine}
 
 
-def _seeds(object_id: str, settings: TrialParameters) -> list[int]:
-    count = settings.trials.attempts
-    return [entropy(settings.seed, "trial", object_id, number) for number in range(count)]
+class _Seeds(NamedTuple):
+    """The seed of an attempt, and that of all attempts between two calibrations."""
+
+    attempt: int
+    session: int
 
 
-def _chain(bench: TrialRunner, detect: Detector | Labels, seeds: list[int]) -> Iterator[Attempt]:
+def _seeds(object_id: str, settings: TrialParameters) -> list[_Seeds]:
+    return [
+        _Seeds(
+            entropy(settings.seed, "trial", object_id, number),
+            entropy(settings.seed, "session", object_id, number // SESSION),
+        )
+        for number in range(settings.trials.attempts)
+    ]
+
+
+def _chain(
+    bench: TrialRunner, detect: Detector | Labels, seeds: list[_Seeds], errors: CellErrors
+) -> Iterator[Attempt]:
     """Each attempt goes on where the one before ended."""
     before = None
-    for seed in seeds:
-        before = bench.attempt(detect, seed, before)
+    for seed, session in seeds:
+        before = bench.attempt(detect, seed, before, draw(errors, session, seed))
         yield before
 
 
 def _table(
-    label: str, object_id: str, seeds: list[int], attempts: list[Attempt], known: dict[str, Any]
+    label: str, object_id: str, seeds: list[_Seeds], attempts: list[Attempt], known: dict[str, Any]
 ) -> pd.DataFrame:
     known = known | {"label": label, "id": object_id}
     rows = [
-        known | {"attempt": number, "seed": f"{seed:032x}"} | columns_of(attempt)
-        for number, (seed, attempt) in enumerate(zip(seeds, attempts, strict=True))
+        known
+        | {"attempt": number, "seed": f"{seed:032x}", "session": f"{session:032x}"}
+        | columns_of(attempt)
+        for number, ((seed, session), attempt) in enumerate(zip(seeds, attempts, strict=True))
     ]
     return pd.DataFrame(rows, columns=TRIALS.names)
 
@@ -110,6 +131,7 @@ def columns_of(attempt: Attempt) -> dict[str, Any]:
         **{name: getattr(grasp, name) if grasp else np.nan for name in NUMBERS},
         "lifted": attempt.lifted,
         **dict(zip(END, _numbers(attempt.end), strict=True)),
+        "stopped": attempt.stopped,
         "failure": attempt.failure,
     }
 

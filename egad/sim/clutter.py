@@ -23,9 +23,11 @@ from egad.perception import (
     cameras_around,
     render_scene,
 )
-from egad.random import generator
+from egad.random import entropy, generator
+from egad.sim.cell_errors import EXACT, Deviation, draw
 from egad.sim.free_hand import execute_pose
-from egad.sim.parameters import Clutter
+from egad.sim.gripper import Fingers
+from egad.sim.parameters import COLLISION_FORCE, Clutter
 from egad.sim.scenes import WORKSPACE, RestingObject, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World
 
@@ -72,9 +74,11 @@ class ClutterRunner:
         Args:
             world: A running simulation of the objects of a round, with walls for a pile, and the
                 robot `egad.sim.robot.free_hand`.
-            settings: Cameras.
+            settings: Cameras, and errors of the cell.
         """
         self.world = world
+        self._errors = settings.errors
+        self._gripper = Fingers(world).gripper
         self._rendered = [DepthCamera(model.mesh) for model in world.models]
         self._cameras = cameras_around(LOOKING_AT, settings.views, CAMERA_DISTANCE, CAMERA_TILT)
 
@@ -101,7 +105,7 @@ class ClutterRunner:
         while present and failures < FAILURES:
             view = self.observe(present, noise, generator(seed, "cameras", number))
             grasp = propose(view, present, generator(seed, "detector", number))
-            attempt, present = self.carry_out(grasp, present)
+            attempt, present = self.carry_out(grasp, present, self._deviation(seed, number))
             yield attempt
             failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
             number += 1
@@ -127,8 +131,8 @@ class ClutterRunner:
             seed: That of the round.
         """
         present = self.begin(kind, seed)
-        for grasp in grasps:
-            attempt, present = self.carry_out(grasp, present)
+        for number, grasp in enumerate(grasps):
+            attempt, present = self.carry_out(grasp, present, self._deviation(seed, number))
             yield attempt
 
     def observe(
@@ -144,8 +148,15 @@ class ClutterRunner:
         views = tuple(seen(CAMERA, pose) for pose in self._cameras)
         return Observation(seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT)), views, WORKSPACE)
 
+    def _deviation(self, seed: int, number: int) -> Deviation:
+        """What is off in an attempt; the camera is calibrated once a round."""
+        return draw(self._errors, seed, entropy(seed, "attempt", number))
+
     def carry_out(
-        self, grasp: Proposal, present: Sequence[RestingObject]
+        self,
+        grasp: Proposal,
+        present: Sequence[RestingObject],
+        deviation: Deviation = EXACT,
     ) -> tuple[ClutterAttempt, list[RestingObject]]:
         """Try a grasp, if there is one; what came of it, and what is left when all lies still.
 
@@ -156,8 +167,11 @@ class ClutterRunner:
             return failed, list(present)
         if isinstance(grasp, Outcome):
             return ClutterAttempt(grasp, tuple(present)), list(present)
+        self.world.mass_factor, self.world.friction_factor = deviation.mass, deviation.friction
         put(self.world, present)
-        result = execute_pose(self.world, grasp.pose, grasp.width)
+        done = deviation.pose(grasp, self._gripper)
+        limit = COLLISION_FORCE * deviation.stopping_force
+        result = execute_pose(self.world, done.pose, done.width, limit)
         attempt = ClutterAttempt(result.outcome, tuple(present), grasp, result.held, result.stopped)
         try:
             numbers = [each.number for each in present if each.number != result.held]

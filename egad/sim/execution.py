@@ -10,7 +10,7 @@ from egad.detectors import Grasp
 from egad.outcomes import Outcome
 from egad.sim.arms import Arm, HandPose, UnreachableError
 from egad.sim.gripper import HEAVIEST, Hand
-from egad.sim.parameters import Lifting
+from egad.sim.parameters import COLLISION_FORCE, Lifting
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 
 START_ABOVE = 0.02  # fingertips start this far above the object
@@ -23,6 +23,21 @@ STRIDE = 6  # steps from one look to the next
 CREEP = 0.001  # metres that it may still move until the end, at the rate of the window
 
 
+class Stopping(NamedTuple):
+    """What a contact on the way down means.
+
+    Attributes:
+        force: What stops the hand, newtons.
+        closes: Whether the fingers close there; else the attempt has failed.
+    """
+
+    force: float = COLLISION_FORCE
+    closes: bool = False
+
+
+FAILS = Stopping()
+
+
 class Execution(NamedTuple):
     """What came of a grasp.
 
@@ -31,11 +46,13 @@ class Execution(NamedTuple):
         lifted: Height that the object's center of mass gained, metres.
         end: Where the object is at last; None if the simulation broke down. Of an object that lay
             still in the hand before it was lifted all the way, where it would be then.
+        stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
     """
 
     outcome: Outcome
     lifted: float
     end: Pose | None
+    stopped: float = 0.0
 
 
 def execute(
@@ -46,6 +63,7 @@ def execute(
     *,
     afloat: bool = False,
     contact: float | None = None,
+    stopping: Stopping = FAILS,
 ) -> Execution:
     """Approach from above, close, lift and hold.
 
@@ -60,13 +78,15 @@ def execute(
             without weight until the fingers have closed.
         contact: Distance of the pads at which they will meet the object, metres, if it is known;
             the hand is then as high as it must be for pads that move on arcs.
+        stopping: What a contact on the way down means. A hand that closes where it was stopped and
+            does not hold the object up to the end has collided.
     """
     try:
         before = world.pose().position[2]
-        outcome, end = _outcome(world, arm, lifting, grasp, afloat, contact)
+        outcome, end, stopped = _outcome(world, arm, lifting, grasp, afloat, contact, stopping)
     except UnstableError:
         return Execution(Outcome.FAILED, 0.0, None)
-    return Execution(outcome, float(end.position[2] - before), end)
+    return Execution(outcome, float(end.position[2] - before), end, stopped)
 
 
 def _outcome(
@@ -76,21 +96,29 @@ def _outcome(
     grasp: Grasp,
     afloat: bool,
     contact: float | None,
-) -> tuple[Outcome, Pose]:
+    stopping: Stopping,
+) -> tuple[Outcome, Pose, float]:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
         hand = place_hand_above(world, arm, grasp, start, contact)
     except UnreachableError:
-        return Outcome.COLLIDED, world.pose()
+        return Outcome.COLLIDED, world.pose(), 0.0
     world.set_gravity(WEIGHTLESS if afloat else DOWN)
     with world.pinned() if afloat else nullcontext():
-        if not hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED):
-            return Outcome.COLLIDED, world.pose()
+        stopped = hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED, stopping.force)
+    if stopped is not None:
+        if not stopping.closes:
+            return Outcome.COLLIDED, world.pose(), stopped
+        hand.rest()
     touched = hand.close()
     world.set_gravity(DOWN)
-    if not hand.pinches():
-        return Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
-    return lift_and_hold(hand, lifting)
+    if hand.pinches():
+        outcome, end = lift_and_hold(hand, lifting)
+    else:
+        outcome, end = Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
+    if stopped is None or outcome == Outcome.SUCCESS:
+        return outcome, end, stopped or 0.0
+    return Outcome.COLLIDED, end, stopped
 
 
 def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:

@@ -1,5 +1,6 @@
 """A hand without an arm: along its approach to a grasp, and away with what it holds."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,8 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Floats
 from egad.grippers import finger_span
 from egad.outcomes import Outcome
-from egad.sim.gripper import COLLISION_FORCE, Fingers, minimum_jerk
+from egad.sim.gripper import Fingers, minimum_jerk
+from egad.sim.parameters import COLLISION_FORCE
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
@@ -56,13 +58,13 @@ class FreeHand(Fingers):
         turn = Rotation.from_matrix(self._rotation).as_quat()
         world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
 
-    def move(self, shift: Floats, speed: float, *, yielding: bool) -> float:
+    def move(self, shift: Floats, speed: float, limit: float = math.inf) -> float:
         """Move along a straight line on a minimum-jerk path.
 
         Args:
             shift: (3,) metres, in the world.
             speed: Mean, m/s.
-            yielding: Whether to stop at a contact force of more than `COLLISION_FORCE`.
+            limit: A contact force of more than this stops the hand, newtons.
 
         Returns:
             How far before the end it stopped, metres.
@@ -74,7 +76,7 @@ class FreeHand(Fingers):
             self.world.drive(joints.tolist(), ((joints - self._joints) / TIME_STEP).tolist())
             self._joints = joints
             self.world.step()
-            if yielding and self.is_stopped():
+            if limit < math.inf and self._force() > limit:
                 self._rest()
                 return length - way
         return 0.0
@@ -86,13 +88,11 @@ class FreeHand(Fingers):
 
     def touches(self) -> bool:
         """Whether the hand touches anything."""
-        forces = self.world.forces()
-        return forces.hand + forces.blocked > 0
+        return self._force() > 0
 
-    def is_stopped(self) -> bool:
-        """Whether something pushes against the hand so hard that a robot would stop."""
+    def _force(self) -> float:
         forces = self.world.forces()
-        return forces.hand + forces.blocked > COLLISION_FORCE
+        return forces.hand + forces.blocked
 
     def held(self) -> int | None:
         """Number of the object that the hand presses on most; None if there is none."""
@@ -101,7 +101,9 @@ class FreeHand(Fingers):
         return int(np.argmax(pressed)) if max(pressed) > 0 else None
 
 
-def execute_pose(world: World, pose: Floats, width: float) -> PoseExecution:
+def execute_pose(
+    world: World, pose: Floats, width: float, limit: float = COLLISION_FORCE
+) -> PoseExecution:
     """Approach from 5 cm away, stop at a contact, close, and retreat by 10 cm.
 
     A hand that comes from above, give or take 60 degrees, retreats the way that it came; another
@@ -113,14 +115,15 @@ def execute_pose(world: World, pose: Floats, width: float) -> PoseExecution:
         world: With the objects where they lie, and the robot `egad.sim.robot.free_hand`.
         pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
         width: How far the hand opens, metres.
+        limit: A contact force of more than this stops the hand on its way, newtons.
     """
     try:
-        return _executed(world, pose, width)
+        return _executed(world, pose, width, limit)
     except UnstableError:
         return PoseExecution(Outcome.FAILED)
 
 
-def _executed(world: World, pose: Floats, width: float) -> PoseExecution:
+def _executed(world: World, pose: Floats, width: float, limit: float) -> PoseExecution:
     approach = pose[:3, 2]
     start = pose.copy()
     start[:3, 3] -= STANDOFF * approach
@@ -128,13 +131,13 @@ def _executed(world: World, pose: Floats, width: float) -> PoseExecution:
     world.step()
     if hand.touches():
         return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
-    stopped = hand.move(STANDOFF * approach, APPROACH_SPEED, yielding=True)
+    stopped = hand.move(STANDOFF * approach, APPROACH_SPEED, limit)
     touched = hand.close()
     if not hand.pinches():
         lost = Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED
         return PoseExecution(Outcome.COLLIDED if stopped else lost, stopped=stopped)
     way = -approach if -approach[2] >= np.cos(STEEP) else UP
-    hand.move(RETREAT * way, RETREAT_SPEED, yielding=False)
+    hand.move(RETREAT * way, RETREAT_SPEED)
     held = hand.held()
     if held is None or hand.opening() <= LEAST_OPENING * hand.gripper.opening:
         lost = Outcome.COLLIDED if stopped else Outcome.SLIPPED_LIFTING

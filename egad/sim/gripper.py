@@ -6,13 +6,12 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad.sim.arms import Arm, HandPose
+from egad.sim.parameters import COLLISION_FORCE
 from egad.sim.world import TIME_STEP, World
 
 CLOSING_TIME = 1.0
 STALLED_SPEED = 0.0005
 STALLED_STEPS = 24
-# A Panda stops at about this contact force; lighter touches only push the object aside.
-COLLISION_FORCE = 20.0
 SAGGING = 0.02  # metres that a hand may hang too low and still count as lifted
 # The part of the time of a minimum-jerk path after which it speeds up most: when it is lifted, the
 # object never bears more later on.
@@ -104,18 +103,28 @@ class Hand(Fingers):
         self.world.drive(joints.tolist(), ((joints - self._target) / TIME_STEP).tolist())
         self._target, self._stance = joints, stance
 
-    def move(self, height: float, seconds: float) -> bool:
+    def move(self, height: float, seconds: float, limit: float = COLLISION_FORCE) -> float | None:
         """Move the fingertips to a height on a minimum-jerk path; stop at once at a collision.
 
+        Args:
+            height: Metres above the table.
+            seconds: How long it takes.
+            limit: A contact force of more than this stops the hand, newtons.
+
         Returns:
-            Whether it got there without a contact force of more than `COLLISION_FORCE`.
+            How far before that height it was stopped, metres; None if it got there.
         """
         for target in minimum_jerk(self.height(), height, seconds):
             self._raise_to(target)
             forces = self.world.forces()
-            if forces.hand + forces.blocked > COLLISION_FORCE:
-                return False
-        return True
+            if forces.hand + forces.blocked > limit:
+                return abs(self.height() - height)
+        return None
+
+    def rest(self) -> None:
+        """Stay here, instead of pushing on."""
+        self._target = self.world.arm_joints().copy()
+        self.world.drive(self._target.tolist(), [0.0] * len(self._target))
 
     def lift(self, height: float, seconds: float, still: Still | None = None) -> bool:
         """Raise the fingertips by a height on a minimum-jerk path.

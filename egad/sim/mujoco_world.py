@@ -65,6 +65,7 @@ class MujocoWorld(World):
             self._arm_control = slice(0, count)
             self._hold_control = slice(count, count + 2)
             self._close_control = slice(count + 2, count + 4)
+        self._factors = self.mass_factor, self.friction_factor
         self.reset()
 
     def __enter__(self) -> Self:
@@ -75,6 +76,8 @@ class MujocoWorld(World):
 
     @override
     def reset(self) -> None:
+        if (self.mass_factor, self.friction_factor) != self._factors:
+            self._vary()
         mujoco.mj_resetData(self.engine, self.data)
         self.set_gravity(DOWN)
         self.engine.opt.disableactuator = 1 << CLOSE
@@ -183,6 +186,20 @@ class MujocoWorld(World):
         velocities = [self.data.qvel[speed : speed + 6] for speed in self._speeds]
         linear = max(float(np.linalg.norm(velocity[:3])) for velocity in velocities)
         return linear, max(float(np.linalg.norm(velocity[3:])) for velocity in velocities)
+
+    def _vary(self) -> None:
+        """Give objects and robot the mass and the friction that they have from now on."""
+        for number, model in enumerate(self.models):
+            body = self.engine.body(f"{OBJECT}{number}").id
+            self.engine.body_mass[body] = self.mass_factor * model.mass
+            self.engine.body_inertia[body] = self.mass_factor * model.inertia
+        if self.robot is not None:
+            pads = np.isin(self._owners, (LEFT_FINGER, RIGHT_FINGER, OTHERS))
+            self.engine.geom_friction[pads, :2] = self.friction_factor * np.array(
+                self.robot.pad_friction
+            )
+        mujoco.mj_setConst(self.engine, self.data)
+        self._factors = self.mass_factor, self.friction_factor
 
     def _numbers(self, number: int) -> tuple[Sequence[float], Sequence[float]]:
         place = self._positions[number]

@@ -3,9 +3,17 @@
 import importlib.util
 from typing import Annotated, Literal, Self, get_args
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from egad._util.parameters import Length, ParameterGroup, Parameters, Pixels, Seed
+from egad._util.parameters import (
+    Length,
+    ParameterGroup,
+    Parameters,
+    Pixels,
+    Range,
+    Seed,
+    UserParameters,
+)
 from egad.errors import UserError, check_name
 from egad.grasps import Quality
 from egad.grippers import Gripper
@@ -13,6 +21,9 @@ from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
 
 EngineName = Literal["mujoco", "pybullet"]  # the default first
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
+# A Panda stops at about this contact force; lighter touches only push the object aside.
+COLLISION_FORCE = 20.0
+Offset = Annotated[float, Field(ge=0, le=0.1)]
 PlanningTime = Annotated[
     float,
     Field(
@@ -53,6 +64,81 @@ class Lifting(Parameters):
     )
 
 
+class CellErrors(UserParameters):
+    """Errors of a real cell: none, typical (docs/trials.md), or a section of your own.
+
+    Standard deviations of normal distributions; factors are drawn evenly from a range.
+    """
+
+    calibration: Offset = Field(
+        0.0,
+        description="error of the camera's position, as calibrated, along each axis, metres; one "
+        "draw for 20 attempts at an object, or for a round",
+    )
+    calibration_turn: float = Field(
+        0.0,
+        ge=0,
+        le=10,
+        description="error of its rotation about each axis through the middle of the table, where "
+        "it was calibrated, degrees; drawn with `calibration`",
+    )
+    positioning: Offset = Field(
+        0.0, description="error of the hand's position along each axis, metres; one per attempt"
+    )
+    opening: Offset = Field(
+        0.0, description="error of the hand's opening before it closes, metres; one per attempt"
+    )
+    friction: Range = Field(
+        (1.0, 1.0), description="range of the friction of the pads, as a factor; one per attempt"
+    )
+    mass: Range = Field(
+        (1.0, 1.0), description="range of the mass of an object, as a factor; one per attempt"
+    )
+    stopping_force: Range = Field(
+        (1.0, 1.0),
+        description="range of the force that stops the hand, as a factor; one per attempt",
+    )
+
+    @model_validator(mode="after")
+    def _factors_can_be_drawn(self) -> Self:
+        for name in ("friction", "mass", "stopping_force"):
+            low, high = getattr(self, name)
+            if not 0 < low <= high:
+                raise ValueError(f"{name} must go from a positive low to high, got {low} to {high}")
+        return self
+
+
+NAMED_ERRORS = {
+    "none": CellErrors(),
+    "typical": CellErrors(
+        calibration=0.0025,
+        calibration_turn=0.5,
+        positioning=0.001,
+        opening=0.0005,
+        friction=(0.75, 1.25),
+        mass=(0.9, 1.1),
+        stopping_force=(0.8, 1.2),
+    ),
+}
+
+
+def _by_name(given: object) -> object:
+    """The errors of a name; of a section, lists as the tuples that they are in Python."""
+    if isinstance(given, dict):
+        return {
+            name: tuple(each) if isinstance(each, list) else each for name, each in given.items()
+        }
+    if not isinstance(given, str):
+        return given
+    if given not in NAMED_ERRORS:
+        known = f"{', '.join(NAMED_ERRORS)}, or a section with {', '.join(CellErrors.model_fields)}"
+        raise ValueError(f"errors is {given!r}; allowed: {known}")
+    return NAMED_ERRORS[given]
+
+
+Errors = Annotated[CellErrors, BeforeValidator(_by_name)]
+
+
 class TrialProtocol(Lifting):
     """Simulated grasping trials."""
 
@@ -83,6 +169,22 @@ class TrialProtocol(Lifting):
         description="standard deviation of the disparity, as in a stereo camera, pixels; about 0.1 "
         "for a D435; if not 0, the image also has holes beside edges and on steep surfaces",
     )
+    contact: Literal["collided", "close"] = Field(
+        "collided",
+        description="what a contact on the way down means: collided: the attempt has failed; "
+        "close: the fingers close where the hand was stopped, as on the robot of EGAD",
+    )
+    stopping_force: float = Field(
+        COLLISION_FORCE,
+        gt=0,
+        le=1000,
+        description="contact force that stops the hand on its way down, newtons; the robot of EGAD "
+        "closed its fingers at 10 and gave up at 20",
+    )
+    errors: Errors = Field(
+        NAMED_ERRORS["none"],
+        description="errors of a real cell: none, typical, or a section of your own",
+    )
     planning_time: PlanningTime = 60.0
     keep_going: bool = Field(
         False,
@@ -112,6 +214,9 @@ class Clutter(Parameters):
         (0.8, 1.0), description="range of the sizes of objects, of those in the bundle"
     )
     views: int = Field(6, ge=1, le=64, description="cameras around the table")
+    errors: Errors = Field(
+        NAMED_ERRORS["none"], description="errors of a real cell, as in `trials.errors`"
+    )
     planning_time: PlanningTime = 60.0
     keep_going: bool = Field(
         False,

@@ -262,8 +262,8 @@ class PyBulletWorld(World):
             self.client.changeDynamics(
                 self._robot,
                 link,
-                lateralFriction=sliding / self._friction,
-                spinningFriction=torsional / self._friction,
+                lateralFriction=self.friction_factor * sliding / self._friction,
+                spinningFriction=self.friction_factor * torsional / self._friction,
             )
 
     def _hold_fingers(self, opening: float) -> None:
@@ -341,7 +341,9 @@ class PyBulletWorld(World):
         file, model = str(self._shape(number)), self.models[number]
         shape = self.client.createCollisionShape(pybullet.GEOM_MESH, fileName=file)
         above = (0, 0, float(model.mesh.scale))
-        body: int = self.client.createMultiBody(model.mass, shape, basePosition=above)
+        body: int = self.client.createMultiBody(
+            self.mass_factor * model.mass, shape, basePosition=above
+        )
         self.client.changeDynamics(
             body,
             -1,
@@ -349,7 +351,7 @@ class PyBulletWorld(World):
             # Contacts remember where they stuck, or held objects creep and turn. The friction
             # cone still limits the force.
             frictionAnchor=1,
-            localInertiaDiagonal=model.inertia.tolist(),
+            localInertiaDiagonal=(self.mass_factor * model.inertia).tolist(),
             collisionMargin=COLLISION_MARGIN,
         )
         return body

@@ -18,10 +18,10 @@ from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.sim.arms import Arm, HandPose, TurningAxis
 from egad.sim.engines import open_world
 from egad.sim.execution import lift_and_hold
-from egad.sim.gripper import COLLISION_FORCE, Hand
+from egad.sim.gripper import Hand
 from egad.sim.labelled_trials import floating_pose
 from egad.sim.model import Model
-from egad.sim.parameters import Lifting, SimulatedLabelParameters
+from egad.sim.parameters import COLLISION_FORCE, Lifting, SimulatedLabelParameters
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 from egad.tables import parquet
 from egad.tables.grasping import MOTIONS

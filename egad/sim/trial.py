@@ -29,7 +29,8 @@ from egad.perception import (
     camera_above,
 )
 from egad.sim.arms import Arm
-from egad.sim.execution import execute
+from egad.sim.cell_errors import EXACT, Deviation
+from egad.sim.execution import Stopping, execute
 from egad.sim.parameters import TrialProtocol
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
@@ -121,6 +122,7 @@ class Attempt:
         grasp: What was tried, if it came to that.
         lifted: Height that the object's center of mass gained, metres.
         end: Where it was at last; None if the simulation broke down.
+        stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
         failure: What the detector did wrong, if it failed.
     """
 
@@ -130,6 +132,7 @@ class Attempt:
     grasp: Grasp | None = None
     lifted: float = 0.0
     end: Pose | None = None
+    stopped: float = 0.0
     failure: str = ""
 
 
@@ -165,7 +168,11 @@ class TrialRunner:
         self.camera = camera_above(trials.camera_height)
 
     def attempt(
-        self, detect: Detector | Labels, seed: int, before: Attempt | None = None
+        self,
+        detect: Detector | Labels,
+        seed: int,
+        before: Attempt | None = None,
+        deviation: Deviation = EXACT,
     ) -> Attempt:
         """One attempt, from drop to hold; it depends on the arguments alone.
 
@@ -173,7 +180,9 @@ class TrialRunner:
             detect: The grasp detector.
             seed: For the drops and, apart from these, for the detector and for the camera.
             before: The attempt before, if the object goes on from there.
+            deviation: What is off in it.
         """
+        self._vary(deviation)
         drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
         ready = self._begin(drop_rng, before)
         if ready is None:
@@ -188,25 +197,29 @@ class TrialRunner:
             return Attempt(grasp.outcome, *ready, end=ready.rest, failure=grasp.text)
         if isinstance(grasp, Outcome):
             return Attempt(grasp, *ready, end=ready.rest)
-        return self._carried_out(grasp, ready)
+        return self._carried_out(grasp, ready, deviation)
 
-    def repeat(self, start: InitialPose, grasp: Grasp | None) -> Attempt:
+    def repeat(
+        self, start: InitialPose, grasp: Grasp | None, deviation: Deviation = EXACT
+    ) -> Attempt:
         """An attempt again, without its detector: what it began with and what was proposed.
 
         Args:
             start: Where the object falls from.
             grasp: What is tried, if anything.
+            deviation: What is off in it.
 
         Returns:
             The same as the first time, bit by bit, but no name for why there is no grasp.
         """
+        self._vary(deviation)
         rest = self._settled(start)
         if rest is None:
             return Attempt(Outcome.FAILED)
         ready = Ready(start, rest)
         if grasp is None:
             return Attempt(None, *ready, end=rest)
-        return self._carried_out(grasp, ready)
+        return self._carried_out(grasp, ready, deviation)
 
     def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
         """A grasp of an object that lies still, in a world that knows nothing else.
@@ -223,9 +236,22 @@ class TrialRunner:
         """A depth image of the object where it is now."""
         return self.eye.render(self.world.pose().matrix, self.intrinsics, self.camera)
 
-    def _carried_out(self, grasp: Grasp, ready: Ready) -> Attempt:
-        result = execute(self.world, self.arm, self.trials, grasp)
-        return Attempt(result.outcome, *ready, grasp, result.lifted, result.end)
+    def _vary(self, deviation: Deviation) -> None:
+        self.world.mass_factor = deviation.mass
+        self.world.friction_factor = deviation.friction
+
+    def _carried_out(self, grasp: Grasp, ready: Ready, deviation: Deviation = EXACT) -> Attempt:
+        force = self.trials.stopping_force * deviation.stopping_force
+        result = execute(
+            self.world,
+            self.arm,
+            self.trials,
+            deviation.grasp(grasp, self.gripper),
+            stopping=Stopping(force, self.trials.contact == "close"),
+        )
+        return Attempt(
+            result.outcome, *ready, grasp, result.lifted, result.end, stopped=result.stopped
+        )
 
     def _plan(
         self, detect: Detector | Labels, view: View, rng: np.random.Generator

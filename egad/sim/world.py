@@ -101,6 +101,8 @@ class World(ABC):
         robot: What may grasp them.
         walls: Inner length and width of a box without a floor, metres; none if None.
         watch: Called after every time step, for films.
+        mass_factor: Masses of the objects / those of their models, from the next reset on.
+        friction_factor: Friction of the robot / that of its pads, from the next reset on.
     """
 
     def __init__(
@@ -117,6 +119,7 @@ class World(ABC):
         self.robot = robot
         self.walls = walls
         self.watch: Callable[[World], None] | None = None
+        self.mass_factor = self.friction_factor = 1.0
 
     @property
     def model(self) -> Model:

@@ -158,6 +158,7 @@ TRIALS = pa.schema(
         ID,
         column("attempt", INT, "number of the attempt"),
         column("seed", pa.string(), "seed of the attempt (hexadecimal)"),
+        column("session", STRING, "seed of the calibration that it shares with others"),
         SUCCESS,
         column(
             "outcome",
@@ -177,6 +178,7 @@ TRIALS = pa.schema(
         column("quality", FLOAT, "quality that the detector predicted"),
         column("lifted", FLOAT, "height gained by the object at the end", "m"),
         *pose("end", "final pose in the same frames"),
+        column("stopped", FLOAT, "how far before the grasp a contact stopped the hand", "m"),
         column("parts", INT, "number of convex parts of the simulated object"),
         column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
         ENGINE,

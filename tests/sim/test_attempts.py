@@ -126,7 +126,9 @@ def test_every_attempt_can_be_repeated_alone(
     arm = ARMS[trial.arm](SETTINGS.gripper)
     for row in reversed(parquet.records(parquet.read(path, TRIALS))):
         with start(engine, ell, arm=trial.arm) as world:
-            again = columns_of(TrialRunner(world, arm, trial).repeat(*read_attempt(row)))
+            again = columns_of(
+                TrialRunner(world, arm, trial).repeat(*read_attempt(row, trial.errors))
+            )
         again["outcome"] = again["outcome"] or row["outcome"]
         np.testing.assert_equal(again, {name: row[name] for name in again})
 

@@ -40,7 +40,7 @@ def closed_on_the_block(world, arm):
     """A hand that has closed on the block on the table, its fingertips 12 mm above the table."""
     world.place(Pose(np.array([0.0, 0.0, SIDE / 2]), UPRIGHT))
     hand = Hand(world, arm, HandPose(0, 0, 0.15, 0), arm.robot.gripper.opening, SIDE)
-    assert hand.move(TIP, 0.6)
+    assert hand.move(TIP, 0.6) is None
     assert hand.close()
     return hand
 

@@ -52,7 +52,7 @@ def test_a_hand_moves_to_where_it_is_told(engine: EngineName, turn: float) -> No
         reach = finger_span(HAND)[1] * pose[:3, 2]
         for moved in (np.zeros(3), shift):
             if moved.any():
-                assert hand.move(moved, 0.2, yielding=True) == 0
+                assert hand.move(moved, 0.2, 20.0) == 0
                 world.step(48)
             found = world.link_poses()[tip]
             np.testing.assert_allclose(found.position, pose[:3, 3] + reach + moved, atol=0.001)
@@ -125,7 +125,7 @@ def test_a_hand_that_was_stopped_does_not_push_on(engine: EngineName) -> None:
         stand(world, 0.2)
         begin = grasp([0, 0, 0.22], [1, 0, 0], DOWN)
         hand = FreeHand(world, begin, HAND.opening)
-        stopped = hand.move(np.array([0, 0, -0.15]), 0.25, yielding=True)
+        stopped = hand.move(np.array([0, 0, -0.15]), 0.25, 20.0)
         assert 0.05 < stopped < 0.15
         before = world.arm_joints().copy()
         hand.close()

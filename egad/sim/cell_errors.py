@@ -1,0 +1,73 @@
+"""What is off in an attempt: errors of a real cell, drawn."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from egad._util.arrays import Floats
+from egad.detectors import Grasp, PoseGrasp
+from egad.grippers import Gripper
+from egad.random import generator
+from egad.sim.parameters import CellErrors
+
+SESSION = 20  # attempts at an object between two calibrations
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """What is off in one attempt.
+
+    Attributes:
+        motion: (4, 4) from where the hand should be to where it is, world frame.
+        opening: By how much the hand opens too wide, metres.
+        friction: Friction of the pads / that of the gripper.
+        mass: Mass of an object / that of its model.
+        stopping_force: Force that stops the hand / that of the settings.
+    """
+
+    motion: Floats = field(default_factory=lambda: np.eye(4))
+    opening: float = 0.0
+    friction: float = 1.0
+    mass: float = 1.0
+    stopping_force: float = 1.0
+
+    def grasp(self, planned: Grasp, gripper: Gripper) -> Grasp:
+        """A grasp from above as the hand does it; the hand stays vertical."""
+        x, y, z = (self.motion[:3, :3] @ planned.center + self.motion[:3, 3]).tolist()
+        turn = float(np.arctan2(self.motion[1, 0], self.motion[0, 0]))
+        width = self._width(planned.width, gripper)
+        return replace(planned, center=(x, y, z), angle=planned.angle + turn, width=width)
+
+    def pose(self, planned: PoseGrasp, gripper: Gripper) -> PoseGrasp:
+        """A grasp in any direction as the hand does it."""
+        width = self._width(planned.width, gripper)
+        return PoseGrasp(self.motion @ planned.pose, width, planned.score)
+
+    def _width(self, planned: float, gripper: Gripper) -> float:
+        return min(max(planned + self.opening, 0.0), gripper.opening)
+
+
+EXACT: Deviation = Deviation()
+
+
+def draw(errors: CellErrors, session: int, seed: int) -> Deviation:
+    """What is off in an attempt; what is drawn for one error does not depend on the others.
+
+    Args:
+        errors: How large the errors are.
+        session: Seed of all attempts between two calibrations.
+        seed: Seed of the attempt.
+    """
+    calibrated, attempt = generator(session, "calibration"), generator(seed, "errors")
+    shift, turn = calibrated.normal(size=(2, 3))
+    *placed, opened = attempt.normal(size=4)
+    shares = attempt.uniform(size=3)
+    motion = np.eye(4)
+    motion[:3, :3] = Rotation.from_rotvec(np.radians(errors.calibration_turn) * turn).as_matrix()
+    motion[:3, 3] = errors.calibration * shift + errors.positioning * np.array(placed)
+    ranges = (errors.friction, errors.mass, errors.stopping_force)
+    friction, mass, force = (
+        float(low + share * (high - low)) for (low, high), share in zip(ranges, shares, strict=True)
+    )
+    return Deviation(motion, float(errors.opening * opened), friction, mass, force)
