@@ -1,5 +1,6 @@
 """What is off in an attempt: errors of a real cell, drawn."""
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -35,7 +36,9 @@ class Deviation:
     def grasp(self, planned: Grasp, gripper: Gripper) -> Grasp:
         """A grasp from above as the hand does it; the hand stays vertical."""
         x, y, z = (self.motion[:3, :3] @ planned.center + self.motion[:3, 3]).tolist()
-        turn = float(np.arctan2(self.motion[1, 0], self.motion[0, 0]))
+        cosine, sine = math.cos(planned.angle), math.sin(planned.angle)
+        along, across, _ = self.motion[:3, :3] @ [cosine, sine, 0.0]
+        turn = math.atan2(cosine * across - sine * along, cosine * along + sine * across)
         width = self._width(planned.width, gripper)
         return replace(planned, center=(x, y, z), angle=planned.angle + turn, width=width)
 

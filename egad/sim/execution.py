@@ -109,7 +109,7 @@ def _outcome(
     if stopped is not None:
         if not stopping.closes:
             return Outcome.COLLIDED, world.pose(), stopped
-        hand.rest()
+        hand.yield_to_contact()
     touched = hand.close()
     world.set_gravity(DOWN)
     if hand.pinches():

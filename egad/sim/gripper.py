@@ -12,6 +12,8 @@ from egad.sim.world import TIME_STEP, World
 CLOSING_TIME = 1.0
 STALLED_SPEED = 0.0005
 STALLED_STEPS = 24
+# A rigid arm that stays where it met the table presses on, and friction holds the fingers there.
+RECOIL = 0.001  # metres
 SAGGING = 0.02  # metres that a hand may hang too low and still count as lifted
 # The part of the time of a minimum-jerk path after which it speeds up most: when it is lifted, the
 # object never bears more later on.
@@ -121,10 +123,11 @@ class Hand(Fingers):
                 return abs(self.height() - height)
         return None
 
-    def rest(self) -> None:
-        """Stay here, instead of pushing on."""
-        self._target = self.world.arm_joints().copy()
-        self.world.drive(self._target.tolist(), [0.0] * len(self._target))
+    def yield_to_contact(self) -> None:
+        """Go back by `RECOIL` and stay there, instead of pushing on."""
+        height = self.height() + RECOIL
+        for _ in range(2):  # there, and then with no speed
+            self._raise_to(height)
 
     def lift(self, height: float, seconds: float, still: Still | None = None) -> bool:
         """Raise the fingertips by a height on a minimum-jerk path.

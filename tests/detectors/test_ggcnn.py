@@ -6,6 +6,7 @@ import zipfile
 import numpy as np
 import pytest
 import trimesh
+from scipy import ndimage
 
 import egad.learning
 from egad.config import GRIPPERS, ImageNoise
@@ -131,6 +132,40 @@ def every_pixel(angle):
     answer = np.ones((4, 300, 300), np.float32)
     answer[1:] = np.array([np.cos(2 * angle), np.sin(2 * angle), 0.3])[:, None, None]
     return lambda _: answer
+
+
+def as_published(view, stand):
+    (found,) = MapDetector(stand, "published")(view, HAND, np.random.default_rng(0))
+    return found
+
+
+@pytest.mark.parametrize(("height", "tip"), [(0.04, 0.03), (0.014, 0.005), (0.001, 0.005)])
+def test_as_published_the_fingertips_are_10_mm_below_the_surface_and_5_mm_above_the_table(
+    look, height, tip
+):
+    """A wall beside the object, which ours does not go into, is not looked at."""
+    view = look(trimesh.util.concatenate([bar(0.0, 0.015, height), bar(-0.042, 0.01, 0.03)]))
+    found = as_published(view, at_middle())
+    assert found.tip == pytest.approx(tip, abs=1e-4)
+    assert found.center[2] >= found.tip
+    np.testing.assert_allclose(found.center[:2], 0, atol=1e-3)
+
+
+def test_as_published_it_is_the_best_pixel_and_the_width_of_the_network(look):
+    """At the surface of the pixel, without what is worth nothing or lies lower."""
+    peaks = {(120, 180): 0.9, (150, 150): 0.5}
+    view = look(BAR, 0.031, 0.031)
+    found = as_published(view, Stand(0.4, 0.3, peaks))
+    depth = 0.6 - BAR.extents[2]
+    offset = (np.array([180, 120]) + 0.5 - 150) / view.intrinsics.focal
+    np.testing.assert_allclose(found.center[:2], offset * depth * [1, -1], atol=1e-3)
+    smooth = np.zeros((300, 300))
+    smooth[117:124, 177:184] = 0.9
+    peak = ndimage.gaussian_filter(smooth, 2.0)[120, 180]
+    assert found.quality == pytest.approx(peak, rel=1e-6)
+    assert found.width == pytest.approx(0.3 * peak * 150 * depth / view.intrinsics.focal, rel=1e-2)
+    assert found.angle == pytest.approx(0.4, abs=1e-6)
+    assert as_published(look(BAR), at_middle(width=9.0)).width == HAND.opening
 
 
 def heights_under(boxes, grasp, length, width, shift):

@@ -15,7 +15,7 @@ from egad.perception.camera import View
 from egad.sim.arms import ARMS
 from egad.sim.attempts import columns_of, failed_attempts, read_attempt, run_attempts
 from egad.sim.model import Model, build
-from egad.sim.parameters import EngineName, TrialParameters
+from egad.sim.parameters import NAMED_ERRORS, CellErrors, EngineName, TrialParameters
 from egad.sim.trial import TrialRunner
 from egad.tables import parquet
 from egad.tables.columns import INITIAL
@@ -28,6 +28,11 @@ SETTINGS = TrialParameters(
     gripper=GRIPPERS["egad_75mm"],
     trials=TrialProtocol(attempts=6, engine="mujoco"),
 )
+WITH_ERRORS = {
+    "errors": NAMED_ERRORS["typical"],
+    "contact": "close",
+    "stopping_force": 10.0,
+}
 BALL = build(trimesh.creation.icosphere(3, 0.025), 400.0, ROUND)
 CUBE, CYLINDER = (
     build(mesh, 400.0, BUNDLE)
@@ -110,11 +115,15 @@ def test_the_same_settings_give_the_same_bytes(engine: EngineName, ell: Model) -
 
 
 @EACH_ENGINE
-@pytest.mark.parametrize("changes", [{}, {"arm": "panda"}, {"reset": "redrop"}], ids=str)
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"arm": "panda"}, {"reset": "redrop"}, WITH_ERRORS],
+    ids=["", "panda", "redrop", "errors"],
+)
 def test_every_attempt_can_be_repeated_alone(
     engine: EngineName,
     ell: Model,
-    changes: dict[str, str],
+    changes: dict[str, object],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     """From its row of the table, bit by bit, without the detector and the attempts before."""
@@ -131,6 +140,21 @@ def test_every_attempt_can_be_repeated_alone(
             )
         again["outcome"] = again["outcome"] or row["outcome"]
         np.testing.assert_equal(again, {name: row[name] for name in again})
+
+
+@EACH_ENGINE
+def test_errors_far_larger_than_the_object_make_it_missed(engine: EngineName) -> None:
+    off = CellErrors(calibration=0.1)
+    found = attempts(CUBE, engine=engine, errors=off)
+    assert attempts(CUBE, engine=engine)["success"].all()
+    assert found["success"].mean() < 0.2
+    assert found["session"].nunique() == 1
+    pd.testing.assert_series_equal(found["seed"], attempts(CUBE, engine=engine)["seed"])
+
+
+def test_a_session_has_twenty_attempts() -> None:
+    found = attempts(CUBE, nothing, attempts=41)
+    assert found["session"].value_counts(sort=False).tolist() == [20, 20, 1]
 
 
 def test_the_object_goes_on_where_the_attempt_before_left_it() -> None:

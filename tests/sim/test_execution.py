@@ -11,8 +11,9 @@ from worlds import EACH_ARM, EACH_ENGINE, HAND, start
 from egad.config import Bundle, TrialProtocol
 from egad.detectors.base import Grasp
 from egad.detectors.registry import QUICK
+from egad.outcomes import Outcome
 from egad.sim.arms import ARMS
-from egad.sim.execution import Execution, Stillness, execute
+from egad.sim.execution import Execution, Stillness, Stopping, execute
 from egad.sim.model import Model, build
 from egad.sim.parameters import EngineName
 from egad.sim.trial import Attempt, TrialRunner
@@ -97,6 +98,41 @@ def held_up(
         world.place(Pose(np.array([0.0, 0.0, SIDE / 2]), UPRIGHT))
         grasp = Grasp((0.0, shift, 0.02), 0.0, 0.065, 0.01, 1.0)
         return execute(world, ARMS[arm](gripper), TrialProtocol(lift_height=lift), grasp)
+
+
+@EACH_ENGINE
+@EACH_ARM
+def test_a_hand_that_meets_the_table_closes_there_if_the_protocol_says_so(
+    engine: EngineName, arm: str
+) -> None:
+    """A cube grasped with the fingertips 10 mm below the table."""
+    model = build(trimesh.creation.box((SIDE,) * 3), 400.0, BUNDLE)
+    grasp = Grasp((0.0, 0.0, 0.02), 0.0, 0.065, 0.03, 1.0)
+    found = {}
+    for closes in (False, True):
+        with start(engine, model, arm=arm) as world:
+            world.place(Pose(np.array([0.0, 0.0, SIDE / 2]), UPRIGHT))
+            stopping = Stopping(10.0, closes)
+            found[closes] = execute(
+                world, ARMS[arm](HAND), TrialProtocol(), grasp, stopping=stopping
+            )
+    assert found[False].outcome == Outcome.COLLIDED
+    assert found[True].outcome == Outcome.SUCCESS
+    for each in found.values():
+        assert each.stopped == pytest.approx(0.01, abs=0.004)
+
+
+@EACH_ENGINE
+def test_a_hand_that_was_stopped_and_holds_nothing_has_collided(engine: EngineName) -> None:
+    """The open fingers come down on a slab that is wider than the hand."""
+    model = build(trimesh.creation.box((0.2, 0.2, 0.03)), 400.0, BUNDLE)
+    with start(engine, model) as world:
+        world.place(Pose(np.array([0.0, 0.0, 0.015]), UPRIGHT))
+        grasp = Grasp((0.0, 0.0, 0.02), 0.0, 0.065, 0.01, 1.0)
+        arm, closing = ARMS["axis"](HAND), Stopping(10.0, closes=True)
+        found = execute(world, arm, TrialProtocol(), grasp, stopping=closing)
+    assert found.outcome == Outcome.COLLIDED
+    assert found.stopped == pytest.approx(0.02, abs=0.004)
 
 
 def in_full(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,8 +12,9 @@ from worlds import EACH_ARM, EACH_ENGINE, HAND, hung, start
 from egad.config import Bundle
 from egad.errors import UserError
 from egad.sim import mujoco_world
-from egad.sim.arms import HandPose
+from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
+from egad.sim.gripper import Hand
 from egad.sim.model import build
 from egad.sim.mujoco_model import scene_spec
 from egad.sim.parameters import EngineName, check_engine
@@ -56,6 +57,33 @@ def test_a_cube_rests_at_half_its_height(engine: EngineName) -> None:
         assert world.vertices()[:, 2].min() == pytest.approx(0, abs=0.0003)
         assert world.forces().support == pytest.approx(CUBE.mass * GRAVITY, rel=0.01)
         assert world.forces().hand == 0
+
+
+@EACH_ENGINE
+def test_mass_and_friction_change_with_a_reset_and_come_back(engine: EngineName) -> None:
+    """The weight on the table, and how a pushing hand drags the object along."""
+
+    def seen(world: World) -> list[float]:
+        world.reset()
+        world.place(at(0, 0, SIDE / 2))
+        world.step(120)
+        weight = world.forces().support
+        hand = Hand(world, ARMS["axis"](HAND), HandPose(0, 0, 0.005, 0), 0.06)
+        hand.close()
+        hand.lift(0.1, 0.5)
+        return [weight, *world.pose().position]
+
+    with start(engine, CUBE) as world:
+        first = seen(world)
+        world.mass_factor, world.friction_factor = 2.5, 0.01
+        heavy = seen(world)
+        world.mass_factor, world.friction_factor = 1.0, 1.0
+        again = seen(world)
+    assert first == again
+    assert first[0] == pytest.approx(CUBE.mass * GRAVITY, rel=0.01)
+    assert heavy[0] == pytest.approx(2.5 * CUBE.mass * GRAVITY, rel=0.01)
+    assert first[3] > 0.1  # held, and lifted
+    assert heavy[3] < 0.03  # slipped out of the fingers
 
 
 @EACH_ENGINE
