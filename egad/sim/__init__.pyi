@@ -26,6 +26,7 @@ from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of
 from .parameters import ENGINES as ENGINES
+from .parameters import NAMED_ERRORS as NAMED_ERRORS
 from .parameters import CellErrors as CellErrors
 from .parameters import Clutter as Clutter
 from .parameters import ClutterParameters as ClutterParameters

@@ -1,0 +1,142 @@
+"""The tables of docs/studies/real-cell.md: what the errors of a real cell cost.
+
+`python experiments/cell_errors.py FOLDER [NAME=WEIGHTS ...]` tries detectors on the evaluation set
+of the release with the gripper `panda` and depth noise 0.1, 20 attempts an object. The first table
+has both meanings of a contact on the way down, without errors and with `typical` ones; the second
+has each of these errors alone. `NAME=WEIGHTS` adds GG-CNN with other weights, carried out as deep
+as the image allows and as published. Tables of attempts are kept in FOLDER; a second call does what
+is left.
+"""
+
+import argparse
+import itertools
+import pickle
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+import egad
+from egad._util.files import atomic_output
+from egad._util.workers import workers
+from egad.config import GRIPPERS, Bundle, Material, TrialProtocol
+from egad.detectors import DETECTORS, GGCNN, Detector, Labels, make_detector
+from egad.grasping import dataset_grasps
+from egad.grasps import label_parameters
+from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
+from egad.sim import ENGINES, NAMED_ERRORS, EngineName, Model, TrialParameters, build, run_attempts
+from egad.stats import mean_rate
+
+HAND = GRIPPERS["panda"]
+TYPICAL = NAMED_ERRORS["typical"]
+ALONE: dict[str, Any] = {
+    "calibration": TYPICAL.model_dump(include={"calibration", "calibration_turn"}),
+    **{
+        name: TYPICAL.model_dump(include={name})
+        for name in ("positioning", "friction", "mass", "opening", "stopping_force")
+    },
+}
+ERRORS: dict[str, Any] = {"none": "none", **ALONE, "typical": "typical"}
+CONTACTS = {"collided": 20.0, "close": 10.0}  # newtons that stop the hand
+NAMES = ("labels", "antipodal-depth", "ggcnn2-evolved", "ggcnn2-evolved-published", "random")
+
+
+class Prepared(NamedTuple):
+    """An object of the evaluation set, scaled to the hand, with its labelled grasps."""
+
+    label: str
+    id: str
+    model: Model
+    labels: Labels
+
+
+def prepare(target: NamedMesh) -> Prepared:
+    """Scale an object, split it into convex parts, and label 100 grasps of it."""
+    mesh = scaled_solid(target, HAND, "paper")
+    grasps = dataset_grasps(mesh, target.id, label_parameters(HAND, 100, 0))
+    model = build(mesh, Material().density, Bundle(), target.label)
+    return Prepared(target.label, target.id, model, Labels(grasps))
+
+
+def prepared(path: Path, jobs: int) -> list[Prepared]:
+    """All objects, made once."""
+    if not path.exists():
+        with workers(jobs) as mapper:
+            found = list(mapper(prepare, named_meshes(egad.load("evaluation-set"))))
+        with atomic_output(path) as out:
+            out.write_bytes(pickle.dumps(found))
+    return pickle.loads(path.read_bytes())  # type: ignore[no-any-return]  # noqa: S301 (this file is ours)
+
+
+def tried(this: Prepared, detect: Detector | None, parameters: TrialParameters) -> pd.DataFrame:
+    """All attempts of a detector at an object; of the labelled grasps without one."""
+    return run_attempts(this.model, this.label, this.id, detect or this.labels, parameters)
+
+
+def main(folder: Path, detectors: dict[str, Detector | None], attempts: int, jobs: int) -> None:
+    """Run what is missing, and print both tables."""
+    folder.mkdir(parents=True, exist_ok=True)
+    objects = prepared(folder / "objects.pickle", jobs)
+
+    def rate(engine: EngineName, name: str, errors: str, contact: str) -> str:
+        path = folder / engine / contact / errors / f"{name}.parquet"
+        if not path.exists():
+            protocol = {"errors": ERRORS[errors], "contact": contact, "engine": engine}
+            trials = TrialProtocol(
+                attempts=attempts, depth_noise=0.1, stopping_force=CONTACTS[contact], **protocol
+            )
+            parameters = TrialParameters(seed=0, gripper=HAND, trials=trials)
+            with workers(jobs) as mapper:
+                work = partial(tried, detect=detectors[name], parameters=parameters)
+                found = pd.concat(mapper(work, objects))
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with atomic_output(path) as out:
+                found.to_parquet(out)
+        mean = mean_rate(pd.read_parquet(path))
+        low, high = 100 * np.array(mean.interval)
+        return f"{100 * mean.value:.0f} ({low:.0f} to {high:.0f})"
+
+    both = list(itertools.product(CONTACTS, ("none", "typical")))
+    table(
+        detectors,
+        [f"{error}, {contact}" for contact, error in both],
+        lambda engine, name: (rate(engine, name, error, contact) for contact, error in both),
+    )
+    table(
+        NAMES,
+        list(ERRORS),
+        lambda engine, name: (rate(engine, name, error, "close") for error in ERRORS),
+    )
+
+
+def table(
+    detectors: Iterable[str],
+    columns: list[str],
+    cells: Callable[[EngineName, str], Iterable[str]],
+) -> None:
+    """Print a table with a row for each engine and detector, as they come."""
+    print(f"| engine | detector | {' | '.join(columns)} |\n{'| --- ' * (2 + len(columns))}|")
+    for engine, name in itertools.product(ENGINES, detectors):
+        print(f"| {engine} | `{name}` | {' | '.join(cells(engine, name))} |", flush=True)
+
+
+def weights(given: list[str]) -> Iterator[tuple[str, Detector]]:
+    """GG-CNN with other weights, both ways."""
+    for each in given:
+        name, _, path = each.partition("=")
+        yield name, GGCNN(path)
+        yield f"{name}-published", GGCNN(path, "published")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("weights", nargs="*")
+    parser.add_argument("--attempts", type=int, default=20)
+    parser.add_argument("--jobs", type=int, default=2)
+    chosen = parser.parse_intermixed_args()
+    shipped = {name: None if name == "labels" else make_detector(DETECTORS[name]) for name in NAMES}
+    main(chosen.folder, shipped | dict(weights(chosen.weights)), chosen.attempts, chosen.jobs)
