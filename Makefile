@@ -1,7 +1,8 @@
 # make         set up, then the whole pipeline on config/config.yaml, up to results/report.html
 # make setup   set up only: .venv from requirements.lock; targets below add requirements-dev.lock
 # make test    set up, then all tests
-# make check   set up, then all tests, those of the next three targets too
+# make check   set up, then all tests, those of the next four targets too
+# make browser set up, then pages in Chromium (Debian: apt-get install chromium)
 # make slicer  set up, then slice plates of released objects (Debian: apt-get install prusa-slicer)
 # make slurm   set up, then run on a Slurm cluster of one node (root; Debian: slurm-wlm, munge)
 # make vision  set up, then the tests of networks (pip install safetensors torch)
@@ -32,8 +33,8 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.11 \
 	--fork-strategy fewest --generate-hashes --custom-compile-command "make lock"
 
-.PHONY: all setup tools kernels test check bounds slicer slurm vision bench docs wheel lint lock
-.PHONY: has-slicer has-slurm has-torch
+.PHONY: all setup tools kernels test check bounds browser slicer slurm vision bench docs wheel lint lock
+.PHONY: has-chromium has-slicer has-slurm has-torch
 
 all: setup
 	snakemake --cores $(CORES)
@@ -51,12 +52,15 @@ bounds: tools
 		tests/cppn tests/detectors tests/geometry tests/grasps tests/learning tests/map_elites tests/measures \
 		tests/perception tests/reeb tests/sim tests/stats
 
-check: kernels has-slicer has-slurm has-torch
+check: kernels has-chromium has-slicer has-slurm has-torch
 	$(TESTS) -m 'not slow and not wheel'
 
 # Once, before processes of the tests would each do it.
 kernels: tools
 	python -c 'from egad._util.kernel_cache import compile_kernels; compile_kernels()'
+
+browser: has-chromium
+	pytest -m browser tests/report
 
 slicer: has-slicer
 	pytest -m slicer tests/evalset
@@ -66,6 +70,9 @@ slurm: has-slurm
 
 vision: has-torch
 	pytest tests/learning tests/perception tests/detectors tests/test_run_trials.py tests/test_run_benchmark.py
+
+has-chromium: tools
+	@command -v chromium >/dev/null || { echo "chromium is needed" >&2; exit 1; }
 
 has-slicer: tools
 	@command -v prusa-slicer >/dev/null || { echo "prusa-slicer is needed" >&2; exit 1; }

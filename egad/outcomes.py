@@ -80,6 +80,15 @@ POSE_FAILURES = (Outcome.NOT_RIGID, *DETECTOR_FAILURES)
 NOTED_BY_HAND = (Outcome.SLIPPED, Outcome.OTHER)
 """Only in tables of a real robot."""
 
+OBSERVABLE = (
+    *EXECUTION,
+    *NOTED_BY_HAND,
+    Outcome.NO_GRASP,
+    Outcome.ERROR,
+    Outcome.TIMEOUT,
+)
+"""What a person beside a robot can tell apart."""
+
 
 def listed(outcomes: Iterable[Outcome]) -> str:
     """Outcomes as a phrase: `failed, crashed or error`."""

@@ -16,6 +16,7 @@ from egad.cli.genome import genome
 from egad.cli.gripper import gripper
 from egad.cli.heatmap import heatmap
 from egad.cli.locate import locate
+from egad.cli.log_sheet import log_sheet
 from egad.cli.measure import measure
 from egad.cli.provenance import provenance, verify
 from egad.cli.rescale import rescale
@@ -31,7 +32,7 @@ GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
         *(genome, export_meshes, bundle, collage, heatmap),
     ),
     "Grasps and grippers": (rescale, view, size_effect, gripper),
-    "Detectors": (benchmark, train, trials),
+    "Detectors": (benchmark, train, trials, log_sheet),
     "Files and runs": (export, check_config, provenance, verify),
 }
 

@@ -1,5 +1,6 @@
 """Results of trials, in simulation or with a real robot: compared, reported, filmed."""
 
+import logging
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,6 +15,7 @@ from egad.errors import UserError
 if TYPE_CHECKING:
     import pandas as pd
 
+log = logging.getLogger(__name__)
 trials = typer.Typer(
     name="trials",
     no_args_is_help=True,
@@ -50,12 +52,13 @@ def compare(
     if len(tables) > 1 and all(is_clutter):
         _compare_clearing(tables, out)
         return
-    found = {} if all(is_clutter) else gather(tables)
+    chosen = _evaluation_set(evaluation)
+    found = _of_set({} if all(is_clutter) else gather(tables), chosen)
     if len(found) < 2:
         raise UserError("compare needs the results of at least two detectors")
     _tell(found)
     if out is not None:
-        _write(out, found, evaluation, settings_in(config))
+        _write(out, found, chosen, settings_in(config))
 
 
 @trials.command()
@@ -76,11 +79,12 @@ def report(
 
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
-    found, settings = read(table), settings_in(config)
+    chosen, settings = _evaluation_set(evaluation), settings_in(config)
+    found = _of_set(read(table), chosen)
     _tell(found)
     for path in out:
         if path.suffix.lower() == ".html":
-            _write(path, found, evaluation, settings)
+            _write(path, found, chosen, settings)
         else:
             write_frame(pd.concat(found.values()), RESULTS, path)
 
@@ -153,17 +157,45 @@ def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
         compared(pairs(found))
 
 
+def _evaluation_set(path: Path | None) -> "pd.DataFrame | None":
+    """The table of the option `--eval`."""
+    from egad.tables import parquet
+    from egad.tables.evaluation import EVAL49
+
+    return None if path is None else parquet.read(path, EVAL49)
+
+
+def _of_set(
+    found: "Mapping[str, pd.DataFrame]", chosen: "pd.DataFrame | None"
+) -> "Mapping[str, pd.DataFrame]":
+    """The attempts at objects of the evaluation set; a warning names the others.
+
+    Raises:
+        UserError: A detector has tried none of its objects.
+    """
+    if chosen is None:
+        return found
+    kept = {name: table[table["label"].isin(chosen["label"])] for name, table in found.items()}
+    for name, table in kept.items():
+        others = sorted(set(found[name]["label"]) - set(chosen["label"]))
+        if table.empty:
+            raise UserError(f"{name} has no attempt at an object of --eval")
+        if others:
+            log.warning("%s: not in --eval, left out: %s", name, ", ".join(others))
+    return kept
+
+
 def _write(
-    out: Path, found: "Mapping[str, pd.DataFrame]", evaluation: Path | None, settings: Settings
+    out: Path,
+    found: "Mapping[str, pd.DataFrame]",
+    chosen: "pd.DataFrame | None",
+    settings: Settings,
 ) -> None:
     from egad._util.files import write_text
     from egad.evalset import cell_of_label
     from egad.report.axes import axis_pair
     from egad.report.trials import EvaluationSet, page
-    from egad.tables import parquet
-    from egad.tables.evaluation import EVAL49
 
-    chosen = None if evaluation is None else parquet.read(evaluation, EVAL49)
     cells = [cell_of_label(label) for table in found.values() for label in table["label"].unique()]
     rows = max(settings.select_eval.rows, *(row + 1 for row, _ in cells))
     columns = max(settings.select_eval.columns, *(column + 1 for _, column in cells))

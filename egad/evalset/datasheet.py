@@ -43,7 +43,8 @@ REPORTING = """
    end. Put it back at random between attempts, and count every attempt, the aborted ones too.
 3. Write every attempt into a copy of `trials.csv`: `success` is 1 or 0. If you like, `outcome` is
    success, slipped, dropped, missed, collided, no_grasp, failed or other, and `detector` its name.
-   `egad trials report` reads the file, `egad trials compare` holds it against others.
+   `egad trials report` reads the file, `egad trials compare` holds it against others. The page
+   of `egad log-sheet` writes such a file too, attempt by attempt in a random order.
 4. Report the success rate over all attempts and that of each object, row and column, the gripper
    with its opening, the scale rule and the factors, the filament and the friction of the fingers,
    the sensor, and the version of the detector. {attempts} attempts leave an object's rate uncertain

@@ -22,6 +22,8 @@ from .rates import rate as rate
 from .rates import trend as trend
 from .rates import trial_grid as trial_grid
 from .rates import wilson as wilson
+from .records import LOG_COLUMNS as LOG_COLUMNS
+from .records import LOG_SCHEMA as LOG_SCHEMA
 from .records import gather as gather
 from .records import read as read
 from .records import results as results

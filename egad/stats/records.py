@@ -1,34 +1,54 @@
 """Results of trials from anywhere: tables of the simulation, or a CSV file of a real robot.
 
 The CSV file has one row per attempt and the columns label, attempt and success, and if you like
-outcome, quality and detector. Rows without a success have not been tried yet and are left out.
+outcome, quality, detector and valid. Rows without a success have not been tried yet and are left
+out, as are those that are not valid.
+
+A file with a column session is a log, as the page of `egad log-sheet` exports it, and has the
+columns `LOG_COLUMNS`. Of a log, rows that cannot be used are left out with a warning; in other
+files they are errors.
 """
 
 import csv
 import io
+import logging
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from egad.errors import UserError
+from egad.errors import UserError, most_common
 from egad.evalset import LABEL
 from egad.outcomes import Outcome
 from egad.tables import parquet
 from egad.tables.columns import INITIAL
 from egad.tables.evaluation import RESULTS, TRIALS
 
+log = logging.getLogger(__name__)
+
 NEEDED = ("label", "attempt", "success")
 COLUMNS = (*NEEDED, "outcome", "quality", "detector")
+LOG_SCHEMA = "1"  # version of the following columns
+LOG_COLUMNS = (
+    *("schema", "session", "order", "time", "label", "id", "attempt", "detector", "version"),
+    *("success", "outcome", "valid", "reason", "note"),
+    *("operator", "robot", "gripper", "pads", "camera", "calibration", "prints"),
+    *("blind", "seed", "record"),
+)
+READ = (*COLUMNS, "id", "valid", "reason", "session", "schema")
 WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
 }
 MOST_BYTES, MOST_COLUMNS, MOST_ROWS = 1 << 24, 1000, 100_000  # of a CSV file
+MOST_TOLD = 5  # warnings of one kind about a log
 ATTEMPT = re.compile(r"[0-9]{1,9}")
+ATTEMPT_KEY = ["detector", "label", "attempt"]
 
 
 def template(labels: Sequence[str], attempts: int, detector: str) -> pd.DataFrame:
@@ -101,19 +121,101 @@ def _csv(path: Path) -> pd.DataFrame:
             f"{path}: the column {missing[0]} is missing; needed: {', '.join(NEEDED)}; "
             f"allowed: {', '.join(COLUMNS)}"
         )
-    if repeated := [name for name in COLUMNS if names.count(name) > 1]:
+    if repeated := [name for name in READ if names.count(name) > 1]:
         raise UserError(f"{path}: the column {repeated[0]} occurs twice")
-    blank = dict.fromkeys(COLUMNS, "")
+    blank = dict.fromkeys(READ, "")
     cells = [(line, blank | dict(zip(names, row, strict=True))) for line, row in lines]
-    rows = [_row(path, line, row) for line, row in cells if row["success"]]
+    is_log = "session" in names
+    rows = _rows(path, cells, is_log)
     if not rows:
         raise UserError(f"{path}: no row says whether the attempt was a success")
-    frame = pd.DataFrame(rows, columns=RESULTS.names)
-    twice = frame.duplicated(["detector", "label", "attempt"])
+    frame = pd.DataFrame(rows)
+    frame = _joined_sessions(path, frame) if is_log else frame
+    twice = frame.duplicated(ATTEMPT_KEY)
     if twice.any():
         first = frame[twice].iloc[0]
         raise UserError(f"{path}: attempt {first['attempt']} at {first['label']} occurs twice")
-    return frame
+    return frame.loc[:, list(RESULTS.names)]
+
+
+def _rows(
+    path: Path, cells: Sequence[tuple[int, Mapping[str, str]]], is_log: bool
+) -> list[dict[str, object]]:
+    """The attempts that were made and are valid, as of `_row`; a warning counts those that are not.
+
+    Raises:
+        UserError: One cannot be used, and the file is no log; or it is one of another version.
+    """
+    rows, problems, not_valid = [], [], Counter[str]()
+    if cells and is_log and not {row["schema"] for _, row in cells} & {"", LOG_SCHEMA}:
+        line, row = cells[0]
+        raise _wrong(path, line, row, "schema", f"{LOG_SCHEMA}; a newer egad may know it")
+    for line, row in cells:
+        try:
+            if not _is_valid(path, line, row):
+                not_valid[row["reason"] or "no reason given"] += 1
+            elif row["success"]:
+                rows.append(_row(path, line, row))
+        except UserError as problem:
+            if not is_log:
+                raise
+            problems.append(str(problem))
+    if not_valid:
+        count = not_valid.total()
+        log.warning("%s: %d attempts are not valid: %s", path, count, most_common(not_valid))
+    _tell(path, problems)
+    return rows
+
+
+def _is_valid(path: Path, line: int, row: Mapping[str, str]) -> bool:
+    """Whether an attempt counts; without a word about it, it does."""
+    if row["session"] and row["schema"] not in ("", LOG_SCHEMA):
+        raise _wrong(path, line, row, "schema", LOG_SCHEMA)
+    valid = WORDS.get(row["valid"].lower() or "1")
+    if valid is None:
+        raise _wrong(path, line, row, "valid", "1, 0, true, false, yes or no, or nothing")
+    return valid
+
+
+def _joined_sessions(path: Path, rows: pd.DataFrame) -> pd.DataFrame:
+    """The attempts of a log, each of them once.
+
+    What a file has twice counts once. Attempts of a session with results that contradict each other
+    are left out. Where another session has made the same attempts, its numbers go on behind them.
+    """
+    rows = rows.drop_duplicates(["session", *ATTEMPT_KEY, "outcome"])
+    differ = rows.duplicated(["session", *ATTEMPT_KEY], keep=False)
+    groups = rows[differ].groupby(["session", *ATTEMPT_KEY], sort=False)
+    _tell(
+        path,
+        [
+            f"{path}, lines {' and '.join(map(str, group['line']))}: session {session} has "
+            f"different results of attempt {attempt} at {label} by {detector}: "
+            f"{' and '.join(group['outcome'])}"
+            for (session, detector, label, attempt), group in groups
+        ],
+    )
+    rows = rows[~differ].reset_index(drop=True)
+    if rows.empty:
+        raise UserError(f"{path}: no attempt is left")
+    if rows.duplicated(ATTEMPT_KEY).any():
+        counts = rows.groupby("session", sort=False)["attempt"].max() + 1
+        first = counts.cumsum() - counts
+        rows["attempt"] += rows["session"].map(first)
+        log.warning(
+            "%s: sessions have the same attempts, which are counted on: %s",
+            path,
+            ", ".join(f"those of {name} from {start}" for name, start in first.items()),
+        )
+    return rows
+
+
+def _tell(path: Path, problems: Sequence[str]) -> None:
+    """Warn about what is left out of a log."""
+    for problem in problems[:MOST_TOLD]:
+        log.warning("%s; left out", problem)
+    if len(problems) > MOST_TOLD:
+        log.warning("%s: %d more like these are left out", path, len(problems) - MOST_TOLD)
 
 
 def _cells(path: Path) -> list[tuple[int, list[str]]]:
@@ -146,11 +248,8 @@ def _cells(path: Path) -> list[tuple[int, list[str]]]:
 
 
 def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
-    """One attempt; `line` is that of the file, for error messages."""
-
-    def wrong(column: str, wanted: str) -> UserError:
-        return UserError(f"{path}, line {line}: {column} is {row[column]!r}; allowed: {wanted}")
-
+    """One attempt, with the line and session that it comes from."""
+    wrong = partial(_wrong, path, line, row)
     success = WORDS.get(row["success"].lower())
     if success is None:
         raise wrong("success", "1, 0, true, false, yes or no")
@@ -171,7 +270,7 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         raise wrong("quality", "a number, or nothing") from error
     return {
         "label": row["label"],
-        "id": "",
+        "id": row["id"] if row["session"] else "",
         "attempt": int(row["attempt"]),
         "success": success,
         "outcome": Outcome(outcome).value,
@@ -179,4 +278,10 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         "detector": row["detector"] or path.stem,
         "initial_pose": "",
         "engine": "",
+        "line": line,
+        "session": row["session"],
     }
+
+
+def _wrong(path: Path, line: int, row: Mapping[str, str], column: str, wanted: str) -> UserError:
+    return UserError(f"{path}, line {line}: {column} is {row[column]!r}; allowed: {wanted}")

@@ -137,7 +137,7 @@ CONVEX_PARTS = pa.schema(
 RESULTS = pa.schema(
     [
         PLACE,
-        column("id", STRING, "name of the object in its dataset; empty on a real robot"),
+        column("id", STRING, "name of the object in its dataset; empty if not known"),
         column("attempt", INT, "number of the attempt"),
         SUCCESS,
         column("outcome", STRING, f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),

@@ -52,6 +52,23 @@ def test_the_template_of_a_set_has_its_objects(tmp_path):
     assert sorted(set(pd.read_csv(out)["label"])) == ["A0", "B3"]
 
 
+def test_objects_that_are_not_in_the_set_are_left_out_and_named(filled):
+    row = {field.name: {"string": ""}.get(str(field.type), 0) for field in EVAL49}
+    rows = [row | {"label": label} for label in ("A0", "B3")]
+    parquet.write(pd.DataFrame(rows), EVAL49, filled / "eval49.parquet")
+    few = pd.read_csv(filled / "good.csv").query("label in ['A0', 'G6', 'C4']")
+    few.to_csv(filled / "few.csv", index=False)
+    given = ["report", filled / "few.csv", "--eval", filled / "eval49.parquet"]
+    result = trials(*given, "--out", filled / "few.html", "--out", filled / "few.parquet")
+    assert result.returncode == 0, result.stderr
+    assert "good: not in --eval, left out: C4, G6" in result.stderr
+    assert set(parquet.read(filled / "few.parquet", RESULTS)["label"]) == {"A0"}
+    few.query("label == 'G6'").to_csv(filled / "few.csv", index=False)
+    result = trials(*given, "--out", filled / "few.html")
+    assert result.returncode == 1
+    assert "good has no attempt at an object of --eval" in result.stderr
+
+
 def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
     """What the simulation writes keeps the object's id on its way into a comparison."""
     blank = {"string": "", "bool": False}

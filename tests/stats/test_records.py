@@ -1,11 +1,15 @@
 """Results of a real robot: what is read, and what is said about mistakes."""
 
+import csv
+import io
+import logging
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from egad.errors import UserError
-from egad.stats.records import COLUMNS, gather, read, template
+from egad.stats.records import COLUMNS, LOG_COLUMNS, gather, read, template
 from egad.tables import parquet
 from egad.tables.evaluation import RESULTS, TRIALS
 
@@ -164,3 +168,133 @@ def test_no_table_grows_to_rows_times_columns(written):
     text = "label,attempt,success" + "," * 10_000 + "\n" + "A0,0,1\n" * 100_000
     with pytest.raises(UserError, match="10003 columns; at most 1000"):
         read(written(text))
+
+
+def log_text(*rows):
+    """A log as its page exports it, of rows that differ from a good one."""
+    usual = dict.fromkeys(LOG_COLUMNS, "") | {
+        "schema": "1",
+        "session": "monday",
+        "time": "2026-11-27T09:59:00+01:00",
+        "label": "C4",
+        "id": "cafe",
+        "attempt": "0",
+        "detector": "mine",
+        "success": "1",
+        "outcome": "success",
+        "valid": "1",
+    }
+    text = io.StringIO()
+    writer = csv.DictWriter(text, LOG_COLUMNS)
+    writer.writeheader()
+    writer.writerows(usual | row for row in rows)
+    return "\ufeff" + text.getvalue()
+
+
+FAILED = {"success": "0", "outcome": "slipped_lifting"}
+
+
+def test_a_log_is_read(written):
+    note = '\'=1+1; "quoted",\r\ntwo lines'
+    rows = {"note": note}, {"attempt": "1", **FAILED}, {"detector": "theirs"}
+    found = read(written(log_text(*rows)))
+    assert list(found) == ["mine", "theirs"]
+    assert found["mine"].columns.tolist() == RESULTS.names
+    assert found["mine"]["outcome"].tolist() == ["success", "slipped_lifting"]
+    assert found["mine"]["id"].tolist() == ["cafe", "cafe"]
+
+
+def test_attempts_that_are_not_valid_are_left_out_and_counted(written, caplog):
+    stopped = {"valid": "0", "success": "", "outcome": "", "reason": "stopped"}
+    undone = {"valid": "no", "reason": "undone", **FAILED}
+    found = read(written(log_text(stopped, undone, undone, {})))
+    assert found["mine"]["success"].tolist() == [True]
+    assert "3 attempts are not valid: undone (2); stopped (1)" in caplog.text
+
+
+def test_what_is_not_valid_is_left_out_of_any_file(written, caplog):
+    found = read(written("label,attempt,success,valid\nA0,0,1,\nA0,0,0,0\n"))
+    assert found["results"]["success"].tolist() == [True]
+    assert "1 attempts are not valid: no reason given (1)" in caplog.text
+
+
+def test_a_column_id_means_something_in_a_log_only(written):
+    found = read(written("id,label,attempt,success\n17,A0,0,1\n"))
+    assert found["results"]["id"].tolist() == [""]
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ({"label": "mug"}, "line 3: label is 'mug'; allowed: a letter and a digit"),
+        ({"outcome": "fell", "success": "0"}, "line 3: outcome is 'fell'; allowed: success"),
+        ({"success": "maybe"}, "line 3: success is 'maybe'"),
+        ({"valid": "perhaps"}, "line 3: valid is 'perhaps'; allowed: 1, 0"),
+        ({"attempt": "first"}, "line 3: attempt is 'first'"),
+        ({"schema": "2"}, "line 3: schema is '2'; allowed: 1"),
+        ({"success": "0"}, "line 3: outcome is 'success'; allowed: success just where success"),
+    ],
+)
+def test_a_log_is_read_without_the_rows_that_are_wrong(written, caplog, row, words):
+    found = read(written(log_text({}, {"attempt": "1", **row}, {"attempt": "2"})))
+    assert found["mine"]["attempt"].tolist() == [0, 2]
+    assert words in caplog.text
+    assert "left out" in caplog.text
+
+
+def test_many_rows_that_are_wrong_are_counted(written, caplog):
+    strange = ({"attempt": str(number), "label": "mug"} for number in range(1, 21))
+    assert len(read(written(log_text({}, *strange)))["mine"]) == 1
+    assert len(caplog.records) == 6
+    assert "15 more like these are left out" in caplog.text
+
+
+def test_a_log_without_a_row_that_can_be_used_is_a_mistake(written):
+    with pytest.raises(UserError, match="no row says whether"):
+        read(written(log_text({"label": "mug"})))
+    with pytest.raises(UserError, match="no attempt is left"):
+        read(written(log_text({}, FAILED)))
+
+
+def test_a_log_of_another_version_is_refused(written):
+    newer = {"schema": "2", "attempt": "1"}
+    with pytest.raises(UserError, match="line 2: schema is '2'; allowed: 1; a newer egad may"):
+        read(written(log_text(newer)))
+
+
+def test_results_of_a_session_that_contradict_each_other_are_left_out(written, caplog):
+    """Two copies of one session went on apart, and somebody has joined their files."""
+    found = read(written(log_text({}, {"attempt": "1"}, {"attempt": "1", **FAILED})))
+    assert found["mine"]["attempt"].tolist() == [0]
+    told = "lines 3 and 4: session monday has different results of attempt 1 at C4 by mine"
+    assert told in caplog.text
+    assert "success and slipped_lifting; left out" in caplog.text
+
+
+def test_what_a_log_has_twice_counts_once(written, caplog):
+    caplog.set_level(logging.WARNING)
+    found = read(written(log_text({}, {"attempt": "1", **FAILED}, {}, {"attempt": "1", **FAILED})))
+    assert found["mine"]["success"].tolist() == [True, False]
+    assert not caplog.records
+
+
+def test_attempts_of_another_session_are_counted_on(written, caplog):
+    tuesday = {"session": "tuesday", **FAILED}
+    rows = {}, {"attempt": "1"}, tuesday, {"detector": "theirs"}, tuesday | {"detector": "theirs"}
+    found = read(written(log_text(*rows)))
+    assert found["mine"]["attempt"].tolist() == [0, 1, 2]
+    assert found["mine"]["success"].tolist() == [True, True, False]
+    assert found["theirs"]["attempt"].tolist() == [0, 2]
+    assert "those of monday from 0, those of tuesday from 2" in caplog.text
+
+
+def test_sessions_that_share_the_work_keep_their_numbers(written, caplog):
+    rows = {}, {"session": "tuesday", "attempt": "1"}
+    assert read(written(log_text(*rows)))["mine"]["attempt"].tolist() == [0, 1]
+    assert not caplog.records
+
+
+def test_a_joined_file_has_a_head_in_its_middle(written, caplog):
+    text = log_text({}) + log_text({"attempt": "1"}).removeprefix("\ufeff")
+    assert len(read(written(text))["mine"]) == 2
+    assert "schema is 'schema'" in caplog.text

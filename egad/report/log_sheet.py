@@ -1,0 +1,234 @@
+"""A page to log grasp attempts with a real robot, which needs no network and no other file.
+
+Its CSV is read by `egad.stats.read`; `LOG_COLUMNS` there are its columns.
+"""
+
+import base64
+import hashlib
+import json
+import string
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from egad.errors import UserError
+from egad.outcomes import DETECTOR_FAILURES, OBSERVABLE, Outcome
+from egad.random import generator
+from egad.report.page import render_template
+from egad.stats import LOG_COLUMNS, LOG_SCHEMA
+
+PURPOSE = "log sheet"  # of the random numbers
+MOST_DETECTORS = len(string.ascii_uppercase)
+LONGEST_NAME = 60
+MEANINGS = {
+    Outcome.SUCCESS: "held to the end",
+    Outcome.COLLIDED: "the hand was stopped on its way, or could not get there",
+    Outcome.MISSED: "the fingers closed, but never both pressed on the object at once",
+    Outcome.SLIPPED_CLOSING: "lost between the fingers before the lift",
+    Outcome.SLIPPED_LIFTING: "lost during the lift",
+    Outcome.DROPPED: "lost while held up",
+    Outcome.SLIPPED: "lost, but you did not see when",
+    Outcome.OTHER: "any other failure: say which in a note",
+    Outcome.NO_GRASP: "the detector proposed no grasp",
+    Outcome.ERROR: "the detector crashed or gave something else than a grasp",
+    Outcome.TIMEOUT: "the detector took too long",
+}
+REASONS = (
+    "wrong object, pose or detector",
+    "operator or robot stopped it for another cause than the grasp",
+    "camera or network failed",
+    "object or gripper was damaged",
+)
+FIELDS = {  # of a session: key, what it is called, and an example
+    "operator": ("Operator", "your name or initials"),
+    "robot": ("Robot", "Franka Panda"),
+    "gripper": ("Gripper", "Franka Hand"),
+    "pads": ("Pads", "silicone, new in May"),
+    "camera": ("Camera", "RealSense D435 on the wrist"),
+    "calibration": ("Calibration", "2026-05-02, 1.8 mm"),
+    "prints": ("Prints", "PLA, matt; scaled to 75 mm"),
+}
+REQUIRED = ("operator", "robot", "gripper")
+
+
+class PlannedAttempt(NamedTuple):
+    """An attempt that is to be made."""
+
+    label: str
+    attempt: int
+    detector: str
+
+
+@dataclass(frozen=True)
+class LogObject:
+    """An object to try.
+
+    Attributes:
+        label: Its name in the evaluation set, such as C4.
+        id: Its name in the dataset.
+        picture: PNG file.
+    """
+
+    label: str
+    id: str
+    picture: bytes
+
+
+@dataclass(frozen=True)
+class LogPlan:
+    """What a session consists of.
+
+    Attributes:
+        attempts: By each detector at each object.
+        seed: What the order was drawn from.
+        order: All attempts.
+        shown: What the page calls each detector: its name, or a letter if the session is blinded.
+        blind: Whether the operator does not know the detectors.
+    """
+
+    attempts: int
+    seed: int
+    order: tuple[PlannedAttempt, ...]
+    shown: dict[str, str]
+    blind: bool
+
+
+def attempt_order(
+    labels: Iterable[str], attempts: int, detectors: Iterable[str], seed: int
+) -> list[PlannedAttempt]:
+    """The order of all attempts.
+
+    Objects come one after the other in random order. At each of them, all detectors make their
+    first attempt, then all make their second, and so on, each time in another random order. What
+    changes with time, such as worn pads, thus affects all detectors alike.
+
+    Args:
+        labels: Objects, each once.
+        attempts: By each detector at each object.
+        detectors: Their names, each once.
+        seed: The same seed gives the same order, however objects and detectors are listed.
+    """
+    names, objects = sorted(detectors), sorted(labels)
+    return [
+        PlannedAttempt(label, attempt, detector)
+        for label in _shuffled(objects, seed, "objects")
+        for attempt in range(attempts)
+        for detector in _shuffled(names, seed, "detectors", label, attempt)
+    ]
+
+
+def plan(
+    labels: Iterable[str], attempts: int, detectors: Sequence[str], seed: int, *, blind: bool
+) -> LogPlan:
+    """Plan a session.
+
+    Args:
+        labels: Objects, each once.
+        attempts: By each detector at each object.
+        detectors: Their names.
+        seed: What the order is drawn from; see `attempt_order`.
+        blind: Call the detectors A, B, ... in random order.
+
+    Raises:
+        UserError: The names of the detectors cannot be used, or there are no attempts.
+    """
+    _check_detectors(detectors)
+    if attempts < 1:
+        raise UserError(f"--attempts {attempts} is not allowed; allowed: 1 or more")
+    order = attempt_order(labels, attempts, detectors, seed)
+    names = _shuffled(sorted(detectors), seed, "letters") if blind else list(detectors)
+    letters = string.ascii_uppercase if blind else names
+    shown = dict(zip(names, letters, strict=False))
+    return LogPlan(attempts, seed, tuple(order), shown, blind)
+
+
+def order_table(planned: LogPlan, objects: Iterable[LogObject]) -> pd.DataFrame:
+    """The order for the program of the robot, with the true names of the detectors.
+
+    Returns:
+        Columns order (from 1), label, id, attempt (from 0), detector; and success, outcome and
+        note, which are empty.
+    """
+    ids = {item.label: item.id for item in objects}
+    table = pd.DataFrame(planned.order, columns=list(PlannedAttempt._fields))
+    table.insert(0, "order", range(1, len(table) + 1))
+    table.insert(2, "id", table["label"].map(ids))
+    return table.assign(success="", outcome="", note="")
+
+
+def page(planned: LogPlan, objects: Sequence[LogObject], title: str) -> str:
+    """The HTML page.
+
+    Args:
+        planned: What is to be done.
+        objects: Those of the plan.
+        title: What the objects are, such as the name of the dataset.
+    """
+    labels = [item.label for item in objects]
+    names = list(planned.shown)
+    agreed = {
+        "seed": planned.seed,
+        "blind": planned.blind,
+        "detectors": [{"name": name, "shown": shown} for name, shown in planned.shown.items()],
+        "objects": [{"label": item.label, "id": item.id} for item in objects],
+        "order": [
+            [labels.index(each.label), each.attempt, names.index(each.detector)]
+            for each in planned.order
+        ],
+    }
+    data = {
+        **agreed,
+        "schema": LOG_SCHEMA,
+        "sheet": hashlib.sha256(json.dumps(agreed).encode()).hexdigest()[:12],
+        "attempts": planned.attempts,
+        "columns": LOG_COLUMNS,
+        "outcomes": OBSERVABLE,
+        "fields": list(FIELDS),
+    }
+    return render_template(
+        "log_sheet.html.j2",
+        data=data,
+        pictures=[base64.b64encode(item.picture).decode() for item in objects],
+        planned=planned,
+        title=title,
+        outcomes=[_outcome(each) for each in OBSERVABLE],
+        reasons=REASONS,
+        fields=FIELDS,
+        required=REQUIRED,
+    )
+
+
+def _outcome(outcome: Outcome) -> dict[str, Any]:
+    """What the page says of an outcome."""
+    return {
+        "code": outcome.value,
+        "name": outcome.value.replace("_", " "),
+        "meaning": MEANINGS[outcome],
+        "of_detector": outcome in DETECTOR_FAILURES,
+    }
+
+
+def _shuffled(names: Sequence[str], seed: int, *index: int | str) -> list[str]:
+    order = generator(seed, PURPOSE, *index).permutation(len(names))
+    return [names[place] for place in np.asarray(order)]
+
+
+def _check_detectors(names: Sequence[str]) -> None:
+    """Check that names of detectors can stand in the order and in a CSV file.
+
+    Raises:
+        UserError: One cannot.
+    """
+    for name in names:
+        if not name[:1].isalnum() or len(name) > LONGEST_NAME or not name.isprintable():
+            raise UserError(
+                f"--detectors: {name!r} is no name of a detector; allowed: a letter or digit, then "
+                f"up to {LONGEST_NAME - 1} characters without commas"
+            )
+        if names.count(name) > 1:
+            raise UserError(f"--detectors: {name} is named twice")
+    if not 1 <= len(names) <= MOST_DETECTORS:
+        raise UserError(f"--detectors: {len(names)} names; allowed: 1 to {MOST_DETECTORS}")
