@@ -11,7 +11,16 @@ from rich.table import Table
 from egad.measures import cell_name
 from egad.report.axes import DIFFICULTY, AxisPair
 from egad.report.page import p_value
-from egad.stats import Clearing, ClearingComparison, Mean
+from egad.stats import (
+    Agreement,
+    Clearing,
+    ClearingComparison,
+    Estimate,
+    Mean,
+    Plan,
+    PredictedRate,
+    SequentialTest,
+)
 
 if TYPE_CHECKING:
     from egad.report.trials import Pair  # it loads Matplotlib
@@ -134,6 +143,104 @@ def compared(pairs: Sequence["Pair"]) -> None:
                 p_value(pair.result.p_attempts),
             )
             for pair in pairs
+        ],
+    )
+
+
+def decided(tests: Mapping[tuple[str, str], SequentialTest]) -> None:
+    """Print what the sequential test says of pairs of detectors."""
+    show(
+        ["first vs second", "pairs", "e-value", "needed", "p", "better"],
+        [
+            (
+                *(f"{first} vs {second}", str(len(test.e_values))),
+                *(f"{test.e_value:.3g}", f"{1 / test.level:g}", p_value(test.p_value)),
+                _decision(test, first, second),
+            )
+            for (first, second), test in tests.items()
+        ],
+    )
+
+
+def _decision(test: SequentialTest, first: str, second: str) -> str:
+    if not test.better:
+        return "not decided yet"
+    return f"{first if test.better == 'first' else second}, after {test.decided_after} pairs"
+
+
+def planned(plans: Sequence[Plan], power: float) -> None:
+    """Print how many attempts show a difference, by the number of objects."""
+    show(
+        [
+            *("objects", "attempts each", "attempts in all", "power %"),
+            *(f"looking early: {100 * power:g} % decided after", "half decided after"),
+        ],
+        [
+            (
+                str(plan.objects),
+                _count(plan.attempts),
+                _count(plan.attempts and plan.attempts * plan.objects),
+                number(100 * plan.power, 0),
+                _count(plan.sequential),
+                _count(plan.median),
+            )
+            for plan in plans
+        ],
+    )
+
+
+def _count(value: int | None) -> str:
+    return DASH if value is None else str(value)
+
+
+def agreements(rows: Mapping[str, Agreement], counted: str) -> None:
+    """Print how well simulated rates agree with real ones.
+
+    Args:
+        rows: By detector, or a single one over detectors.
+        counted: What is compared: objects or detectors.
+    """
+    limit = ["Pearson at most"] if counted == "objects" else []
+    show(
+        [
+            *("over " + counted, counted, "simulated %", "real %", "real - simulated"),
+            *("Spearman", "Pearson", *limit, "MMRV"),
+        ],
+        [
+            (
+                *(name, str(found.count)),
+                *(number(100 * rate, 1) for rate in (found.simulated, found.real)),
+                _estimate(found.difference, 1, 100),
+                *(_estimate(each, 2) for each in (found.spearman, found.pearson)),
+                *([number(found.limit, 2)] if limit else []),
+                _estimate(found.mmrv, 3),
+            )
+            for name, found in rows.items()
+        ],
+    )
+
+
+def _estimate(estimate: Estimate, digits: int, factor: float = 1) -> str:
+    """A number with its interval in brackets."""
+    value, low, high = (number(factor * each, digits) for each in estimate)
+    return value if pd.isna(estimate.ci_low) else f"{value} ({low} to {high})"
+
+
+def predicted(rates: Mapping[str, PredictedRate]) -> None:
+    """Print real success rates with and without the help of objects that were only simulated."""
+    show(
+        [
+            *("real success rate", "real objects", "only simulated", "real %", "95 % interval"),
+            *("predicted %", "95 % interval", "gain"),
+        ],
+        [
+            (
+                *(name, str(found.both), str(found.simulated_only)),
+                *(number(100 * found.plain, 1), _interval(found.plain_interval)),
+                *(number(100 * found.value, 1), _interval(found.interval)),
+                number(found.gain, 2),
+            )
+            for name, found in rates.items()
         ],
     )
 

@@ -1,14 +1,18 @@
 """Results of trials, in simulation or with a real robot: compared, reported, filmed."""
 
 import logging
+import math
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from egad.cli.common import Config, out_option, settings_in
+from egad.cli.plan import plan
 from egad.cli.replay import film, replay
+from egad.cli.validate import validate
 from egad.config import Settings
 from egad.errors import UserError
 
@@ -19,7 +23,7 @@ log = logging.getLogger(__name__)
 trials = typer.Typer(
     name="trials",
     no_args_is_help=True,
-    help="Results of grasping trials: compare, report, replay, film, template.",
+    help="Results of grasping trials: plan, compare, validate, report, replay, film, template.",
 )
 
 Evaluation = Annotated[
@@ -34,6 +38,14 @@ def compare(
     out: Annotated[Path | None, out_option("page to write: .html")] = None,
     evaluation: Evaluation = None,
     config: Config = None,
+    sequential: Annotated[
+        bool,
+        typer.Option(
+            "--sequential",
+            help="also the test that may be repeated after every attempt; rows of a robot must be "
+            "in the order of the attempts",
+        ),
+    ] = False,
 ) -> None:
     """Compare detectors on the same objects: success rates, differences, significance.
 
@@ -49,6 +61,8 @@ def compare(
     if any(is_clutter) and not all(is_clutter):
         one, other = (tables[is_clutter.index(kind)] for kind in (True, False))
         raise UserError(f"{one} is of cleared tables, {other} of trials: compare them apart")
+    if sequential and all(is_clutter):
+        raise UserError("--sequential is for trials, not for cleared tables")
     if len(tables) > 1 and all(is_clutter):
         _compare_clearing(tables, out)
         return
@@ -57,6 +71,8 @@ def compare(
     if len(found) < 2:
         raise UserError("compare needs the results of at least two detectors")
     _tell(found)
+    if sequential:
+        _tell_sequential(found)
     if out is not None:
         _write(out, found, chosen, settings_in(config))
 
@@ -89,6 +105,8 @@ def report(
             write_frame(pd.concat(found.values()), RESULTS, path)
 
 
+trials.command()(plan)
+trials.command()(validate)
 trials.command()(replay)
 trials.command()(film)
 
@@ -154,7 +172,45 @@ def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
     engines = {name: engine_names(table) for name, table in found.items()}
     succeeded({name: mean_rate(table) for name, table in found.items()}, engines)
     if len(found) > 1:
-        compared(pairs(found))
+        results = pairs(found)
+        compared(results)
+        for pair in results:
+            if not math.isnan(pair.result.p_rates):
+                typer.echo(
+                    f"{pair.first} vs {pair.second}: too few objects for a test over objects; "
+                    f"Boschloo's exact test of these attempts: p = {pair.result.p_rates:.2g}, "
+                    "for these objects only"
+                )
+
+
+def _tell_sequential(found: "Mapping[str, pd.DataFrame]") -> None:
+    """Print the sequential test of pairs of detectors; simulated attempts are put into rounds."""
+    from itertools import combinations
+
+    from egad.cli.terminal_tables import decided
+    from egad.stats import (
+        NothingInCommonError,
+        attempts_in_a_row,
+        engine_names,
+        in_rounds,
+        sequential_test,
+    )
+
+    found = {
+        name: in_rounds(table) if engine_names(table) else table for name, table in found.items()
+    }
+    tests = {}
+    for one, other in combinations(found, 2):
+        with suppress(NothingInCommonError):
+            tests[one, other] = sequential_test(found[one], found[other])
+    decided(tests)
+    for name, table in found.items():
+        if (longest := attempts_in_a_row(table)) > 2:
+            typer.echo(
+                f"{name}: up to {longest} attempts at one object follow each other: the sequential "
+                "test then decides for these objects only",
+                err=True,
+            )
 
 
 def _evaluation_set(path: Path | None) -> "pd.DataFrame | None":

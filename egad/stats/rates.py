@@ -246,11 +246,11 @@ def trend(values: Floats, rates: Floats) -> Trend:
         rates: (n,) how often each was held.
     """
     everything = np.arange(len(values))[None]
-    low, high = bootstrap(lambda drawn: _spearman(values[drawn], rates[drawn]), len(values))
-    return Trend(float(_spearman(values[everything], rates[everything])[0]), low, high)
+    low, high = bootstrap(lambda drawn: rank_correlation(values[drawn], rates[drawn]), len(values))
+    return Trend(float(rank_correlation(values[everything], rates[everything])[0]), low, high)
 
 
-def _spearman(x: Floats, y: Floats) -> Floats:
+def rank_correlation(x: Floats, y: Floats) -> Floats:
     """Rank correlation of each row of x with that of y, (draws,); NaN if either is constant."""
     if x.shape[1] < 2:
         return np.full(len(x), np.nan)

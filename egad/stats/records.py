@@ -114,7 +114,7 @@ def results(trials: pd.DataFrame, detector: str) -> pd.DataFrame:
 
 
 def _csv(path: Path) -> pd.DataFrame:
-    (_, names), *lines = _cells(path)
+    (_, names), *lines = csv_cells(path)
     names = [name.lower() for name in names]
     if missing := [name for name in NEEDED if name not in names]:
         raise UserError(
@@ -218,7 +218,7 @@ def _tell(path: Path, problems: Sequence[str]) -> None:
         log.warning("%s: %d more like these are left out", path, len(problems) - MOST_TOLD)
 
 
-def _cells(path: Path) -> list[tuple[int, list[str]]]:
+def csv_cells(path: Path) -> list[tuple[int, list[str]]]:
     """The lines of a CSV file with their numbers, as long as the first; empty ones are left out.
 
     Cells are separated by commas or, as some programs do, by semicolons.

@@ -1,14 +1,16 @@
 """Paired tests against scipy's, and against what must come out."""
 
 from itertools import product
+from math import comb
 
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import binomtest, permutation_test
+from scipy.stats import barnard_exact, binomtest, fisher_exact, permutation_test
 
 from egad.errors import UserError
-from egad.stats.paired import NothingInCommonError, compare, mcnemar, sign_flip
+from egad.stats.paired import NothingInCommonError, boschloo, compare, mcnemar, sign_flip
+from egad.stats.rates import Rate
 
 
 def tried(rates, attempts=20, seed=0, drops="drop"):
@@ -158,3 +160,81 @@ def test_a_label_of_another_object_is_the_users_mistake():
     with pytest.raises(UserError, match="B2 is the object id-9 in one table and id-99") as raised:
         compare(tried([1.0] * 10), other)
     assert not isinstance(raised.value, NothingInCommonError)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "attempts", "p", "fisher"),
+    [
+        (9, 5, 10, 0.062, 0.141),
+        (10, 6, 10, 0.042, 0.087),
+        (14, 8, 20, 0.070, 0.111),
+        (18, 12, 20, 0.039, 0.065),
+        (45, 35, 50, 0.013, 0.023),
+    ],
+)
+def test_boschloo_is_as_sharp_as_barnard_and_sharper_than_fisher(one, other, attempts, p, fisher):
+    counts = [[one, other], [attempts - one, attempts - other]]
+    found = boschloo(Rate(one, attempts), Rate(other, attempts))
+    assert found == pytest.approx(p, abs=0.0006)
+    assert found == pytest.approx(barnard_exact(counts).pvalue, abs=0.0005)
+    assert fisher_exact(counts).pvalue == pytest.approx(fisher, abs=0.0006)
+    assert boschloo(Rate(other, attempts), Rate(one, attempts)) == pytest.approx(found)
+
+
+def test_boschloo_is_wrong_as_rarely_as_the_level_says_by_enumeration():
+    """For every true rate: the probability of all outcomes of 8 and 6 attempts with p <= 0.05."""
+    ends = [(i, j, boschloo(Rate(i, 8), Rate(j, 6))) for i in range(9) for j in range(7)]
+    for rate in np.linspace(0.01, 0.99, 50):
+        one, other = (np.array([binom(n, k, rate) for k in range(n + 1)]) for n in (8, 6))
+        assert sum(one[i] * other[j] for i, j, p in ends if p <= 0.05) <= 0.0501
+
+
+def binom(attempts, successes, rate):
+    return comb(attempts, successes) * rate**successes * (1 - rate) ** (attempts - successes)
+
+
+def test_no_attempts_are_no_evidence():
+    assert boschloo(Rate(0, 0), Rate(5, 5)) == 1
+    assert boschloo(Rate(5, 5), Rate(7, 7)) == 1
+
+
+@pytest.mark.parametrize(
+    ("fewer", "more", "p", "mid_p"),
+    [
+        (0, 6, 0.031, 0.016),
+        (0, 5, 0.063, 0.031),
+        (1, 7, 0.070, 0.039),
+        (2, 9, 0.065, 0.039),
+        (5, 15, 0.041, 0.027),
+    ],
+)
+def test_mcnemar_is_exact_and_no_mid_p(fewer, more, p, mid_p):
+    assert mcnemar(more, fewer) == mcnemar(fewer, more) == pytest.approx(p, abs=0.0006)
+    half = 2 * binom(fewer + more, fewer, 0.5) / 2
+    assert mcnemar(fewer, more) - half == pytest.approx(mid_p, abs=0.0006)
+
+
+def test_one_attempt_at_each_object_makes_both_paired_tests_the_same():
+    first, second = tried([0.9] * 20, 1), tried([0.3] * 20, 1, seed=1)
+    found = compare(first, second)
+    assert found.p_objects == pytest.approx(found.p_attempts)
+
+
+def test_few_objects_on_a_robot_are_compared_by_their_successes():
+    first, second = (table.assign(id="", initial_pose="") for table in (tried([1.0]), tried([0.6])))
+    found = compare(first, second)
+    won = int(second["success"].sum())
+    assert found.p_objects == 1  # a single object has no preferred sign
+    assert found.p_rates == boschloo(Rate(20, 20), Rate(won, 20)) < 0.05
+    assert "test over the attempts at these objects: p = " in repr(found)
+
+
+@pytest.mark.parametrize(
+    ("objects", "attempts", "changes"),
+    [(6, 5, {"initial_pose": ""}), (5, 5, {}), (1, 401, {"initial_pose": ""})],
+)
+def test_successes_are_not_compared_where_another_test_can_or_it_takes_long(
+    objects, attempts, changes
+):
+    pair = (tried([0.5] * objects, attempts, seed).assign(**changes) for seed in (0, 1))
+    assert np.isnan(compare(*pair).p_rates)

@@ -1,0 +1,148 @@
+"""A few attempts of a robot and many simulated ones: an interval of the real success rate."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # scipy.stats is loaded when it is used
+
+from egad._util.arrays import Floats
+from egad._util.display import facts_html
+from egad.errors import UserError
+from egad.stats.rates import Interval
+
+MIN_OBJECTS = 5  # with both rates; intervals of fewer would be too uncertain to be of use
+
+
+@dataclass(frozen=True, repr=False)
+class PredictedRate:
+    """The mean real success rate over objects, from real and simulated attempts.
+
+    Attributes:
+        value: Success rate.
+        interval: Its 95 % confidence interval for other objects of the same kind; NaN if all real
+            rates are equal.
+        plain: Mean rate of the real attempts alone.
+        plain_interval: Its interval, made in the same way.
+        weight: How much of a simulated difference is believed, 0: nothing.
+        correlation: Of real and simulated rates over the objects that have both; NaN if either
+            are all equal.
+        gain: How many times as many real objects would give so narrow an interval without the
+            simulation; below 1, it has made the interval wider.
+        both: Objects with real and simulated attempts.
+        simulated_only: Further objects that were only simulated.
+    """
+
+    value: float
+    interval: Interval
+    plain: float
+    plain_interval: Interval
+    weight: float
+    correlation: float
+    gain: float
+    both: int
+    simulated_only: int
+
+    def __repr__(self) -> str:
+        """The rate, that without simulation, and the gain."""
+        facts = "; ".join(f"{name}: {value}" for name, value in self._facts().items())
+        return f"PredictedRate({facts})"
+
+    def _repr_html_(self) -> str:
+        """The same as a table, for notebooks."""
+        counts = {"objects with both": self.both, "only simulated": self.simulated_only}
+        return facts_html("Predicted real success rate", self._facts() | counts)
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "success rate": _percent(self.value, self.interval),
+            "from real attempts alone": _percent(self.plain, self.plain_interval),
+            "gain": f"{self.gain:.2f} times the objects",
+        }
+
+
+def _percent(value: float, interval: Interval) -> str:
+    low, high = (100 * end for end in interval)
+    between = "no interval" if np.isnan(low) else f"95 % interval {low:.1f} to {high:.1f} %"
+    return f"{100 * value:.1f} % ({between})"
+
+
+def prediction_powered_rate(
+    real: Floats, simulated: Floats, simulated_only: Floats, confidence: float = 0.95
+) -> PredictedRate:
+    """Use simulated attempts at more objects to learn the mean real success rate over objects.
+
+    Prediction-powered inference with power tuning (PPI++, Angelopoulos, Duchi, Zrnic 2023): the
+    real rate of the objects with both kinds of attempts, plus a weight times how much higher the
+    simulated rate of the other objects is. The best weight is the slope of real against simulated
+    rates times m / (n + m), so this is the regression line at the mean of all simulated rates; a
+    slope below 0 counts as 0, and a simulation that says nothing is ignored. Objects are the units.
+    The interval is Student's t, with the uncertainty of the slope and of the simulated mean.
+
+    The simulation may be wrong by any amount without harm. What is needed:
+
+    - The same objects, of the same size, in both, and the same protocol: gripper, kind of drop,
+      number of attempts after which one stops, what counts as a success.
+    - The objects that the robot tries are a random sample of those simulated. Trying the easy ones
+      would not be made up for. All objects of the evaluation set against none is no sample: the
+      further objects must be of the same kind, such as others of its cells.
+    - Something to gain: 1 / (1 - r^2 m / (n + m)) for a correlation r over objects. With many
+      simulated ones it is 1.3 for 0.5 and 2.8 for 0.8. Few real attempts an object are noise that
+      lowers r. Without correlation about 1 / n of the width is lost.
+    - Real rates that differ. If all are 1, nothing is known about their spread, and the intervals
+      are NaN; use `wilson` then.
+
+    In simulations with beta-distributed rates, the interval of 95 % holds the true mean in 93 to
+    96 % of the cases, from 5 objects on.
+
+    Args:
+        real: (n,) real success rates of objects.
+        simulated: (n,) simulated success rates of the same objects.
+        simulated_only: (m,) simulated success rates of objects that the robot has not tried.
+        confidence: Level of the two-sided intervals.
+
+    Raises:
+        UserError: There are less than 5 objects with both rates.
+    """
+    n, m = len(real), len(simulated_only)
+    if n < MIN_OBJECTS:
+        raise UserError(
+            f"{n} objects have real and simulated attempts; at least {MIN_OBJECTS} are needed to "
+            "predict the real success rate"
+        )
+    plain = float(real.mean())
+    plain_error = _half_width(float(real.var(ddof=1)) / n, n - 1, confidence)
+    everything = np.concatenate([simulated, simulated_only])
+    offsets = simulated - simulated.mean()
+    spread = float(offsets @ offsets)
+    slope = max(float(offsets @ real) / spread, 0.0) if spread and m else 0.0
+    away = float(everything.mean() - simulated.mean())
+    value, error = plain, plain_error
+    if slope:
+        rest = real - plain - slope * offsets
+        noise = float(rest @ rest) / (n - 2) * (1 / n + away**2 / spread)
+        value = float(np.clip(plain + slope * away, 0, 1))
+        error = _half_width(noise + slope**2 * everything.var(ddof=1) / (n + m), n - 2, confidence)
+    agree = real.std() * simulated.std()
+    return PredictedRate(
+        value=value,
+        interval=_within(value, error),
+        plain=plain,
+        plain_interval=_within(plain, plain_error),
+        weight=slope * m / (n + m),
+        correlation=float(np.corrcoef(real, simulated)[0, 1]) if agree else float("nan"),
+        gain=(plain_error / error) ** 2 if error else 1.0,
+        both=n,
+        simulated_only=m,
+    )
+
+
+def _half_width(variance: float, freedom: int, confidence: float) -> float:
+    quantile = scipy.stats.t.ppf((1 + confidence) / 2, freedom)
+    return float(quantile * np.sqrt(variance))
+
+
+def _within(value: float, error: float) -> Interval:
+    """The interval, as far as it is between 0 and 1; NaN if nothing was seen to vary."""
+    if not error:
+        return np.nan, np.nan
+    return max(value - error, 0.0), min(value + error, 1.0)
