@@ -91,6 +91,11 @@ class DatasetSection(Parameters):
         description="glob of the mesh files, relative to the folder; objects are named by what its "
         "wildcards match; nothing: `*`, all files of the folder itself (source: meshes)",
     )
+    evaluation_set: UserPath | None = Field(
+        None,
+        description="an evaluation set that has been chosen already: `names`, of the objects that "
+        "are named A0 to Z9; or a CSV file with the columns id and label (source: meshes)",
+    )
     objects: int | None = Field(
         None,
         ge=1,
@@ -107,7 +112,7 @@ class DatasetSection(Parameters):
             "meshes": ("folder",),
             "primitives": ("objects",),
         }
-        allowed = {**needed, "meshes": ("folder", "units", "pattern")}
+        allowed = {**needed, "meshes": ("folder", "units", "pattern", "evaluation_set")}
         given = [name for name, value in self if name != "source" and value is not None]
         if any(name not in given for name in needed[self.source]):
             keys = " and ".join(f"`{name}`" for name in needed[self.source])

@@ -13,6 +13,9 @@ from .family_splits import families as families
 from .family_splits import split_by_family as split_by_family
 from .family_splits import with_parents_and_children as with_parents_and_children
 from .filament import print_settings as print_settings
+from .given_labels import labels_by_name as labels_by_name
+from .given_labels import read_labels as read_labels
+from .given_labels import take as take
 from .parameters import Bundle as Bundle
 from .parameters import Engraving as Engraving
 from .parameters import PrintCheck as PrintCheck

@@ -148,8 +148,10 @@ def select(
         if not bad:
             cells = np.array(list(by_cell), dtype=np.int64)
             borrowed = coarse_cells(objects, settings, space)[chosen] != cells
-            nearest = _nearest(chosen, distances)
-            table = _frame(objects.iloc[chosen], cells, settings.columns, borrowed, nearest)
+            nearest = nearest_distances(chosen, distances)
+            table = selection_table(
+                objects.iloc[chosen], cells, settings.columns, borrowed, nearest
+            )
             return Selection(table, chosen, candidates, left_out)
         left_out |= bad
 
@@ -266,7 +268,7 @@ def empty_cells(chosen: pd.DataFrame, settings: SelectEval) -> list[str]:
     return [label for label in labels if label not in set(chosen["label"])]
 
 
-def _nearest(chosen: Ints, distances: Distances) -> NDArray[np.float64]:
+def nearest_distances(chosen: Ints, distances: Distances) -> NDArray[np.float64]:
     """Distance of each to the nearest other; NaN for a single one."""
     if len(chosen) < 2:
         return np.full(len(chosen), np.nan)
@@ -275,13 +277,22 @@ def _nearest(chosen: Ints, distances: Distances) -> NDArray[np.float64]:
     return np.asarray(among.min(axis=1))
 
 
-def _frame(
+def selection_table(
     chosen: pd.DataFrame,
     cells: Ints,
     columns: int,
     borrowed: NDArray[np.bool_],
     nearest: NDArray[np.float64],
 ) -> pd.DataFrame:
+    """The table of a set: columns of `tables.evaluation.EVAL49`, sorted by label.
+
+    Args:
+        chosen: Columns of `tables.objects.OBJECTS`.
+        cells: (n,) numbers of the cells that they stand for, row by row.
+        columns: Of the grid.
+        borrowed: (n,) whether they come from neighboring cells.
+        nearest: (n,) distances to the nearest other.
+    """
     corners = [divmod(int(cell), columns) for cell in cells]
     table: pd.DataFrame = chosen.assign(
         object_label=chosen["label"],

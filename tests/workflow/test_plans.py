@@ -429,7 +429,9 @@ def test_an_evaluation_set_is_cut_into_no_more_shards_than_it_has_objects(clean)
     assert (planned["simulated_trial"], planned["agreement"]) == (9, 9)
 
 
-@pytest.mark.parametrize(("name", "folder"), [("ycb", "ycb"), ("egad_train", "egad")])
+@pytest.mark.parametrize(
+    ("name", "folder"), [("ycb", "ycb"), ("egad_train", "egad"), ("egad_eval", "egad_eval")]
+)
 def test_datasets_of_others_are_compared_alone_or_beside_the_evolved_one(clean, name, folder):
     mesh = clean.folder / "data" / folder / "A/google_16k/nontextured.ply"
     mesh.parent.mkdir(parents=True)

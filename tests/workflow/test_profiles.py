@@ -52,6 +52,16 @@ def test_memory_holds_back_no_job_of_a_machine_of_ones_own(clean):
     clean.feed("--cores", 2, needs=(10**9, 1), command=command, guests=("one", "two"))
 
 
+def test_what_a_killed_run_left_is_made_anew_without_being_asked(clean):
+    """The power is cut once the file is there, with half of what belongs into it."""
+    half = "echo half > {output}; kill -9 -- -$(ps -o pgid= $$); sleep 60"
+    with pytest.raises(AssertionError):
+        clean.feed("--cores", 1, needs=(1, 1), command=half)
+    assert (clean.folder / "one.fed").read_text() == "half\n"
+    clean.feed("--cores", 1, "--nolock", needs=(1, 1), command="echo all > {output}")
+    assert (clean.folder / "one.fed").read_text() == "all\n"
+
+
 def test_a_scheduler_makes_the_same_bytes(copy, finished):
     """Two jobs of the finished run again, one of them local."""
     tally = "results/egad/grasps/egad_75mm.sampling.parquet"

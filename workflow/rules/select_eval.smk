@@ -12,6 +12,7 @@ rule select_eval:
     input:
         objects="results/{dataset}/objects.parquet",
         solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),
+        labels=given_labels,
     output:
         out=ensure("results/{dataset}/eval49.parquet", non_empty=True),
         rejected=ensure("results/{dataset}/eval49.rejected.parquet", non_empty=True),
@@ -26,6 +27,7 @@ rule select_eval:
         **needs(mb=2000, mb_per_thread=250, minutes=30),
     params:
         settings=settings_of(EvalSelection),
+        by_name=named_labels,
         code=code_of("select_eval"),
     message:
         "Choosing the evaluation set of {wildcards.dataset}"

@@ -66,6 +66,17 @@ def raw_state(wildcards):
     return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
 
+def named_labels(wildcards):
+    """Whether the names of the objects are their labels in the evaluation set."""
+    return SETTINGS.datasets[wildcards.dataset].evaluation_set == "names"
+
+
+def given_labels(wildcards):
+    """The file with the labels of an evaluation set that has been chosen already."""
+    given = SETTINGS.datasets[wildcards.dataset].evaluation_set
+    return [given] if given and not named_labels(wildcards) else []
+
+
 def dataset_of(wildcards):
     """The settings of a dataset: other units or another number of objects run it again."""
-    return SETTINGS.datasets[wildcards.dataset].model_dump(mode="json")
+    return SETTINGS.datasets[wildcards.dataset].model_dump(mode="json", exclude={"evaluation_set"})

@@ -17,9 +17,12 @@ from egad.evalset import (
     best_of_random,
     bound,
     empty_cells,
+    labels_by_name,
     mean_distance,
     print_problems,
+    read_labels,
     select,
+    take,
 )
 from egad.geometry import rescale
 from egad.random import generator
@@ -38,11 +41,13 @@ def run(
     settings: EvalSelection,
     objects: Path,
     solids: list[Path],
+    labels: list[Path],
+    by_name: bool,
     out: Path,
     rejected: Path,
     jobs: int = 1,
 ) -> None:
-    """Choose the evaluation set.
+    """Choose the evaluation set, or take one that has been chosen already.
 
     It has one printable object per cell. The choice maximises the dissimilarity of the set.
 
@@ -50,6 +55,8 @@ def run(
         settings: Settings of this stage.
         objects: Objects of the dataset.
         solids: Objects of the shards, from postprocess, for their Reeb graphs and meshes.
+        labels: Labels of objects by their ids, if the set has been chosen already.
+        by_name: Whether it is that of the objects whose names are labels.
         out: The evaluation set.
         rejected: The candidates that cannot be printed, with reasons.
         jobs: Threads; the result does not depend on it.
@@ -59,6 +66,11 @@ def run(
     graphs = [reeb.unpack(packed) for packed in rows["graph"]]
     watch = partial(progress, what="comparing objects", total=len(graphs))
     distances = 1 - similarity_matrix(graphs, settings.similarity.weight, jobs, watch)
+    if labels or by_name:
+        known = read_labels(labels[0]) if labels else labels_by_name(frame["id"])
+        parquet.write(take(frame, known, distances, settings.select_eval).table, EVAL49, out)
+        parquet.write(parquet.empty(REJECTED), REJECTED, rejected)
+        return
     phase("choosing objects and checking whether they can be printed")
     found = select(
         frame,
