@@ -48,9 +48,7 @@ test: kernels
 
 # Compiled with few optimisations, which takes less time than these would save.
 bounds: tools
-	NUMBA_BOUNDSCHECK=1 NUMBA_OPT=1 $(TESTS) \
-		tests/cppn tests/detectors tests/geometry tests/grasps tests/learning tests/map_elites tests/measures \
-		tests/perception tests/reeb tests/sim tests/stats
+	NUMBA_BOUNDSCHECK=1 NUMBA_OPT=1 $(TESTS)
 
 check: kernels has-chromium has-slicer has-slurm has-torch
 	$(TESTS) -m 'not slow and not wheel'

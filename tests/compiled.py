@@ -1,4 +1,4 @@
-"""Which compiled code the tests of a file can run."""
+"""Which modules have compiled code, and which of it the tests of a file can run."""
 
 import ast
 from functools import cache
@@ -6,6 +6,23 @@ from functools import cache
 from egad.workflow.code_version import PACKAGE, used_names
 
 SCRIPTS = PACKAGE.parent / "workflow/scripts"
+TESTS = PACKAGE.parent / "tests"
+
+
+@cache
+def modules_with_kernels():
+    """All modules of ours with compiled code."""
+    return {
+        ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+        for path in PACKAGE.rglob("*.py")
+        if b"\n@kernel(" in path.read_bytes()
+    }
+
+
+def checks_kernels(path):
+    """Whether the tests of a file are of compiled code: it reaches some of its own package."""
+    package = path.relative_to(TESTS).parts[0]
+    return any(name.split(".")[1] == package for name in reached_kernels(path))
 
 
 def reached_kernels(path):
@@ -30,9 +47,4 @@ def reached(module):
         modules = {module, *(name for name, _ in used_names(script if script.exists() else module))}
     except ModuleNotFoundError:  # the name of something in a module
         return set()
-    sources = {name: PACKAGE.parent / f"{name.replace('.', '/')}.py" for name in modules}
-    return {
-        name
-        for name, source in sources.items()
-        if source.exists() and b"\n@kernel(" in source.read_bytes()
-    }
+    return modules & modules_with_kernels()

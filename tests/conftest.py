@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from compiled import reached_kernels
-from forks import forked
+from compiled import checks_kernels
+from forks import ADDRESS, forked, server
 
 from egad.config import Shape
 from egad.cppn.surface import packed_surface
@@ -23,6 +23,12 @@ from egad.geometry.scaling import rescale
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
+
+
+def pytest_configure(config):
+    """Let processes that share the tests share the one that forks."""
+    if getattr(config.option, "numprocesses", None):
+        os.environ[ADDRESS] = server()
 
 
 def pytest_collection_modifyitems(items):
@@ -88,10 +94,10 @@ def released_set():
 
 
 def pytest_ignore_collect(collection_path):
-    """Where every index of compiled code is checked, leave out files that run none of it."""
+    """Where every index of compiled code is checked, leave out what tests none of it."""
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0"
     is_test = collection_path.match("test_*.py")
-    return True if checked and is_test and not reached_kernels(collection_path) else None
+    return True if checked and is_test and not checks_kernels(collection_path) else None
 
 
 @pytest.fixture

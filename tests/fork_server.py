@@ -18,85 +18,126 @@ from pathlib import Path
 from select import select
 from types import ModuleType, SimpleNamespace
 
+import fontTools.subset  # noqa: F401 (matplotlib imports it late)
+import igl  # noqa: F401
+import matplotlib.backends.backend_pdf
+import matplotlib.backends.backend_svg  # noqa: F401
 import mujoco  # noqa: F401
 import nbformat.validator  # noqa: F401 (Snakemake imports it late)
 import numba
-import smart_open  # noqa: F401 (the same)
+import scipy.stats  # noqa: F401 (our library imports it late)
+import smart_open  # noqa: F401 (as nbformat)
+import snakemake.benchmark
 import snakemake.executors.dryrun
 import snakemake.executors.local  # noqa: F401
-import trimesh
 from forks import PARENT, ROOT, Forked, forked
+from PIL import Image
 from snakemake.cli import get_argument_parser, main
 from threadpoolctl import threadpool_limits
 
 # what the workflow, its jobs and workers import
 import egad.config.check
 import egad.config.input_files
-import egad.config.schema
 import egad.config.stages
 import egad.data
 import egad.detectors.ggcnn
 import egad.io.sums
 import egad.perception.splits
+import egad.report.live_map
+import egad.sim.mujoco_world
 import egad.workflow.display
 import egad.workflow.job
+import egad.workflow.params
 import egad.workflow.shards
 import egad.workflow.simulations  # noqa: F401
-from egad.measures.complexity import complexity
-from egad.workflow import definitions
-from egad.workflow.code_version import code_version
+from egad._util.kernel_cache import compiled_marker
+from egad.config.schema import schema
+from egad.workflow import code_version, definitions
+from egad.workflow.precompile import compile_fusion, compile_grasps, compile_measures
 
 STARTED = "EGAD_TESTS_STARTED"  # a variable: jobs are started, not forked
+version = code_version.code_version
 HIGH = 200  # beyond the numbers of files that anybody asks for
 SCRIPT = re.compile(rf"{re.escape(sys.executable)} (\S+/\.snakemake/scripts/\S+\.py)$")
 
 
 def serve(number):
     """Fork for everybody who connects, until the input of this process ends."""
-    get_argument_parser()  # finds all plugins
-    for path in (ROOT / "workflow/scripts").glob("*.py"):
-        code_version(path)
-    complexity(trimesh.creation.box(), 8)  # numba prepares itself when it is first used
+    _load()
     # `snakemake.shell` is also the name of a class in `snakemake`
     shell = importlib.import_module("snakemake.shell")
     shell.sp = SimpleNamespace(**{**vars(subprocess), "Popen": job_process})
-    signal.signal(signal.SIGCHLD, _reap)
+    ended, waker = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+    signal.set_wakeup_fd(waker, warn_on_full_buffer=False)
+    signal.signal(signal.SIGCHLD, lambda *_: None)
     gc.freeze()
+    asking = {}  # who waits for the end of each process
     with forked(), socket.socket(fileno=number) as listener:
-        while 0 not in select([listener, 0], [], [])[0]:
-            asked, _ = listener.accept()
-            with asked:
-                if not os.fork():
-                    try:
-                        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-                        listener.close()
-                        _answer(asked)
-                    finally:
-                        os._exit(0)
+        while 0 not in (ready := select([listener, 0, ended], [], [])[0]):
+            if ended in ready:
+                os.read(ended, 1 << 16)
+                _tell_of_ends(asking)
+            if listener in ready:
+                asked, _ = listener.accept()
+                _, files, _, _ = socket.recv_fds(asked, 1, 64)
+                with asked.makefile() as lines:
+                    request = lines.readline()
+                if not request:  # whoever asked has ended
+                    asked.close()
+                elif process := os.fork():
+                    asking[process] = asked
+                    _tell(asked, process)
+                else:
+                    signal.set_wakeup_fd(-1)
+                    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+                    for each in (listener, asked, *asking.values()):
+                        each.close()
+                    _become(files=files, **json.loads(request))
+                for file in files:
+                    os.close(file)
 
 
-def _reap(*_):
-    """Let children that have ended go."""
-    with suppress(ChildProcessError):
-        while os.waitpid(-1, os.WNOHANG)[0]:
-            pass
+def _load():
+    """Load what the scripts of the workflow need, but not them, and what is first used late."""
+    get_argument_parser()  # finds all plugins
+    Image.preinit()
+    schema()
+    folder = ROOT / "workflow/scripts"
+    sys.path.insert(0, str(folder))
+    for path in folder.glob("*.py"):
+        importlib.import_module(path.stem)
+        del sys.modules[path.stem]
+    sys.path.remove(str(folder))
+    code_version.code_version = _version_of_copies(folder)
+    if compiled_marker().exists():
+        compile_grasps()
+        compile_measures()
+        compile_fusion()
 
 
-def _answer(asked):
-    """Fork for a request: say the process, then its exit status."""
-    _, files, _, _ = socket.recv_fds(asked, 1, 64)
-    with asked.makefile() as lines:
-        request = json.loads(lines.readline())
-    process = os.fork()
-    if not process:
-        asked.close()
-        _become(files=files, **request)
-    for file in files:
-        os.close(file)
-    asked.sendall(f"{process}\n".encode())
-    status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+def _version_of_copies(folder):
+    """The function `code_version`, which knows the versions of copies of scripts in a folder."""
+    known = {(path.name, path.read_bytes()): version(path) for path in folder.glob("*.py")}
+
+    def version_of(module, *package):
+        path = Path(module)
+        copied = path.suffix == ".py" and not package and known.get((path.name, path.read_bytes()))
+        return copied or version(module, *package)
+
+    return version_of
+
+
+def _tell_of_ends(asking):
+    """Tell whoever waits for a process that has ended."""
+    with suppress(ChildProcessError):  # there are none
+        while (end := os.waitpid(-1, os.WNOHANG))[0]:
+            with asking.pop(end[0]) as asked:
+                _tell(asked, os.waitstatus_to_exitcode(end[1]))
+
+
+def _tell(asked, number):
     with suppress(OSError):  # whoever asked has ended
-        asked.sendall(f"{status}\n".encode())
+        asked.sendall(f"{number}\n".encode())
 
 
 def _become(words, folder, environment, numbers, own_session, files):
@@ -136,10 +177,11 @@ def _run(words):
     """Run Python with some arguments, in this process."""
     first, *others = words
     program = sys.modules["__main__"] = ModuleType("__main__")
+    where = Path(os.environ.get("PYTHONPATH", ROOT))
+    if where != ROOT and (where / "egad").is_dir():
+        _take_library(where)
     if words[:2] == ["-m", "snakemake"]:
         sys.argv, sys.path[0] = ["snakemake", *words[2:]], str(Path.cwd())
-        if os.environ["PYTHONPATH"] != str(ROOT):
-            _forget_library()
         main()
     elif first == "-c":
         parent = str(os.getppid())
@@ -153,13 +195,13 @@ def _run(words):
         exec(compile(Path(first).read_bytes(), first, "exec"), vars(program))  # noqa: S102
 
 
-def _forget_library():
+def _take_library(folder):
     """Let the library be imported anew, from another folder; sources that were read are kept."""
     read = definitions._parsed
     for name in list(sys.modules):
         if name.partition(".")[0] == "egad":
             del sys.modules[name]
-    sys.path.insert(1, os.environ["PYTHONPATH"])
+    sys.path.insert(1, str(folder))
     importlib.import_module("egad.workflow.definitions")._parsed = read
 
 

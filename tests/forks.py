@@ -1,8 +1,8 @@
 """Python processes without their seconds of imports: forks of one process that has made them.
 
 A fork takes the arguments, the folder, the environment and the files of whoever asks, and ends with
-what it runs. So none sees what another one left in memory. Tests of how processes start, and those
-that limit their memory, start real ones.
+what it runs. So none sees what another one left in memory. Tests of how processes start, and of how
+much memory they take, start real ones.
 """
 
 import atexit
@@ -71,7 +71,8 @@ class Forked:
 
     def _status(self, timeout):
         if self.returncode is None and select([self._answers], [], [], timeout)[0]:
-            self.returncode = int(self._lines.readline())
+            told = self._lines.readline()  # nothing if the process that forks has ended
+            self.returncode = int(told or -signal.SIGKILL)
             self._lines.close()
             self._answers.close()
         return self.returncode
@@ -89,12 +90,23 @@ class Forked:
             os.kill(self.pid, number)
 
 
+def python(words, **options):
+    """Run Python to its end: what `subprocess.run` says of it.
+
+    Args:
+        words: As of `Forked`.
+        options: As of `Forked`.
+    """
+    with tempfile.TemporaryFile("w+") as stdout, tempfile.TemporaryFile("w+") as stderr:
+        files = {1: stdout.fileno(), 2: stderr.fileno()}
+        status = Forked(words, files=files, **options).wait()
+        for file in (stdout, stderr):
+            file.seek(0)
+        return subprocess.CompletedProcess(words, status, stdout.read(), stderr.read())
+
+
 def worker_process(words, *, env, stdin, stdout, stderr, pass_fds):
     """In place of `subprocess.Popen` in `egad._util.child_process`."""
-    if "MALLOC_ARENA_MAX" in env:  # its memory is limited
-        return subprocess.Popen(
-            words, env=env, stdin=stdin, stdout=stdout, stderr=stderr, pass_fds=pass_fds
-        )
     with Path(os.devnull).open("r+b") as null:
         dropped = {
             number: null.fileno()

@@ -6,9 +6,10 @@ workflow gives every rule the version of what its script uses as a parameter.
 
 import hashlib
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 from egad.workflow.definitions import LOOSE, SCRIPT, Definition, offered, read_module, source_of
 
@@ -41,9 +42,8 @@ def code_version(module: str | Path, package: Path = PACKAGE) -> str:
     used = _Used(str(module), package)
     digest = hashlib.sha256()
     for name in sorted(used.found):
-        digest.update(f"{name[0].rpartition('/')[2]}.{name[1]}\n".encode())
-        for each in used.found[name]:
-            digest.update(f"{each.code}\n".encode())
+        codes = (each.code for each in used.found[name])
+        digest.update("\n".join([f"{name[0].rpartition('/')[2]}.{name[1]}", *codes, ""]).encode())
     for path in sorted(used.files):
         digest.update(f"{path.relative_to(package).as_posix()}\n".encode())
         digest.update(path.read_bytes())
@@ -76,16 +76,16 @@ class _Used:
         while waiting:
             name = waiting.pop()
             if name not in self.found:
-                self._take(name, read_module(self._package, name[0]).definitions.get(name[1], []))
-                waiting.extend(_uses(self._package, name))
+                definitions, methods, uses = _about(self._package, name)
+                self._take(name, definitions)
+                self._methods.update(methods)
+                waiting.extend(uses)
 
     def _take(self, name: Name, definitions: list[Definition]) -> None:
-        module, local = name
         self.found[name] = definitions
-        self._modules.add(module)
-        self._words.update(word for each in definitions for word in each.words)
-        for method, definition in read_module(self._package, module).methods.get(local, {}).items():
-            self._methods[module, f"{local}.{method}"] = (method, definition)
+        self._modules.add(name[0])
+        for each in definitions:
+            self._words.update(each.words)
 
     def _follow_methods(self) -> bool:
         """Let methods of settings count whose names occur; whether there were more."""
@@ -112,13 +112,32 @@ class _Used:
         return bool(more)
 
 
+class _About(NamedTuple):
+    """What is known of a name.
+
+    Attributes:
+        definitions: Its definitions.
+        methods: Those of a class of settings: the name of each without its class, and it.
+        uses: What it uses, and what runs when the modules around it are imported.
+    """
+
+    definitions: list[Definition]
+    methods: Mapping[Name, tuple[str, Definition]]
+    uses: frozenset[Name]
+
+
 @cache
-def _uses(package: Path, name: Name) -> frozenset[Name]:
-    """What a definition uses, and what runs when the modules around it are imported."""
+def _about(package: Path, name: Name) -> _About:
     module, local = name
-    definitions = read_module(package, module).definitions.get(local, [])
+    read = read_module(package, module)
+    definitions = read.definitions.get(local, [])
+    methods = {
+        (module, f"{local}.{method}"): (method, definition)
+        for method, definition in read.methods.get(local, {}).items()
+    }
     used = {found for each in definitions for found in _named_in(package, module, each)}
-    return frozenset(used | {(each, LOOSE) for each in _with_parents(module) if "." in each})
+    around = {(each, LOOSE) for each in _with_parents(module) if "." in each}
+    return _About(definitions, methods, frozenset(used | around))
 
 
 def _named_in(package: Path, module: str, definition: Definition) -> Iterator[Name]:

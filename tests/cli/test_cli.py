@@ -1,3 +1,4 @@
+import os
 import re
 import shutil
 import subprocess
@@ -9,6 +10,7 @@ import pytest
 import trimesh
 from commands import egad
 from described_hands import box_urdf
+from forks import Forked
 from typer.main import get_command
 
 from egad import __version__
@@ -250,9 +252,10 @@ def test_the_table_is_written_even_if_nobody_reads_the_terminal(folder, tmp_path
     out = tmp_path / "table.csv"
     code = "from egad.cli import main; main()"
     given = ["measure", folder, "--units", "m", "--jobs", "1", "--out", out]
-    command = [sys.executable, "-c", code, *given]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
-        process.stdout.close()
+    reading, writing = os.pipe()
+    os.close(reading)
+    Forked(["-c", code, *given], files={1: writing}).wait()
+    os.close(writing)
     assert len(pd.read_csv(out)) == 2
 
 

@@ -35,7 +35,8 @@ def answer(poses, width=0.05):
 HELLO = {"protocol": 1, "observes": "cloud"}
 """
 DOWN = [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0.05], [0, 0, 0, 1]]
-PATIENT, IMPATIENT = 60.0, 1.0  # seconds; the first for what must work on a slow machine
+# Seconds: for what must work on a slow machine; to start; to answer.
+PATIENT, IMPATIENT, HASTY = 60.0, 1.0, 0.2
 
 
 @pytest.fixture
@@ -153,9 +154,10 @@ def test_a_program_that_is_not_there_is_named(tmp_path):
     ],
 )
 def test_what_goes_wrong_in_an_attempt_is_told_and_the_next_one_works(
-    observation, program, tmp_path, code, error
+    observation, program, tmp_path, monkeypatch, code, error
 ):
     """Only the first question ever is answered wrongly."""
+    monkeypatch.setattr("egad.detectors.program.ENDING_TIME", 0.5)
     mark = str(tmp_path / "mark")
     command = program(f"""
         send(HELLO)
@@ -167,9 +169,8 @@ def test_what_goes_wrong_in_an_attempt_is_told_and_the_next_one_works(
             else:
                 answer([{DOWN}])
     """)
-    with Program(
-        command, IMPATIENT if error is DetectorTimeoutError else PATIENT, PATIENT
-    ) as detect:
+    limit = HASTY if error is DetectorTimeoutError else PATIENT
+    with Program(command, limit, PATIENT) as detect:
         with pytest.raises(error):
             ask(detect, observation)
         detect._limit = PATIENT
@@ -177,7 +178,7 @@ def test_what_goes_wrong_in_an_attempt_is_told_and_the_next_one_works(
 
 
 def test_a_program_that_never_reads_does_not_stop_everything(observation, program):
-    with Program(program("send(HELLO); time.sleep(60)"), IMPATIENT, PATIENT) as detect:
+    with Program(program("send(HELLO); time.sleep(60)"), HASTY, PATIENT) as detect:
         begin = time.monotonic()
         with pytest.raises(DetectorTimeoutError):
             ask(detect, observation)
@@ -213,7 +214,7 @@ def test_a_program_that_ends_between_two_questions_has_its_status_told(observati
     """)
     with Program(command, PATIENT, PATIENT) as detect:
         ask(detect, observation)
-        time.sleep(1)
+        detect._process.wait()
         with pytest.raises(DetectorError, match="ended with status 7"):
             ask(detect, observation)
 

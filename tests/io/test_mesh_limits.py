@@ -26,8 +26,8 @@ from peak_memory import MEGABYTE, MEMORY, measured
 from egad.errors import RejectedError
 from egad.io import ENDINGS, read_mesh
 
-SECONDS = 3  # that parsing may take here
-SPARE = 10 * SECONDS  # for all else, on a busy machine
+SECONDS = 1  # that parsing may take here
+SPARE = 30  # for all else, on a busy machine
 
 
 def read(path):

@@ -189,7 +189,7 @@ def test_the_interval_covers_as_often_as_it_says(linear, monkeypatch):
     Of 400 samples the interval of 95 % holds it in 380, give or take 4.4: the bounds are further
     off than three of these, and leave out an interval of 90 % and one of 99 %.
     """
-    monkeypatch.setattr(statistics, "DRAWS", 1000)
+    monkeypatch.setattr(statistics, "DRAWS", 400)
     rng = np.random.default_rng(1)
     truth = 6 / np.pi * np.arcsin(linear / 2)
     below = above = 0

@@ -1,54 +1,25 @@
-import os
-import signal
 import subprocess
 import sys
-import threading
 import time
 import types
-from contextlib import contextmanager
 from functools import partial
 
 import pytest
+from worker_tasks import (
+    dying,
+    ending_a_file,
+    halving,
+    not_starting,
+    raising,
+    refusing,
+    sleeping,
+    unreadable,
+)
 
 from egad._util.child_process import RestartingWorker, Worker, WorkerDiedError, WorkerTimeoutError
 from egad.errors import UserError
 
-
-def killed(number):
-    """What the kernel does when memory runs out."""
-    if number == 5:
-        os.kill(os.getpid(), signal.SIGKILL)
-
-
 WANT = "probably out of memory; use fewer processes: `jobs`"
-
-
-@contextmanager
-def halving(marks):
-    """Halves numbers; 0 ends the process the first time, 13 always, and text is an error."""
-
-    def half(number):
-        killed(number)
-        if number == 13 or (number == 0 and not marks.exists()):
-            marks.touch()
-            os.abort()
-        return number / 2
-
-    marks.with_suffix(".open").touch()
-    yield half
-    marks.with_suffix(".closed").touch()
-
-
-@contextmanager
-def refusing():
-    raise UserError("this cannot be made")
-    yield
-
-
-@contextmanager
-def dying():
-    os.abort()
-    yield
 
 
 def test_a_process_that_dies_is_started_anew_and_dying_twice_gives_none(tmp_path):
@@ -78,62 +49,12 @@ def test_what_cannot_be_made_in_the_process_is_said():
         pass
 
 
-class PathError(UserError):
-    """One that is pickled, but cannot be unpickled: it is made from something else."""
-
-    def __init__(self, path, reason):
-        super().__init__(f"{path}: {reason}")
-
-
-class LocalError(Exception):
-    """One that cannot be pickled."""
-
-    def __reduce__(self):
-        raise TypeError("not this one")
-
-
-@contextmanager
-def raising():
-    def work(item):
-        if item == "user":
-            raise PathError("a.h5", "damaged")
-        if item == "local":
-            raise LocalError("what went wrong")
-        return threading.Lock() if item == "result" else os.getpid()
-
-    yield work
-
-
-@contextmanager
-def not_starting():
-    raise LocalError("no such engine")
-    yield
-
-
-class Unreadable:
-    """A result that another process makes and this one cannot."""
-
-    def __reduce__(self):
-        return open, ("/no/such/file",)
-
-
-@contextmanager
-def unreadable():
-    yield lambda item: Unreadable() if item == "result" else os.getpid()
-
-
 def test_a_result_that_cannot_be_read_is_not_the_end_of_its_process():
     with Worker(unreadable) as work:
         process = work("ask")
         with pytest.raises(FileNotFoundError, match="/no/such/file"):
             work("result")
         assert work("ask") == process
-
-
-@contextmanager
-def ending_a_file():
-    raise EOFError("the weights are cut off")
-    yield
 
 
 def test_a_file_that_ends_while_a_worker_starts_is_not_the_end_of_its_process():
@@ -174,22 +95,10 @@ def test_what_cannot_be_pickled_is_told_as_text_and_is_no_crash():
         pass
 
 
-@contextmanager
-def sleeping(marks):
-    """Naps; 0 oversleeps the first time, 13 always."""
-
-    def nap(number):
-        if number == 13 or (number == 0 and not marks.exists()):
-            marks.touch()
-            time.sleep(600)
-        return number / 2
-
-    yield nap
-    if marks.with_suffix(".last").exists():
-        time.sleep(600)
-
-
-def test_a_process_that_takes_too_long_is_ended_and_counts_as_one_that_died(tmp_path, caplog):
+def test_a_process_that_takes_too_long_is_ended_and_counts_as_one_that_died(
+    tmp_path, caplog, monkeypatch
+):
+    monkeypatch.setattr(Worker.stop, "__defaults__", (0.5,))  # seconds
     marks = tmp_path / "overslept"
     before = time.monotonic()
     with RestartingWorker(partial(sleeping, marks), limit=0.5) as work:

@@ -1,4 +1,3 @@
-import atexit
 import ctypes
 import importlib
 import os
@@ -14,15 +13,11 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
-from threadpoolctl import threadpool_info
+import worker_tasks
+from worker_tasks import Counted, crashed, failed, finalized, killed, threads_for_algebra, warned
 
 from egad._util.workers import workers
 from egad.errors import UserError
-
-
-def threads_for_algebra(matrix):
-    assert np.linalg.det(matrix) == 1
-    return [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
 
 
 def test_results_are_in_order():
@@ -38,24 +33,13 @@ def test_a_worker_has_one_thread_for_algebra(count):
     assert all(count == 1 for counts in found for count in counts)
 
 
-def warned(number):
-    warnings.warn(f"{number} is odd", UserWarning, stacklevel=1)
-    return number
-
-
 @pytest.mark.parametrize("count", [1, 2])
 def test_warnings_of_workers_are_given_in_this_process(count):
     with warnings.catch_warnings(record=True) as found, workers(count) as mapper:
         warnings.simplefilter("always")
         assert list(mapper(warned, [1, 3, 5])) == [1, 3, 5]
     assert [str(each.message) for each in found] == ["1 is odd", "3 is odd", "5 is odd"]
-    assert all(each.filename == __file__ for each in found)
-
-
-def killed(number):
-    """What the kernel does when memory runs out."""
-    if number == 5:
-        os.kill(os.getpid(), signal.SIGKILL)
+    assert all(each.filename == worker_tasks.__file__ for each in found)
 
 
 WANT = r"probably out of memory; use fewer processes: `jobs` in Python.* \(its item: 5\)$"
@@ -64,11 +48,6 @@ WANT = r"probably out of memory; use fewer processes: `jobs` in Python.* \(its i
 def test_a_worker_killed_for_memory_stops_all_with_advice():
     with pytest.raises(UserError, match=WANT), workers(2) as mapper:
         list(mapper(killed, range(9)))
-
-
-def crashed(mesh):
-    if mesh["name"] == "B1":
-        os.abort()
 
 
 def test_a_crash_is_told_with_its_item():
@@ -88,39 +67,13 @@ def test_a_long_item_is_cut_at_its_end():
     assert str(found.value).endswith(f" (its item: {shown}...)")
 
 
-def failed(number):
-    if number == 0:
-        raise ZeroDivisionError("no such number")
-    time.sleep(600)
-
-
 def test_an_error_ends_what_else_runs_and_has_the_traceback_of_its_process():
     start = time.monotonic()
     with pytest.raises(ZeroDivisionError, match="no such") as found, workers(2) as mapper:
         list(mapper(failed, range(9)))
     assert time.monotonic() - start < 100
-    assert "test_workers.py" in str(found.value.__cause__)
+    assert "worker_tasks.py" in str(found.value.__cause__)
     assert ", in failed" in str(found.value.__cause__)
-
-
-def wait_for(folder, pattern, count):
-    end = time.monotonic() + 60
-    while len(list(folder.glob(pattern))) < count and time.monotonic() < end:
-        time.sleep(0.01)
-
-
-def finalized(folder):
-    """Runs in two processes, and leaves a file when both of them end at the same time."""
-
-    def finalize():
-        (folder / f"{os.getpid()}.ending").touch()
-        wait_for(folder, "*.ending", 2)
-        (folder / f"{os.getpid()}.ended").touch()
-
-    atexit.register(finalize)
-    (folder / f"{os.getpid()}.started").touch()
-    wait_for(folder, "*.started", 2)
-    return os.getpid()
 
 
 def test_processes_end_together_and_by_themselves_when_all_is_done(tmp_path):
@@ -128,22 +81,6 @@ def test_processes_end_together_and_by_themselves_when_all_is_done(tmp_path):
         pids = set(mapper(finalized, [tmp_path] * 2))
     assert {int(path.stem) for path in tmp_path.glob("*.ended")} == pids
     assert len(pids) == 2
-
-
-class Counted:
-    """Work that counts how often it is pickled, and unpickled in each process."""
-
-    pickled = unpickled = 0
-
-    def __getstate__(self):
-        Counted.pickled += 1
-        return "sent"
-
-    def __setstate__(self, state):
-        Counted.unpickled += 1
-
-    def __call__(self, _):
-        return Counted.unpickled
 
 
 def test_work_is_pickled_once_and_unpickled_once_in_each_process(monkeypatch):

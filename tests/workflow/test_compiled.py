@@ -3,7 +3,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from compiled import SCRIPTS, reached_kernels
+from compiled import SCRIPTS, TESTS, modules_with_kernels, reached_kernels
 
 HERE = Path(__file__).parents[1]
 
@@ -35,3 +35,10 @@ def test_kernels_of_a_script_are_found(tmp_path, line):
     found = reached_kernels(path)
     assert found == loaded_kernels(path)
     assert len(found) > 10
+
+
+@pytest.mark.parametrize("module", sorted(modules_with_kernels()))
+def test_compiled_code_is_tested_by_a_file_in_the_folder_of_its_package(module):
+    """So that it runs where every index is checked."""
+    folder = TESTS / module.split(".")[1]
+    assert any(module in reached_kernels(path) for path in folder.rglob("test_*.py"))

@@ -4,14 +4,13 @@ import json
 import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from forks import python
 from partial_tables import write_rows
 
 from egad.config import Settings
@@ -84,13 +83,10 @@ def dataset(copy):
 def run(copy, *words, module="egad.cli"):
     """What a command in the copy prints."""
     code = f"import sys; from {module} import main; sys.exit(main())"
-    done = subprocess.run(
-        [sys.executable, "-c", code, *map(str, words)],
-        cwd=copy,
-        env=os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200"},
-        capture_output=True,
-        text=True,
-        check=False,
+    done = python(
+        ["-c", code, *words],
+        folder=copy,
+        environment=os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200"},
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
@@ -172,14 +168,8 @@ whole = check({"measures": {"complexity": name, "compactness_power": 3.0}})
 notes = provenance(select(whole, EvolutionParameters))
 print(notes["measures"]["compactness_power"], len(notes["source"]["complexity"]))
 """
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=copy,
-        env=os.environ | {"PYTHONPATH": str(copy)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    environment = os.environ | {"PYTHONPATH": str(copy)}
+    done = python(["-c", code], folder=copy, environment=environment)
     description, value, noted = done.stdout.splitlines()
     assert description == "exponent of compactness"
     assert float(value) == pytest.approx((np.pi / 6) ** (2 / 3))  # of a cube

@@ -1,8 +1,7 @@
 """What is between rules and scripts: names are arguments, and what a job says and leaves."""
 
 import json
-import subprocess
-import sys
+import os
 from collections import defaultdict
 from importlib import import_module
 from inspect import Parameter, signature
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from forks import python
 from pydantic import ValidationError
 from script_jobs import job_of, run_as_job
 
@@ -288,8 +288,9 @@ def ran(tmp_path_factory):
     for name, text in files.items():
         (folder / name).write_text(text)
     wanted = ["one.fine.txt", "mistake.wrong.txt", "defect.wrong.txt"]
-    command = [sys.executable, "-m", "snakemake", "--cores", "2", "--keep-going", *wanted]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    words = ["-m", "snakemake", "--cores", "2", "--keep-going", *wanted]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = python(words, folder=folder, environment=environment)
     assert done.returncode == 1, done.stderr
     return folder
 

@@ -2,9 +2,10 @@
 
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
+
+from forks import python
 
 SNAKEFILE = """
 from egad.workflow.display import lines, start_display
@@ -59,18 +60,12 @@ def test_two_jobs_in_a_pipe_are_told_of_and_why_one_of_them_failed(tmp_path):
     (tmp_path / "Snakefile").write_text(SNAKEFILE)
     (tmp_path / "work.py").write_text(WORK)
     root = Path(__file__).parents[3]
-    done = subprocess.run(
-        [sys.executable, "-m", "snakemake", "--cores", "2", "--show-failed-logs"],
-        cwd=tmp_path,
-        env=os.environ
-        | {
-            "PYTHONPATH": str(root),
-            "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
-        },
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    paths = {
+        "PYTHONPATH": str(root),
+        "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
+    }
+    words = ["-m", "snakemake", "--cores", "2", "--show-failed-logs"]
+    done = python(words, folder=tmp_path, environment=os.environ | paths)
     assert done.returncode == 1
     for name in ("good", "bad"):
         assert f"start work: Working on {name}" in done.stderr

@@ -125,7 +125,7 @@ def test_it_is_what_the_library_does_in_this_process(table, made, own):
 
 @pytest.mark.parametrize(
     ("name", "limit", "outcome"),
-    [("late", 2.0, "timeout"), ("dying", 60.0, "error"), ("answering_nonsense", 60.0, "error")],
+    [("late", 0.3, "timeout"), ("dying", 60.0, "error"), ("answering_nonsense", 60.0, "error")],
 )
 def test_what_a_detector_does_wrong_is_an_outcome_and_the_run_goes_on(
     made, own, tmp_path, name, limit, outcome
