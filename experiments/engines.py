@@ -69,7 +69,7 @@ def carried_out(rows: tuple[str, pd.DataFrame], results: Path, gripper: str) -> 
             runner = TrialRunner(world, arm, TrialProtocol())
             found[engine] = [
                 runner.carry_out(rest, grasp).outcome if rest and grasp else None
-                for rest, (_, grasp) in zip(rests, tried, strict=True)
+                for rest, (_, grasp, _) in zip(rests, tried, strict=True)
             ]
     return table.assign(**found)
 

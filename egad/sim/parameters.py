@@ -99,6 +99,11 @@ class CellErrors(UserParameters):
         description="range of the force that stops the hand, as a factor; one per attempt",
     )
 
+    def __str__(self) -> str:
+        """The name of these errors, or their values."""
+        names = [name for name, errors in NAMED_ERRORS.items() if errors == self]
+        return names[0] if names else super().__str__()
+
     @model_validator(mode="after")
     def _factors_can_be_drawn(self) -> Self:
         for name in ("friction", "mass", "stopping_force"):

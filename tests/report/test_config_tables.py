@@ -21,10 +21,20 @@ def test_values_keep_all_their_digits():
     assert tables["schedule"].summary.startswith("Division of evolution into jobs")
 
 
+def test_errors_of_a_cell_have_their_name_or_their_values():
+    def shown(errors):
+        tables = parameter_tables(Settings(trials={"errors": errors}))
+        (table,) = (each for each in tables if each.name == "trials")
+        return next(each for each in table.parameters if each.name == "errors").value
+
+    assert (shown("none"), shown("typical")) == ("none", "typical")
+    assert "positioning=0.002" in shown({"positioning": 0.002})
+
+
 def test_grippers_stand_side_by_side():
     tables = {table.name: table for table in entry_tables(Settings())}
     assert set(tables) == {"datasets", "grippers", "cameras", "detectors"}
     names = [column.name for column in tables["grippers"].columns]
     row = dict(zip(names, tables["grippers"].rows["panda"], strict=True))
     assert (row["opening"], row["palm"]) == ("0.08", "0.2, 0.063, 0.06")
-    assert tables["datasets"].rows["egad"] == ["evolved", "", "", "", "", ""]
+    assert tables["datasets"].rows["egad"] == ["evolved", *[""] * 6]
