@@ -1,7 +1,7 @@
 """The tables of docs/studies/real-cell.md: what the errors of a real cell cost.
 
 `python experiments/cell_errors.py FOLDER [NAME=WEIGHTS ...]` tries detectors on the evaluation set
-of the release with the gripper `panda` and depth noise 0.1, 20 attempts an object. The first table
+of the release with the gripper `egad_75mm` and depth noise 0.1, 20 attempts an object. The first table
 has both meanings of a contact on the way down, without errors and with `typical` ones; the second
 has each of these errors alone. `NAME=WEIGHTS` adds GG-CNN with other weights, carried out as deep
 as the image allows and as published. Tables of attempts are kept in FOLDER; a second call does what
@@ -30,7 +30,7 @@ from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.sim import ENGINES, NAMED_ERRORS, EngineName, Model, TrialParameters, build, run_attempts
 from egad.stats import mean_rate
 
-HAND = GRIPPERS["panda"]
+HAND = GRIPPERS["egad_75mm"]
 TYPICAL = NAMED_ERRORS["typical"]
 ALONE: dict[str, Any] = {
     "calibration": TYPICAL.model_dump(include={"calibration", "calibration_turn"}),
