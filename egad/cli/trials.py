@@ -13,6 +13,7 @@ from egad.cli.common import Config, out_option, settings_in
 from egad.cli.plan import plan
 from egad.cli.replay import film, replay
 from egad.cli.validate import validate
+from egad.cli.verify_trials import verify
 from egad.config import Settings
 from egad.errors import UserError
 
@@ -23,7 +24,7 @@ log = logging.getLogger(__name__)
 trials = typer.Typer(
     name="trials",
     no_args_is_help=True,
-    help="Results of grasping trials: plan, compare, validate, report, replay, film, template.",
+    help="Results of grasping trials: compare, plan, validate, verify, report, replay, film.",
 )
 
 Evaluation = Annotated[
@@ -109,6 +110,7 @@ trials.command()(plan)
 trials.command()(validate)
 trials.command()(replay)
 trials.command()(film)
+trials.command()(verify)
 
 
 @trials.command()

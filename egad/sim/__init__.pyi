@@ -55,6 +55,9 @@ from .trial import Attempt as Attempt
 from .trial import InitialPose as InitialPose
 from .trial import TrialRunner as TrialRunner
 from .trial import initial_poses as initial_poses
+from .verification import Difference as Difference
+from .verification import verify_attempts as verify_attempts
+from .verification import verify_rounds as verify_rounds
 from .world import TIME_STEP as TIME_STEP
 from .world import Pose as Pose
 from .world import World as World

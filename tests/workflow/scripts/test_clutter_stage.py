@@ -18,7 +18,7 @@ from egad.config import Settings
 from egad.config.stages import ClearedTables, SimulationBundle, select
 from egad.errors import UserError
 from egad.io import write_obj
-from egad.sim import ClutterParameters, proposed_by, run_round
+from egad.sim import ClutterParameters, proposed_by, run_round, verify_rounds
 from egad.sim.rounds import rounds_of
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -239,3 +239,18 @@ def test_commands_benchmark_and_compare(own, tmp_path, monkeypatch, capsys):
     assert first == second
     assert parquet.origin_of(tmp_path / tables[0])["stage"] == "benchmark"
     assert np.isfinite(one["score"]).any()
+
+
+def test_rounds_are_verified_and_altered_ones_told(table, made):
+    given = select(WHOLE, ClutterParameters, GRIPPER)
+    models = {name: model_in(made, row) for name, row in rows_by_id(made).items()}
+    assert verify_rounds(table, models, given) == []
+    row = table.index[table["success"]][0]
+    altered = table.copy()
+    altered.loc[row, "success"] = False
+    (found,) = verify_rounds(altered, models, given)
+    assert (found.column, found.said, found.found) == ("success", False, True)
+    whole_round = table["round"].eq(1) & table["scene"].eq("pile")
+    reseeded = table.assign(seed=table["seed"].mask(whole_round, "0" * 32))
+    (found,) = verify_rounds(reseeded, models, given)
+    assert (found.place, found.column) == ("round 1, pile, noise none", "objects, factors, seed")

@@ -203,3 +203,39 @@ def test_a_replay_under_other_settings_is_noticed(dataset, table, tmp_path):
             int(row["attempt"]),
             tmp_path / "film.gif",
         )
+
+
+def verified(dataset, trials, tmp_path, monkeypatch, *words):
+    path = tmp_path / "submitted.parquet"
+    parquet.write(trials, TRIALS, path)
+    config = tmp_path / "mine.yaml"
+    config.write_text("trials: {attempts: 3}\n")
+    given = ["trials", "verify", str(path), "--in", str(dataset), "--config", str(config)]
+    monkeypatch.setattr("sys.argv", ["egad", *given, *words])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    return stop.value.code or 0
+
+
+def test_a_table_is_verified_without_its_detector(dataset, table, tmp_path, monkeypatch, capsys):
+    trials = parquet.read(table, TRIALS)
+    assert verified(dataset, trials, tmp_path, monkeypatch) == 0
+    assert "9 of 9 attempts simulated again: all as it says" in capsys.readouterr().out
+    assert verified(dataset, trials, tmp_path, monkeypatch, "--sample", "2") == 0
+    assert "6 of 9 attempts" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("column", ["success", "lifted", "grasp_x", "initial_z", "seed", "session"])
+def test_a_table_altered_in_one_place_is_refused(
+    dataset, table, tmp_path, monkeypatch, capsys, column
+):
+    trials = parquet.read(table, TRIALS)
+    row = trials.index[(trials["label"] == "A1") & trials["success"]][0]
+    value = trials.loc[row, column]
+    changed = {"success": False, "seed": "1f" * 16, "session": "1f" * 16}
+    trials.loc[row, column] = changed.get(column) if column in changed else value + 1e-6
+    refused = verified(dataset, trials, tmp_path, monkeypatch)
+    assert "9 attempts are not reproduced: the table was altered, or" in str(refused)
+    assert f"A1, attempt {trials['attempt'][row]}: " in capsys.readouterr().out
+    if column == "lifted":
+        assert verified(dataset, trials, tmp_path, monkeypatch, "--tolerance", "1e-5") == 0

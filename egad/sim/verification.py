@@ -1,0 +1,129 @@
+"""Whether a table of attempts is what the simulation gives: all again, without the detector.
+
+What the detector proposed is taken from the table. So nothing is said of whether it proposes that,
+of the quality that it predicted, and of why it proposed nothing.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from egad.detectors import Grasp
+from egad.grippers import Gripper
+from egad.outcomes import DETECTOR_FAILURES, SIMULATION_FAILURES, Outcome
+from egad.perception import View
+from egad.sim.attempts import read_attempt, run_attempts
+from egad.sim.model import Model
+from egad.sim.parameters import ClutterParameters, TrialParameters
+from egad.sim.rounds import Models, repeat_round, rounds_of
+from egad.tables import parquet
+
+UNSEEN = ("failure", "quality", "score")  # columns that only the detector decides
+SCENE, BEGUN = ["scene", "noise", "round"], ["objects", "factors", "seed"]
+
+
+class Difference(NamedTuple):
+    """A number or text of a table that the simulation does not give.
+
+    Attributes:
+        place: Which row.
+        column: Its column.
+        said: What the table has.
+        found: What the simulation gives.
+    """
+
+    place: str
+    column: str
+    said: object
+    found: object
+
+
+class _Recorded:
+    """A detector that proposes what a table says, attempt by attempt."""
+
+    def __init__(self, grasps: Sequence[Grasp | None]) -> None:
+        self._grasps = iter(grasps)
+
+    def __call__(self, _view: View, _gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
+        grasp = next(self._grasps, None)
+        return [] if grasp is None else [grasp]
+
+
+def verify_attempts(
+    model: Model, rows: pd.DataFrame, settings: TrialParameters, tolerance: float = 0.0
+) -> list[Difference]:
+    """Run all attempts at an object again, from the seeds of the settings on.
+
+    Args:
+        model: The object.
+        rows: Columns of `tables.evaluation.TRIALS`: its attempts in their order.
+        settings: Those of the trials; their number and the engine are as in the table.
+        tolerance: By how much numbers may differ; 0 on the same kind of processor.
+    """
+    rows = rows.reset_index(drop=True)
+    given = {"attempts": len(rows), "engine": rows["engine"].iloc[0]}
+    settings = settings.model_copy(update={"trials": settings.trials.model_copy(update=given)})
+    errors = settings.trials.errors
+    known = [read_attempt(row, errors)[1] for row in parquet.records(rows) if row["initial_pose"]]
+    label, name = rows["label"].iloc[0], rows["id"].iloc[0]
+    again = run_attempts(model, label, name, _Recorded(known), settings)
+    nothing = rows["width"].isna() & rows["outcome"].isin(DETECTOR_FAILURES)
+    again["outcome"] = again["outcome"].mask(
+        nothing & (again["outcome"] == Outcome.NO_GRASP), rows["outcome"]
+    )
+    places = [f"{label}, attempt {number}" for number in rows["attempt"]]
+    return _differences(rows, again, places, tolerance)
+
+
+def verify_rounds(
+    table: pd.DataFrame, models: Models, settings: ClutterParameters, tolerance: float = 0.0
+) -> list[Difference]:
+    """Clear tables again, from the seeds of the settings on.
+
+    Args:
+        table: Columns of `tables.clutter.CLUTTER`; all rows of each round.
+        models: All objects by their names.
+        settings: Those of the rounds; the engine is as in the table.
+        tolerance: As of `verify_attempts`.
+    """
+    engine = {"engine": table["engine"].iloc[0]}
+    settings = settings.model_copy(update={"clutter": settings.clutter.model_copy(update=engine)})
+    planned = {
+        f"round {each.number}, {each.scene}, noise {each.noise}": each
+        for each in rounds_of(list(models), settings)
+    }
+    found: list[Difference] = []
+    for (scene, noise, number), group in table.groupby(SCENE, sort=False):
+        rows = group.reset_index(drop=True)
+        place, first = f"round {number}, {scene}, noise {noise}", rows.iloc[0]
+        begun, wanted = tuple(first[BEGUN]), None
+        if plan := planned.get(place):
+            factors = " ".join(map(repr, plan.factors))
+            wanted = (" ".join(plan.ids), factors, f"{plan.seed:032x}")
+        if begun != wanted:
+            found.append(Difference(place, ", ".join(BEGUN), begun, wanted))
+        elif first["outcome"] not in SIMULATION_FAILURES:
+            again = repeat_round(rows, models, settings)
+            places = [f"{place}, attempt {each}" for each in rows["attempt"]]
+            found += _differences(rows, again, places, tolerance)
+    return found
+
+
+def _differences(
+    said: pd.DataFrame, found: pd.DataFrame, places: Sequence[str], tolerance: float
+) -> list[Difference]:
+    """What differs of two tables of the same rows, row by row."""
+    differences = []
+    for column in (each for each in said.columns if each not in UNSEEN):
+        first, second = said[column].to_numpy(), found[column].to_numpy()
+        if said[column].dtype.kind == "f":
+            close = np.isclose(first, second.astype(np.float64), 0.0, tolerance, equal_nan=True)
+        else:
+            close = first == second
+        differences += [
+            (row, Difference(places[row], column, first[row], second[row]))
+            for row in np.flatnonzero(~close).tolist()
+        ]
+    return [each for _, each in sorted(differences, key=lambda pair: pair[0])]
