@@ -82,7 +82,7 @@ def main(folder: Path, detectors: dict[str, Detector | None], attempts: int, job
     objects = prepared(folder / "objects.pickle", jobs)
 
     def rate(engine: EngineName, name: str, errors: str, contact: str) -> str:
-        path = folder / engine / contact / errors / f"{name}.parquet"
+        path = folder / str(attempts) / engine / contact / errors / f"{name}.parquet"
         if not path.exists():
             protocol = {"errors": ERRORS[errors], "contact": contact, "engine": engine}
             trials = TrialProtocol(

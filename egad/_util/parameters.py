@@ -98,7 +98,8 @@ def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields o
 
 def _in_words(error: ValidationError, kind: type[BaseModel]) -> str:
     """A sentence for each wrong argument: what was given, and what is allowed."""
-    known = kind.model_json_schema()["properties"]
+    schema = kind.model_json_schema()
+    known = schema["properties"]
     sentences = []
     for each in error.errors(include_url=False):
         if each["type"] == "value_error":
@@ -106,12 +107,23 @@ def _in_words(error: ValidationError, kind: type[BaseModel]) -> str:
             continue
         name, *inside = each["loc"]
         check_name("argument", str(name), known)
-        where = "".join([str(name), *(f"[{key}]" for key in inside)])
+        where, node = str(name), _resolved(known[name], schema)
+        for key in inside:
+            if "properties" in node:
+                check_name(f"key of {where}", str(key), node["properties"])
+                node = _resolved(node["properties"][key], schema)
+            where += f"[{key}]"
         if each["type"] == "missing":
-            sentences.append(f"{where} is missing; allowed: {wanted(known[name])}")
+            sentences.append(f"{where} is missing; allowed: {wanted(node)}")
         else:
-            sentences.append(_refusal(where, each["input"], known[name]))
+            sentences.append(_refusal(where, each["input"], node))
     return "\n".join(sentences)
+
+
+def _resolved(node: Node, schema: Node) -> Node:
+    """A part of a schema, with what it refers to."""
+    reference = str(node.get("$ref", ""))
+    return node | schema["$defs"][reference.rpartition("/")[2]] if reference else node
 
 
 def _refusal(where: str, given: object, node: Node) -> str:

@@ -35,6 +35,12 @@ def log_sheet(
     blind: Annotated[
         bool, typer.Option("--blind", help="call the detectors A, B, ... until the end")
     ] = False,
+    rounds: Annotated[
+        bool,
+        typer.Option(
+            "--rounds", help="one attempt at each object before the next; to look at results early"
+        ),
+    ] = False,
     objects: Annotated[
         str | None,
         typer.Option(help="labels of the objects, separated by commas; default: all"),
@@ -55,7 +61,7 @@ def log_sheet(
         if path.suffix.lower() == ".csv" and path.exists():
             raise UserError(f"--out {path} exists and may be filled in; give another file")
     found = evaluation_objects(dataset, None if objects is None else _words(objects))
-    planned = plan(found, attempts, _words(detectors), seed, blind=blind)
+    planned = plan(found, attempts, _words(detectors), seed, blind=blind, rounds=rounds)
     tried = [
         LogObject(label, item.id, png_bytes(render(item.mesh, SIZE)))
         for label, item in progress(found.items(), "drawing", len(found))

@@ -1,6 +1,7 @@
 """An evaluation set that somebody else has chosen: its objects have their labels already."""
 
 import csv
+import io
 import logging
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -13,7 +14,6 @@ from egad.evalset.parameters import SelectEval
 from egad.evalset.selection import (
     LABEL,
     Distances,
-    Selection,
     cell_of_label,
     label_at,
     nearest_distances,
@@ -36,16 +36,22 @@ def read_labels(path: Path) -> dict[str, str]:
         UserError: It cannot be used; the text says where.
     """
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = list(csv.DictReader(file, strict=True))
-            last = rows[-1] if rows else {}
+        text = path.read_text(encoding="utf-8-sig")
+        head = text.strip().partition("\n")[0]
+        separator = ";" if head.count(";") > head.count(",") else ","
+        reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(row)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UserError(f"{path}: not a CSV file: {error}") from error
-    if missing := [name for name in NEEDED if name not in last]:
-        raise UserError(f"{path}: no row with the column {missing[0]}; needed: id, label")
+    names = [name.lower() for name in rows[0][1]] if rows else []
+    if missing := [name for name in NEEDED if name not in names]:
+        raise UserError(f"{path}: the column {missing[0]} is missing; needed: id, label")
     labels: dict[str, str] = {}
-    for line, row in enumerate(rows, 2):
-        name, label = ((row[key] or "").strip() for key in NEEDED)
+    for line, cells in rows[1:]:
+        row = dict(zip(names, cells, strict=False))
+        name, label = (row.get(key, "") for key in NEEDED)
+        if not name:
+            raise UserError(f"{path}, line {line}: the id is missing")
         if not LABEL.fullmatch(label):
             raise UserError(f"{path}, line {line}: label is {label!r}; allowed: such as C4")
         if name in labels:
@@ -56,7 +62,7 @@ def read_labels(path: Path) -> dict[str, str]:
 
 def take(
     objects: pd.DataFrame, labels: Mapping[str, str], distances: Distances, settings: SelectEval
-) -> Selection:
+) -> pd.DataFrame:
     """The objects that have labels, as an evaluation set.
 
     Args:
@@ -64,6 +70,9 @@ def take(
         labels: Labels by the ids of objects; ids that are not among them are named in the log.
         distances: (n, n) distances of the objects.
         settings: Rows and columns of the grid.
+
+    Returns:
+        Columns of `tables.evaluation.EVAL49`, sorted by label.
 
     Raises:
         UserError: No object has a label, two have the same, or one lies outside the grid.
@@ -87,11 +96,10 @@ def take(
             )
     chosen = np.array([row for _, row in placed])
     cells = np.array([row * settings.columns + column for row, column in map(cell_of_label, names)])
-    table = selection_table(
+    return selection_table(
         objects.iloc[chosen],
         cells,
         settings.columns,
         np.zeros(len(chosen), dtype=bool),
         nearest_distances(chosen, distances),
     )
-    return Selection(table, chosen, [np.array([each]) for each in chosen], {})

@@ -97,7 +97,12 @@ class LogPlan:
 
 
 def attempt_order(
-    labels: Iterable[str], attempts: int, detectors: Iterable[str], seed: int
+    labels: Iterable[str],
+    attempts: int,
+    detectors: Iterable[str],
+    seed: int,
+    *,
+    rounds: bool = False,
 ) -> list[PlannedAttempt]:
     """The order of all attempts.
 
@@ -105,13 +110,24 @@ def attempt_order(
     first attempt, then all make their second, and so on, each time in another random order. What
     changes with time, such as worn pads, thus affects all detectors alike.
 
+    In rounds, all detectors make one attempt at each object, in an order of its own, before one is
+    tried again: what a test needs that may be looked at early.
+
     Args:
         labels: Objects, each once.
         attempts: By each detector at each object.
         detectors: Their names, each once.
         seed: The same seed gives the same order, however objects and detectors are listed.
+        rounds: Whether in rounds.
     """
     names, objects = sorted(detectors), sorted(labels)
+    if rounds:
+        return [
+            PlannedAttempt(label, attempt, detector)
+            for attempt in range(attempts)
+            for label in _shuffled(objects, seed, "objects", "round", attempt)
+            for detector in _shuffled(names, seed, "detectors", label, attempt)
+        ]
     return [
         PlannedAttempt(label, attempt, detector)
         for label in _shuffled(objects, seed, "objects")
@@ -121,7 +137,13 @@ def attempt_order(
 
 
 def plan(
-    labels: Iterable[str], attempts: int, detectors: Sequence[str], seed: int, *, blind: bool
+    labels: Iterable[str],
+    attempts: int,
+    detectors: Sequence[str],
+    seed: int,
+    *,
+    blind: bool,
+    rounds: bool = False,
 ) -> LogPlan:
     """Plan a session.
 
@@ -131,6 +153,7 @@ def plan(
         detectors: Their names.
         seed: What the order is drawn from; see `attempt_order`.
         blind: Call the detectors A, B, ... in random order.
+        rounds: As of `attempt_order`.
 
     Raises:
         UserError: The names of the detectors cannot be used, or there are no attempts.
@@ -138,7 +161,7 @@ def plan(
     _check_detectors(detectors)
     if attempts < 1:
         raise UserError(f"--attempts {attempts} is not allowed; allowed: 1 or more")
-    order = attempt_order(labels, attempts, detectors, seed)
+    order = attempt_order(labels, attempts, detectors, seed, rounds=rounds)
     names = _shuffled(sorted(detectors), seed, "letters") if blind else list(detectors)
     letters = string.ascii_uppercase if blind else names
     shown = dict(zip(names, letters, strict=False))

@@ -45,7 +45,7 @@ def run_attempts(
     with open_world(settings.trials.engine, [model], arm.robot) as world:
         bench = TrialRunner(world, arm, settings.trials)
         attempts = list(_chain(bench, detect, seeds, settings.trials.errors))
-    return _table(label, object_id, seeds, attempts, known | _engine(settings))
+    return _table(label, object_id, seeds, attempts, known | _protocol(settings))
 
 
 def failed_attempts(
@@ -55,7 +55,7 @@ def failed_attempts(
     seeds = _seeds(object_id, settings)
     attempts = [Attempt(outcome)] * len(seeds)
     known = {"parts": 0, "volume_error": np.nan}
-    return _table(label, object_id, seeds, attempts, known | _engine(settings))
+    return _table(label, object_id, seeds, attempts, known | _protocol(settings))
 
 
 def read_attempt(
@@ -75,8 +75,9 @@ def read_attempt(
     return start, Grasp((x, y, z), *(float(row[key]) for key in NUMBERS)), deviation
 
 
-def _engine(settings: TrialParameters) -> dict[str, str]:
-    return {"engine": settings.trials.engine}
+def _protocol(settings: TrialParameters) -> dict[str, str]:
+    trials = settings.trials
+    return {"engine": trials.engine, "errors": str(trials.errors), "contact": trials.contact}
 
 
 class _Seeds(NamedTuple):

@@ -78,8 +78,7 @@ def execute(
             without weight until the fingers have closed.
         contact: Distance of the pads at which they will meet the object, metres, if it is known;
             the hand is then as high as it must be for pads that move on arcs.
-        stopping: What a contact on the way down means. A hand that closes where it was stopped and
-            does not hold the object up to the end has collided.
+        stopping: What a contact on the way down means.
     """
     try:
         before = world.pose().position[2]
@@ -116,9 +115,7 @@ def _outcome(
         outcome, end = lift_and_hold(hand, lifting)
     else:
         outcome, end = Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
-    if stopped is None or outcome == Outcome.SUCCESS:
-        return outcome, end, stopped or 0.0
-    return Outcome.COLLIDED, end, stopped
+    return outcome, end, stopped or 0.0
 
 
 def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:

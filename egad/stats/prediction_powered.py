@@ -91,8 +91,10 @@ def prediction_powered_rate(
     - Real rates that differ. If all are 1, nothing is known about their spread, and the intervals
       are NaN; use `wilson` then.
 
-    In simulations with beta-distributed rates, the interval of 95 % holds the true mean in 93 to
-    96 % of the cases, from 5 objects on.
+    In simulations with beta-distributed rates around 0.5, the interval of 95 % holds the true mean
+    in 93 to 96 % of the cases, from 5 objects on. Near 0 and 1 rates are skewed and the interval is
+    too narrow, as is any of Student's t: at a mean of 0.85 and a spread of 0.3 it holds the mean in
+    some 70 % with 5 objects, 85 with 10 and 90 with 20.
 
     Args:
         real: (n,) real success rates of objects.

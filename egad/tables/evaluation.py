@@ -159,6 +159,8 @@ TRIALS = pa.schema(
         column("attempt", INT, "number of the attempt"),
         column("seed", pa.string(), "seed of the attempt (hexadecimal)"),
         column("session", STRING, "seed of the calibration that it shares with others"),
+        column("errors", STRING, "errors of the cell (`trials.errors`): a name, or their values"),
+        column("contact", STRING, "what a contact on the way down means (`trials.contact`)"),
         SUCCESS,
         column(
             "outcome",

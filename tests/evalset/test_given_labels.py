@@ -24,24 +24,21 @@ def objects(*ids):
 
 
 def test_objects_named_as_labels_are_the_set_and_the_others_are_not():
-    found = take(
-        objects("B3", "mug", "A0", "C1"), labels_by_name(["B3", "mug", "A0"]), DISTANCES, GRID
-    )
-    table = found.table
+    labels = labels_by_name(["B3", "mug", "A0"])
+    table = take(objects("B3", "mug", "A0", "C1"), labels, DISTANCES, GRID)
     assert table["label"].tolist() == table["id"].tolist() == ["A0", "B3"]
     assert table["object_label"].tolist() == ["X02_0", "X00_0"]
     assert table[["row", "column"]].to_numpy().tolist() == [[0, 0], [1, 3]]
     assert not table["borrowed"].any()
     assert table["nearest"].tolist() == [0.9, 0.9]  # among the set, not to the mug
-    assert found.left_out == {}
 
 
 def test_a_file_says_which_object_has_which_label(tmp_path, caplog):
     path = tmp_path / "labels.csv"
-    path.write_text("label,note,id\nC2,,mug\nA1,x,bowl\nB0,,lost\n")
+    path.write_text("Label, note ,ID\nC2,,mug\nA1,x,bowl\nB0,,lost\n")
     labels = read_labels(path)
     assert labels == {"mug": "C2", "bowl": "A1", "lost": "B0"}
-    table = take(objects("mug", "cup", "bowl", "can"), labels, DISTANCES, GRID).table
+    table = take(objects("mug", "cup", "bowl", "can"), labels, DISTANCES, GRID)
     assert dict(zip(table["id"], table["label"], strict=True)) == {"bowl": "A1", "mug": "C2"}
     assert "not in the dataset: lost" in caplog.text
 
@@ -49,8 +46,10 @@ def test_a_file_says_which_object_has_which_label(tmp_path, caplog):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "no row with the column id"),
-        ("id,name\nmug,C2\n", "no row with the column label"),
+        ("", "the column id is missing"),
+        ("id,name\nmug,C2\n", "the column label is missing"),
+        ("id,label\n,C2\n", "line 2: the id is missing"),
+        ("id;label\n\nmug;C2\n\nmug;C3\n", "line 5: the object mug has two labels"),
         ("id,label\nmug,C22\n", "line 2: label is 'C22'; allowed: such as C4"),
         ("id,label\nmug,\n", "line 2: label is ''"),
         ("id,label\nmug\n", "line 2: label is ''"),
@@ -81,5 +80,5 @@ def test_labels_that_make_no_set_are_refused(labels, message):
 
 def test_the_table_has_the_columns_of_any_other(tmp_path):
     found = take(objects("A0", "b", "c", "d"), {"A0": "A0"}, DISTANCES, GRID)
-    parquet.write(found.table, EVAL49, tmp_path / "eval49.parquet")
+    parquet.write(found, EVAL49, tmp_path / "eval49.parquet")
     assert len(parquet.read(tmp_path / "eval49.parquet", EVAL49)) == 1

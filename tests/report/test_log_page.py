@@ -288,6 +288,8 @@ def test_a_double_tap_or_a_key_held_down_is_one_attempt(sheet, browser):
         tab.wait_for_timeout(50)
     tab.keyboard.up("Enter")
     assert saved(tab) == "Saved 2 of 40"
+    tab.locator("#undo").dblclick()
+    assert saved(tab) == "Saved 1 of 40"
 
 
 def test_everything_can_be_done_with_keys(sheet, browser):

@@ -44,6 +44,18 @@ def test_objects_are_changed_as_rarely_as_can_be_and_attempts_are_in_their_order
         assert attempts == sorted(attempts)
 
 
+def test_in_rounds_every_object_is_tried_by_all_before_any_is_tried_again():
+    found = attempt_order(["A0", "B1", "C2"], 4, ["one", "two"], 5, rounds=True)
+    assert len(set(found)) == len(found) == 24
+    rounds = [found[start : start + 6] for start in range(0, 24, 6)]
+    for number, each in enumerate(rounds):
+        assert {attempt.attempt for attempt in each} == {number}
+        labels = [attempt.label for attempt in each]
+        assert labels[::2] == labels[1::2]  # both detectors at an object, then the next
+        assert sorted(labels[::2]) == ["A0", "B1", "C2"]
+    assert len({tuple(attempt.label for attempt in each) for each in rounds}) > 1
+
+
 def test_the_order_is_that_of_the_seed():
     assert order() == order()
     assert order() == order(labels=LABELS[::-1], detectors=("theirs", "mine"))

@@ -68,7 +68,10 @@ def run(
     distances = 1 - similarity_matrix(graphs, settings.similarity.weight, jobs, watch)
     if labels or by_name:
         known = read_labels(labels[0]) if labels else labels_by_name(frame["id"])
-        parquet.write(take(frame, known, distances, settings.select_eval).table, EVAL49, out)
+        taken = take(frame, known, distances, settings.select_eval)
+        if empty := empty_cells(taken, settings.select_eval):
+            log.warning("%d labels without an object: %s", len(empty), " ".join(empty))
+        parquet.write(taken, EVAL49, out)
         parquet.write(parquet.empty(REJECTED), REJECTED, rejected)
         return
     phase("choosing objects and checking whether they can be printed")

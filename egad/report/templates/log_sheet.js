@@ -269,6 +269,7 @@ function stamp(now = new Date()) {
 }
 
 let tapped = -DOUBLE_TAP;
+let undone = -DOUBLE_TAP;
 
 function record(fields) {
   const { every, next } = read();
@@ -293,7 +294,9 @@ function setNote(text) {
 
 function undo() {
   const last = read().live.at(-1);
-  if (!last || about().ended) return;
+  const now = performance.now();
+  if (!last || about().ended || now - undone < DOUBLE_TAP) return;
+  undone = now;
   put(`${session()}/result/${last.id}`, JSON.stringify({ ...last, undone: stamp() }));
   if (last.note && !find("#note").value) setNote(last.note);
   say("Undone: " + told(last));
