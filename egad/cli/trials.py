@@ -13,7 +13,7 @@ from egad.cli.common import Config, out_option, settings_in
 from egad.cli.plan import plan
 from egad.cli.replay import film, replay
 from egad.cli.validate import validate
-from egad.cli.verify_trials import verify
+from egad.cli.verify_trials import verify_trials
 from egad.config import Settings
 from egad.errors import UserError
 
@@ -110,7 +110,7 @@ trials.command()(plan)
 trials.command()(validate)
 trials.command()(replay)
 trials.command()(film)
-trials.command()(verify)
+trials.command("verify")(verify_trials)
 
 
 @trials.command()

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 SHOWN = 10  # differences
 
 
-def verify(
+def verify_trials(
     table: Annotated[Path, typer.Argument(help="simulated attempts, or cleared tables: .parquet")],
     dataset: DatasetIn = RUN,
     gripper: Annotated[str | None, gripper_option(FIRST_TARGET, opening=False)] = None,
