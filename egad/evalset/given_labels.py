@@ -1,7 +1,5 @@
 """An evaluation set that somebody else has chosen: its objects have their labels already."""
 
-import csv
-import io
 import logging
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -19,6 +17,7 @@ from egad.evalset.selection import (
     nearest_distances,
     selection_table,
 )
+from egad.io import csv_lines
 
 log = logging.getLogger(__name__)
 NEEDED = ("id", "label")
@@ -36,12 +35,8 @@ def read_labels(path: Path) -> dict[str, str]:
         UserError: It cannot be used; the text says where.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-        head = text.strip().partition("\n")[0]
-        separator = ";" if head.count(";") > head.count(",") else ","
-        reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
-        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        rows = csv_lines(path)
+    except OSError as error:
         raise UserError(f"{path}: not a CSV file: {error}") from error
     names = [name.lower() for name in rows[0][1]] if rows else []
     if missing := [name for name in NEEDED if name not in names]:

@@ -1,5 +1,6 @@
 from .archives import write_zip as write_zip
 from .content import Content as Content
+from .csv_text import csv_lines as csv_lines
 from .folders import EVERY_FILE as EVERY_FILE
 from .folders import mesh_files as mesh_files
 from .folders import object_names as object_names

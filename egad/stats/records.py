@@ -9,14 +9,11 @@ columns `LOG_COLUMNS`. Of a log, rows that cannot be used are left out with a wa
 files they are errors.
 """
 
-import csv
-import io
 import logging
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +21,7 @@ import pandas as pd
 
 from egad.errors import UserError, most_common
 from egad.evalset import LABEL
+from egad.io import csv_lines
 from egad.outcomes import Outcome
 from egad.tables import parquet
 from egad.tables.columns import INITIAL
@@ -45,7 +43,7 @@ WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
 }
-MOST_BYTES, MOST_COLUMNS, MOST_ROWS = 1 << 24, 1000, 100_000  # of a CSV file
+MOST_COLUMNS = 1000  # of a CSV file
 MOST_TOLD = 5  # warnings of one kind about a log
 ATTEMPT = re.compile(r"[0-9]{1,9}")
 ATTEMPT_KEY = ["detector", "label", "attempt"]
@@ -219,25 +217,10 @@ def _tell(path: Path, problems: Sequence[str]) -> None:
 
 
 def csv_cells(path: Path) -> list[tuple[int, list[str]]]:
-    """The lines of a CSV file with their numbers, as long as the first; empty ones are left out.
-
-    Cells are separated by commas or, as some programs do, by semicolons.
-    """
-    if path.stat().st_size > MOST_BYTES:
-        raise UserError(f"{path}: larger than {MOST_BYTES:,} bytes; split it")
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-        head = text.strip().partition("\n")[0]
-        separator = ";" if head.count(";") > head.count(",") else ","
-        reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
-        rows = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)
-        filled = list(islice((row for row in rows if any(row[1])), MOST_ROWS + 2))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise UserError(f"{path}: not a CSV file: {error}") from error
+    """The lines of a CSV file (`egad.io.csv_lines`), each as long as the first."""
+    filled = csv_lines(path)
     if not filled:
         raise UserError(f"{path}: not a CSV file: it is empty")
-    if len(filled) > MOST_ROWS + 1:
-        raise UserError(f"{path}: more than {MOST_ROWS:,} rows; split it")
     width = len(filled[0][1])
     if width > MOST_COLUMNS:
         raise UserError(f"{path}: {width} columns; at most {MOST_COLUMNS} are read")
