@@ -147,7 +147,7 @@ def run_trials(
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
             If it is not 0, the image also has holes beside edges and on steep surfaces.
         errors: Errors of a real cell: `none`, `typical`, or your own by their names, such as
-            `{"calibration": 0.002}`; [all of them](../../config/README.md#trialserrors).
+            `{"calibration": 0.002}`; all of them: `trials.errors` in `config/README.md`.
         contact: What a contact on the way down means: `collided` is a failure; with `close` the
             fingers close where the hand was stopped, as on the robot of EGAD.
         stopping_force: Contact force that stops the hand on its way down, newtons.
