@@ -109,9 +109,9 @@ def square(matrix: pd.DataFrame) -> None:
 
 
 def succeeded(rates: Mapping[str, Mean], engines: Mapping[str, str]) -> None:
-    """Print success rates by detector, with the physics engine; a dash is a real robot."""
+    """Print success rates by detector, with the engine and errors; a dash is a real robot."""
     show(
-        ["detector", "engine", "attempts", "success %", "95 % interval"],
+        ["detector", "simulated in", "attempts", "success %", "95 % interval"],
         [
             (
                 *(name, engines[name] or DASH, str(rate.attempts)),

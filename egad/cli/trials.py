@@ -169,9 +169,11 @@ def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
     """Print success rates, and comparisons of pairs of detectors."""
     from egad.cli.terminal_tables import compared, succeeded
     from egad.report.trials import pairs
-    from egad.stats import engine_names, mean_rate
+    from egad.stats import mean_rate, simulated_in
 
-    engines = {name: engine_names(table) for name, table in found.items()}
+    engines = {name: simulated_in(table) for name, table in found.items()}
+    if len(set(filter(None, engines.values()))) > 1:
+        typer.echo("Not all were simulated in the same way: see the column simulated in", err=True)
     succeeded({name: mean_rate(table) for name, table in found.items()}, engines)
     if len(found) > 1:
         results = pairs(found)

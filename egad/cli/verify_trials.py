@@ -6,15 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad.cli.common import (
-    FIRST_TARGET,
-    RUN,
-    Config,
-    DatasetIn,
-    gripper_option,
-    named_gripper,
-    settings_in,
-)
+from egad.cli.common import RUN, Config, DatasetIn, named_gripper, settings_in
+from egad.cli.replay import RunGripper
 from egad.errors import UserError
 
 if TYPE_CHECKING:
@@ -29,7 +22,7 @@ SHOWN = 10  # differences
 def verify_trials(
     table: Annotated[Path, typer.Argument(help="simulated attempts, or cleared tables: .parquet")],
     dataset: DatasetIn = RUN,
-    gripper: Annotated[str | None, gripper_option(FIRST_TARGET, opening=False)] = None,
+    gripper: RunGripper = None,
     sample: Annotated[
         int | None, typer.Option(min=1, help="objects, or rounds, to look at; default: all")
     ] = None,

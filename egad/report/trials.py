@@ -32,9 +32,9 @@ from egad.stats import (
     TrialGrid,
     compare,
     discrimination,
-    engine_names,
     object_positions,
     reliability,
+    simulated_in,
     trend,
     trial_grid,
 )
@@ -63,7 +63,7 @@ class TrialView:
 
     Attributes:
         name: The detector.
-        engine: What computed the physics; empty for a real robot.
+        engine: What computed the physics, and with which errors; empty for a real robot.
         rate: Over all attempts.
         objects: How many objects were tried.
         outcomes: Attempts by outcome.
@@ -184,7 +184,7 @@ def _view(
     bins = reliability(table)
     return TrialView(
         name=name,
-        engine=engine_names(table),
+        engine=simulated_in(table),
         rate=grid.overall,
         objects=len(grid.cells),
         outcomes=outcome_counts(table),

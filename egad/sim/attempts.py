@@ -68,7 +68,7 @@ def read_attempt(
         errors: Those of the trials.
     """
     start = InitialPose(row["initial_pose"], Pose.of([row[name] for name in INITIAL]))
-    deviation = draw(errors, *(int(row[name], 16) for name in ("session", "seed")))
+    deviation = draw(errors, *(int(row[name], 16) for name in ("calibration", "seed")))
     if np.isnan(row["width"]):
         return start, None, deviation
     x, y, z = (float(row[name]) for name in CENTER)
@@ -81,10 +81,10 @@ def _protocol(settings: TrialParameters) -> dict[str, str]:
 
 
 class _Seeds(NamedTuple):
-    """The seed of an attempt, and that of all attempts between two calibrations."""
+    """The seed of an attempt, and that of the calibration before it."""
 
     attempt: int
-    session: int
+    calibration: int
 
 
 def _seeds(object_id: str, settings: TrialParameters) -> list[_Seeds]:
@@ -102,8 +102,8 @@ def _chain(
 ) -> Iterator[Attempt]:
     """Each attempt goes on where the one before ended."""
     before = None
-    for seed, session in seeds:
-        before = bench.attempt(detect, seed, before, draw(errors, session, seed))
+    for seed, calibration in seeds:
+        before = bench.attempt(detect, seed, before, draw(errors, calibration, seed))
         yield before
 
 
@@ -113,9 +113,9 @@ def _table(
     known = known | {"label": label, "id": object_id}
     rows = [
         known
-        | {"attempt": number, "seed": f"{seed:032x}", "session": f"{session:032x}"}
+        | {"attempt": number, "seed": f"{seed:032x}", "calibration": f"{calibration:032x}"}
         | columns_of(attempt)
-        for number, ((seed, session), attempt) in enumerate(zip(seeds, attempts, strict=True))
+        for number, ((seed, calibration), attempt) in enumerate(zip(seeds, attempts, strict=True))
     ]
     return pd.DataFrame(rows, columns=TRIALS.names)
 

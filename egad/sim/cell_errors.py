@@ -54,15 +54,15 @@ class Deviation:
 EXACT: Deviation = Deviation()
 
 
-def draw(errors: CellErrors, session: int, seed: int) -> Deviation:
+def draw(errors: CellErrors, calibration: int, seed: int) -> Deviation:
     """What is off in an attempt; what is drawn for one error does not depend on the others.
 
     Args:
         errors: How large the errors are.
-        session: Seed of all attempts between two calibrations.
+        calibration: Seed of the calibration, the same for all attempts until the next one.
         seed: Seed of the attempt.
     """
-    calibrated, attempt = generator(session, "calibration"), generator(seed, "errors")
+    calibrated, attempt = generator(calibration, "calibration"), generator(seed, "errors")
     shift, turn = calibrated.normal(size=(2, 3))
     *placed, opened = attempt.normal(size=4)
     shares = attempt.uniform(size=3)

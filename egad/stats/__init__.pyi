@@ -28,6 +28,7 @@ from .rates import engine_names as engine_names
 from .rates import mean_rate as mean_rate
 from .rates import object_positions as object_positions
 from .rates import rate as rate
+from .rates import simulated_in as simulated_in
 from .rates import trend as trend
 from .rates import trial_grid as trial_grid
 from .rates import wilson as wilson

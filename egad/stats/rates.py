@@ -138,6 +138,22 @@ def engine_names(table: pd.DataFrame) -> str:
     return " and ".join(sorted(set(table["engine"].dropna()) - {""}))
 
 
+def simulated_in(table: pd.DataFrame) -> str:
+    """What attempts were simulated with: the engine, and what is not usual; empty for a real robot.
+
+    Args:
+        table: Columns of `tables.evaluation.RESULTS`.
+    """
+    usual = {"errors": "none", "contact": "collided"}
+    others = {
+        name: " and ".join(sorted(set(table[name].dropna()) - {"", value}))
+        for name, value in usual.items()
+        if name in table
+    }
+    said = (f"{name}: {values}" for name, values in others.items() if values)
+    return ", ".join((engine_names(table), *said))
+
+
 def by_object(trials: pd.DataFrame) -> pd.DataFrame:
     """Successes and attempts of each object, by its label, in the order of the labels."""
     labels, index = np.unique(trials["label"].to_numpy(dtype=str), return_inverse=True)

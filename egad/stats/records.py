@@ -179,7 +179,7 @@ def _joined_sessions(path: Path, rows: pd.DataFrame) -> pd.DataFrame:
     """The attempts of a log, each of them once.
 
     What a file has twice counts once. Attempts of a session with results that contradict each other
-    are left out. Where another session has made the same attempts, its numbers go on behind them.
+    are left out. Those that an earlier session has made, too, are numbered behind all others.
     """
     rows = rows.drop_duplicates(["session", *ATTEMPT_KEY, "outcome"])
     differ = rows.duplicated(["session", *ATTEMPT_KEY], keep=False)
@@ -196,14 +196,15 @@ def _joined_sessions(path: Path, rows: pd.DataFrame) -> pd.DataFrame:
     rows = rows[~differ].reset_index(drop=True)
     if rows.empty:
         raise UserError(f"{path}: no attempt is left")
-    if rows.duplicated(ATTEMPT_KEY).any():
-        counts = rows.groupby("session", sort=False)["attempt"].max() + 1
-        first = counts.cumsum() - counts
-        rows["attempt"] += rows["session"].map(first)
+    before = rows.groupby(ATTEMPT_KEY).cumcount()
+    if before.any():
+        first = rows["attempt"].max() + 1
+        rows["attempt"] += before * first
         log.warning(
-            "%s: sessions have the same attempts, which are counted on: %s",
+            "%s: %d attempts were made in an earlier session, too; they are numbered from %d on",
             path,
-            ", ".join(f"those of {name} from {start}" for name, start in first.items()),
+            (before > 0).sum(),
+            first,
         )
     return rows
 
@@ -260,7 +261,7 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         "quality": quality,
         "detector": row["detector"] or path.stem,
         "initial_pose": "",
-        "engine": "",
+        **dict.fromkeys(("engine", "errors", "contact"), ""),
         "line": line,
         "session": row["session"],
     }

@@ -48,6 +48,8 @@ WITHIN = column(
 )
 PLACE = column("label", STRING, "name in the evaluation set")
 ENGINE = column("engine", STRING, "physics engine")
+ERRORS = column("errors", STRING, "errors of the cell (`trials.errors`): a name, or their values")
+CONTACT = column("contact", STRING, "what a contact on the way down means (`trials.contact`)")
 FAILURE = optional(
     column("failure", STRING, "what the detector did wrong, with its traceback; empty if nothing")
 )
@@ -149,6 +151,8 @@ RESULTS = pa.schema(
             "initial pose of the object, in hexadecimal; empty on a real robot",
         ),
         optional(column("engine", STRING, "physics engine; empty on a real robot")),
+        optional(ERRORS),
+        optional(CONTACT),
     ]
 )
 
@@ -158,9 +162,9 @@ TRIALS = pa.schema(
         ID,
         column("attempt", INT, "number of the attempt"),
         column("seed", pa.string(), "seed of the attempt (hexadecimal)"),
-        column("session", STRING, "seed of the calibration that it shares with others"),
-        column("errors", STRING, "errors of the cell (`trials.errors`): a name, or their values"),
-        column("contact", STRING, "what a contact on the way down means (`trials.contact`)"),
+        column("calibration", STRING, "seed of the calibration that it shares with others"),
+        ERRORS,
+        CONTACT,
         SUCCESS,
         column(
             "outcome",

@@ -84,6 +84,21 @@ def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
     assert "Traceback" not in result.stderr
 
 
+def test_a_comparison_says_that_conditions_differ(tmp_path):
+    blank = {"string": "", "bool": False}
+    row = {field.name: blank.get(str(field.type), 0) for field in TRIALS} | {"engine": "mujoco"}
+    for name in ("none", "typical"):
+        rows = [row | {"label": label, "errors": name} for label in ("A0", "B3")]
+        parquet.write(pd.DataFrame(rows), TRIALS, tmp_path / f"{name}.parquet")
+    (tmp_path / "alike").mkdir()
+    (tmp_path / "alike/also.parquet").write_bytes((tmp_path / "none.parquet").read_bytes())
+    result = trials("compare", tmp_path / "none.parquet", tmp_path / "typical.parquet")
+    assert "mujoco, errors: typical" in result.stdout
+    assert "Not all were simulated in the same way" in result.stderr
+    result = trials("compare", tmp_path / "none.parquet", tmp_path / "alike/also.parquet")
+    assert "Not all" not in result.stderr
+
+
 def cleared_table(path, won, **changes):
     """Two rounds with one object each."""
     blank = {"string": "", "bool": False, "double": 0.0}

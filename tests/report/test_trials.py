@@ -9,12 +9,13 @@ from egad.report.trials import EvaluationSet, page, pairs, trial_results
 from egad.tables.evaluation import RESULTS
 
 OUTCOMES = ("missed", "success")
+SIMULATED = ("mujoco", "none", "collided")
 
 
 def tried(name, rates, seed=0):
     rng = np.random.default_rng(seed)
     rows = [
-        (label, label, n, bool(won), OUTCOMES[int(won)], rng.random(), name, f"{n}", "mujoco")
+        (label, label, n, bool(won), OUTCOMES[int(won)], rng.random(), name, f"{n}", *SIMULATED)
         for label, rate in rates.items()
         for n, won in enumerate(rng.random(20) < rate)
     ]

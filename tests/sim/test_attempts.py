@@ -148,13 +148,13 @@ def test_errors_far_larger_than_the_object_make_it_missed(engine: EngineName) ->
     found = attempts(CUBE, engine=engine, errors=off)
     assert attempts(CUBE, engine=engine)["success"].all()
     assert found["success"].mean() < 0.2
-    assert found["session"].nunique() == 1
+    assert found["calibration"].nunique() == 1
     pd.testing.assert_series_equal(found["seed"], attempts(CUBE, engine=engine)["seed"])
 
 
 def test_a_session_has_twenty_attempts() -> None:
     found = attempts(CUBE, nothing, attempts=41)
-    assert found["session"].value_counts(sort=False).tolist() == [20, 20, 1]
+    assert found["calibration"].value_counts(sort=False).tolist() == [20, 20, 1]
 
 
 def test_the_object_goes_on_where_the_attempt_before_left_it() -> None:

@@ -18,6 +18,7 @@ from egad.stats.rates import (
     mean_rate,
     object_positions,
     rate,
+    simulated_in,
     trend,
     trial_grid,
     wilson,
@@ -84,6 +85,18 @@ def test_engines_are_named_once_and_a_real_robot_has_none() -> None:
     table = pd.DataFrame({"engine": ["pybullet", "mujoco", "mujoco", ""]})
     assert engine_names(table) == "mujoco and pybullet"
     assert engine_names(table[3:]) == ""
+
+
+def test_what_is_unusual_in_a_simulation_is_named() -> None:
+    def said(errors: str, contact: str) -> str:
+        frame = {"engine": ["mujoco"] * 2, "errors": ["none", errors], "contact": ["", contact]}
+        return simulated_in(pd.DataFrame(frame))
+
+    assert said("none", "collided") == "mujoco"
+    assert said("typical", "collided") == "mujoco, errors: typical"
+    assert said("none", "close") == "mujoco, contact: close"
+    robot = pd.DataFrame([["", "", ""]], columns=["engine", "errors", "contact"])
+    assert simulated_in(robot) == ""
 
 
 def test_successes_are_counted_by_object() -> None:

@@ -285,7 +285,17 @@ def test_attempts_of_another_session_are_counted_on(written, caplog):
     assert found["mine"]["attempt"].tolist() == [0, 1, 2]
     assert found["mine"]["success"].tolist() == [True, True, False]
     assert found["theirs"]["attempt"].tolist() == [0, 2]
-    assert "those of monday from 0, those of tuesday from 2" in caplog.text
+    assert "2 attempts were made in an earlier session, too" in caplog.text
+
+
+def test_one_repeated_attempt_leaves_the_others_their_numbers(written):
+    """Those of another detector in the same session are still its pairs."""
+    tuesday = [{"session": "tuesday", "attempt": str(n), "detector": "theirs"} for n in range(3)]
+    again = {"session": "tuesday", "attempt": "1", **FAILED}
+    monday = [{"attempt": str(number)} for number in range(3)]
+    found = read(written(log_text(*monday, *tuesday, again)))
+    assert found["mine"]["attempt"].tolist() == [0, 1, 2, 4]
+    assert found["theirs"]["attempt"].tolist() == [0, 1, 2]
 
 
 def test_sessions_that_share_the_work_keep_their_numbers(written, caplog):

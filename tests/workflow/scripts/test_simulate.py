@@ -225,14 +225,16 @@ def test_a_table_is_verified_without_its_detector(dataset, table, tmp_path, monk
     assert "6 of 9 attempts" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("column", ["success", "lifted", "grasp_x", "initial_z", "seed", "session"])
+@pytest.mark.parametrize(
+    "column", ["success", "lifted", "grasp_x", "initial_z", "seed", "calibration"]
+)
 def test_a_table_altered_in_one_place_is_refused(
     dataset, table, tmp_path, monkeypatch, capsys, column
 ):
     trials = parquet.read(table, TRIALS)
     row = trials.index[(trials["label"] == "A1") & trials["success"]][0]
     value = trials.loc[row, column]
-    changed = {"success": False, "seed": "1f" * 16, "session": "1f" * 16}
+    changed = {"success": False, "seed": "1f" * 16, "calibration": "1f" * 16}
     trials.loc[row, column] = changed.get(column) if column in changed else value + 1e-6
     refused = verified(dataset, trials, tmp_path, monkeypatch)
     assert "9 attempts are not reproduced: the table was altered, or" in str(refused)
