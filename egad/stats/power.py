@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from itertools import combinations
 
 import numpy as np
 import pandas as pd
-import scipy  # scipy.stats is loaded when it is used
+import scipy  # its modules are loaded when they are used
 
 from egad._util.arrays import Floats
 from egad.errors import UserError
@@ -16,6 +17,7 @@ from egad.stats.rates import by_object
 from egad.stats.sequential import log_e_values, two_sided
 
 CHUNK = 1_000_000  # pairs that are simulated at once
+NORMAL: Floats = np.linspace(-6, 6, 2401)
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class ObjectRates:
     Attributes:
         mean: Mean rate of both detectors together.
         spread: Standard deviation over objects of a detector with this mean.
-        correlation: Correlation of both detectors' rates over objects.
+        correlation: Correlation of both detectors' rates over objects, if they are equal on average.
     """
 
     mean: float = 0.6
@@ -61,17 +63,39 @@ class ObjectRates:
     ) -> tuple[Floats, Floats]:
         """True rates of both detectors at random objects, which differ by this much on average."""
         one, other = rng.standard_normal((2, *shape))
-        other = self.correlation * one + np.sqrt(1 - self.correlation**2) * other
+        other = self._copula * one + np.sqrt(1 - self._copula**2) * other
         return self._rates(difference / 2, one), self._rates(-difference / 2, other)
+
+    @cached_property
+    def _copula(self) -> float:
+        """Correlation of normal numbers that gives the rates theirs, by Gaussian quadrature."""
+        if not self.spread:
+            return self.correlation
+        nodes, weights = np.polynomial.hermite_e.hermegauss(64)
+        one, other = np.meshgrid(nodes, nodes)
+        weights = np.outer(weights, weights) / weights.sum() ** 2
+        offsets = self._rates(0.0, one) - self.mean
+
+        def covariance(copula: float) -> float:
+            mixed = copula * one + np.sqrt(1 - copula**2) * other
+            return float((weights * offsets * (self._rates(0.0, mixed) - self.mean)).sum())
+
+        wanted = self.correlation * covariance(1.0)
+        return float(scipy.optimize.brentq(lambda c: covariance(c) - wanted, -1.0, 1.0, xtol=1e-4))
 
     def _rates(self, above: float, normal: Floats) -> Floats:
         mean = self.mean + above
         if not self.spread:
             return np.full(normal.shape, mean)
         size = self.mean * (1 - self.mean) / self.spread**2 - 1
-        chances = scipy.stats.norm.cdf(normal)
-        rates: Floats = scipy.stats.beta.ppf(chances, mean * size, (1 - mean) * size)
-        return rates
+        return np.interp(normal, NORMAL, _beta_quantiles(mean * size, (1 - mean) * size))
+
+
+@lru_cache(maxsize=64)
+def _beta_quantiles(a: float, b: float) -> Floats:
+    """Quantiles of a beta distribution where those of the normal one are `NORMAL`."""
+    quantiles: Floats = scipy.stats.beta.ppf(scipy.stats.norm.cdf(NORMAL), a, b)
+    return quantiles
 
 
 @dataclass(frozen=True)
@@ -191,10 +215,16 @@ class _Design:
     runs: int
     seed: int
 
+    @cached_property
+    def _objects(self) -> tuple[Floats, Floats]:
+        """True rates of both detectors, (runs, objects); the same for any number of attempts."""
+        rng = generator(self.seed, "power", self.objects)
+        return self.rates.sample((self.runs, self.objects), self.difference, rng)
+
     def power(self, attempts: int) -> float:
         """How often the test over objects finds the better one."""
         rng = generator(self.seed, "power", self.objects, attempts)
-        one, other = self.rates.sample((self.runs, self.objects), self.difference, rng)
+        one, other = self._objects
         gains = rng.binomial(attempts, one) - rng.binomial(attempts, other)
         wins = gains[gains.sum(axis=1) > 0]
         return sum(sign_flip(each) <= self.level for each in wins) / self.runs
