@@ -3,7 +3,7 @@
 `python experiments/cell_errors.py FOLDER [NAME=WEIGHTS ...]` tries detectors on the evaluation set
 of the release with the gripper `egad_75mm` and depth noise 0.1, 20 attempts an object. The first
 table has both meanings of a contact on the way down, without errors and with `typical` ones; the
-second has each of these errors alone. `NAME=WEIGHTS` adds GG-CNN with other weights, carried out as
+second has each of these errors alone, all with a hand that closes where it was stopped. `NAME=WEIGHTS` adds GG-CNN with other weights, carried out as
 deep as the image allows and as published. Tables of attempts are kept in FOLDER; a second call does
 what is left.
 """
@@ -76,12 +76,18 @@ def tried(this: Prepared, detect: Detector | None, parameters: TrialParameters) 
     return run_attempts(this.model, this.label, this.id, detect or this.labels, parameters)
 
 
-def main(folder: Path, detectors: dict[str, Detector | None], attempts: int, jobs: int) -> None:
+def main(
+    folder: Path,
+    detectors: dict[str, Detector | None],
+    engine: EngineName,
+    attempts: int,
+    jobs: int,
+) -> None:
     """Run what is missing, and print both tables."""
     folder.mkdir(parents=True, exist_ok=True)
     objects = prepared(folder / "objects.pickle", jobs)
 
-    def rate(engine: EngineName, name: str, errors: str, contact: str) -> str:
+    def rate(name: str, errors: str, contact: str) -> str:
         path = folder / str(attempts) / engine / contact / errors / f"{name}.parquet"
         if not path.exists():
             protocol = {"errors": ERRORS[errors], "contact": contact, "engine": engine}
@@ -103,24 +109,24 @@ def main(folder: Path, detectors: dict[str, Detector | None], attempts: int, job
     table(
         detectors,
         [f"{error}, {contact}" for contact, error in both],
-        lambda engine, name: (rate(engine, name, error, contact) for contact, error in both),
+        lambda name: (rate(name, error, contact) for contact, error in both),
     )
     table(
         NAMES,
         list(ERRORS),
-        lambda engine, name: (rate(engine, name, error, "close") for error in ERRORS),
+        lambda name: (rate(name, error, "close") for error in ERRORS),
     )
 
 
 def table(
     detectors: Iterable[str],
     columns: list[str],
-    cells: Callable[[EngineName, str], Iterable[str]],
+    cells: Callable[[str], Iterable[str]],
 ) -> None:
-    """Print a table with a row for each engine and detector, as they come."""
-    print(f"| engine | detector | {' | '.join(columns)} |\n{'| --- ' * (2 + len(columns))}|")
-    for engine, name in itertools.product(ENGINES, detectors):
-        print(f"| {engine} | `{name}` | {' | '.join(cells(engine, name))} |", flush=True)
+    """Print a table with a row for each detector, as they come."""
+    print(f"| detector | {' | '.join(columns)} |\n{'| --- ' * (1 + len(columns))}|")
+    for name in detectors:
+        print(f"| `{name}` | {' | '.join(cells(name))} |", flush=True)
 
 
 def weights(given: list[str]) -> Iterator[tuple[str, Detector]]:
@@ -135,8 +141,10 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("weights", nargs="*")
+    parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0])
     parser.add_argument("--attempts", type=int, default=20)
     parser.add_argument("--jobs", type=int, default=2)
     chosen = parser.parse_intermixed_args()
     shipped = {name: None if name == "labels" else make_detector(DETECTORS[name]) for name in NAMES}
-    main(chosen.folder, shipped | dict(weights(chosen.weights)), chosen.attempts, chosen.jobs)
+    detectors = shipped | dict(weights(chosen.weights))
+    main(chosen.folder, detectors, chosen.engine, chosen.attempts, chosen.jobs)

@@ -32,7 +32,7 @@ class ObjectRates:
     Attributes:
         mean: Mean rate of both detectors together.
         spread: Standard deviation over objects of a detector with this mean.
-        correlation: Correlation of both detectors' rates over objects, if they are equal on average.
+        correlation: Correlation over objects of the rates of both, if they are equally good.
     """
 
     mean: float = 0.6
