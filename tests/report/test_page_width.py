@@ -1,0 +1,44 @@
+"""The report in Chromium, on screens of several widths: `make browser`."""
+
+import shutil
+
+import pytest
+
+from egad.config import Settings
+from egad.report.page import report_page, section_of
+from egad.workflow.config_tables import entry_tables, parameter_tables
+
+CHROMIUM = shutil.which("chromium")
+playwright = pytest.importorskip("playwright.sync_api")
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+]
+
+
+@pytest.fixture(scope="module")
+def settings_page(tmp_path_factory):
+    """The section with the widest tables."""
+    section = section_of(
+        "parameters.html.j2",
+        "Parameters",
+        parameters=parameter_tables(Settings()),
+        entries=entry_tables(Settings()),
+        versions={},
+    )
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(report_page([section]), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("width", [320, 390, 800, 1200])
+def test_the_report_does_not_scroll_sideways(settings_page, width):
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": width, "height": 900})
+        page.goto(settings_page.as_uri())
+        reach = page.evaluate("document.documentElement.scrollWidth")
+        cells = page.locator("table.entries td").count()
+        browser.close()
+    assert reach == width
+    assert cells > 100
