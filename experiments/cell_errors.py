@@ -1,11 +1,11 @@
 """The tables of docs/studies/real-cell.md: what the errors of a real cell cost.
 
 `python experiments/cell_errors.py FOLDER [NAME=WEIGHTS ...]` tries detectors on the evaluation set
-of the release with the gripper `egad_75mm` and depth noise 0.1, 20 attempts an object. The first
-table has both meanings of a contact on the way down, without errors and with `typical` ones; the
-second has each of these errors alone, all with a hand that closes where it was stopped. `NAME=WEIGHTS` adds GG-CNN with other weights, carried out as
-deep as the image allows and as published. Tables of attempts are kept in FOLDER; a second call does
-what is left.
+of the release with the gripper `egad_75mm` and depth noise 0.1. The first table has both meanings
+of a contact on the way down, without errors and with `typical` ones; the second has each of these
+errors alone, with a hand that closes where it was stopped. `NAME=WEIGHTS` adds GG-CNN with other
+weights, carried out as deep as the image allows and as published. Tables of attempts are kept in
+FOLDER; a second call does what is left.
 """
 
 import argparse

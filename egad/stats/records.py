@@ -38,7 +38,7 @@ LOG_COLUMNS = (
     *("operator", "robot", "gripper", "pads", "camera", "calibration", "prints"),
     *("blind", "seed", "record"),
 )
-READ = (*COLUMNS, "id", "valid", "reason", "session", "schema")
+READ = (*COLUMNS, "id", "valid", "reason", "session", "schema", "record")
 WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
@@ -178,17 +178,17 @@ def _is_valid(path: Path, line: int, row: Mapping[str, str]) -> bool:
 def _joined_sessions(path: Path, rows: pd.DataFrame) -> pd.DataFrame:
     """The attempts of a log, each of them once.
 
-    What a file has twice counts once. Attempts of a session with results that contradict each other
-    are left out. Those that an earlier session has made, too, are numbered behind all others.
+    What a file has twice counts once. Attempts with several results in a session are left out, as
+    on its page. Those that an earlier session has made, too, are numbered behind all others.
     """
-    rows = rows.drop_duplicates(["session", *ATTEMPT_KEY, "outcome"])
+    rows = rows.drop_duplicates(["session", *ATTEMPT_KEY, "outcome", "record"])
     differ = rows.duplicated(["session", *ATTEMPT_KEY], keep=False)
     groups = rows[differ].groupby(["session", *ATTEMPT_KEY], sort=False)
     _tell(
         path,
         [
             f"{path}, lines {' and '.join(map(str, group['line']))}: session {session} has "
-            f"different results of attempt {attempt} at {label} by {detector}: "
+            f"several results of attempt {attempt} at {label} by {detector}: "
             f"{' and '.join(group['outcome'])}"
             for (session, detector, label, attempt), group in groups
         ],
@@ -264,6 +264,7 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
         **dict.fromkeys(("engine", "errors", "contact"), ""),
         "line": line,
         "session": row["session"],
+        "record": row["record"],
     }
 
 

@@ -266,9 +266,18 @@ def test_results_of_a_session_that_contradict_each_other_are_left_out(written, c
     """Two copies of one session went on apart, and somebody has joined their files."""
     found = read(written(log_text({}, {"attempt": "1"}, {"attempt": "1", **FAILED})))
     assert found["mine"]["attempt"].tolist() == [0]
-    told = "lines 3 and 4: session monday has different results of attempt 1 at C4 by mine"
+    told = "lines 3 and 4: session monday has several results of attempt 1 at C4 by mine"
     assert told in caplog.text
     assert "success and slipped_lifting; left out" in caplog.text
+
+
+def test_two_results_of_an_attempt_do_not_count_even_if_they_are_equal(written, caplog):
+    """Two tabs were open; the page does not count them either."""
+    found = read(
+        written(log_text({}, {"attempt": "1", "record": "a"}, {"attempt": "1", "record": "b"}))
+    )
+    assert found["mine"]["attempt"].tolist() == [0]
+    assert "success and success; left out" in caplog.text
 
 
 def test_what_a_log_has_twice_counts_once(written, caplog):
