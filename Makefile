@@ -10,6 +10,7 @@
 # make bench   set up, then the benchmarks
 # make docs    set up, then the documentation site in build/site (open build/site/index.html)
 # make wheel   set up, then a wheel in build/dist, tried in an empty environment
+# make leaderboard  set up, then verify leaderboard/ and write build/leaderboard/index.html
 # make lint    set up, then all checks of the code that need no run
 # make lock    add to the lock files what is new in pyproject.toml (newest of all: delete them first)
 
@@ -33,7 +34,7 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.11 \
 	--fork-strategy fewest --generate-hashes --custom-compile-command "make lock"
 
-.PHONY: all setup tools kernels test check bounds browser slicer slurm vision bench docs wheel lint lock
+.PHONY: all setup tools kernels test check bounds browser slicer slurm vision bench docs wheel leaderboard lint lock
 .PHONY: has-chromium has-slicer has-slurm has-torch
 
 all: setup
@@ -89,6 +90,10 @@ docs: $(DOCS)
 
 wheel: tools
 	pytest -m wheel tests/test_wheel.py
+
+# SAMPLE=5 simulates 5 objects, or rounds, of each table, not all
+leaderboard: setup
+	python -m egad.workflow.leaderboard --jobs $(CORES) $(if $(SAMPLE),--sample $(SAMPLE))
 
 lint: tools
 	ruff check

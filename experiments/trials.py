@@ -16,7 +16,6 @@ from PIL import Image, ImageDraw
 
 from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
-from egad.cli.replay import repeat_attempt
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, select
 from egad.outcomes import EXECUTION, Outcome
@@ -24,6 +23,8 @@ from egad.sim import ROBOT_COLOR
 from egad.stats import object_positions, trend, trial_grid
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
+from egad.workflow.bundled import bundle_models
+from egad.workflow.replays import repeat_attempt
 
 DOCS = Path(__file__).parents[1] / "docs"
 FRAMES = 6
@@ -75,7 +76,7 @@ def draw(bundle: Path, gripper: str, trials: pd.DataFrame) -> None:
         pen.text(
             (4, top + 2), f"{row['outcome']}: {row['label']}, attempt {row['attempt']}", "black"
         )
-        _, frames = repeat_attempt(settings, row, bundle)
+        _, frames = repeat_attempt(settings, row, bundle_models(bundle))
         for column, number in enumerate(chosen(frames, FRAMES)):
             small = Image.fromarray(frames[number]).resize((WIDTH, HEIGHT))
             sheet.paste(small, (column * WIDTH, top + TEXT))

@@ -2,6 +2,7 @@
 
 import operator
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, SupportsIndex, TypeVar, get_args
 
@@ -96,28 +97,49 @@ def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields o
         raise UserError(_in_words(error, kind)) from error
 
 
-def _in_words(error: ValidationError, kind: type[BaseModel]) -> str:
+def from_file(kind: type[P], values: Mapping[str, Any]) -> P:
+    """Parameters from the values of a file.
+
+    Raises:
+        UserError: Values are missing, unknown or not allowed; the text has a line for each.
+    """
+    try:
+        return kind.model_validate(values)
+    except ValidationError as error:
+        raise UserError(_in_words(error, kind, "key")) from error
+
+
+def _in_words(error: ValidationError, kind: type[BaseModel], what: str = "argument") -> str:
     """A sentence for each wrong argument: what was given, and what is allowed."""
     schema = kind.model_json_schema()
-    known = schema["properties"]
     sentences = []
     for each in error.errors(include_url=False):
-        if each["type"] == "value_error":
-            sentences.append(str(each["ctx"]["error"]))
-            continue
-        name, *inside = each["loc"]
-        check_name("argument", str(name), known)
-        where, node = str(name), _resolved(known[name], schema)
-        for key in inside:
-            if "properties" in node:
-                check_name(f"key of {where}", str(key), node["properties"])
-                node = _resolved(node["properties"][key], schema)
-            where += f"[{key}]"
-        if each["type"] == "missing":
-            sentences.append(f"{where} is missing; allowed: {wanted(node)}")
-        else:
-            sentences.append(_refusal(where, each["input"], node))
+        try:
+            sentences.append(_sentence(each, schema, what))
+        except UserError as unknown:
+            sentences.append(str(unknown))
     return "\n".join(sentences)
+
+
+def _sentence(error: Mapping[str, Any], schema: Node, what: str) -> str:
+    """The sentence for one error of pydantic.
+
+    Raises:
+        UserError: There is no argument of this name.
+    """
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    name, *inside = error["loc"]
+    check_name(what, str(name), schema["properties"])
+    where, node = str(name), _resolved(schema["properties"][name], schema)
+    for key in inside:
+        if "properties" in node:
+            check_name(f"key of {where}", str(key), node["properties"])
+            node = _resolved(node["properties"][key], schema)
+        where += f"[{key}]"
+    if error["type"] == "missing":
+        return f"{where} is missing; allowed: {wanted(node)}"
+    return _refusal(where, error["input"], node)
 
 
 def _resolved(node: Node, schema: Node) -> Node:

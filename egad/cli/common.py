@@ -66,6 +66,14 @@ TableFile = Annotated[Path | None, out_option("table to write: .parquet or .csv"
 Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
 ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or `released`")]
 DatasetIn = Annotated[Path, typer.Option("--in", help="folder of the dataset")]
+SimulatedIn = Annotated[
+    Path,
+    typer.Option(
+        "--in",
+        help="folder of the dataset; or `evaluation-set`, for tables of `egad benchmark` and "
+        "`egad.run_trials`",
+    ),
+]
 MaxCandidates = Annotated[
     int | None,
     typer.Option(

@@ -1,17 +1,15 @@
 """Films of what trials recorded: an attempt, or a round of clearing a table."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from egad._util.progress import phase_if_slow
 from egad.cli.common import (
     FIRST_TARGET,
     RUN,
     Config,
-    DatasetIn,
+    SimulatedIn,
     gripper_option,
     named_gripper,
     out_option,
@@ -19,11 +17,6 @@ from egad.cli.common import (
 )
 from egad.errors import UserError, check_name
 from egad.perception import NoiseName, SceneKind
-
-if TYPE_CHECKING:
-    from egad._util.arrays import RgbImage
-    from egad.config.stages import SimulatedTrials
-    from egad.sim import Attempt, ClutterParameters
 
 RunGripper = Annotated[str | None, gripper_option(FIRST_TARGET, opening=False)]
 
@@ -34,7 +27,7 @@ def replay(
     out: Annotated[
         Path | None, out_option("film to write: .gif or .mp4; default: LABEL-ATTEMPT.gif")
     ] = None,
-    dataset: DatasetIn = RUN,
+    dataset: SimulatedIn = RUN,
     gripper: RunGripper = None,
     detector: Annotated[
         str | None, typer.Option(help="detector; default: the first of targets.detectors")
@@ -48,6 +41,8 @@ def replay(
     from egad.config.stages import SimulatedTrials, select
     from egad.io import check_ending
     from egad.sim import ENDINGS
+    from egad.workflow.bundled import models_in
+    from egad.workflow.replays import film_attempt
 
     path = out or Path(f"{label}-{attempt}.gif")
     check_ending(path, ENDINGS)
@@ -58,7 +53,7 @@ def replay(
     outcome = film_attempt(
         select(settings, SimulatedTrials, hand, detector),
         table or dataset / "trials" / hand / f"{detector}.parquet",
-        dataset / "bundle" / hand,
+        models_in(dataset, settings, hand),
         label,
         attempt,
         path,
@@ -73,10 +68,13 @@ def film(
     out: Annotated[
         Path | None, out_option("film to write: .gif or .mp4; default: SCENE-NUMBER.gif")
     ] = None,
-    dataset: DatasetIn = RUN,
+    dataset: SimulatedIn = RUN,
     gripper: RunGripper = None,
     detector: Annotated[
         str | None, typer.Option(help="detector; default: the first of targets.clutter")
+    ] = None,
+    table: Annotated[
+        Path | None, typer.Option(help="table of other rounds with the objects of this dataset")
     ] = None,
     config: Config = None,
 ) -> None:
@@ -84,135 +82,21 @@ def film(
     from egad.config.stages import select
     from egad.io import check_ending
     from egad.sim import ENDINGS, ClutterParameters
+    from egad.workflow.bundled import models_in
+    from egad.workflow.replays import film_clearing
 
     path = out or Path(f"{scene}-{number}.gif")
     check_ending(path, ENDINGS)
     settings = settings_in(config)
     hand = named_gripper(settings, gripper)
-    if detector is None and not settings.targets.clutter:
+    if table is None and detector is None and not settings.targets.clutter:
         raise UserError("--detector is missing: the configuration has no targets.clutter")
+    detector = detector or next(iter(settings.targets.clutter), None)
     film_clearing(
         select(settings, ClutterParameters, hand),
-        dataset / "clutter" / hand / f"{detector or settings.targets.clutter[0]}.parquet",
-        dataset / "bundle" / hand,
+        table or dataset / "clutter" / hand / f"{detector}.parquet",
+        models_in(dataset, settings, hand),
         (scene, noise, number),
         path,
     )
     typer.echo(f"{path}: round {number} of {scene}, noise {noise}, as before")
-
-
-@phase_if_slow("simulating and filming the attempt")
-def film_attempt(
-    settings: "SimulatedTrials", trials: Path, bundle: Path, label: str, attempt: int, out: Path
-) -> str:
-    """Repeat an attempt and film it.
-
-    The detector does not run again: its proposal is in the table.
-
-    Args:
-        settings: Settings of the trials.
-        trials: Table with the columns of `tables.evaluation.TRIALS`.
-        bundle: Folder of the simulation bundle.
-        label: The object.
-        attempt: Number of the attempt.
-        out: Film to write, `.gif` or `.mp4`.
-
-    Returns:
-        The outcome.
-
-    Raises:
-        UserError: There is no such attempt, it never started, or its outcome differs.
-    """
-    from egad.sim import columns_of, write_film
-
-    row = _row(trials, label, attempt)
-    if not row["initial_pose"]:
-        raise UserError(f"{label}, attempt {attempt} never started: {row['outcome']}")
-    again, frames = repeat_attempt(settings, row, bundle)
-    write_film(frames, out)
-    _check(row, columns_of(again))
-    return str(row["outcome"])
-
-
-def repeat_attempt(
-    settings: "SimulatedTrials", row: Mapping[str, Any], bundle: Path
-) -> "tuple[Attempt, list[RgbImage]]":
-    """The outcome of a repeated attempt, and the frames of its film.
-
-    Args:
-        settings: Settings of the trials.
-        row: Columns of `tables.evaluation.TRIALS`, of an attempt that started.
-        bundle: Folder of the simulation bundle.
-    """
-    from egad.sim import ARMS, Film, TrialRunner, open_world, read_attempt
-    from egad.workflow.bundled import model_in, rows_by_id
-
-    known = rows_by_id(bundle)
-    if row["id"] not in known:
-        raise UserError(f"{bundle}: no object {row['label']}")
-    arm = ARMS[settings.trials.arm](settings.gripper)
-    with open_world(row["engine"], [model_in(bundle, known[row["id"]])], arm.robot) as world:
-        film = Film(world)
-        again = TrialRunner(world, arm, settings.trials).repeat(
-            *read_attempt(row, settings.trials.errors)
-        )
-    return again, film.frames
-
-
-def _row(trials: Path, label: str, attempt: int) -> dict[str, Any]:
-    from egad.tables import parquet
-    from egad.tables.evaluation import TRIALS
-
-    table = parquet.read(trials, TRIALS)
-    own = table[table["label"] == label]
-    if len(own) == 0:
-        names = ", ".join(table["label"].unique())
-        raise UserError(f"{trials}: no object {label}; allowed: {names}")
-    found = parquet.records(own[own["attempt"] == attempt])
-    if not found:
-        raise UserError(f"{trials}: {label} has no attempt {attempt}; its last is {len(own) - 1}")
-    return found[0]
-
-
-def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
-    """The same outcome, if there was a grasp to repeat, and the same end, bit by bit."""
-    import numpy as np
-
-    from egad.sim import END
-
-    outcome = again["outcome"] or row["outcome"]
-    before, after = ([values[name] for name in END] for values in (row, again))
-    if outcome != row["outcome"] or not np.array_equal(before, after, equal_nan=True):
-        raise UserError(
-            f"{row['label']}, attempt {row['attempt']} was not reproduced: {outcome}, not "
-            f"{row['outcome']}; settings, bundle, machine or the version of {row['engine']} must "
-            "differ from those of the trials"
-        )
-
-
-def film_clearing(
-    settings: "ClutterParameters",
-    table: Path,
-    bundle: Path,
-    name: tuple[str, str, int],
-    out: Path,
-) -> None:
-    """Repeat a round without its detector, and film it.
-
-    Args:
-        settings: Settings of the rounds.
-        table: Columns of `tables.clutter.CLUTTER`.
-        bundle: Folder of the simulation bundle.
-        name: Kind of scene, noise and number of the round.
-        out: Film to write, `.gif` or `.mp4`.
-
-    Raises:
-        UserError: There is no such round, or it ends differently.
-    """
-    from egad.sim import film_round, write_film
-    from egad.tables import parquet
-    from egad.tables.clutter import CLUTTER
-    from egad.workflow.bundled import model_in, rows_by_id
-
-    models = {each: model_in(bundle, row) for each, row in rows_by_id(bundle).items()}
-    write_film(film_round(parquet.read(table, CLUTTER), *name, models, settings), out)

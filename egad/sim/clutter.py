@@ -101,10 +101,23 @@ class ClutterRunner:
         except UnstableError:
             yield ClutterAttempt(Outcome.FAILED, ())
             return
+
+        def ask(number: int, present: Sequence[RestingObject]) -> Proposal:
+            view = self.observe(present, noise, generator(seed, "cameras", number))
+            return propose(view, present, generator(seed, "detector", number))
+
+        yield from self._attempts(ask, present, seed)
+
+    def _attempts(
+        self,
+        ask: Callable[[int, Sequence[RestingObject]], Proposal],
+        present: Sequence[RestingObject],
+        seed: int,
+    ) -> Iterator[ClutterAttempt]:
+        """The attempts of a round that began: `ask` gives the grasp of each by its number."""
         number = failures = 0
         while present and failures < FAILURES:
-            view = self.observe(present, noise, generator(seed, "cameras", number))
-            grasp = propose(view, present, generator(seed, "detector", number))
+            grasp = ask(number, present)
             attempt, present = self.carry_out(grasp, present, self._deviation(seed, number))
             yield attempt
             failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
@@ -125,15 +138,18 @@ class ClutterRunner:
     ) -> Iterator[ClutterAttempt]:
         """A round that began, again without its detector: the same, bit by bit.
 
+        It ends as a round does, not with the last grasp: then no more are proposed.
+
         Args:
             grasps: What was tried in each attempt, or why nothing was.
             kind: How the objects lie.
             seed: That of the round.
         """
+        known = dict(enumerate(grasps))
         present = self.begin(kind, seed)
-        for number, grasp in enumerate(grasps):
-            attempt, present = self.carry_out(grasp, present, self._deviation(seed, number))
-            yield attempt
+        yield from self._attempts(
+            lambda number, _: known.get(number, Outcome.NO_GRASP), present, seed
+        )
 
     def observe(
         self, present: Sequence[RestingObject], noise: NoiseName, rng: Generator

@@ -12,12 +12,13 @@ import pandas as pd
 
 from egad.detectors import Grasp
 from egad.grippers import Gripper
-from egad.outcomes import DETECTOR_FAILURES, SIMULATION_FAILURES, Outcome
+from egad.outcomes import DETECTOR_FAILURES, Outcome
 from egad.perception import View
 from egad.sim.attempts import read_attempt, run_attempts
 from egad.sim.model import Model
 from egad.sim.parameters import ClutterParameters, TrialParameters
 from egad.sim.rounds import Models, repeat_round, rounds_of
+from egad.sim.world import UnstableError
 from egad.tables import parquet
 
 UNSEEN = ("failure", "quality", "score")  # columns that only the detector decides
@@ -104,11 +105,24 @@ def verify_rounds(
             wanted = (" ".join(plan.ids), factors, f"{plan.seed:032x}")
         if begun != wanted:
             found.append(Difference(place, ", ".join(BEGUN), begun, wanted))
-        elif first["outcome"] not in SIMULATION_FAILURES:
-            again = repeat_round(rows, models, settings)
-            places = [f"{place}, attempt {each}" for each in rows["attempt"]]
-            found += _differences(rows, again, places, tolerance)
+        elif first["outcome"] != Outcome.CRASHED:
+            found += _of_round(rows, place, models, settings, tolerance)
     return found
+
+
+def _of_round(
+    rows: pd.DataFrame, place: str, models: Models, settings: ClutterParameters, tolerance: float
+) -> list[Difference]:
+    """What differs of the rows of one round."""
+    try:
+        again = repeat_round(rows, models, settings)
+    except UnstableError:  # it did not begin
+        said = rows["outcome"].iloc[0]
+        return [] if said == Outcome.FAILED else [Difference(place, "outcome", said, "failed")]
+    if len(again) != len(rows):
+        return [Difference(place, "number of attempts", len(rows), len(again))]
+    places = [f"{place}, attempt {each}" for each in rows["attempt"]]
+    return _differences(rows, again, places, tolerance)
 
 
 def _differences(

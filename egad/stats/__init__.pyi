@@ -15,6 +15,10 @@ from .power import fit_object_rates as fit_object_rates
 from .power import plan_attempts as plan_attempts
 from .prediction_powered import PredictedRate as PredictedRate
 from .prediction_powered import prediction_powered_rate as prediction_powered_rate
+from .ranking import Lead as Lead
+from .ranking import Ranks as Ranks
+from .ranking import leads as leads
+from .ranking import ranks as ranks
 from .rate_tables import object_rates as object_rates
 from .rate_tables import read_rates as read_rates
 from .rates import Interval as Interval

@@ -1,15 +1,22 @@
-"""Objects of a simulation bundle, and work on them that may crash the physics engine."""
+"""Objects to simulate, of a bundle or as shipped, and work that may crash the physics engine."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 import pandas as pd
 
+from egad.config import Settings
+from egad.evalset import Bundle
 from egad.exchange import read_simulation_object
+from egad.geometry import Material
+from egad.grippers import Gripper
+from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
+from egad.objects import EVALUATION_SET, load
 from egad.outcomes import Outcome
-from egad.sim import Model, model_of
+from egad.sim import Model, build, model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
 
@@ -35,6 +42,57 @@ def model_in(bundle: Path, row: Row) -> Model:
     """
     made = read_simulation_object(bundle, row)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)
+
+
+class Models(Mapping[str, Model]):
+    """Objects to simulate by their ids; each is made when it is looked up."""
+
+    def __init__(self, makers: Mapping[str, Callable[[], Model]]) -> None:
+        """What makes each object."""
+        self._makers = dict(makers)
+        self._made: dict[str, Model] = {}
+
+    def __getitem__(self, name: str) -> Model:
+        if name not in self._made:
+            self._made[name] = self._makers[name]()
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        return len(self._makers)
+
+
+def models_in(dataset: Path, settings: Settings, gripper: str) -> Models:
+    """The objects that trials of a dataset took place with.
+
+    Args:
+        dataset: Its folder, with a simulation bundle; or `evaluation-set`: the released objects, as
+            `egad benchmark` and `egad.run_trials` simulate them.
+        settings: How objects are scaled, of `evaluation-set`.
+        gripper: Name of the gripper.
+    """
+    if str(dataset) == EVALUATION_SET:
+        return evaluation_set_models(settings.grippers[gripper], settings.rescale.rule)
+    return bundle_models(dataset / "bundle" / gripper)
+
+
+def bundle_models(bundle: Path) -> Models:
+    """The objects in the folder of a simulation bundle."""
+    rows = rows_by_id(bundle)
+    return Models({name: partial(model_in, bundle, row) for name, row in rows.items()})
+
+
+def evaluation_set_models(gripper: Gripper, rule: str) -> Models:
+    """The objects of the released evaluation set, scaled to a gripper."""
+    targets = named_meshes(load(EVALUATION_SET))
+    return Models({each.id: partial(_built, each, gripper, rule) for each in targets})
+
+
+def _built(target: NamedMesh, gripper: Gripper, rule: str) -> Model:
+    mesh = scaled_solid(target, gripper, rule)
+    return build(mesh, Material().density, Bundle(), target.label)
 
 
 def outlived(

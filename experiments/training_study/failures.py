@@ -21,14 +21,14 @@ from trials import HEIGHT, TEXT, WIDTH, chosen  # type: ignore[import-not-found]
 
 from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
-from egad.cli.replay import repeat_attempt
 from egad.config.stages import SimulatedTrials, select
 from egad.detectors import Grasp
 from egad.perception import DepthCamera, Intrinsics, camera_above
 from egad.sim import Model, Pose, TrialProtocol
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
-from egad.workflow.bundled import model_in, rows_by_id
+from egad.workflow.bundled import bundle_models
+from egad.workflow.replays import repeat_attempt
 
 DOCS = Path(__file__).parents[2] / "docs/studies"
 FRAMES = 5
@@ -64,11 +64,13 @@ def main(results: Path, noise: str, name: str) -> None:
 
 def pictures(trials: SimulatedTrials, attempt: dict[str, Any], bundle: Path) -> list[RgbImage]:
     """The depth image of an attempt and frames of its film."""
-    again, frames = repeat_attempt(trials, attempt, bundle)
+    models = bundle_models(bundle)
+    again, frames = repeat_attempt(trials, attempt, models)
     found = [frames[number] for number in chosen(frames, FRAMES)]
     if again.rest and again.grasp:
-        model = model_in(bundle, rows_by_id(bundle)[attempt["id"]])
-        found.insert(0, depth_picture(model, again.rest, again.grasp, trials.trials))
+        found.insert(
+            0, depth_picture(models[attempt["id"]], again.rest, again.grasp, trials.trials)
+        )
     return found
 
 

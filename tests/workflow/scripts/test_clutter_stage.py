@@ -13,17 +13,18 @@ from PIL import Image
 from report import scene_pictures
 
 from egad.cli import main
-from egad.cli.replay import film_clearing
 from egad.config import Settings
 from egad.config.stages import ClearedTables, SimulationBundle, select
 from egad.errors import UserError
 from egad.io import write_obj
-from egad.sim import ClutterParameters, proposed_by, run_round, verify_rounds
+from egad.outcomes import Outcome
+from egad.sim import ClutterParameters, failed_round, proposed_by, run_round, verify_rounds
 from egad.sim.rounds import rounds_of
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.workflow.bundle import any_objects, write_bundle
-from egad.workflow.bundled import model_in, rows_by_id
+from egad.workflow.bundled import bundle_models, model_in, rows_by_id
+from egad.workflow.replays import film_clearing
 
 GRIPPER = "egad_75mm"
 FEW = {"rounds": 2, "objects": 2, "noise": ["none"], "scenes": ["packed", "pile"]}
@@ -183,15 +184,15 @@ def test_a_round_is_filmed_again(table, made, tmp_path):
     given = select(WHOLE, ClutterParameters, GRIPPER)
     path = tmp_path / "own.parquet"
     parquet.write(table, CLUTTER, path)
-    film_clearing(given, path, made, ("pile", "none", 0), tmp_path / "film.gif")
+    film_clearing(given, path, bundle_models(made), ("pile", "none", 0), tmp_path / "film.gif")
     frames = Image.open(tmp_path / "film.gif").n_frames
     assert frames > 20 * table.query("scene == 'pile' and round == 0")["success"].sum()
     with pytest.raises(UserError, match="there is none"):
-        film_clearing(given, path, made, ("pile", "none", 2), tmp_path / "film.gif")
+        film_clearing(given, path, bundle_models(made), ("pile", "none", 2), tmp_path / "film.gif")
     altered = table.assign(success=~table["success"])
     parquet.write(altered, CLUTTER, path)
     with pytest.raises(UserError, match="not reproduced"):
-        film_clearing(given, path, made, ("pile", "none", 0), tmp_path / "film.gif")
+        film_clearing(given, path, bundle_models(made), ("pile", "none", 0), tmp_path / "film.gif")
 
 
 def test_pictures_show_scenes_of_each_kind(made):
@@ -254,3 +255,27 @@ def test_rounds_are_verified_and_altered_ones_told(table, made):
     reseeded = table.assign(seed=table["seed"].mask(whole_round, "0" * 32))
     (found,) = verify_rounds(reseeded, models, given)
     assert (found.place, found.column) == ("round 1, pile, noise none", "objects, factors, seed")
+
+
+def test_rounds_that_were_cut_short_or_added_to_are_told(table, made):
+    """Failures at the end of a round that are left out would raise the success rate."""
+    given = select(WHOLE, ClutterParameters, GRIPPER)
+    models = bundle_models(made)
+    last = table.groupby(["scene", "noise", "round"], sort=False).tail(1)
+    (found,) = verify_rounds(table.drop(last.index[0]), models, given)
+    count = int(last["attempt"].iloc[0]) + 1
+    assert (found.column, found.said, found.found) == ("number of attempts", count - 1, count)
+    more = last.iloc[[0]].assign(attempt=count)
+    (found,) = verify_rounds(pd.concat([table, more]), models, given)
+    assert (found.said, found.found) == (count + 1, count)
+
+
+def test_a_round_that_began_cannot_be_said_to_have_failed(table, made):
+    """Rounds that failed do not count, so bad ones would be left out."""
+    given, models = select(WHOLE, ClutterParameters, GRIPPER), bundle_models(made)
+    this = rounds_of(list(models), given)[0]
+    failed = failed_round(this, given, Outcome.FAILED)
+    others = table[~(table["scene"].eq(this.scene) & table["round"].eq(this.number))]
+    found = verify_rounds(pd.concat([failed, others]), models, given)
+    assert found
+    assert all(each.place.startswith(f"round 0, {this.scene}") for each in found)

@@ -11,7 +11,7 @@ import simulate
 import trimesh
 from PIL import Image
 
-from egad.cli import main, replay
+from egad.cli import main
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, SimulationBundle, select
 from egad.errors import UserError
@@ -24,7 +24,8 @@ from egad.sim.model import model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
 from egad.workflow.bundle import evaluation_objects, write_bundle
-from egad.workflow.bundled import model_in
+from egad.workflow.bundled import bundle_models, model_in
+from egad.workflow.replays import film_attempt
 
 WHOLE = Settings.model_validate({"trials": {"attempts": 3}})
 SETTINGS = select(WHOLE, SimulatedTrials, "egad_75mm", "antipodal-depth")
@@ -130,8 +131,8 @@ def test_a_detector_that_cannot_be_made_stops_the_run(dataset, tmp_path):
 
 def replayed(dataset, label, attempt, out):
     trials = dataset / "trials" / "egad_75mm" / "antipodal-depth.parquet"
-    bundle = dataset / "bundle" / "egad_75mm"
-    return replay.film_attempt(SETTINGS, trials, bundle, label, attempt, out)
+    models = bundle_models(dataset / "bundle" / "egad_75mm")
+    return film_attempt(SETTINGS, trials, models, label, attempt, out)
 
 
 def test_an_attempt_is_filmed(dataset, table, tmp_path):
@@ -195,10 +196,10 @@ def test_a_replay_under_other_settings_is_noticed(dataset, table, tmp_path):
     trials = parquet.read(table, TRIALS)
     row = trials[trials["success"]].iloc[0]
     with pytest.raises(UserError, match="was not reproduced"):
-        replay.film_attempt(
+        film_attempt(
             SETTINGS.model_copy(update={"gripper": other}),
             table,
-            dataset / "bundle" / "egad_75mm",
+            bundle_models(dataset / "bundle" / "egad_75mm"),
             row["label"],
             int(row["attempt"]),
             tmp_path / "film.gif",

@@ -1,0 +1,311 @@
+"""The page of the leaderboard: who is ahead, where, and films of attempts."""
+
+import string
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from egad._util.arrays import Ints
+from egad.report.drawing import svg_uri
+from egad.report.page import render_template
+from egad.report.trial_charts import outcome_chart, rate_bars, trial_heat_map
+from egad.stats import (
+    Clearing,
+    Lead,
+    Mean,
+    Ranks,
+    TrialGrid,
+    by_object,
+    clearing_rates,
+    leads,
+    mean_rate,
+    ranks,
+    trial_grid,
+)
+
+ROWS, COLUMNS = 7, 7
+ROUND = ["scene", "noise", "round"]
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """What tables that are ranked together have in common.
+
+    Attributes:
+        name: Of its file.
+        engine: What computed the physics.
+        is_clutter: Whether tables of several objects were cleared; else single objects grasped.
+        text: Its file.
+        same: Equal for protocols that differ in the engine only.
+    """
+
+    name: str
+    engine: str
+    is_clutter: bool
+    text: str
+    same: str
+
+    @property
+    def title(self) -> str:
+        """What was done, and in which engine."""
+        what = "Cleared tables" if self.is_clutter else "Single objects"
+        return f"{what}, simulated in {self.engine}"
+
+
+@dataclass(frozen=True)
+class SubmittedTable:
+    """A table that was verified.
+
+    Attributes:
+        entry: Name of its entry.
+        protocol: Name of its protocol.
+        rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
+        simulated: Attempts that were simulated again.
+        films: Addresses of films by what they show.
+    """
+
+    entry: str
+    protocol: str
+    rows: pd.DataFrame
+    simulated: int
+    films: Mapping[str, str]
+
+
+class Refusal(NamedTuple):
+    """A table that is not what the simulation gives."""
+
+    entry: str
+    protocol: str
+    reasons: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Board:
+    """All that the page shows.
+
+    Attributes:
+        entries: What is known of each by name: the fields of its file.
+        protocols: By name.
+        tables: Those that were verified.
+        refusals: Those that were refused.
+        problems: A sentence for each entry that is missing something.
+    """
+
+    entries: Mapping[str, Mapping[str, Any]]
+    protocols: Mapping[str, Protocol]
+    tables: Sequence[SubmittedTable] = ()
+    refusals: Sequence[Refusal] = ()
+    problems: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A line of a ranking.
+
+    Attributes:
+        entry: Name of the entry.
+        ranks: That it may have; None if it does not compete, or is the only one.
+        rate: What it is ranked by.
+        success: Success of the attempts; of single objects, the same.
+    """
+
+    entry: str
+    ranks: Ranks | None
+    rate: Mean
+    success: Mean
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """The entries of a protocol, or of one kind of its scenes, the best first.
+
+    Attributes:
+        title: Kind of scene, or empty.
+        standings: The entries.
+        leads: Differences of all pairs that compete.
+    """
+
+    title: str
+    standings: list[Standing]
+    leads: list[Lead]
+
+
+@dataclass(frozen=True)
+class ProtocolView:
+    """All entries of a protocol; figures are addresses.
+
+    Attributes:
+        protocol: The protocol.
+        rankings: One; of cleared tables, one for each kind of scene and noise.
+        outcomes: Chart of the outcomes.
+        grids: Success by row and column of the evaluation set; none of cleared tables.
+        rows: Chart of the success by row.
+        columns: The same by column.
+    """
+
+    protocol: Protocol
+    rankings: list[Ranking]
+    outcomes: str
+    grids: dict[str, TrialGrid] = field(default_factory=dict)
+    rows: str = ""
+    columns: str = ""
+
+
+@dataclass(frozen=True)
+class SubmittedTableView:
+    """A table of an entry.
+
+    Attributes:
+        table: The table.
+        title: Of its protocol.
+        heat_map: Success of each object, empty for cleared tables.
+        choices: What can be filmed: a name, the words of the command before and after the number,
+            and what came of each number.
+    """
+
+    table: SubmittedTable
+    title: str
+    heat_map: str
+    choices: list[tuple[str, str, str, list[str]]]
+
+
+def page(board: Board) -> str:
+    """The page; films lie beside it."""
+    known = sorted(board.protocols.values(), key=lambda each: each.is_clutter)
+    order = [each for each in known if _tables(board, each)]
+    views = [_view(board, each) for each in order]
+    standings = {view.protocol.name: view.rankings for view in views}
+    return render_template(
+        "leaderboard.html.j2",
+        board=board,
+        views=views,
+        engines=list(_by_engine(board, standings)),
+        tables={name: list(_own(board, name)) for name in board.entries},
+        letters=string.ascii_uppercase[:ROWS],
+        digits=string.digits[:COLUMNS],
+        is_sample=any(each.simulated < len(each.rows) for each in board.tables),
+    )
+
+
+def _tables(board: Board, protocol: Protocol) -> list[SubmittedTable]:
+    return [each for each in board.tables if each.protocol == protocol.name]
+
+
+def _view(board: Board, protocol: Protocol) -> ProtocolView:
+    tables = {each.entry: each.rows for each in _tables(board, protocol)}
+    if protocol.is_clutter:
+        kinds = pd.concat(tables.values())[["scene", "noise"]].drop_duplicates()
+        rankings = [
+            _clearing_ranking(board, tables, scene, noise)
+            for scene, noise in kinds.itertuples(index=False)
+        ]
+        return ProtocolView(protocol, rankings, svg_uri(outcome_chart(tables)))
+    ranking = _ranking(board, "", {name: mean_rate(rows) for name, rows in tables.items()}, tables)
+    tables = {each.entry: tables[each.entry] for each in ranking.standings}
+    grids = {name: trial_grid(rows, ROWS, COLUMNS) for name, rows in tables.items()}
+    by_row = {name: [*grid.rows, grid.overall] for name, grid in grids.items()}
+    by_column = {name: [*grid.columns, grid.overall] for name, grid in grids.items()}
+    return ProtocolView(
+        protocol,
+        [ranking],
+        svg_uri(outcome_chart(tables)),
+        grids,
+        svg_uri(rate_bars(by_row)),
+        svg_uri(rate_bars(by_column, string.digits)),
+    )
+
+
+def _clearing_ranking(
+    board: Board, tables: Mapping[str, pd.DataFrame], scene: str, noise: str
+) -> Ranking:
+    """By the share of objects that were cleared."""
+    own = {
+        name: rows[(rows["scene"] == scene) & (rows["noise"] == noise)]
+        for name, rows in tables.items()
+    }
+    found: dict[str, Clearing] = {name: clearing_rates(rows)[0] for name, rows in own.items()}
+    return _ranking(
+        board,
+        f"{scene}, noise {noise}",
+        {name: each.cleared for name, each in found.items()},
+        own,
+        {name: each.success for name, each in found.items()},
+    )
+
+
+def _ranking(
+    board: Board,
+    title: str,
+    rates: Mapping[str, Mean],
+    tables: Mapping[str, pd.DataFrame],
+    success: Mapping[str, Mean] | None = None,
+) -> Ranking:
+    competing = [name for name in tables if not board.entries[name]["reference"]]
+    units = [_units(tables[name]) for name in competing]
+    pairs = []
+    if competing:
+        successes = {name: won for name, (won, _) in zip(competing, units, strict=True)}
+        pairs = leads(successes, units[0][1])
+    places = ranks(competing, pairs) if pairs else {}
+    order = sorted(tables, key=lambda name: -rates[name].value)
+    standings = [
+        Standing(name, places.get(name), rates[name], (success or rates)[name]) for name in order
+    ]
+    return Ranking(title, standings, pairs)
+
+
+def _units(rows: pd.DataFrame) -> tuple[Ints, Ints]:
+    """Successes, and attempts, of each object; or, of each round, its objects."""
+    if "scene" in rows:
+        rounds = rows.groupby(ROUND).agg({"success": "sum", "n_objects": "first"})
+        return rounds["success"].to_numpy(np.int64), rounds["n_objects"].to_numpy(np.int64)
+    objects = by_object(rows)
+    return objects["successes"].to_numpy(), objects["attempts"].to_numpy()
+
+
+def _by_engine(
+    board: Board, rankings: Mapping[str, list[Ranking]]
+) -> Iterator[tuple[str, dict[str, dict[str, Standing]]]]:
+    """Rankings that differ in the engine only: title, then standings by entry and engine."""
+    groups: dict[str, list[Protocol]] = {}
+    for each in board.protocols.values():
+        if each.name in rankings:
+            groups.setdefault(each.same, []).append(each)
+    for protocols in groups.values():
+        for number, ranking in enumerate(rankings[protocols[0].name] if protocols[1:] else []):
+            found: dict[str, dict[str, Standing]] = {}
+            for each in protocols:
+                for standing in rankings[each.name][number].standings:
+                    found.setdefault(standing.entry, {})[each.engine] = standing
+            what = "Cleared tables" if protocols[0].is_clutter else "Single objects"
+            yield ", ".join(filter(None, [what, ranking.title])), found
+
+
+def _own(board: Board, entry: str) -> Iterator[SubmittedTableView]:
+    """The tables of an entry."""
+    for table in board.tables:
+        if table.entry != entry:
+            continue
+        protocol, rows = board.protocols[table.protocol], table.rows
+        if protocol.is_clutter:
+            yield SubmittedTableView(table, protocol.title, "", list(_rounds(rows)))
+            continue
+        grid = trial_grid(rows, ROWS, COLUMNS)
+        heat_map = svg_uri(trial_heat_map(grid, ROWS, COLUMNS, set(rows["label"])))
+        choices = [
+            (str(label), f"replay {label}", "", own["outcome"].str.replace("_", " ").tolist())
+            for label, own in rows.groupby("label")
+        ]
+        yield SubmittedTableView(table, protocol.title, heat_map, choices)
+
+
+def _rounds(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, list[str]]]:
+    """Rounds of each kind of scene, as of `SubmittedTableView.choices`."""
+    for (scene, noise), own in rows.groupby(["scene", "noise"], sort=False):
+        rounds = own.groupby("round").agg({"success": "sum", "n_objects": "first"})
+        counts = rounds.itertuples(index=False)
+        held = [f"{won} of {there} held" for won, there in counts]
+        yield f"{scene}, noise {noise}", f"film {scene}", f"--noise {noise}", held

@@ -1,0 +1,135 @@
+"""Whether tables of simulated attempts can be reproduced."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+
+import pandas as pd
+
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.config import Settings
+from egad.config.stages import select
+from egad.errors import UserError
+from egad.outcomes import SIMULATION_FAILURES, Outcome
+from egad.random import generator
+from egad.sim import (
+    ClutterParameters,
+    Difference,
+    Model,
+    TrialParameters,
+    rounds_of,
+    verify_attempts,
+    verify_rounds,
+)
+
+Models = Mapping[str, Model]
+ROUND = ["scene", "noise", "round"]
+
+
+def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.DataFrame]:
+    """The attempts of each object, or of each round of clearing a table.
+
+    Args:
+        rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
+        sample: How many of these groups, drawn by chance; all if None.
+        seed: What they are drawn with.
+    """
+    keys = ROUND if "scene" in rows else ["id"]
+    groups = [own for _, own in rows.groupby(keys, sort=False)]
+    if sample is None or sample >= len(groups):
+        return groups
+    chosen = generator(seed, "verify").choice(len(groups), sample, replace=False)
+    return [groups[number] for number in sorted(chosen)]
+
+
+def verify_groups(
+    groups: Sequence[pd.DataFrame],
+    models: Models,
+    settings: Settings,
+    gripper: str,
+    tolerance: float = 0.0,
+    jobs: int = 1,
+) -> list[Difference]:
+    """Simulate attempts again, without their detector.
+
+    Args:
+        groups: From `groups_of`.
+        models: The objects by their ids.
+        settings: Those of the attempts.
+        gripper: Name of the gripper.
+        tolerance: By how much numbers may differ; 0 on the same kind of processor.
+        jobs: Processes; the result does not depend on them.
+
+    Returns:
+        What differs.
+
+    Raises:
+        UserError: There is no object of this name.
+    """
+    is_clutter = any("scene" in rows for rows in groups)
+    check = (
+        partial(_rounds, models=models, settings=select(settings, ClutterParameters, gripper))
+        if is_clutter
+        else partial(_attempts, models=models, settings=select(settings, TrialParameters, gripper))
+    )
+    with workers(jobs) as mapper:
+        found = mapper(partial(check, tolerance=tolerance), groups)
+        return [each for some in progress(found, "simulating", len(groups)) for each in some]
+
+
+def _attempts(
+    rows: pd.DataFrame, models: Models, settings: TrialParameters, tolerance: float
+) -> list[Difference]:
+    if rows["outcome"].isin(SIMULATION_FAILURES).all():
+        return []
+    name = str(rows["id"].iloc[0])
+    if name not in models:
+        raise UserError(f"no object {rows['label'].iloc[0]} ({name}) in this dataset")
+    return verify_attempts(models[name], rows, settings, tolerance)
+
+
+def _rounds(
+    rows: pd.DataFrame, models: Models, settings: ClutterParameters, tolerance: float
+) -> list[Difference]:
+    return verify_rounds(rows, models, settings, tolerance)
+
+
+def gaps(
+    rows: pd.DataFrame, objects: pd.DataFrame, settings: Settings, gripper: str
+) -> Iterator[str]:
+    """What a table has too little or too much of: whoever leaves out failures has a better rate.
+
+    Args:
+        rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
+        objects: Columns label and id: what was tried.
+        settings: Those of the attempts.
+        gripper: Name of the gripper.
+
+    Yields:
+        A sentence for each object or round that is not there as planned.
+    """
+    counts: dict[str, int | None]
+    if "scene" in rows:
+        planned = rounds_of(list(objects["id"]), select(settings, ClutterParameters, gripper))
+        counts = {_round_name(*each[:3]): None for each in planned}
+        keys = [_round_name(*each) for each in rows[ROUND].itertuples(index=False)]
+        crashed = pd.Series(keys, rows.index)[rows["outcome"] == Outcome.CRASHED].unique()
+        yield from (f"{name} crashed and cannot be verified" for name in crashed)
+    else:
+        names = map(_object_name, objects["label"], objects["id"])
+        counts = dict.fromkeys(names, settings.trials.attempts)
+        keys = list(map(_object_name, rows["label"], rows["id"]))
+    found = {str(name): own.tolist() for name, own in rows["attempt"].groupby(keys)}
+    yield from (f"{name} is not part of the protocol" for name in found if name not in counts)
+    for name, count in counts.items():
+        attempts = found.get(name, [])
+        if not attempts or attempts != list(range(count or len(attempts))):
+            yield f"{name}: attempts are missing, there twice, or in another order"
+
+
+def _round_name(scene: str, noise: str, number: int) -> str:
+    return f"round {number}, {scene}, noise {noise}"
+
+
+def _object_name(label: str, name: str) -> str:
+    return f"{label} ({name})"

@@ -1,0 +1,101 @@
+"""The leaderboard in Chromium: `make browser`."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from egad.report.leaderboard import Board, Protocol, Refusal, SubmittedTable, page
+from egad.tables.evaluation import TRIALS
+
+CHROMIUM = shutil.which("chromium")
+playwright = pytest.importorskip("playwright.sync_api")
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+]
+QUIET = (
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"),
+    *("--disable-background-networking", "--disable-component-update"),
+)
+STANDARDS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
+FILMS = {"A0, attempt 0": "films/a.gif"}
+ABOUT = {
+    "detector": "mine",
+    "by": "us",
+    "hardware": "a computer",
+    "paper": "a paper",
+    "link": "https://example.org/mine",
+    "license": "CC-BY-4.0",
+    "reference": None,
+}
+
+
+def attempts(rate, engine):
+    """Four attempts at each of the 49 objects."""
+    blank = {"string": "", "bool": False}
+    row = {field.name: blank.get(str(field.type), 0.0) for field in TRIALS}
+    labels = [f"{letter}{digit}" for letter in "ABCDEFG" for digit in range(7)]
+    won = np.random.default_rng(0).random((len(labels), 4)) < rate
+    return pd.DataFrame(
+        row
+        | {"label": label, "id": label, "attempt": number, "engine": engine}
+        | {"success": bool(each), "outcome": "success" if each else "slipped_lifting"}
+        for label, own in zip(labels, won, strict=True)
+        for number, each in enumerate(own)
+    )
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory):
+    protocols = {
+        f"single-{engine}": Protocol(f"single-{engine}", engine, False, "trials: {}", "same")
+        for engine in ("mujoco", "pybullet")
+    }
+    tables = [
+        SubmittedTable(
+            name, protocol, attempts(rate, each.engine), 196, {"A0, attempt 0": "films/a.gif"}
+        )
+        for protocol, each in protocols.items()
+        for name, rate in (("good", 0.9), ("fair", 0.5))
+    ]
+    entries = {"good": ABOUT, "fair": ABOUT | {"reference": "it knows the object"}}
+    refused = [Refusal("bad", "single-mujoco", ["1 of 196 attempts are not reproduced"])]
+    path = tmp_path_factory.mktemp("leaderboard") / "index.html"
+    path.write_text(page(Board(entries, protocols, tables, refused, ["an entry is missing"])))
+    return path
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1200, "light")])
+def test_the_page_fits_and_gives_the_command_of_any_attempt(board, tmp_path, width, scheme):
+    accessibility = pytest.importorskip("axe_playwright_python.sync_playwright")
+    wrong = []
+    with playwright.sync_playwright() as started:
+        context = started.chromium.launch_persistent_context(
+            tmp_path / "browser",
+            executable_path=CHROMIUM,
+            args=QUIET,
+            viewport={"width": width, "height": 844},
+            color_scheme=scheme,
+        )
+        context.on("weberror", lambda each: wrong.append(each.error))
+        tab = context.new_page()
+        tab.goto(Path(board).as_uri())
+        for each in tab.locator("details:not(.film)").all():
+            each.evaluate("box => { box.open = true; }")
+        assert tab.evaluate("document.documentElement.scrollWidth") <= width
+        box = tab.locator(".replay").nth(1)
+        box.locator("select").nth(0).select_option("C4")
+        box.locator("select").nth(1).select_option("3")
+        assert box.locator("input").input_value() == (
+            "egad trials replay C4 3 --table leaderboard/entries/good/single-pybullet.parquet "
+            "--in evaluation-set --config leaderboard/protocols/single-pybullet.yaml"
+        )
+        box.locator("button").click()
+        assert box.locator("button").inner_text() == "Copied"
+        found = accessibility.Axe().run(tab, options={"runOnly": STANDARDS})
+        assert found.response["violations"] == []
+        context.close()
+    assert wrong == []
