@@ -29,7 +29,7 @@ from egad.map_elites import Archive, Lineage
 from egad.measures import labels
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE
-from egad.tables.grasping import SIMULATED_OBJECTS
+from egad.tables.grasping import ANTIPODAL_RATES
 from egad.tables.objects import OBJECTS
 
 RELEASED, EVALUATION_SET = "released", "evaluation-set"
@@ -291,7 +291,7 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
 
     Args:
         source: `released`: the archive that egad ships, whose table also has
-            `simulated_graspability` and `held_shaking` (docs/released.md); `evaluation-set`: the
+            `antipodal_success_rate` and `held_shaking` (docs/released.md); `evaluation-set`: the
             49 of them that detectors are tested with, with the labels A0 to G6; the folder of a
             dataset, such as `results/egad`; a file `archive.parquet`; or an archive that
             `egad.evolve` returned.
@@ -333,8 +333,8 @@ def _evaluation_set() -> Dataset:
 
 def _with_simulated(table: pd.DataFrame) -> pd.DataFrame:
     """The table of the released objects with the shares of their simulated grasps that hold."""
-    simulated = parquet.read(released_simulated(), SIMULATED_OBJECTS).set_index("id")
-    return table.join(simulated[["simulated_graspability", "held_shaking"]], on="id")
+    simulated = parquet.read(released_simulated(), ANTIPODAL_RATES).set_index("id")
+    return table.join(simulated[["antipodal_success_rate", "held_shaking"]], on="id")
 
 
 def _ancestry(folder: Path) -> Path:

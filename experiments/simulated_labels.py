@@ -3,7 +3,7 @@
 Prints what became of the simulated grasps of all objects; the area under the ROC curve of each
 rating of a grasp against its simulated success, with a 95 % interval for other objects; the same by
 thirds of the objects by difficulty and by complexity; and rank correlations over objects of the
-share of their grasps that hold (`simulated_graspability`) with other measures of them.
+share of their grasps that hold (`antipodal_success_rate`) with other measures of them.
 """
 
 import sys
@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from egad.grasps import antipodal_success_rates
 from egad.stats import area, trend
 from egad.tables import parquet
-from egad.tables.grasping import SIMULATED_GRASPS, SIMULATED_OBJECTS
+from egad.tables.grasping import SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
 
 RATINGS = ("quality", "robust_quality", "robust_success_rate")
@@ -40,8 +41,8 @@ def main(results: Path, gripper: str) -> None:
         print(f"\n| rating | {' | '.join(bands(axis))} |\n{'| --- ' * (THIRDS + 1)}|")
         for rating in RATINGS:
             print(f"| {rating} | {' | '.join(by_thirds(known, objects, axis, rating))} |")
-    summary = parquet.read(results / "simulated" / f"{gripper}.parquet", SIMULATED_OBJECTS)
-    print("\n| measure | rank correlation with simulated_graspability |\n| --- | --- |")
+    summary = antipodal_success_rates(known)
+    print("\n| measure | rank correlation with antipodal_success_rate |\n| --- | --- |")
     for name, rho in correlations(summary, table, objects):
         print(f"| {name} | {rho} |")
 
@@ -66,7 +67,7 @@ def by_thirds(known: pd.DataFrame, objects: pd.DataFrame, axis: str, rating: str
 def correlations(
     summary: pd.DataFrame, table: pd.DataFrame, objects: pd.DataFrame
 ) -> Iterator[tuple[str, str]]:
-    """Names of measures of objects, and their rank correlations with the simulated graspability."""
+    """Names of measures of objects, and their rank correlations with the antipodal success rate."""
     per_object = table.groupby("id").agg(
         **{
             "graspability, 75th percentile of quality": ("quality", lambda x: x.quantile(0.75)),
@@ -79,7 +80,7 @@ def correlations(
     ordered = columns.reindex(summary["id"])
     for name in ordered:
         values = ordered[name].to_numpy(dtype=np.float64)
-        found = trend(values, summary["simulated_graspability"].to_numpy())
+        found = trend(values, summary["antipodal_success_rate"].to_numpy())
         yield name, f"{found.rho:.2f} ({found.ci_low:.2f} to {found.ci_high:.2f})"
 
 

@@ -23,7 +23,7 @@ from egad.reeb import graph as reeb
 from egad.reeb.neighbors import diversities
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE
-from egad.tables.grasping import SIMULATED_OBJECTS
+from egad.tables.grasping import ANTIPODAL_RATES
 
 SETTINGS = Settings.model_validate(read_values(Path(__file__).parents[1] / "config/full.yaml"))
 EVOLVE = select(SETTINGS, EvolutionParameters)
@@ -144,13 +144,13 @@ def test_genomes_express_the_voxels(archive):
 
 
 def test_the_simulated_grasps_are_those_of_the_released_objects(archive):
-    table = parquet.read(released_simulated(), SIMULATED_OBJECTS)
+    table = parquet.read(released_simulated(), ANTIPODAL_RATES)
     assert set(table["id"]) == set(archive["id"])
     assert (table["n_simulated"] == 100).all()
-    assert (table["simulated_graspability"] <= table["held_shaking"]).all()
+    assert (table["antipodal_success_rate"] <= table["held_shaking"]).all()
     assert table["held_shaking"].between(0, 1).all()
     loaded = egad.load("released").table.set_index("id")
     expected = table.set_index("id").loc[loaded.index]
-    for name in ("simulated_graspability", "held_shaking"):
+    for name in ("antipodal_success_rate", "held_shaking"):
         assert loaded[name].tolist() == expected[name].tolist()
-    assert "simulated_graspability" not in egad.load(released()).table
+    assert "antipodal_success_rate" not in egad.load(released()).table

@@ -27,7 +27,7 @@ from egad.map_elites import Evolution
 from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.reeb import Similarity
-from egad.sim import LabelAgreement, Lifting, SimulatedLabel, TrialProtocol
+from egad.sim import LabelAgreement, Lifting, NaiveGrasp, SimulatedLabel, TrialProtocol
 
 __all__ = [
     "CAMERAS",
@@ -56,6 +56,7 @@ __all__ = [
     "Limits",
     "Material",
     "MeasureSpace",
+    "NaiveGrasp",
     "Name",
     "Neat",
     "Parameters",

@@ -64,7 +64,8 @@ def check_engines(settings: Settings) -> Settings:
     Raises:
         UserError: A physics engine that they name is not installed.
     """
-    for section in (settings.trials, settings.clutter, settings.simulated_label):
+    simulated = settings.simulated_label, settings.naive_grasp
+    for section in (settings.trials, settings.clutter, *simulated):
         check_engine(section.engine)
     return settings
 

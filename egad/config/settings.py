@@ -23,7 +23,7 @@ from egad.map_elites import Evolution
 from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.reeb import Similarity
-from egad.sim import Clutter, LabelAgreement, SimulatedLabel, TrialProtocol
+from egad.sim import Clutter, LabelAgreement, NaiveGrasp, SimulatedLabel, TrialProtocol
 
 
 class Settings(Parameters):
@@ -71,6 +71,7 @@ class Settings(Parameters):
     trials: TrialProtocol = TrialProtocol()
     clutter: Clutter = Clutter()
     simulated_label: SimulatedLabel = SimulatedLabel()
+    naive_grasp: NaiveGrasp = NaiveGrasp()
     agreement: LabelAgreement = LabelAgreement()
     training: Training = Training()
     render: Render = Render()

@@ -24,6 +24,7 @@ from egad.reeb import Similarity
 from egad.sim import (
     ClutterParameters,
     Lifting,
+    NaiveGraspParameters,
     SimulatedLabel,
     SimulatedLabelParameters,
     TrialParameters,
@@ -125,6 +126,12 @@ class ClearedTables(ClutterParameters):
 
 class SimulatedLabels(SimulatedLabelParameters):
     """Simulated labels of the grasps of a gripper."""
+
+    material: Material
+
+
+class NaiveGrasps(NaiveGraspParameters):
+    """Naive grasps of objects with a gripper."""
 
     material: Material
 

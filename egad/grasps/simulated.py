@@ -1,10 +1,16 @@
-"""What simulated labels of grasps say of their objects."""
+"""What simulated grasps say of their objects."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.outcomes import Outcome
+from egad.outcomes import SIMULATION_FAILURES, Outcome
+from egad.tables.grasping import NAIVE_RATES
+
+FREE, TABLE = "free", "table"  # where an object is when naive grasps are tried
 
 SHAKEN_AND_HELD = tuple(
     outcome.value for outcome in (Outcome.SUCCESS, Outcome.SLIPPED_LIFTING, Outcome.DROPPED)
@@ -28,18 +34,16 @@ def held_when_shaken(grasps: pd.DataFrame) -> NDArray[np.bool_]:
     return grasps["simulated_outcome"].isin(SHAKEN_AND_HELD).to_numpy(dtype=bool)
 
 
-def simulated_graspability(grasps: pd.DataFrame) -> pd.DataFrame:
-    """How often the simulated grasps of each object held (ours).
+def antipodal_success_rates(grasps: pd.DataFrame) -> pd.DataFrame:
+    """How often the simulated antipodal grasps of each object held (ours).
 
     Args:
         grasps: Columns of `tables.grasping.SIMULATED_GRASPS`; those that were not simulated, or
             with which the engine failed, do not count.
 
     Returns:
-        One row per object that has any, sorted by label: `id`, `label`, `n_simulated`;
-        `simulated_graspability`, the share that was shaken and lifted and still held, high for easy
-        objects as graspability is; `held_shaking`, the share that held while it was shaken,
-        which is ACRONYM's success; `simulated_engine`.
+        One row per object that has any, sorted by label, columns of
+        `tables.grasping.ANTIPODAL_RATES`.
     """
     known = grasps[grasps["simulated_success"].notna()]
     marked = known.assign(
@@ -48,8 +52,54 @@ def simulated_graspability(grasps: pd.DataFrame) -> pd.DataFrame:
     )
     found = marked.groupby(["label", "id"], as_index=False).agg(
         n_simulated=("success", "size"),
-        simulated_graspability=("success", "mean"),
+        antipodal_success_rate=("success", "mean"),
         held_shaking=("shaken", "mean"),
         simulated_engine=("simulated_engine", "first"),
     )
     return found.sort_values("label", ignore_index=True)
+
+
+class SuccessRate(NamedTuple):
+    """How often grasps succeeded.
+
+    Attributes:
+        n: Grasps of which the engine could tell.
+        rate: Those that succeeded / n; not a number without any.
+        std: Standard error of the rate.
+    """
+
+    n: int
+    rate: float
+    std: float
+
+
+def success_rate(outcomes: Iterable[str]) -> SuccessRate:
+    """How often grasps succeeded that were drawn independently of each other.
+
+    Args:
+        outcomes: Values of `egad.outcomes.Outcome`.
+    """
+    known = [each == Outcome.SUCCESS for each in outcomes if each not in SIMULATION_FAILURES]
+    if not known:
+        return SuccessRate(0, np.nan, np.nan)
+    rate = sum(known) / len(known)
+    return SuccessRate(len(known), rate, float(np.sqrt(rate * (1 - rate) / len(known))))
+
+
+def naive_success_rates(tried: pd.DataFrame) -> pd.DataFrame:
+    """How often the naive grasps of each object succeeded.
+
+    Args:
+        tried: Columns of `tables.grasping.NAIVE_GRASPS`.
+
+    Returns:
+        One row per object, sorted by label, columns of `tables.grasping.NAIVE_RATES`.
+    """
+    rows = []
+    for (label, name), grasps in tried.groupby(["label", "id"]):
+        row = {"id": name, "label": label, "naive_engine": grasps["engine"].iloc[0]}
+        for place, column in ((FREE, "simulated_success_rate"), (TABLE, "table_success_rate")):
+            found = success_rate(grasps["outcome"][grasps["place"] == place])
+            row |= {f"n_{place}": found.n, column: found.rate, f"{column}_std": found.std}
+        rows.append(row)
+    return pd.DataFrame(rows, columns=NAIVE_RATES.names)

@@ -42,7 +42,7 @@ def released_objects(
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
         scales: Columns of `tables.grasping.SCALES`.
-        simulated: Columns of `tables.grasping.SIMULATED_OBJECTS`.
+        simulated: Columns of `tables.grasping.ANTIPODAL_RATES`.
         counts: Number of released grasps by label.
         evaluation: Ids of the evaluation set.
 

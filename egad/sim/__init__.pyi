@@ -25,6 +25,8 @@ from .labelled_trials import shares as shares
 from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of
+from .naive_grasps import naive_outcomes as naive_outcomes
+from .naive_grasps import try_naive_grasps as try_naive_grasps
 from .parameters import ENGINES as ENGINES
 from .parameters import NAMED_ERRORS as NAMED_ERRORS
 from .parameters import CellErrors as CellErrors
@@ -34,6 +36,8 @@ from .parameters import EngineName as EngineName
 from .parameters import LabelAgreement as LabelAgreement
 from .parameters import LabelTrialParameters as LabelTrialParameters
 from .parameters import Lifting as Lifting
+from .parameters import NaiveGrasp as NaiveGrasp
+from .parameters import NaiveGraspParameters as NaiveGraspParameters
 from .parameters import SimulatedLabel as SimulatedLabel
 from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import TrialParameters as TrialParameters

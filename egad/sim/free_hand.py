@@ -102,7 +102,12 @@ class FreeHand(Fingers):
 
 
 def execute_pose(
-    world: World, pose: Floats, width: float, limit: float = COLLISION_FORCE
+    world: World,
+    pose: Floats,
+    width: float,
+    limit: float = COLLISION_FORCE,
+    *,
+    closes: bool = True,
 ) -> PoseExecution:
     """Approach from 5 cm away, stop at a contact, close, and retreat by 10 cm.
 
@@ -116,14 +121,17 @@ def execute_pose(
         pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
         width: How far the hand opens, metres.
         limit: A contact force of more than this stops the hand on its way, newtons.
+        closes: Whether the fingers close where it was stopped; else the grasp has failed.
     """
     try:
-        return _executed(world, pose, width, limit)
+        return _executed(world, pose, width, limit, closes)
     except UnstableError:
         return PoseExecution(Outcome.FAILED)
 
 
-def _executed(world: World, pose: Floats, width: float, limit: float) -> PoseExecution:
+def _executed(
+    world: World, pose: Floats, width: float, limit: float, closes: bool
+) -> PoseExecution:
     approach = pose[:3, 2]
     start = pose.copy()
     start[:3, 3] -= STANDOFF * approach
@@ -132,6 +140,8 @@ def _executed(world: World, pose: Floats, width: float, limit: float) -> PoseExe
     if hand.touches():
         return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
     stopped = hand.move(STANDOFF * approach, APPROACH_SPEED, limit)
+    if stopped and not closes:
+        return PoseExecution(Outcome.COLLIDED, stopped=stopped)
     touched = hand.close()
     if not hand.pinches():
         lost = Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED

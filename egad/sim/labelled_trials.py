@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
+from egad._util.arrays import Floats
 from egad.detectors import Grasp
 from egad.grasps import hand_poses
 from egad.grippers import Gripper, finger_span
@@ -112,12 +113,25 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
         np.array([[row[name] for name in vector_names(part)]])
         for part in ("center", "axis", "approach")
     )
-    height = float(model.mesh.scale) + CLEAR  # no point of it is further from the center
+    from_object = np.linalg.inv(hand_poses(center, axis, approach)[0])
+    return float_before_hand(
+        from_object @ np.linalg.inv(model.to_principal), float(model.mesh.scale), gripper
+    )
+
+
+def float_before_hand(to_hand: Floats, size: float, gripper: Gripper) -> tuple[Pose, Grasp]:
+    """The same for a hand in any pose.
+
+    Args:
+        to_hand: (4, 4) from the principal frame of the object to the frame of the hand.
+        size: No point of the object is further than this from the origin of that frame, metres.
+        gripper: The hand.
+    """
+    height = size + CLEAR
     above = hand_poses(
         np.array([[0.0, 0.0, height]]), np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, -1.0]])
     )
-    labelled = hand_poses(center, axis, approach)
-    matrix = above[0] @ np.linalg.inv(labelled[0]) @ np.linalg.inv(model.to_principal)
+    matrix = above[0] @ to_hand
     depth = finger_span(gripper)[1]
     return (
         Pose(matrix[:3, 3], Rotation.from_matrix(matrix[:3, :3]).as_quat()),

@@ -255,6 +255,18 @@ class SimulatedLabel(Parameters):
     )
 
 
+class NaiveGrasp(Parameters):
+    """Naive grasps, whose simulated success rate says how forgiving an object is."""
+
+    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
+    grasps: int = Field(
+        160,
+        ge=1,
+        description="grasps of each object in free space, and as many on a table; the standard "
+        "errors of the success rates are at most 0.5 / the square root of this",
+    )
+
+
 class SimulatedLabelParameters(ParameterGroup):
     """The settings that simulated labels depend on."""
 
@@ -262,6 +274,16 @@ class SimulatedLabelParameters(ParameterGroup):
     quality: Quality
     trials: Lifting
     simulated_label: SimulatedLabel
+
+
+class NaiveGraspParameters(ParameterGroup):
+    """The settings that naive grasps depend on."""
+
+    seed: Seed
+    gripper: Gripper
+    quality: Quality
+    trials: Lifting
+    naive_grasp: NaiveGrasp
 
 
 class TrialParameters(ParameterGroup):

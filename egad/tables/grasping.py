@@ -2,7 +2,7 @@
 
 import pyarrow as pa
 
-from egad.outcomes import SHAKEN, SIMULATION_FAILURES, listed
+from egad.outcomes import EXECUTION, SHAKEN, SIMULATION_FAILURES, listed
 from egad.tables.columns import (
     BOOL,
     FLOAT,
@@ -95,20 +95,53 @@ _SIMULATED = [
 SIMULATED_GRASPS = pa.schema([*GRASPS, *map(optional, _SIMULATED)])
 """Labelled grasps, and what simulation says of them if `targets.simulated_labels` is true."""
 
-SIMULATED_OBJECTS = pa.schema(
+_HELD = [
+    column("n_simulated", INT, "number of simulated antipodal grasps with an outcome"),
+    column(
+        "antipodal_success_rate",
+        FLOAT,
+        "fraction of them that held when shaken and lifted; near 1 for most objects",
+    ),
+    column("held_shaking", FLOAT, "fraction of them that held when shaken"),
+    _ENGINE,
+]
+ANTIPODAL_RATES = pa.schema([ID, LABEL, *_HELD])
+"""How often the antipodal, collision-free grasps of an object hold."""
+
+NAIVE_GRASPS = pa.schema(
     [
         ID,
         LABEL,
-        column("n_simulated", INT, "number of simulated grasps with an outcome"),
+        column("place", STRING, "where the object is: free (in free space) or table"),
+        column("number", INT, "number of the grasp on its object, for each place"),
         column(
-            "simulated_graspability",
-            FLOAT,
-            "fraction of them that held when shaken and lifted, high for easy objects",
+            "outcome",
+            STRING,
+            f"{listed(EXECUTION)}; no_grasp: nothing of the surface faces up; or "
+            f"{listed(SIMULATION_FAILURES)}",
         ),
-        column("held_shaking", FLOAT, "fraction of them that held when shaken"),
-        _ENGINE,
+        column("engine", STRING, "physics engine"),
     ]
 )
+
+_RATES = [
+    column("n_free", INT, "number of naive grasps in free space with an outcome"),
+    column(
+        "simulated_success_rate",
+        FLOAT,
+        "fraction of them that succeeded in simulation, high for easy objects",
+    ),
+    column("simulated_success_rate_std", FLOAT, "its standard error; 0 if all succeeded or none"),
+    column("n_table", INT, "number of naive grasps on a table with an outcome"),
+    column("table_success_rate", FLOAT, "fraction of them that succeeded in simulation"),
+    column("table_success_rate_std", FLOAT, "its standard error; 0 if all succeeded or none"),
+    column("naive_engine", STRING, "physics engine of the naive grasps"),
+]
+NAIVE_RATES = pa.schema([ID, LABEL, *_RATES])
+"""How often naive grasps of an object succeed."""
+
+SIMULATED_OBJECTS = pa.schema([ID, LABEL, *_RATES, *_HELD])
+"""How often grasps of an object succeed in simulation."""
 
 SAMPLING = pa.schema(
     [
@@ -185,8 +218,14 @@ FILES = [
         SAMPLING,
     ),
     Result(
+        "D/naive_grasps/G.parquet",
+        "naive grasps of the scaled objects, tried in simulation (`targets.simulated_labels`)",
+        NAIVE_GRASPS,
+    ),
+    Result(
         "D/simulated/G.parquet",
-        "how often the simulated grasps of each object held (`targets.simulated_labels`)",
+        "how often naive and antipodal grasps of each object succeed in simulation "
+        "(`targets.simulated_labels`)",
         SIMULATED_OBJECTS,
     ),
     Result(

@@ -38,7 +38,7 @@ OLD = {  # columns of older versions by what they are called now, for messages
     "graspability": "difficulty",
     "graspability_std": "difficulty_std",
     "archive_graspability": "archive_difficulty",
-    "simulated_graspability": "simulated_difficulty",
+    "antipodal_success_rate": "simulated_graspability",
 }
 
 

@@ -4,7 +4,7 @@ import pyarrow as pa
 
 from egad.tables.columns import BOOL, FLOAT, INT, STRING, Result, column, vector
 from egad.tables.evaluation import EVAL49
-from egad.tables.grasping import SIMULATED_GRASPS, SIMULATED_OBJECTS
+from egad.tables.grasping import ANTIPODAL_RATES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
 
 SPLIT = column("split", STRING, "train, validation or test; the same for all rows of an object")
@@ -27,7 +27,7 @@ RELEASED_OBJECTS = pa.schema(
         column(
             "scale_factor", FLOAT, "size of the scaled object / size of the mesh in the release"
         ),
-        *[field for field in SIMULATED_OBJECTS if field.name not in ("id", "label")],
+        *[field for field in ANTIPODAL_RATES if field.name not in ("id", "label")],
         column("n_grasps", INT, "number of grasps of the object in the release"),
         MESH,
         PREVIEW,

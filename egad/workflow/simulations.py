@@ -11,14 +11,16 @@ import pandas as pd
 import trimesh
 
 from egad.clearing import LABELS, Cleared, open_table
-from egad.config.stages import ClearedTables, SimulatedLabels, SimulatedTrials
+from egad.config.stages import ClearedTables, NaiveGrasps, SimulatedLabels, SimulatedTrials
 from egad.detectors import IN_SCENES, Detector, Labels, check_views_will_do, opened
 from egad.errors import RejectedError, UserError
 from egad.evalset import simulation_object
+from egad.geometry import Material
 from egad.io import read_mesh
 from egad.outcomes import Outcome
 from egad.sim import (
     LabelTrialParameters,
+    Model,
     Round,
     SimulatedGrasp,
     chosen_grasps,
@@ -26,6 +28,7 @@ from egad.sim import (
     model_of,
     run_attempts,
     simulate_labels,
+    try_naive_grasps,
     with_simulated_labels,
 )
 from egad.tables import parquet
@@ -121,11 +124,30 @@ def open_labels(
         if label not in parts:
             log.warning("%s cannot be simulated: it has no convex parts", label)
             return failed_labels(rows, settings, Outcome.FAILED)
-        made = simulation_object(mesh, settings.material.density, parts[label])
-        model = model_of(made.mesh, made.parts, made.physics, made.volume_error)
-        return simulate_labels(model, rows, settings)
+        return simulate_labels(_model(mesh, settings.material, parts[label]), rows, settings)
 
     yield simulate
+
+
+@contextmanager
+def open_naive_grasps(
+    settings: NaiveGrasps, convex_parts: Path, meshes: Path
+) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
+    """A function that tries naive grasps of an object, given its label and id."""
+    parts = dict(iter(parquet.read(convex_parts, CONVEX_PARTS).groupby("label")))
+
+    def attempt(row: Mapping[str, Any]) -> pd.DataFrame:
+        mesh = _read(meshes / f"{row['label']}.obj")
+        model = _model(mesh, settings.material, parts[row["label"]])
+        return try_naive_grasps(model, row["id"], settings)
+
+    yield attempt
+
+
+def _model(mesh: trimesh.Trimesh, material: Material, parts: pd.DataFrame) -> Model:
+    """A scaled object with the convex parts of a table."""
+    made = simulation_object(mesh, material.density, parts)
+    return model_of(made.mesh, made.parts, made.physics, made.volume_error)
 
 
 def _read(path: Path) -> trimesh.Trimesh:

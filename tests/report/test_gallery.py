@@ -159,7 +159,7 @@ def test_the_page_of_an_object_has_the_numbers_of_the_tables(data, objects, simu
     assert page["labels"] == [codes.count(name) for name in LABELS]
     assert sum(page["labels"]) == page["scene"]["counts"][2] == len(own)
     held, failed = page["labels"][1], page["labels"][2]
-    share, error, *_ = fact(page, "simulated success")
+    share, error, *_ = fact(page, "antipodal success")
     assert share == pytest.approx(100 * held / (held + failed))
     assert error > 0
     [[detector, successes, attempts, low, high]] = page["trials"]
@@ -177,7 +177,7 @@ def test_the_error_of_simulated_success_is_that_of_an_interval_by_wilson(data, h
     count = held + failed
     share = held / count
     half = np.sqrt(share * (1 - share) / count + 1 / (4 * count**2)) / (1 + 1 / count)  # z = 1
-    assert fact(page, "simulated success")[1] == pytest.approx(100 * half, rel=1e-5)
+    assert fact(page, "antipodal success")[1] == pytest.approx(100 * half, rel=1e-5)
 
 
 def test_sizes_are_those_of_the_scaled_object(objects, data):

@@ -91,6 +91,18 @@ def test_the_number_of_the_held_object_is_told(engine: EngineName) -> None:
 
 
 @EACH_ENGINE
+@pytest.mark.parametrize("closes", [True, False])
+def test_a_hand_that_the_table_stops_closes_only_if_it_may(
+    engine: EngineName, closes: bool
+) -> None:
+    with open_world(engine, [CUBE], free_hand(HAND)) as world:
+        stand(world, SIDE)
+        result = execute_pose(world, grasp([0, 0, 0], [1, 0, 0], DOWN), 0.07, closes=closes)
+        assert result.stopped > 0.005
+        assert result.outcome == (Outcome.SUCCESS if closes else Outcome.COLLIDED)
+
+
+@EACH_ENGINE
 def test_closing_beside_an_object_is_a_miss(engine: EngineName) -> None:
     with open_world(engine, [CUBE], free_hand(HAND)) as world:
         stand(world, SIDE)

@@ -233,7 +233,7 @@ def test_an_unknown_module_or_script_is_an_error(make, name):
         code_version(name, make())
 
 
-TRIED = {"simulate", "clutter", "agreement", "simulated_label", "render"}
+TRIED = {"simulate", "clutter", "agreement", "simulated_label", "naive_grasp", "render"}
 RATED = {"evolve", "postprocess", "graspability", "grasp_label", "size_effect", "render"}
 SHAPED = {"evolve", "postprocess", "gallery"}
 SCRIPTS = ROOT / "workflow/scripts"

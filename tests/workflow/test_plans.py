@@ -546,16 +546,21 @@ def test_tables_are_cleared_if_that_is_asked_for(copy):
 
 @pytest.mark.slow
 def test_labelled_grasps_are_simulated_if_that_is_asked_for(copy):
-    asked = {"targets": {"simulated_labels": True}, "simulated_label": {"grasps": 3}}
+    few = {"simulated_label": {"grasps": 3}, "naive_grasp": {"grasps": 4}}
+    asked = {"targets": {"simulated_labels": True}, **few}
     configs = ["config/test.yaml", copy.overlay("simulated.yaml", asked)]
-    summary = {"simulated_label": 2, "join_grasps": 1, "simulated_graspability": 1, "datasheet": 1}
-    assert copy.planned(configs=configs) == summary | {"report": 1, "all": 1}
+    labels = {"simulated_label": 2, "join_grasps": 1, "datasheet": 1}
+    rates = {"naive_grasp": 2, "join_naive_grasps": 1, "simulated_success_rate": 1}
+    assert copy.planned(configs=configs) == labels | rates | {"report": 1, "all": 1}
     copy.make("--cores", 2, configs=configs)
     assert copy.planned(configs=configs) == {}
     grasps = parquet.read(copy.results / "egad/grasps/egad_75mm.parquet", SIMULATED_GRASPS)
     objects = parquet.read(copy.results / "egad/simulated/egad_75mm.parquet", SIMULATED_OBJECTS)
     assert objects["n_simulated"].sum() == grasps["simulated_outcome"].notna().sum() > 0
     assert objects["n_simulated"].max() == 3
+    assert set(objects["n_free"]) == set(objects["n_table"]) == {4}
+    for name in ("simulated_success_rate", "table_success_rate"):
+        assert objects[name].between(0, 1).all()
 
 
 def test_images_are_rendered_if_that_is_asked_for(copy):

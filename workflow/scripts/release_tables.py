@@ -10,14 +10,14 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.config.stages import ReleaseTables
 from egad.evalset import families, split_by_family, with_parents_and_children
-from egad.grasps import simulated_graspability
+from egad.grasps import antipodal_success_rates
 from egad.map_elites import Lineage
 from egad.perception import SPLITS
 from egad.release import in_files, released_grasps, released_objects, simulated_grasps, with_files
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import LINEAGE
-from egad.tables.grasping import SCALES, SIMULATED_GRASPS, SIMULATED_OBJECTS
+from egad.tables.grasping import ANTIPODAL_RATES, SCALES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
 from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
 from egad.workflow.job import run_job
@@ -83,9 +83,9 @@ def _grasps(shards: list[Path], most: int) -> tuple[pd.DataFrame, pd.DataFrame]:
     for path in progress(shards, "reading grasps", len(shards)):
         table = parquet.read(path, SIMULATED_GRASPS)
         found.append(released_grasps(simulated_grasps(table, most)))
-        summaries.append(simulated_graspability(table))
+        summaries.append(antipodal_success_rates(table))
     grasps = _joined(found, RELEASED_GRASPS.names).sort_values(["label", "grasp"])
-    return grasps.reset_index(drop=True), _joined(summaries, SIMULATED_OBJECTS.names)
+    return grasps.reset_index(drop=True), _joined(summaries, ANTIPODAL_RATES.names)
 
 
 def _joined(frames: list[pd.DataFrame], columns: list[str]) -> pd.DataFrame:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from egad.grasps import simulated_graspability
+from egad.grasps import antipodal_success_rates
 from egad.map_elites import Lineage
 from egad.report.gallery.details import ObjectPage, Relatives
 from egad.report.gallery.index import Membership
@@ -25,7 +25,7 @@ class GalleryData:
         gripper: Name of the gripper; empty if nothing is scaled.
         factors: Scale factors for the gripper by label, without objects that cannot be scaled.
         grasps: Labelled grasps of the gripper; None if there is no table. Those with
-            `simulated_success` also need the other columns that `simulated_graspability` reads.
+            `simulated_success` also need the other columns that `antipodal_success_rates` reads.
         evaluation: Columns of `tables.evaluation.EVAL49`.
         trials: Attempts with the evaluation set by grasp detector: columns label and success.
         lineage: Lineage of the objects and their ancestors; None if it is not known.
@@ -56,7 +56,7 @@ class GalleryData:
 
     @cached_property
     def member(self) -> Membership:
-        """Families, labels in the evaluation set, and simulated success, by id."""
+        """Families, labels in the evaluation set, and antipodal success rates, by id."""
         families: dict[str, str] = {}
         if self.lineage is not None:
             families = {
@@ -69,8 +69,8 @@ class GalleryData:
         """The fraction of the simulated grasps that held, by id; empty without simulation."""
         if self.grasps is None or "simulated_success" not in self.grasps:
             return {}
-        found = simulated_graspability(self.grasps)
-        return dict(zip(found["id"], found["simulated_graspability"], strict=True))
+        found = antipodal_success_rates(self.grasps)
+        return dict(zip(found["id"], found["antipodal_success_rate"], strict=True))
 
     @cached_property
     def _relatives(self) -> Relatives | None:

@@ -239,7 +239,7 @@ def _simulated(counts: list[int]) -> list[list[Any]]:
         return []
     low, high = wilson(held, simulated, ONE_SIGMA)
     share = held / simulated
-    return _facts([("simulated success", 100 * share, 50 * (high - low), "%", 0)])
+    return _facts([("antipodal success", 100 * share, 50 * (high - low), "%", 0)])
 
 
 def _trial(name: str, attempts: pd.DataFrame) -> list[Any]:

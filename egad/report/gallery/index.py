@@ -89,7 +89,7 @@ def _measures(axes: AxisPair, simulated: bool) -> list[dict[str, Any]]:
     """What can be filtered: as the axes call it, and in their units."""
     found = [_measure("complexity", axes.across), _measure("graspability", axes.upwards)]
     if simulated:
-        found.append(_entry("simulated", "simulated success", "%", 100, 0))
+        found.append(_entry("simulated", "antipodal success", "%", 100, 0))
     return [*found, _entry("diversity", "diversity", "", 1, 3)]
 
 

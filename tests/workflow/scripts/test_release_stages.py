@@ -198,7 +198,7 @@ def test_only_simulated_grasps_are_released_and_no_more_than_wanted(release):
     assert set(objects["n_grasps"]) == {3}
     # of all simulated ones, also those that are not released
     assert set(objects["n_simulated"]) == {GRASPS - 1}
-    assert set(objects["simulated_graspability"]) == {(GRASPS - 2) / (GRASPS - 1)}
+    assert set(objects["antipodal_success_rate"]) == {(GRASPS - 2) / (GRASPS - 1)}
 
 
 def test_the_quaternion_turns_the_axes_of_the_hand(release):

@@ -1,0 +1,61 @@
+"""naive-grasp: naive grasps of the objects of a shard, in free space and on a table."""
+
+import logging
+from functools import partial
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.child_process import RestartingWorker
+from egad._util.progress import phase, progress
+from egad.config.stages import NaiveGrasps
+from egad.outcomes import Outcome
+from egad.sim import naive_outcomes
+from egad.tables import parquet
+from egad.tables.evaluation import CONVEX_PARTS
+from egad.tables.grasping import NAIVE_GRASPS
+from egad.workflow.bundled import ENGINE_TIME
+from egad.workflow.job import run_job
+from egad.workflow.simulations import open_naive_grasps
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: NaiveGrasps,
+    convex_parts: Path,
+    meshes: Path,
+    out: Path,
+) -> None:
+    """Try naive grasps of the objects of a shard.
+
+    Everything runs in a separate process. If an object crashes it twice, its grasps are marked as
+    crashed.
+
+    Args:
+        settings: Settings of this stage.
+        convex_parts: Convex parts of the objects; an object without any is left out.
+        meshes: Folder of the scaled meshes.
+        out: Naive grasps of all objects, in free space and on a table, one row each. Made if
+            `targets.simulated_labels` is true.
+    """
+    names = parquet.read(convex_parts, CONVEX_PARTS)[["label", "id"]].drop_duplicates()
+    count = settings.naive_grasp.grasps
+    crashed = [Outcome.CRASHED] * count
+    found = []
+    phase("starting the simulator")
+    opened = partial(open_naive_grasps, settings, convex_parts, meshes)
+    with RestartingWorker(opened, 2 * ENGINE_TIME * count) as attempt:
+        for row in progress(parquet.records(names), "trying naive grasps", len(names)):
+            tried = attempt(row)
+            if tried is None:
+                tried = naive_outcomes(crashed, crashed, settings)
+            found.append(tried.assign(**row))
+    table = pd.concat(found) if found else parquet.empty(NAIVE_GRASPS)
+    parquet.write(table, NAIVE_GRASPS, out)
+    succeeded = int((table["outcome"] == Outcome.SUCCESS).sum())
+    log.info("%d naive grasps, %d succeeded", len(table), succeeded)
+
+
+if __name__ == "__main__":
+    run_job(run)
