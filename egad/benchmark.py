@@ -35,12 +35,13 @@ from egad.grippers import Gripper, as_gripper
 from egad.io import check_ending
 from egad.named_meshes import named_meshes
 from egad.objects import Dataset
-from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
+from egad.perception import SCENE_KINDS, NoiseName, SceneKind
 from egad.sim import (
     ENDINGS,
     CellErrors,
     Clutter,
     ClutterParameters,
+    ClutterProtocol,
     EngineName,
     Model,
     check_engine,
@@ -100,7 +101,9 @@ class Benchmark:
         return table_html(self._title(), pd.DataFrame(self.rates()))
 
     def _title(self) -> str:
-        return f"Benchmark in {engine_names(self.table)}: {len(self.table)} attempts"
+        rules = [f", protocol {name}" for name in self.table["protocol"].unique() if name]
+        where = f"{engine_names(self.table)}{''.join(rules)}"
+        return f"Benchmark in {where}: {len(self.table)} attempts"
 
     def rates(self) -> list[Clearing]:
         """Success rate and share of objects cleared for each kind of scene and noise."""
@@ -142,10 +145,11 @@ def run_benchmark(
     gripper: Gripper | str = "panda",
     *,
     scenes: Sequence[SceneKind] = SCENE_KINDS,
-    noise: Sequence[NoiseName] = NOISES[:2],
+    protocol: str | Mapping[str, Any] | ClutterProtocol = "egad",
+    noise: Sequence[NoiseName] | None = None,
     rounds: int = 100,
     per_scene: int = 5,
-    scale: tuple[float, float] = (0.8, 1.0),
+    scale: tuple[float, float] | None = None,
     errors: str | Mapping[str, Any] | CellErrors = "none",
     seed: int = 0,
     rule: str = "paper",
@@ -158,7 +162,8 @@ def run_benchmark(
     In each round some of the objects are put on the table: one alone, upright side by side, or in a
     pile. Six depth cameras look at them, the detector proposes grasps, and a hand without an arm
     carries out the best one. What is held is removed. The round ends when nothing is left, nothing
-    is proposed, or two attempts in a row have failed.
+    is proposed, or two attempts in a row have failed. Published benchmarks have other rules, which
+    `protocol` chooses.
 
     An error of the detector is one failed attempt, whose traceback is in the column `failure`; that
     of the first one is logged. An endless loop is not ended.
@@ -173,10 +178,12 @@ def run_benchmark(
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         scenes: Kinds of scenes: single, packed, pile.
-        noise: Kinds of noise: none, stereo, gamma.
+        protocol: Rules of a published benchmark: egad, vgn, giga, edgegrasp; or those of your own.
+        noise: Kinds of noise: none, stereo, gamma, dex, points; None for those of the protocol.
         rounds: Rounds of each kind of scene and noise.
         per_scene: Objects in packed and piled scenes.
-        scale: Range of the sizes of the objects, of those by the rule.
+        scale: Range of the sizes of the objects, of those by the rule; None for that of the
+            protocol.
         errors: Errors of a real cell, as of `egad.run_trials`.
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
@@ -200,13 +207,16 @@ def run_benchmark(
         Clutter,
         engine=engine,
         scenes=tuple(scenes),
-        noise=tuple(noise),
+        protocol=protocol,
+        noise=None if noise is None else tuple(noise),
         rounds=rounds,
         objects=per_scene,
-        scale=scale,
         errors=errors,
         keep_going=keep_going,
     )
+    if scale is not None:
+        rules = dict(clutter.protocol) | {"scale": scale, "packed_scale": None}
+        clutter = clutter.model_copy(update={"protocol": ClutterProtocol(**rules)})
     settings = from_arguments(ClutterParameters, seed=seed, gripper=hand, clutter=clutter)
     if isinstance(detect, str):
         detect = DetectorConfig(

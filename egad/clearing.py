@@ -168,14 +168,17 @@ def _proposer(
     detect: Detect, grasps: Callable[[str], pd.DataFrame], settings: ClutterParameters
 ) -> Iterator[Callable[[Sequence[str], Sequence[Model]], Propose]]:
     """From the objects of a scene to what proposes grasps."""
+    protocol = settings.clutter.protocol
     if knows_scene(detect):
         yield lambda ids, models: SceneLabels(list(map(grasps, ids)), models, settings.gripper)
     elif isinstance(detect, DetectorConfig):
+        if detect.detector == "vgn" and detect.threshold is None:
+            detect = detect.model_copy(update={"threshold": protocol.threshold})
         with opened(detect, settings.clutter.planning_time) as found:
-            yield lambda *_: proposed_by(found, settings.gripper)
+            yield lambda *_: proposed_by(found, settings.gripper, protocol)
     else:
         checked = with_checked_answers(detect)
-        yield lambda *_: proposed_by(checked, settings.gripper)
+        yield lambda *_: proposed_by(checked, settings.gripper, protocol)
 
 
 def knows_scene(detect: Detect) -> bool:

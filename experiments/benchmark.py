@@ -34,7 +34,15 @@ from egad.io import object_names, read_mesh
 from egad.named_meshes import NamedMesh, named_meshes
 from egad.perception import NoiseName
 from egad.random import generator
-from egad.sim import Clutter, ClutterParameters, picture_of, rounds_of
+from egad.sim import (
+    NAMED_PROTOCOLS,
+    Clutter,
+    ClutterParameters,
+    ClutterProtocol,
+    SceneCameras,
+    picture_of,
+    rounds_of,
+)
 from egad.stats import Clearing, by_difficulty, clearing_rates
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -100,11 +108,11 @@ def run(
         return
     simple, seed = folder.name.startswith(SIMPLE), settings_of(("none",)).seed
     rule, label_seed = ("none", None) if simple else ("paper", seed)
-    views = {"views": 1} if folder.name == ONE_VIEW else {}
+    protocol = ClutterProtocol(cameras=SceneCameras(views=1 if folder.name == ONE_VIEW else 6))
     objects = prepare_objects(targets, GRIPPERS[GRIPPER], rule, label_seed, jobs)
     for name in missing:
         begin = cpu_time()
-        settings = settings_of(noise_of(name, simple=simple), **views)
+        settings = settings_of(noise_of(name, simple=simple), protocol)
         found = clear_tables(detectors[name], objects, settings, jobs)
         parquet.write(found.table, CLUTTER, folder / f"{name}.parquet")
         minutes = (cpu_time() - begin) / 60
@@ -121,9 +129,12 @@ def noise_of(detector: str, *, simple: bool) -> tuple[NoiseName, ...]:
     return ("none", "stereo", "gamma") if simple else ("none", "stereo")
 
 
-def settings_of(noise: tuple[NoiseName, ...], **others: int) -> ClutterParameters:
-    """Those of all runs, and others."""
-    clutter = Clutter(rounds=ROUNDS, noise=noise, scenes=("single", "packed", "pile"), **others)
+def settings_of(
+    noise: tuple[NoiseName, ...], protocol: ClutterProtocol = NAMED_PROTOCOLS["egad"]
+) -> ClutterParameters:
+    """Those of all runs, with a protocol."""
+    scenes = ("single", "packed", "pile")
+    clutter = Clutter(rounds=ROUNDS, noise=noise, scenes=scenes, protocol=protocol)
     return ClutterParameters(seed=0, gripper=GRIPPERS[GRIPPER], clutter=clutter)
 
 

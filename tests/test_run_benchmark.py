@@ -1,11 +1,16 @@
 """Detectors clear tables from Python."""
 
+from contextlib import contextmanager
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 import trimesh
 from PIL import Image
 
 import egad
+from egad import clearing
 from egad.config import GRIPPERS
 from egad.detectors import DetectorConfig, GraspPoses
 from egad.errors import UserError
@@ -179,6 +184,8 @@ def test_an_object_that_cannot_be_simulated_is_left_out(caplog):
         ({"engine": "ode"}, "ode"),
         ({"rule": "big"}, "big"),
         ({"scale": (0.9, 0.8)}, "scale"),
+        ({"protocol": "gpd"}, "protocol is 'gpd'; allowed: egad, vgn, giga, edgegrasp"),
+        ({"protocol": {"contact": "bounce"}}, r"protocol\[contact\] is 'bounce'"),
     ],
 )
 def test_what_is_not_allowed_is_named(changes, text):
@@ -196,3 +203,60 @@ def test_labels_and_antipodal_points_succeed_with_boxes():
     for name in ("labels", "antipodal-cloud"):
         found = egad.run_benchmark(name, OBJECTS, **{**FEW, "scenes": ["packed"]})
         assert found.rates()[0].success.value > 0.7
+
+
+def test_the_default_protocol_is_that_of_earlier_versions():
+    """`sim/reference_clearing.csv` was made before there were protocols."""
+    path = Path(__file__).parent / "sim/reference_clearing.csv"
+    expected = pd.read_csv(path, keep_default_na=False)
+    sides = [(0.04, 0.03, 0.05), (0.03, 0.06, 0.03), (0.04, 0.04, 0.04), (0.05, 0.03, 0.03)]
+    boxes = {f"box{number}": trimesh.creation.box(each) for number, each in enumerate(sides)}
+    few = {"rounds": 1, "per_scene": 3, "scenes": ["packed", "pile"], "noise": ["stereo", "gamma"]}
+    table = egad.run_benchmark(at_the_highest_point, boxes, seed=5, **few).table
+    assert set(table["protocol"]) == {"egad"}
+    for name in expected:
+        found = table[name]
+        if found.dtype.kind == "f":
+            wanted = pd.to_numeric(expected[name], errors="coerce")
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-7, err_msg=name)
+        else:
+            assert found.astype(str).tolist() == expected[name].astype(str).tolist(), name
+
+
+@pytest.mark.parametrize(
+    ("changes", "name", "noise"),
+    [
+        ({"protocol": "edgegrasp"}, "edgegrasp", {"points"}),
+        ({"protocol": "giga", "noise": ["none"]}, "giga", {"none"}),
+        ({"protocol": "vgn", "scale": (0.5, 0.6)}, "custom", {"none"}),
+        ({"protocol": {"failures": 1}}, "custom", {"none", "stereo"}),
+    ],
+)
+def test_the_table_names_its_protocol(changes, name, noise):
+    few = {"rounds": 1, "per_scene": 2, "scenes": ["packed"]}
+    result = egad.run_benchmark(nothing, OBJECTS, **few | changes)
+    assert set(result.table["protocol"]) == {name}
+    assert set(result.table["noise"]) == noise
+    assert f"protocol {name}" in repr(result)
+    factors = [float(each) for text in result.table["factors"] for each in text.split()]
+    if "scale" in changes:
+        assert all(0.5 <= each <= 0.6 for each in factors)
+    assert (len(result.table) == 3) == (name == "edgegrasp")  # its skips
+
+
+def test_vgn_proposes_what_the_threshold_of_the_protocol_asks_for(monkeypatch):
+    asked = []
+
+    @contextmanager
+    def opened(config, _):
+        asked.append(config.threshold)
+        yield None
+
+    monkeypatch.setattr(clearing, "opened", opened)
+    for protocol, own in (("egad", None), ("giga", None), ("vgn", None), ("giga", 0.7)):
+        clutter = Clutter(protocol=protocol)
+        settings = ClutterParameters(seed=0, gripper=GRIPPERS["panda"], clutter=clutter)
+        clearing.check_detector(DetectorConfig(detector="vgn", threshold=own), settings)
+    assert asked == [None, 0.5, 0.9, 0.7]
+    with pytest.raises(ValueError, match="random takes no `threshold`: only vgn does"):
+        DetectorConfig(detector="random", threshold=0.5)

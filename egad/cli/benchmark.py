@@ -58,6 +58,13 @@ def benchmark(
     ] = "evaluation-set",
     units: Units = None,
     gripper: Annotated[str, gripper_option()] = "panda",
+    protocol: Annotated[
+        str | None,
+        typer.Option(
+            help="rules of a published benchmark: egad, vgn, giga or edgegrasp; default: "
+            "clutter.protocol"
+        ),
+    ] = None,
     rounds: Annotated[
         int | None,
         typer.Option(min=1, help="rounds of each kind of scene and noise; default: clutter.rounds"),
@@ -85,7 +92,8 @@ def benchmark(
     from egad.sim import check_engine
     from egad.stats import engine_names
 
-    settings = with_option(settings_in(config), "--rounds", "clutter.rounds", rounds)
+    settings = with_option(settings_in(config), "--protocol", "clutter.protocol", protocol)
+    settings = with_option(settings, "--rounds", "clutter.rounds", rounds)
     settings = with_option(settings, "--keep-going", "clutter.keep_going", keep_going or None)
     settings = with_option(settings, "--rule", "rescale.rule", rule)
     settings, gripper = gripper_in(settings, gripper)
@@ -103,12 +111,13 @@ def benchmark(
     with recorded("benchmark", settings=chosen, inputs=files, arguments=arguments):
         result = write_benchmark(chosen, settings.rescale.rule, targets, path, jobs)
     cleared({name: result.rates()}, {name: engine_names(result.table)})
+    typer.echo(f"protocol: {settings.clutter.protocol.name}")
     outcomes = result.table["outcome"].value_counts()
     typer.echo(f"outcomes: {', '.join(f'{count} {name}' for name, count in outcomes.items())}")
     typer.echo(f"planning takes {result.planning_time:.2g} s (median); attempts: {path}")
     if films is not None:
         for kind in settings.clutter.scenes:
-            result.film(kind, 0, films / f"{name}-{kind}.gif", settings.clutter.noise[0])
+            result.film(kind, 0, films / f"{name}-{kind}.gif", settings.clutter.noises[0])
 
 
 def write_benchmark(

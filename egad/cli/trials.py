@@ -51,7 +51,7 @@ def compare(
     """Compare detectors on the same objects: success rates, differences, significance.
 
     Simulated results must be of the same evaluation set, scaled to the same gripper; cleared tables
-    must begin with the same scenes.
+    must begin with the same scenes, and it is said if they were cleared by different rules.
     """
     from egad.io import check_ending
     from egad.stats import gather
@@ -157,6 +157,8 @@ def _compare_clearing(tables: list[Path], out: Path | None) -> None:
     found = {name: parquet.read(path, CLUTTER) for name, path in zip(names, tables, strict=True)}
     results = clearing_results(found)
     cleared(results.rates, results.engines)
+    if results.warning:
+        typer.echo(results.warning)
     if results.pairs:
         clearing_compared(results.pairs)
     else:

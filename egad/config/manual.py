@@ -34,19 +34,21 @@ def manual() -> str:
                 f"\n### `{name}`\n\n",
                 f"{_about(name)}\n\n",
                 _keys(path, known.get(name, {})),
-                *_nested(name, known.get(name, {}), shown),
+                *_nested((name,), known.get(name, {}), shown),
             ]
     return "".join(parts) + "\n"
 
 
-def _nested(name: str, known: Mapping[str, Any], shown: set[str]) -> Iterator[str]:
+def _nested(path: tuple[str, ...], known: Mapping[str, Any], shown: set[str]) -> Iterator[str]:
     """The sections within a section, of a kind that was not shown yet."""
-    for key in keys_of(node_at((name,)) or {}):
-        node = node_at((name, key)) or {}
+    for key in keys_of(node_at(path) or {}):
+        inner = (*path, key)
+        node = node_at(inner) or {}
         if "properties" in node and node["title"] not in shown:
             shown.add(node["title"])
-            yield f"\n### `{name}.{key}`\n\n{_meaning(node)}\n\n"
-            yield _keys((name, key), known[key])
+            yield f"\n### `{'.'.join(inner)}`\n\n{_meaning(node)}\n\n"
+            yield _keys(inner, known[key])
+            yield from _nested(inner, known[key], shown)
 
 
 def _meaning(node: Node) -> str:

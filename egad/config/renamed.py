@@ -22,6 +22,8 @@ RENAMED = {
     "graspability.metric: plain": "graspability.metric: nominal",
     "trials.between": "trials.reset: continue, redrop",
     "trials.engine: auto": "trials.engine: mujoco or pybullet",
+    "clutter.views": "clutter.protocol.cameras.views",
+    "clutter.scale": "clutter.protocol.scale",
     "limits.box_part": "limits.box_fraction",
     "limits.cube_part": "limits.cube_fraction",
     "image_noise.shadows": "image_noise.holes, on steep surfaces too",

@@ -1,11 +1,15 @@
 """Asking a detector: what it wants to see, and the best of its answer."""
 
 import inspect
+import math
 from collections.abc import Callable
 from typing import Any
 
-from egad.detectors.base import DetectorError, Grasp, best_grasp
-from egad.detectors.poses import GraspPoses, PoseGrasp, best_pose, pose_of
+import numpy as np
+
+from egad._util.arrays import Floats, Ints
+from egad.detectors.base import DetectorError, Grasp, first_possible
+from egad.detectors.poses import GraspPoses, PoseGrasp, best_pose, by_score, pose_of
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
@@ -61,12 +65,32 @@ def seen_by(detect: Callable[..., Any], observation: Observation) -> Seen:
     return seen
 
 
-def choose(answer: list[Grasp] | GraspPoses, gripper: Gripper) -> PoseGrasp | Outcome:
-    """The best grasp of an answer that the hand can do, as a pose; or why there is none."""
+def choose(
+    answer: list[Grasp] | GraspPoses,
+    gripper: Gripper,
+    threshold: float = -math.inf,
+    shuffled: np.random.Generator | None = None,
+) -> PoseGrasp | Outcome:
+    """The grasp of an answer that is tried, as a pose; or why there is none.
+
+    Args:
+        answer: Of a detector.
+        gripper: The hand, which must be able to do it.
+        threshold: Grasps of a lower score are left out.
+        shuffled: Source of chance for any of the others; None for the one of the highest score.
+    """
     if isinstance(answer, GraspPoses):
-        return best_pose(answer, gripper)
-    best = best_grasp(answer, gripper)
+        return best_pose(answer, gripper, _order(answer.scores, threshold, shuffled))
+    order = _order(np.array([each.quality for each in answer]), threshold, shuffled)
+    best = first_possible((answer[number] for number in order.tolist()), gripper)
     return best if isinstance(best, Outcome) else pose_of(best, gripper)
+
+
+def _order(scores: Floats, threshold: float, shuffled: np.random.Generator | None) -> Ints:
+    """Numbers of the grasps that may be tried, in the order in which they are."""
+    order = by_score(scores)
+    order = order[~(scores[order] < threshold)]
+    return order if shuffled is None else shuffled.permutation(order)
 
 
 def from_above(answer: list[Grasp] | GraspPoses) -> list[Grasp]:

@@ -1,7 +1,7 @@
 """A grasp from above, as detectors propose it and the hand executes it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,8 +87,13 @@ def best_grasp(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | Outcome:
     Returns:
         The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
     """
+    return first_possible(sorted(grasps, key=_promise), gripper)
+
+
+def first_possible(grasps: Iterable[Grasp], gripper: Gripper) -> Grasp | Outcome:
+    """The first grasp that the hand can do; or why there is none, as of `best_grasp`."""
     reason = None
-    for grasp in sorted(grasps, key=_promise):
+    for grasp in grasps:
         flaw = grasp.infeasibility(gripper)
         if flaw is None:
             return grasp

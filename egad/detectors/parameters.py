@@ -48,6 +48,13 @@ class DetectorConfig(Parameters):
         description="how `ggcnn` is carried out: deepest: as deep as the image allows; published: "
         "10 mm below the surface at the best pixel, as on the robot of EGAD",
     )
+    threshold: float | None = Field(
+        None,
+        gt=0,
+        lt=1,
+        description="quality that proposals of `vgn` have at least; nothing: what the protocol of "
+        "cleared tables asks for, or 0.9",
+    )
     address: str | None = Field(
         None, description="address of the server of `graspgen`, such as tcp://localhost:5556"
     )
@@ -65,6 +72,8 @@ class DetectorConfig(Parameters):
             raise ValueError("the detector graspgen needs `address`, and no other takes it")
         if self.execution != "deepest" and self.detector != "ggcnn":
             raise ValueError(f"the detector {self.name} takes no `execution`: only ggcnn does")
+        if self.threshold is not None and self.detector != "vgn":
+            raise ValueError(f"the detector {self.name} takes no `threshold`: only vgn does")
         if self.detector is None:
             if self.weights:
                 raise ValueError("a detector with `command` takes no `weights`: put them there")

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, Ints
 from egad.detectors.base import MOST_GRASPS, Grasp
 from egad.grasps import hand_poses
 from egad.grippers import Gripper, finger_span
@@ -84,15 +84,21 @@ def best_poses(grasps: GraspPoses, count: int = MOST_GRASPS) -> GraspPoses:
     return GraspPoses(grasps.poses[order], grasps.widths[order], grasps.scores[order])
 
 
-def best_pose(grasps: GraspPoses, gripper: Gripper) -> PoseGrasp | Outcome:
+def best_pose(
+    grasps: GraspPoses, gripper: Gripper, order: Ints | None = None
+) -> PoseGrasp | Outcome:
     """The grasp of the highest score that the hand can do, the first of equals.
+
+    Args:
+        grasps: To choose from.
+        gripper: The hand.
+        order: Numbers of grasps, and those alone may be chosen, the first that the hand can do.
 
     Returns:
         The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
     """
     reason = None
-    order = np.argsort(np.where(np.isfinite(grasps.scores), -grasps.scores, np.inf), kind="stable")
-    for number in order.tolist():
+    for number in (by_score(grasps.scores) if order is None else order).tolist():
         grasp = PoseGrasp(
             grasps.poses[number], float(grasps.widths[number]), float(grasps.scores[number])
         )
@@ -101,6 +107,11 @@ def best_pose(grasps: GraspPoses, gripper: Gripper) -> PoseGrasp | Outcome:
             return grasp
         reason = reason or flaw
     return reason or Outcome.NO_GRASP
+
+
+def by_score(scores: Floats) -> Ints:
+    """Numbers of grasps from the highest score down, equals in the order given."""
+    return np.argsort(np.where(np.isfinite(scores), -scores, np.inf), kind="stable")
 
 
 def infeasibility(grasp: PoseGrasp, gripper: Gripper) -> Outcome | None:

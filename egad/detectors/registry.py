@@ -22,7 +22,7 @@ from egad.detectors.parameters import (
 )
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
-from egad.detectors.vgn import Vgn
+from egad.detectors.vgn import THRESHOLD, Vgn
 from egad.errors import UserError
 from egad.grippers import Gripper
 
@@ -53,7 +53,9 @@ def make_detector(config: DetectorConfig) -> Detector:
         return GraspGen(config.address)
     if name == "ggcnn":
         return with_checked_answers(GGCNN(config.weights, config.execution))
-    return with_checked_answers(Vgn(config.weights) if name == "vgn" else _own(config))
+    if name == "vgn":
+        return with_checked_answers(Vgn(config.weights, config.threshold or THRESHOLD))
+    return with_checked_answers(_own(config))
 
 
 def with_checked_answers(detect: Callable[..., Any]) -> Detector:

@@ -24,7 +24,7 @@ FAR = 0.98  # of the truncation
 SMOOTHING = 1.0  # voxels
 NEAR_SURFACE = 2  # voxels
 WIDTHS = (1.33, 9.33)  # voxels; predictions beyond these are dropped
-THRESHOLD = 0.9  # of the quality
+THRESHOLD = 0.9  # of the quality, by default
 APART = 4  # voxels; side of the cube in which only the best grasp is kept
 FINGER_DEPTH = 0.05  # metres; VGN's origin lies this far before the fingertips
 # VGN closes along y, we along x.
@@ -34,11 +34,14 @@ TURN = Rotation.from_euler("z", np.pi / 2).as_matrix()
 class Vgn:
     """VGN's network as a grasp detector."""
 
-    def __init__(self, weights: str | None) -> None:
+    _threshold = THRESHOLD
+
+    def __init__(self, weights: str | None, threshold: float = THRESHOLD) -> None:
         """Load it.
 
         Args:
             weights: File of weights, published or safetensors.
+            threshold: Quality that proposals have at least.
 
         Raises:
             UserError: PyTorch is missing, or the weights are, or they are of another network.
@@ -47,6 +50,7 @@ class Vgn:
             missing = "vgn needs `weights: FILE`" if weights is None else f"no such file: {weights}"
             raise UserError(f"{WHERE}: {missing}; {VGN_WEIGHTS}")
         self._weights = weights
+        self._threshold = threshold
         with needed_for("vgn"):
             from egad.learning import vgn  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
@@ -55,9 +59,9 @@ class Vgn:
         except files.WeightsError as error:
             raise UserError(f"{error}; {VGN_WEIGHTS}") from error
 
-    def __reduce__(self) -> tuple[type["Vgn"], tuple[str]]:
+    def __reduce__(self) -> tuple[type["Vgn"], tuple[str, float]]:
         """For other processes, which load it again."""
-        return Vgn, (self._weights,)
+        return Vgn, (self._weights, self._threshold)
 
     def __call__(self, tsdf: Tsdf, gripper: Gripper, _rng: np.random.Generator) -> GraspPoses:
         """Grasps at the voxels of the highest quality.
@@ -76,7 +80,7 @@ class Vgn:
         grid = encode(tsdf)
         answer = self._infer(grid)
         quality = _processed(answer[0], answer[5], grid)
-        voxels = np.argwhere(_peaks(quality))
+        voxels = np.argwhere(_peaks(quality, self._threshold))
         i, j, k = voxels.T
         rotations = Rotation.from_quat(answer[1:5, i, j, k].T).as_matrix() @ TURN
         poses = np.tile(np.eye(4), (len(voxels), 1, 1))
@@ -103,7 +107,7 @@ def _processed(quality: Singles, width: Singles, grid: Singles) -> Singles:
     return smooth
 
 
-def _peaks(quality: Singles) -> NDArray[np.bool_]:
+def _peaks(quality: Singles, threshold: float) -> NDArray[np.bool_]:
     """Voxels of a quality above the threshold and above that of all others nearby."""
-    high = np.where(quality >= THRESHOLD, quality, 0)
+    high = np.where(quality >= threshold, quality, 0)
     return np.asarray((high > 0) & (high == ndimage.maximum_filter(high, APART)))

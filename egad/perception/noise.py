@@ -17,22 +17,27 @@ SPOT = 1.5  # pixels; how far lost pixels keep together
 STEREO = ImageNoise(disparity=0.1, holes=True)
 # Of the later code of VGN, after Dex-Net 2.0
 GAMMA_SHAPE, GAMMA_SIGMA, GAMMA_GRID = 1000.0, 0.005, 4  # metres; pixels
+DEX_RATE = 0.5  # as in GIGA: how often the second part is added
 
 
 def add_noise(noise: NoiseName, view: View, rng: np.random.Generator) -> View:
     """A view as a camera has it.
 
     Args:
-        noise: none; stereo: `add_sensor_noise` of 0.1 pixels with holes; gamma: `add_gamma_noise`.
+        noise: none; stereo: `add_sensor_noise` of 0.1 pixels with holes; gamma, dex:
+            `add_gamma_noise`, dex with its second part in half of the images; points: none, it is
+            added to the points of a cloud.
         view: What an ideal camera sees.
         rng: Source of chance.
     """
-    if noise == "none":
-        return view
-    return add_sensor_noise(view, STEREO, rng) if noise == "stereo" else add_gamma_noise(view, rng)
+    if noise == "stereo":
+        return add_sensor_noise(view, STEREO, rng)
+    if noise in ("gamma", "dex"):
+        return add_gamma_noise(view, rng, DEX_RATE if noise == "dex" else 1.0)
+    return view
 
 
-def add_gamma_noise(view: View, rng: np.random.Generator) -> View:
+def add_gamma_noise(view: View, rng: np.random.Generator, rate: float = 1.0) -> View:
     """A view with the noise of Dex-Net 2.0 (Mahler et al. 2017), as in the later code of VGN.
 
     All depths are multiplied by one number with a gamma distribution, of mean 1 and standard
@@ -42,13 +47,16 @@ def add_gamma_noise(view: View, rng: np.random.Generator) -> View:
     Args:
         view: What an ideal camera sees.
         rng: Source of chance.
+        rate: Probability of the second part.
     """
     factor = rng.gamma(GAMMA_SHAPE, 1 / GAMMA_SHAPE)
-    height, width = view.depth.shape
-    coarse = rng.normal(0, GAMMA_SIGMA, (height // GAMMA_GRID, width // GAMMA_GRID))
-    fine = ndimage.zoom(coarse, (height / coarse.shape[0], width / coarse.shape[1]), order=1)
-    depth = (view.depth * factor + fine).astype(np.float32)
-    return View(depth, view.intrinsics, view.pose)
+    depth = view.depth * factor
+    if rate == 1 or rng.random() < rate:
+        height, width = view.depth.shape
+        coarse = rng.normal(0, GAMMA_SIGMA, (height // GAMMA_GRID, width // GAMMA_GRID))
+        zoom = (height / coarse.shape[0], width / coarse.shape[1])
+        depth = depth + ndimage.zoom(coarse, zoom, order=1)
+    return View(depth.astype(np.float32), view.intrinsics, view.pose)
 
 
 def add_sensor_noise(view: View, noise: ImageNoise, rng: np.random.Generator) -> View:

@@ -34,11 +34,15 @@ class Observation:
         view: A depth image straight from above.
         views: Depth images from all around.
         side: Side of the workspace, a square around the origin, metres.
+        point_sigma: Standard deviation of noise on each coordinate of the cloud, metres.
+        point_seed: For that noise.
     """
 
     view: View
     views: tuple[View, ...]
     side: float
+    point_sigma: float = 0.0
+    point_seed: int = 0
 
     @cached_property
     def tsdf(self) -> Tsdf:
@@ -50,6 +54,9 @@ class Observation:
         """The surface of the views fused into 120 x 120 x 120 voxels, from 4 mm above the table."""
         fine = self.fuse_views(CLOUD_RESOLUTION)
         points, normals = fine.surface()
+        if self.point_sigma:
+            rng = np.random.default_rng(self.point_seed)
+            points = points + rng.normal(0.0, self.point_sigma, points.shape)
         standing = points[:, 2] > TABLE_NOISE
         return PointCloud(points[standing], normals[standing])
 
@@ -75,7 +82,9 @@ def look_at(eye: Floats, target: Floats) -> Floats:
     return pose
 
 
-def cameras_around(target: Floats, count: int, distance: float, tilt: float) -> list[Floats]:
+def cameras_around(
+    target: Floats, count: int, distance: float, tilt: float, azimuth: float = 0.0
+) -> list[Floats]:
     """Poses of cameras that look at a point, evenly around it, (4, 4) each.
 
     Args:
@@ -83,8 +92,9 @@ def cameras_around(target: Floats, count: int, distance: float, tilt: float) -> 
         count: How many cameras.
         distance: Metres.
         tilt: Angle of their lines of sight against the vertical, radians.
+        azimuth: Direction of the first one from the point, counterclockwise from x, radians.
     """
-    angles = 2 * np.pi * np.arange(count) / count
+    angles = azimuth + 2 * np.pi * np.arange(count) / count
     ways = [np.array([np.cos(a), np.sin(a), 0.0]) * np.sin(tilt) for a in angles]
     up = np.array([0.0, 0.0, np.cos(tilt)])
     return [look_at(target + distance * (way + up), target) for way in ways]

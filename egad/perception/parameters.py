@@ -18,7 +18,7 @@ from egad._util.parameters import (
 )
 from egad.grasps import LabelParameters
 
-NoiseName = Literal["none", "stereo", "gamma"]
+NoiseName = Literal["none", "stereo", "gamma", "dex", "points"]
 NOISES: tuple[NoiseName, ...] = get_args(NoiseName)
 SceneKind = Literal["single", "packed", "pile"]
 SCENE_KINDS: tuple[SceneKind, ...] = get_args(SceneKind)

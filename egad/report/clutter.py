@@ -9,6 +9,7 @@ import pandas as pd
 
 from egad.report.drawing import data_uri
 from egad.report.page import Section, render_template, section_of
+from egad.sim import CUSTOM
 from egad.stats import (
     Clearing,
     ClearingComparison,
@@ -78,11 +79,28 @@ class ClearingResults:
         engines: What computed the physics, by detector.
         rates: Success rates in each kind of scene and noise, by detector.
         pairs: Comparisons of every two detectors that cleared the same tables, by `A vs B`.
+        protocols: Rules by which the tables were cleared, and errors if any, by detector.
     """
 
     engines: dict[str, str]
     rates: dict[str, list[Clearing]]
     pairs: dict[str, list[ClearingComparison]]
+    protocols: dict[str, str]
+
+    @property
+    def warning(self) -> str:
+        """What to know of tables that were cleared by different rules; empty if none were."""
+        by_rules: dict[str, list[str]] = {}
+        for name, rules in self.protocols.items():
+            by_rules.setdefault(rules, []).append(name)
+        if len(by_rules) < 2 and not any(CUSTOM in rules for rules in by_rules):
+            return ""
+        named = "; ".join(f"{rules}: {', '.join(names)}" for rules, names in by_rules.items())
+        many = "are" if len(by_rules) > 1 else "may be"
+        return (
+            f"The rules {many} different ({named}): a difference between tables is then one of the "
+            "rules, too, not only of the detectors"
+        )
 
 
 def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
@@ -97,12 +115,18 @@ def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
             pairs[f"{one} vs {other}"] = compare_clearing(tables[one], tables[other])
     engines = {name: engine_names(table) for name, table in tables.items()}
     rates = {name: clearing_rates(table) for name, table in tables.items()}
-    return ClearingResults(engines, rates, pairs)
+    return ClearingResults(engines, rates, pairs, dict(map(_rules, tables, tables.values())))
+
+
+def _rules(name: str, table: pd.DataFrame) -> tuple[str, str]:
+    """The name of a table, and the rules by which it was cleared."""
+    errors = sorted(set(table["errors"]) - {"none"})
+    return name, ", ".join([*table["protocol"].unique(), *(f"errors: {each}" for each in errors)])
 
 
 def page(results: ClearingResults) -> str:
     """An HTML page about cleared tables that needs no other file."""
-    return render_template("clutter_page.html.j2", **vars(results))
+    return render_template("clutter_page.html.j2", **vars(results), warning=results.warning)
 
 
 def _thirds(table: pd.DataFrame, objects: pd.DataFrame) -> dict[str, list[tuple[Rate, Rate]]]:

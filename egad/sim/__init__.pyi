@@ -43,6 +43,10 @@ from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import TrialParameters as TrialParameters
 from .parameters import TrialProtocol as TrialProtocol
 from .parameters import check_engine as check_engine
+from .protocols import CUSTOM as CUSTOM
+from .protocols import NAMED_PROTOCOLS as NAMED_PROTOCOLS
+from .protocols import ClutterProtocol as ClutterProtocol
+from .protocols import SceneCameras as SceneCameras
 from .rounds import Round as Round
 from .rounds import failed_round as failed_round
 from .rounds import film_round as film_round

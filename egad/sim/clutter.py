@@ -1,5 +1,6 @@
 """Rounds of clearing a table, one object after the other (Breyer et al. 2020, section V)."""
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -25,23 +26,20 @@ from egad.perception import (
 )
 from egad.random import entropy, generator
 from egad.sim.cell_errors import EXACT, Deviation, draw
-from egad.sim.free_hand import execute_pose
+from egad.sim.free_hand import ContactRules, execute_pose
 from egad.sim.gripper import Fingers
-from egad.sim.parameters import COLLISION_FORCE, Clutter
-from egad.sim.scenes import WORKSPACE, RestingObject, make_scene, put, settle_from
+from egad.sim.parameters import Clutter
+from egad.sim.protocols import ClutterProtocol, SceneCameras
+from egad.sim.scenes import OURS, WORKSPACE, RestingObject, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World
 
 Generator = np.random.Generator
 Proposal: TypeAlias = PoseGrasp | Outcome | Failure
 Propose = Callable[[Observation, Sequence[RestingObject], Generator], Proposal]
 
-CAMERA_DISTANCE = 2 * WORKSPACE
-CAMERA_TILT = np.radians(30)
-LOOKING_AT = np.array([0.0, 0.0, -0.05])  # the middle of the bottom of VGN's cube
-CAMERA = Intrinsics(320, 240, 120 / np.tan(1.047 / 2), (159.5, 119.5))
 OVERHEAD = Intrinsics.spanning(640, 480, 75.0)
 OVERHEAD_HEIGHT = 0.6
-FAILURES = 2  # in a row end a round
+POINT_SIGMA = 0.0008  # metres, of the noise `points`
 
 
 @dataclass(frozen=True)
@@ -74,21 +72,22 @@ class ClutterRunner:
         Args:
             world: A running simulation of the objects of a round, with walls for a pile, and the
                 robot `egad.sim.robot.free_hand`.
-            settings: Cameras, and errors of the cell.
+            settings: Rules, and errors of the cell.
         """
         self.world = world
         self._errors = settings.errors
+        self._protocol = settings.protocol
         self._gripper = Fingers(world).gripper
         self._rendered = [DepthCamera(model.mesh) for model in world.models]
-        self._cameras = cameras_around(LOOKING_AT, settings.views, CAMERA_DISTANCE, CAMERA_TILT)
 
     def clear(
         self, propose: Propose, kind: SceneKind, noise: NoiseName, seed: int
     ) -> Iterator[ClutterAttempt]:
         """Grasp one object after the other, until none is left or nothing works any more.
 
-        A round ends after two failures in a row, when nothing is proposed, or when the simulation
-        goes wrong. All depends on the arguments alone; the scene at the beginning on kind and seed.
+        A round ends after two failures in a row, when nothing is proposed (other protocols have
+        other numbers), or when the simulation goes wrong. All depends on the arguments alone; the
+        scene at the beginning on kind and seed.
 
         Args:
             propose: What decides on the grasps.
@@ -103,7 +102,8 @@ class ClutterRunner:
             return
 
         def ask(number: int, present: Sequence[RestingObject]) -> Proposal:
-            view = self.observe(present, noise, generator(seed, "cameras", number))
+            poses = camera_poses(self._protocol.cameras, generator(seed, "views", number))
+            view = self.observe(present, noise, poses, generator(seed, "cameras", number))
             return propose(view, present, generator(seed, "detector", number))
 
         yield from self._attempts(ask, present, seed)
@@ -115,15 +115,18 @@ class ClutterRunner:
         seed: int,
     ) -> Iterator[ClutterAttempt]:
         """The attempts of a round that began: `ask` gives the grasp of each by its number."""
-        number = failures = 0
-        while present and failures < FAILURES:
+        number = failures = skips = 0
+        while present and failures < self._protocol.failures and skips < self._protocol.skips:
             grasp = ask(number, present)
             attempt, present = self.carry_out(grasp, present, self._deviation(seed, number))
             yield attempt
-            failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
             number += 1
-            if attempt.outcome in (Outcome.NO_GRASP, Outcome.FAILED):
+            if attempt.outcome == Outcome.FAILED:
                 return
+            if attempt.outcome == Outcome.NO_GRASP:
+                skips += 1
+            else:
+                failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
 
     def begin(self, kind: SceneKind, seed: int) -> list[RestingObject]:
         """Put the objects on the table.
@@ -131,7 +134,7 @@ class ClutterRunner:
         Raises:
             UnstableError: The simulation went wrong.
         """
-        return make_scene(self.world, kind, generator(seed, "scene", kind))
+        return make_scene(self.world, kind, generator(seed, "scene", kind), self._protocol)
 
     def repeat(
         self, grasps: Sequence[PoseGrasp | Outcome], kind: SceneKind, seed: int
@@ -152,17 +155,25 @@ class ClutterRunner:
         )
 
     def observe(
-        self, present: Sequence[RestingObject], noise: NoiseName, rng: Generator
+        self,
+        present: Sequence[RestingObject],
+        noise: NoiseName,
+        poses: Sequence[Floats],
+        rng: Generator,
     ) -> Observation:
-        """What the cameras see of objects at rest."""
+        """What the cameras see of objects at rest, from these poses around them and from above."""
         rendered = [self._rendered[each.number] for each in present]
         matrices = [each.pose.matrix for each in present]
 
         def seen(intrinsics: Intrinsics, pose: Floats) -> View:
             return add_noise(noise, render_scene(rendered, matrices, intrinsics, pose), rng)
 
-        views = tuple(seen(CAMERA, pose) for pose in self._cameras)
-        return Observation(seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT)), views, WORKSPACE)
+        intrinsics = intrinsics_of(self._protocol.cameras)
+        views = tuple(seen(intrinsics, pose) for pose in poses)
+        above = seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT))
+        if noise != "points":
+            return Observation(above, views, WORKSPACE)
+        return Observation(above, views, WORKSPACE, POINT_SIGMA, int(rng.integers(2**63)))
 
     def _deviation(self, seed: int, number: int) -> Deviation:
         """What is off in an attempt; the camera is calibrated once a round."""
@@ -185,9 +196,14 @@ class ClutterRunner:
             return ClutterAttempt(grasp, tuple(present)), list(present)
         self.world.mass_factor, self.world.friction_factor = deviation.mass, deviation.friction
         put(self.world, present)
-        done = deviation.pose(grasp, self._gripper)
-        limit = COLLISION_FORCE * deviation.stopping_force
-        result = execute_pose(self.world, done.pose, done.width, limit)
+        rules = self._protocol
+        asked = grasp._replace(width=self._gripper.opening) if rules.opening == "full" else grasp
+        done = deviation.pose(asked, self._gripper)
+        force = rules.stopping_force * deviation.stopping_force
+        contacts = ContactRules(
+            rules.contact, force, rules.success == "pinched", rules.removed == "first"
+        )
+        result = execute_pose(self.world, done.pose, done.width, contacts)
         attempt = ClutterAttempt(result.outcome, tuple(present), grasp, result.held, result.stopped)
         try:
             numbers = [each.number for each in present if each.number != result.held]
@@ -197,12 +213,47 @@ class ClutterRunner:
             return attempt, []
 
 
-def proposed_by(detect: Detector, gripper: Gripper) -> Propose:
-    """A detector that sees what it wants of the scene, and whose best grasp is tried."""
+def camera_poses(cameras: SceneCameras, rng: Generator) -> list[Floats]:
+    """Where the cameras around a table are, (4, 4) each.
+
+    Args:
+        cameras: Ranges to draw from; all cameras have the same distance and tilt.
+        rng: Source of chance.
+    """
+    ranges = (cameras.distance, cameras.tilt, cameras.azimuth)
+    shares = rng.uniform(size=len(ranges)).tolist()
+    distance, tilt, azimuth = (
+        low + share * (high - low) for (low, high), share in zip(ranges, shares, strict=True)
+    )
+    target = np.array([0.0, 0.0, cameras.aim])
+    return cameras_around(
+        target, cameras.views, distance, float(np.radians(tilt)), float(np.radians(azimuth))
+    )
+
+
+def intrinsics_of(cameras: SceneCameras) -> Intrinsics:
+    """Those of each camera around a table."""
+    width, height = cameras.image
+    focal = np.float64(cameras.focal)  # which keeps the noise in double precision
+    return Intrinsics(width, height, focal, ((width - 1) / 2, (height - 1) / 2))
+
+
+def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = OURS) -> Propose:
+    """A detector that sees what it wants of the scene.
+
+    Args:
+        detect: Proposes grasps.
+        gripper: The hand.
+        protocol: Which of them is tried: the one of the highest score, or another one.
+    """
+    least = -math.inf if protocol.threshold is None else protocol.threshold
 
     def propose(observation: Observation, _: Sequence[RestingObject], rng: Generator) -> Proposal:
+        order = rng.spawn(1)[0] if protocol.choice == "random" else None
         return try_to_plan(
-            lambda: choose(detect(seen_by(detect, observation), gripper, rng), gripper)
+            lambda: choose(
+                detect(seen_by(detect, observation), gripper, rng), gripper, least, order
+            )
         )
 
     return propose

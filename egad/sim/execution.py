@@ -10,7 +10,8 @@ from egad.detectors import Grasp
 from egad.outcomes import Outcome
 from egad.sim.arms import Arm, HandPose, UnreachableError
 from egad.sim.gripper import HEAVIEST, Hand
-from egad.sim.parameters import COLLISION_FORCE, Lifting
+from egad.sim.parameters import Lifting
+from egad.sim.protocols import COLLISION_FORCE
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 
 START_ABOVE = 0.02  # fingertips start this far above the object

@@ -10,7 +10,7 @@ from egad._util.arrays import Floats
 from egad.grippers import finger_span
 from egad.outcomes import Outcome
 from egad.sim.gripper import Fingers, minimum_jerk
-from egad.sim.parameters import COLLISION_FORCE
+from egad.sim.protocols import COLLISION_FORCE
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
@@ -94,20 +94,39 @@ class FreeHand(Fingers):
         forces = self.world.forces()
         return forces.hand + forces.blocked
 
-    def held(self) -> int | None:
-        """Number of the object that the hand presses on most; None if there is none."""
+    def held(self, *, first: bool = False) -> int | None:
+        """Number of the object that the hand presses on most; None if there is none.
+
+        Args:
+            first: Whether it is the first one that the hand touches instead.
+        """
         numbers = range(len(self.world.models))
-        pressed = [self.world.forces(number).hand for number in numbers]
-        return int(np.argmax(pressed)) if max(pressed) > 0 else None
+        pressed = np.array([self.world.forces(number).hand for number in numbers])
+        chosen = np.argmax(pressed > 0 if first else pressed)
+        return int(chosen) if pressed[chosen] > 0 else None
+
+
+class ContactRules(NamedTuple):
+    """What contacts mean; see `ClutterProtocol`.
+
+    Attributes:
+        contact: What one during the approach means: close, fail or ignore.
+        force: One with more than this force counts, newtons.
+        pinched: Whether both fingers must press on an object after they closed.
+        first: Whether the object that is held is the first one that the hand touches.
+    """
+
+    contact: str = "close"
+    force: float = COLLISION_FORCE
+    pinched: bool = True
+    first: bool = False
+
+
+OURS = ContactRules()
 
 
 def execute_pose(
-    world: World,
-    pose: Floats,
-    width: float,
-    limit: float = COLLISION_FORCE,
-    *,
-    closes: bool = True,
+    world: World, pose: Floats, width: float, rules: ContactRules = OURS
 ) -> PoseExecution:
     """Approach from 5 cm away, stop at a contact, close, and retreat by 10 cm.
 
@@ -120,18 +139,15 @@ def execute_pose(
         world: With the objects where they lie, and the robot `egad.sim.robot.free_hand`.
         pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
         width: How far the hand opens, metres.
-        limit: A contact force of more than this stops the hand on its way, newtons.
-        closes: Whether the fingers close where it was stopped; else the grasp has failed.
+        rules: What contacts mean.
     """
     try:
-        return _executed(world, pose, width, limit, closes)
+        return _executed(world, pose, width, rules)
     except UnstableError:
         return PoseExecution(Outcome.FAILED)
 
 
-def _executed(
-    world: World, pose: Floats, width: float, limit: float, closes: bool
-) -> PoseExecution:
+def _executed(world: World, pose: Floats, width: float, rules: ContactRules) -> PoseExecution:
     approach = pose[:3, 2]
     start = pose.copy()
     start[:3, 3] -= STANDOFF * approach
@@ -139,17 +155,17 @@ def _executed(
     world.step()
     if hand.touches():
         return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
+    limit = math.inf if rules.contact == "ignore" else rules.force
     stopped = hand.move(STANDOFF * approach, APPROACH_SPEED, limit)
-    if stopped and not closes:
+    if stopped and rules.contact == "fail":
         return PoseExecution(Outcome.COLLIDED, stopped=stopped)
-    touched = hand.close()
+    touched, lost = hand.close(), Outcome.SLIPPED_LIFTING
     if not hand.pinches():
         lost = Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED
-        return PoseExecution(Outcome.COLLIDED if stopped else lost, stopped=stopped)
-    way = -approach if -approach[2] >= np.cos(STEEP) else UP
-    hand.move(RETREAT * way, RETREAT_SPEED)
-    held = hand.held()
-    if held is None or hand.opening() <= LEAST_OPENING * hand.gripper.opening:
-        lost = Outcome.COLLIDED if stopped else Outcome.SLIPPED_LIFTING
-        return PoseExecution(lost, stopped=stopped)
-    return PoseExecution(Outcome.SUCCESS, held, stopped)
+    if lost == Outcome.SLIPPED_LIFTING or not rules.pinched:
+        way = -approach if -approach[2] >= np.cos(STEEP) else UP
+        hand.move(RETREAT * way, RETREAT_SPEED)
+        held = hand.held(first=rules.first)
+        if held is not None and hand.opening() > LEAST_OPENING * hand.gripper.opening:
+            return PoseExecution(Outcome.SUCCESS, held, stopped)
+    return PoseExecution(Outcome.COLLIDED if stopped else lost, stopped=stopped)

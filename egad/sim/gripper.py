@@ -6,7 +6,7 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad.sim.arms import Arm, HandPose
-from egad.sim.parameters import COLLISION_FORCE
+from egad.sim.protocols import COLLISION_FORCE
 from egad.sim.world import TIME_STEP, World
 
 CLOSING_TIME = 1.0

@@ -19,7 +19,7 @@ from egad.random import generator
 from egad.sim.arms import Arm, TurningAxis
 from egad.sim.engines import open_world
 from egad.sim.execution import execute
-from egad.sim.free_hand import STEEP, execute_pose
+from egad.sim.free_hand import STEEP, ContactRules, execute_pose
 from egad.sim.gripper import Fingers
 from egad.sim.labelled_trials import float_before_hand
 from egad.sim.model import Model
@@ -202,4 +202,4 @@ def try_on_table(world: World, rng: np.random.Generator, deepest: float = np.inf
     if pose is None:
         return Outcome.NO_GRASP
     put(world, present)
-    return execute_pose(world, pose, gripper.opening, closes=False).outcome
+    return execute_pose(world, pose, gripper.opening, ContactRules("fail")).outcome

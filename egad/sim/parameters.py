@@ -17,12 +17,11 @@ from egad._util.parameters import (
 from egad.errors import UserError, check_name
 from egad.grasps import Quality
 from egad.grippers import Gripper
-from egad.perception import NOISES, SCENE_KINDS, NoiseName, SceneKind
+from egad.perception import SCENE_KINDS, NoiseName, SceneKind
+from egad.sim.protocols import COLLISION_FORCE, NAMED_PROTOCOLS, Protocol
 
 EngineName = Literal["mujoco", "pybullet"]  # the default first
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
-# A Panda stops at about this contact force; lighter touches only push the object aside.
-COLLISION_FORCE = 20.0
 Offset = Annotated[float, Field(ge=0, le=0.1)]
 PlanningTime = Annotated[
     float,
@@ -207,18 +206,20 @@ class Clutter(Parameters):
         description="single: one object, dropped; packed: upright side by side; pile: dropped on "
         "top of each other",
     )
-    noise: tuple[NoiseName, ...] = Field(
-        NOISES[:2],
+    protocol: Protocol = Field(
+        NAMED_PROTOCOLS["egad"],
+        description="rules of a published benchmark (egad, vgn, giga, edgegrasp), or a section of "
+        "your own",
+    )
+    noise: tuple[NoiseName, ...] | None = Field(
+        None,
         min_length=1,
-        description="noise added to depth images; none; stereo: as in `trials.depth_noise`, of 0.1 "
-        "pixels; gamma: as in Dex-Net 2.0 and the later code of VGN",
+        description="noise added to depth images; nothing: that of the protocol; none; stereo: as "
+        "in `trials.depth_noise`, of 0.1 pixels; gamma: as in Dex-Net 2.0 and the later code of "
+        "VGN; dex: as in GIGA; points: 0.8 mm on the points of the cloud alone, as in EdgeGrasp",
     )
     rounds: int = Field(100, ge=1, description="rounds of each kind of scene and noise")
     objects: int = Field(5, ge=1, le=20, description="objects in packed and piled scenes")
-    scale: tuple[float, float] = Field(
-        (0.8, 1.0), description="range of the sizes of objects, of those in the bundle"
-    )
-    views: int = Field(6, ge=1, le=64, description="cameras around the table")
     errors: Errors = Field(
         NAMED_ERRORS["none"], description="errors of a real cell, as in `trials.errors`"
     )
@@ -228,12 +229,10 @@ class Clutter(Parameters):
         description="go on with a detector that fails in every attempt at the first three rounds",
     )
 
-    @model_validator(mode="after")
-    def _scale_can_be_drawn_from(self) -> Self:
-        low, high = self.scale
-        if not 0 < low <= high:
-            raise ValueError(f"scale must go from a positive low to high, got {low} to {high}")
-        return self
+    @property
+    def noises(self) -> tuple[NoiseName, ...]:
+        """The kinds of noise: those given, or else those of the protocol."""
+        return self.noise or self.protocol.noise
 
 
 class LabelAgreement(Parameters):

@@ -65,7 +65,7 @@ def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
     return [
         _round(sorted(ids), settings, scene, noise, number)
         for scene in clutter.scenes
-        for noise in clutter.noise
+        for noise in clutter.noises
         for number in range(clutter.rounds if ids else 0)
     ]
 
@@ -78,11 +78,16 @@ def _round(
     number: int,
 ) -> Round:
     rng = generator(settings.seed, "clutter", scene, number)
-    count = 1 if scene == "single" else min(settings.clutter.objects, len(ids))
-    chosen = tuple(ids[index] for index in rng.permutation(len(ids))[:count])
-    factors = tuple(rng.uniform(*settings.clutter.scale, size=count).tolist())
+    protocol = settings.clutter.protocol
+    count = 1 if scene == "single" else settings.clutter.objects
+    if protocol.repetition:
+        chosen = rng.integers(len(ids), size=count)
+    else:
+        chosen = rng.permutation(len(ids))[:count]
+    scale = protocol.packed_scale if scene == "packed" else None
+    factors = tuple(rng.uniform(*scale or protocol.scale, size=len(chosen)).tolist())
     seed = entropy(settings.seed, "round", scene, number)
-    return Round(scene, noise, number, seed, chosen, factors)
+    return Round(scene, noise, number, seed, tuple(ids[index] for index in chosen), factors)
 
 
 def run_round(
@@ -220,7 +225,12 @@ def _sized(this: Round, models: Models) -> list[Model]:
 
 def _world(this: Round, models: Sequence[Model], settings: ClutterParameters) -> World:
     walls = BOX if this.scene == "pile" else None
-    return open_world(settings.clutter.engine, models, free_hand(settings.gripper), walls)
+    protocol = settings.clutter.protocol
+    given = {"force": protocol.force, "friction": protocol.friction}
+    hand = settings.gripper.model_copy(
+        update={name: value for name, value in given.items() if value is not None}
+    )
+    return open_world(settings.clutter.engine, models, free_hand(hand), walls)
 
 
 def _table(
@@ -239,6 +249,8 @@ def _table(
         "factors": " ".join(map(repr, this.factors)),
         "n_objects": at_first,
         "engine": settings.clutter.engine,
+        "protocol": settings.clutter.protocol.name,
+        "errors": str(settings.clutter.errors),
     }
     rows = [
         known | {"attempt": number} | _columns_of(attempt, this, models)

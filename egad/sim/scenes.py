@@ -11,20 +11,19 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Floats
 from egad.perception import SceneKind
 from egad.sim.model import Model
+from egad.sim.protocols import ClutterProtocol
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 WORKSPACE = 0.3  # metres, side of the cube; what leaves it is removed
 BOX = 0.26  # inner side of the box that a pile is dropped into
 DROP_AREA = 0.1  # side of the square above which objects are dropped
-DROP_HEIGHT = 0.02  # ours: of the lowest point above the objects that lie there
-PACKING_AREA = 0.2  # ours: side of the square in which packed objects have their origins
-PACKING_TRIALS = 50  # ours: positions of an object
 STAND = 0.002  # above the table, where packed objects are put
 SCENE_TRIES = 10  # ours: scenes without any object in the workspace are made anew
 SETTLING_TIME = 2.0  # seconds, at most
 REST_SPEED = 0.01  # m/s and rad/s
 REST_TIME = 0.1  # ours: seconds that all objects must be slower than that
+OURS = ClutterProtocol()
 
 
 class RestingObject(NamedTuple):
@@ -34,7 +33,9 @@ class RestingObject(NamedTuple):
     pose: Pose
 
 
-def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[RestingObject]:
+def make_scene(
+    world: World, kind: SceneKind, rng: np.random.Generator, protocol: ClutterProtocol = OURS
+) -> list[RestingObject]:
     """Put the objects of a world on the table, one after the other, until they lie still.
 
     single, pile: dropped in random orientations, a pile into a box that is then removed. packed:
@@ -45,6 +46,7 @@ def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[
         world: With the objects, and for a pile with walls.
         kind: How they are put there.
         rng: Source of chance.
+        protocol: From which height objects are dropped, and where they are packed.
 
     Returns:
         The objects that lie in the workspace, in the order of their numbers.
@@ -53,21 +55,23 @@ def make_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[
         UnstableError: The simulation went wrong, or no object stays in the workspace.
     """
     for _ in range(SCENE_TRIES):
-        if present := _try_scene(world, kind, rng):
+        if present := _try_scene(world, kind, rng, protocol):
             return present
     raise UnstableError("no object stays in the workspace")
 
 
-def _try_scene(world: World, kind: SceneKind, rng: np.random.Generator) -> list[RestingObject]:
+def _try_scene(
+    world: World, kind: SceneKind, rng: np.random.Generator, protocol: ClutterProtocol
+) -> list[RestingObject]:
     """The objects that stay in the workspace, perhaps none."""
     world.reset()
     if kind == "packed":
-        present = _pack(world, rng)
+        present = _pack(world, rng, protocol)
     else:
         present = list(range(len(world.models)))
         top = 0.0
         for number in present:
-            world.place(_above(world.models[number].mesh, top, rng), number=number)
+            world.place(_above(world.models[number].mesh, top, rng, protocol), number=number)
             settle(world)
             top = max(top, float(world.vertices(number)[:, 2].max()))
     world.remove_walls()
@@ -117,21 +121,29 @@ def in_workspace(position: Floats) -> bool:
     return bool((np.abs(position[:2]) <= half).all() and 0 <= position[2] <= WORKSPACE)
 
 
-def _above(mesh: trimesh.Trimesh, top: float, rng: np.random.Generator) -> Pose:
+def _above(
+    mesh: trimesh.Trimesh, top: float, rng: np.random.Generator, protocol: ClutterProtocol
+) -> Pose:
     """In a random orientation above the middle and what lies there."""
     turn = Rotation.random(rng=rng)
     x, y = rng.uniform(-DROP_AREA / 2, DROP_AREA / 2, size=2)
-    lowest = float(turn.apply(mesh.vertices)[:, 2].min())
-    return Pose(np.array([x, y, top + DROP_HEIGHT - lowest]), turn.as_quat())
+    height = protocol.drop_height
+    if protocol.drop_above == "objects":
+        height = top + height - float(turn.apply(mesh.vertices)[:, 2].min())
+    return Pose(np.array([x, y, height]), turn.as_quat())
 
 
-def _pack(world: World, rng: np.random.Generator) -> list[int]:
+def _pack(world: World, rng: np.random.Generator, protocol: ClutterProtocol) -> list[int]:
     """Put objects upright, none above or below another one; the numbers of those that fit."""
     present: list[int] = []
     taken: list[ConvexHull] = []
+    left = protocol.packing_tries
     for number, model in enumerate(world.models):
-        for _ in range(PACKING_TRIALS):
-            pose = _upright(model, rng)
+        if protocol.packing_tries_of == "object":
+            left = protocol.packing_tries
+        while left:
+            left -= 1
+            pose = _upright(model, rng, protocol.packing_area)
             matrix = pose.matrix
             footprint = ConvexHull(model.mesh.vertices @ matrix[:2, :3].T + matrix[:2, 3])
             if all(_apart(footprint, other) for other in taken):
@@ -151,11 +163,11 @@ def _apart(first: ConvexHull, second: ConvexHull) -> bool:
     )
 
 
-def _upright(model: Model, rng: np.random.Generator) -> Pose:
+def _upright(model: Model, rng: np.random.Generator, area: float) -> Pose:
     """Standing just above the table, turned about the vertical and shifted at random."""
     scaled = model.to_principal[:3, :3]
     own = Rotation.from_matrix(scaled.T / np.cbrt(np.linalg.det(scaled)))
     turn = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi)) * own
-    x, y = rng.uniform(-PACKING_AREA / 2, PACKING_AREA / 2, size=2)
+    x, y = rng.uniform(-area / 2, area / 2, size=2)
     lowest = float(turn.apply(model.mesh.vertices)[:, 2].min())
     return Pose(np.array([x, y, STAND - lowest]), turn.as_quat())

@@ -4,7 +4,7 @@ import pyarrow as pa
 
 from egad.outcomes import POSE_FAILURES, SIMULATION_FAILURES, Outcome, listed
 from egad.tables.columns import FLOAT, INT, STRING, Result, column
-from egad.tables.evaluation import ENGINE, FAILURE, SUCCESS
+from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, SUCCESS
 
 GRASP_POSE = tuple(f"pose_{row}{part}" for row in "xyz" for part in ("x", "y", "z", "t"))
 CARRIED_OUT = (
@@ -18,7 +18,7 @@ CARRIED_OUT = (
 CLUTTER = pa.schema(
     [
         column("scene", STRING, "how the objects lie: single, packed or pile"),
-        column("noise", STRING, "of the depth images: none, stereo or gamma"),
+        column("noise", STRING, "of what cameras see: none, stereo, gamma, dex or points"),
         column("round", INT, "number of the round"),
         column("attempt", INT, "number of the attempt in its round"),
         column("seed", STRING, "seed of the round (hexadecimal)"),
@@ -43,6 +43,8 @@ CLUTTER = pa.schema(
         column("score", FLOAT, "score that the detector predicted"),
         column("stopped", FLOAT, "how far before the grasp something stopped the hand", "m"),
         ENGINE,
+        column("protocol", STRING, "rules: egad, vgn, giga, edgegrasp, or custom for others"),
+        ERRORS,
         FAILURE,
     ]
 )

@@ -48,7 +48,7 @@ WITHIN = column(
 )
 PLACE = column("label", STRING, "name in the evaluation set")
 ENGINE = column("engine", STRING, "physics engine")
-ERRORS = column("errors", STRING, "errors of the cell (`trials.errors`): a name, or their values")
+ERRORS = column("errors", STRING, "errors of the cell (`errors`): a name, or their values")
 CONTACT = column("contact", STRING, "what a contact on the way down means (`trials.contact`)")
 FAILURE = optional(
     column("failure", STRING, "what the detector did wrong, with its traceback; empty if nothing")

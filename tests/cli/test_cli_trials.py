@@ -126,6 +126,22 @@ def test_cleared_tables_are_compared_and_make_a_page(tmp_path):
     assert "fair: simulated in pybullet" in text
 
 
+def test_cleared_tables_of_different_rules_say_so(tmp_path):
+    ours = cleared_table(tmp_path / "ours.parquet", (True, True), protocol="egad")
+    same = cleared_table(tmp_path / "same.parquet", (True, False), protocol="egad")
+    theirs = cleared_table(tmp_path / "theirs.parquet", (True, False), protocol="giga")
+    odd = cleared_table(tmp_path / "odd.parquet", (True, False), protocol="custom")
+    other = cleared_table(tmp_path / "other.parquet", (True, False), protocol="custom")
+    page = tmp_path / "page.html"
+    result = trials("compare", ours, same, theirs, "--out", page)
+    said = "The rules are different (egad: ours, same; giga: theirs)"
+    assert said in result.stdout
+    assert said in page.read_text()
+    assert "ours vs theirs" in result.stdout
+    assert "The rules" not in trials("compare", ours, same).stdout
+    assert "The rules may be different (custom: odd, other)" in trials("compare", odd, other).stdout
+
+
 def test_cleared_tables_without_a_common_round_say_so(tmp_path):
     good = cleared_table(tmp_path / "good.parquet", (True, True))
     other = cleared_table(tmp_path / "other.parquet", (True, True), seed="00ff")

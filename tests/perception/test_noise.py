@@ -5,10 +5,12 @@ import pytest
 import trimesh
 
 from egad.config import ImageNoise
+from egad.perception import NoiseName
 from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above
 from egad.perception.noise import (
     BASELINE,
     add_gamma_noise,
+    add_noise,
     add_sensor_noise,
     grazing,
     stereo_shadow,
@@ -142,3 +144,27 @@ def test_gamma_noise_scales_the_image_and_blurs_the_rest() -> None:
     apart = (grid[:, :, :-12] * grid[:, :, 12:]).mean() / grid.var()
     assert along > 0.8
     assert abs(apart) < 0.05
+
+
+def test_the_noise_of_giga_has_its_moments() -> None:
+    """One factor for an image, and in half of the images 5 mm at every fourth pixel."""
+    view = View(np.full((120, 160), 0.6, np.float32), Intrinsics.spanning(160, 120, 60), np.eye(4))
+    rng = np.random.default_rng(0)
+    found = np.stack([add_noise("dex", view, rng).depth for _ in range(600)]).astype(float)
+    rough = found.std(axis=(1, 2)) > 1e-5
+    # 300 of 600 with a standard deviation of 12.2
+    assert abs(rough.sum() - 300) < 45
+    plain = found[~rough][:, 0, 0] / 0.6
+    np.testing.assert_array_equal(found[~rough], found[~rough][:, :1, :1] * np.ones((1, 120, 160)))
+    assert plain.mean() == pytest.approx(1, abs=0.008)
+    assert plain.std() == pytest.approx(np.sqrt(1000) * 0.001, rel=0.15)
+    assert abs(((plain - plain.mean()) ** 3).mean() / plain.std() ** 3 - 2 / np.sqrt(1000)) < 0.5
+    corners = found[rough][:, [0, 0, -1, -1], [0, -1, 0, -1]]
+    apart = corners - found[rough].mean(axis=(1, 2))[:, None]
+    assert apart.std() == pytest.approx(0.005, rel=0.08)  # nodes of the grid
+
+
+@pytest.mark.parametrize("noise", ["none", "points"])
+def test_noise_on_points_leaves_images_alone(noise: NoiseName) -> None:
+    view = View(np.full((12, 16), 0.6, np.float32), SMALL, np.eye(4))
+    assert add_noise(noise, view, np.random.default_rng(0)) is view

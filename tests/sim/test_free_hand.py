@@ -11,7 +11,7 @@ from egad.grasps import hand_poses
 from egad.grippers import finger_span
 from egad.outcomes import Outcome
 from egad.sim.engines import open_world
-from egad.sim.free_hand import RETREAT, STANDOFF, FreeHand, execute_pose
+from egad.sim.free_hand import RETREAT, STANDOFF, ContactRules, FreeHand, execute_pose
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.robots import free_hand
@@ -91,15 +91,15 @@ def test_the_number_of_the_held_object_is_told(engine: EngineName) -> None:
 
 
 @EACH_ENGINE
-@pytest.mark.parametrize("closes", [True, False])
+@pytest.mark.parametrize("contact", ["close", "fail"])
 def test_a_hand_that_the_table_stops_closes_only_if_it_may(
-    engine: EngineName, closes: bool
+    engine: EngineName, contact: str
 ) -> None:
     with open_world(engine, [CUBE], free_hand(HAND)) as world:
         stand(world, SIDE)
-        result = execute_pose(world, grasp([0, 0, 0], [1, 0, 0], DOWN), 0.07, closes=closes)
+        result = execute_pose(world, grasp([0, 0, 0], [1, 0, 0], DOWN), 0.07, ContactRules(contact))
         assert result.stopped > 0.005
-        assert result.outcome == (Outcome.SUCCESS if closes else Outcome.COLLIDED)
+        assert result.outcome == (Outcome.SUCCESS if contact == "close" else Outcome.COLLIDED)
 
 
 @EACH_ENGINE

@@ -152,7 +152,7 @@ def scene_pictures(settings: ClutterParameters, bundle: Path) -> dict[str, list[
     models = {name: model_in(bundle, row) for name, row in rows_by_id(bundle).items()}
     found: dict[str, list[bytes]] = {}
     for this in rounds_of(list(models), settings):
-        if this.number < SHOWN and this.noise == settings.clutter.noise[0]:
+        if this.number < SHOWN and this.noise == settings.clutter.noises[0]:
             with suppress(UnstableError):
                 found.setdefault(this.scene, []).append(_png(picture_of(this, models, settings)))
     return found

@@ -1,0 +1,236 @@
+"""Rules by which tables are cleared, and those that published benchmarks use."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from egad._util.parameters import Length, Pixels, Range, UserParameters
+from egad.perception import NOISES, NoiseName
+
+# A Panda stops at about this contact force; lighter touches only push the object aside.
+COLLISION_FORCE = 20.0
+CUSTOM = "custom"
+Extent = Annotated[float, Field(gt=0, le=1)]
+
+
+class SceneCameras(UserParameters):
+    """Depth cameras around the table; what has a range is drawn anew before every attempt."""
+
+    views: int = Field(6, ge=1, le=64, description="cameras, evenly around the table")
+    distance: Range = Field((0.6, 0.6), description="range of their distance, metres")
+    tilt: Range = Field(
+        (30.0, 30.0), description="range of the angle between line of sight and vertical, degrees"
+    )
+    azimuth: Range = Field(
+        (0.0, 0.0),
+        description="range of the direction in which the first camera stands, counterclockwise "
+        "from the x axis, degrees",
+    )
+    aim: float = Field(
+        -0.05,
+        ge=-1,
+        le=1,
+        description="height above the middle of the table of the point that they look at, metres",
+    )
+    image: tuple[Pixels, Pixels] = Field(
+        (320, 240), description="width and height of their images, pixels"
+    )
+    focal: float = Field(
+        207.89351730849154,  # 1.047 rad from top to bottom
+        gt=0,
+        description="focal length, pixels; half the height of the image over the tangent of half "
+        "the vertical field of view",
+    )
+
+    @model_validator(mode="after")
+    def _ranges_can_be_drawn_from(self) -> Self:
+        for name in ("distance", "tilt", "azimuth"):
+            low, high = getattr(self, name)
+            if low > high or (low <= 0 and name != "azimuth"):
+                raise ValueError(f"{name} must go from low to high, got {low} to {high}")
+        if self.tilt[1] >= 90:
+            raise ValueError(f"tilt must be less than 90 degrees, got {self.tilt[1]}")
+        return self
+
+
+class ClutterProtocol(UserParameters):
+    """Rules by which a table is cleared: egad, vgn, giga, edgegrasp, or a section of your own.
+
+    What a section does not name is as in `egad`. docs/benchmark.md says where the values are from.
+    """
+
+    cameras: SceneCameras = SceneCameras()
+    noise: tuple[NoiseName, ...] = Field(
+        NOISES[:2], min_length=1, description="noise if `clutter.noise` has none"
+    )
+    scale: Range = Field(
+        (0.8, 1.0), description="range of the sizes of objects, of those in the bundle"
+    )
+    packed_scale: Range | None = Field(
+        None, description="the same in packed scenes; nothing: as `scale`"
+    )
+    repetition: bool = Field(
+        False, description="whether an object may be in a scene more than once"
+    )
+    packing_area: Extent = Field(
+        0.2, description="side of the square in which packed objects have their origins, metres"
+    )
+    packing_tries: int = Field(
+        50, ge=1, description="positions that are tried; what finds no space is left out"
+    )
+    packing_tries_of: Literal["object", "scene"] = Field(
+        "object", description="whether each object has these tries, or all of a scene together"
+    )
+    drop_height: Length = Field(
+        0.02, description="height from which objects are dropped, metres; see `drop_above`"
+    )
+    drop_above: Literal["objects", "table"] = Field(
+        "objects",
+        description="objects: it is that of the lowest point above what lies there; table: that of "
+        "the center of mass above the table",
+    )
+    opening: Literal["predicted", "full"] = Field(
+        "predicted", description="how far the hand opens: as the detector says, or fully"
+    )
+    contact: Literal["close", "fail", "ignore"] = Field(
+        "close",
+        description="what a contact during the approach means: close: the hand stops and closes "
+        "there; fail: the attempt has failed; ignore: the hand moves on. One before the approach "
+        "is always a failure",
+    )
+    stopping_force: float = Field(
+        COLLISION_FORCE,
+        ge=0,
+        le=1000,
+        description="a contact with more than this force counts, newtons",
+    )
+    force: float | None = Field(
+        None, gt=0, le=1000, description="closing force, newtons; nothing: that of the gripper"
+    )
+    friction: float | None = Field(
+        None, gt=0, le=2, description="friction of the pads; nothing: that of the gripper"
+    )
+    success: Literal["pinched", "touched"] = Field(
+        "pinched",
+        description="what must be true besides that, after the retreat, the hand touches an object "
+        "and is open by more than a tenth: pinched: both fingers pressed on an object after they "
+        "closed; touched: nothing",
+    )
+    removed: Literal["pressed", "first"] = Field(
+        "pressed",
+        description="which object is removed after a success: the one that the hand presses on "
+        "most, or the first in the list of those that it touches",
+    )
+    choice: Literal["highest", "random"] = Field(
+        "highest",
+        description="which grasp is tried: that of the highest score, or a random one of those "
+        "that `threshold` leaves",
+    )
+    threshold: float | None = Field(
+        None, description="grasps of a lower score are not tried; nothing: all may be"
+    )
+    failures: int = Field(2, ge=1, description="failures in a row that end a round")
+    skips: int = Field(
+        1,
+        ge=1,
+        description="a round ends when nothing has been proposed so many times; before that, the "
+        "cameras look again",
+    )
+
+    @property
+    def name(self) -> str:
+        """What is written in tables: the name of these rules, or `custom`."""
+        names = [name for name, each in NAMED_PROTOCOLS.items() if each == self]
+        return names[0] if names else CUSTOM
+
+    def __str__(self) -> str:
+        """The name of these rules, or their values."""
+        return super().__str__() if self.name == CUSTOM else self.name
+
+    @model_validator(mode="after")
+    def _scales_can_be_drawn_from(self) -> Self:
+        for low, high in (self.scale, self.packed_scale or self.scale):
+            if not 0 < low <= high:
+                raise ValueError(f"scale must go from a positive low to high, got {low} to {high}")
+        return self
+
+
+_VGN = ClutterProtocol(
+    cameras=SceneCameras(image=(640, 480), focal=540.0),
+    noise=("none",),
+    packed_scale=(0.7, 0.9),
+    repetition=True,
+    packing_area=0.14,
+    packing_tries=12,
+    packing_tries_of="scene",
+    drop_height=0.2,
+    drop_above="table",
+    opening="full",
+    stopping_force=0.0,
+    force=20.0,
+    friction=1.0,
+    success="touched",
+    removed="first",
+    choice="random",
+    threshold=0.9,
+)
+NAMED_PROTOCOLS = {
+    "egad": ClutterProtocol(),
+    "vgn": _VGN,
+    "giga": _VGN.model_copy(
+        update={
+            "cameras": SceneCameras(
+                views=1,
+                tilt=(60.0, 60.0),
+                azimuth=(-90.0, -90.0),
+                aim=0.05,
+                image=(640, 480),
+                focal=540.0,
+            ),
+            "noise": ("dex",),
+            "choice": "highest",
+            "threshold": 0.5,
+        }
+    ),
+    "edgegrasp": _VGN.model_copy(
+        update={
+            "cameras": SceneCameras(
+                views=1,
+                distance=(0.6, 0.75),
+                tilt=(45.0, 60.0),
+                azimuth=(0.0, 180.0),
+                aim=0.2,
+                image=(640, 480),
+                focal=540.0,
+            ),
+            "noise": ("points",),
+            "packed_scale": (0.7, 0.8),
+            "contact": "ignore",
+            "friction": 0.75,
+            "choice": "highest",
+            "threshold": None,
+            "skips": 3,
+        }
+    ),
+}
+
+
+def _by_name(given: object) -> object:
+    """The rules of a name; of a section, lists as the tuples that they are in Python."""
+    if not isinstance(given, str):
+        return _with_tuples(given)
+    if given not in NAMED_PROTOCOLS:
+        known = f"{', '.join(NAMED_PROTOCOLS)}, or a section with "
+        raise ValueError(
+            f"protocol is {given!r}; allowed: {known}{', '.join(ClutterProtocol.model_fields)}"
+        )
+    return NAMED_PROTOCOLS[given]
+
+
+def _with_tuples(given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
+    if isinstance(given, dict):
+        return {name: _with_tuples(each) for name, each in given.items()}
+    return tuple(given) if isinstance(given, list) else given
+
+
+Protocol = Annotated[ClutterProtocol, BeforeValidator(_by_name)]
