@@ -120,7 +120,7 @@ def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
 
 def _rules(name: str, table: pd.DataFrame) -> tuple[str, str]:
     """The name of a table, and the rules by which it was cleared."""
-    errors = sorted(set(table["errors"]) - {"none"})
+    errors = sorted(set(table["errors"]) - {"none", ""})
     return name, ", ".join([*table["protocol"].unique(), *(f"errors: {each}" for each in errors)])
 
 

@@ -140,6 +140,9 @@ def test_cleared_tables_of_different_rules_say_so(tmp_path):
     assert "ours vs theirs" in result.stdout
     assert "The rules" not in trials("compare", ours, same).stdout
     assert "The rules may be different (custom: odd, other)" in trials("compare", odd, other).stdout
+    off = cleared_table(tmp_path / "off.parquet", (True, False), protocol="egad", errors="typical")
+    said = "The rules are different (egad: ours; egad, errors: typical: off)"
+    assert said in trials("compare", ours, off).stdout
 
 
 def test_cleared_tables_without_a_common_round_say_so(tmp_path):
