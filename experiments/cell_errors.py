@@ -1,11 +1,11 @@
 """The tables of docs/studies/real-cell.md: what the errors of a real cell cost.
 
 `python experiments/cell_errors.py FOLDER [NAME=WEIGHTS ...]` tries detectors on the evaluation set
-of the release with the gripper `egad_75mm` and depth noise 0.1. The first table has both meanings
-of a contact on the way down, without errors and with `typical` ones; the second has each of these
-errors alone, with a hand that closes where it was stopped. `NAME=WEIGHTS` adds GG-CNN with other
-weights, carried out as deep as the image allows and as published. Tables of attempts are kept in
-FOLDER; a second call does what is left.
+of the release with the gripper `egad_75mm`. The first table has both meanings of a contact on the
+way down, without errors and with `typical` ones; the second has what each of these errors costs
+alone, with a hand that closes where it was stopped, in pairs of objects. `NAME=WEIGHTS` adds GG-CNN
+with other weights, carried out as deep as the image allows and as published. Tables of attempts are
+kept in FOLDER, one for each `--noise`; a second call does what is left.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.sim import ENGINES, NAMED_ERRORS, EngineName, Model, TrialParameters, build, run_attempts
-from egad.stats import mean_rate
+from egad.stats import Interval, compare, mean_rate, results
 
 HAND = GRIPPERS["egad_75mm"]
 TYPICAL = NAMED_ERRORS["typical"]
@@ -81,18 +81,19 @@ def main(
     detectors: dict[str, Detector | None],
     engine: EngineName,
     attempts: int,
+    noise: float,
     jobs: int,
 ) -> None:
     """Run what is missing, and print both tables."""
     folder.mkdir(parents=True, exist_ok=True)
     objects = prepared(folder / "objects.pickle", jobs)
 
-    def rate(name: str, errors: str, contact: str) -> str:
+    def attempts_of(name: str, errors: str, contact: str) -> pd.DataFrame:
         path = folder / str(attempts) / engine / contact / errors / f"{name}.parquet"
         if not path.exists():
             protocol = {"errors": ERRORS[errors], "contact": contact, "engine": engine}
             trials = TrialProtocol(
-                attempts=attempts, depth_noise=0.1, stopping_force=CONTACTS[contact], **protocol
+                attempts=attempts, depth_noise=noise, stopping_force=CONTACTS[contact], **protocol
             )
             parameters = TrialParameters(seed=0, gripper=HAND, trials=trials)
             with workers(jobs) as mapper:
@@ -101,9 +102,16 @@ def main(
             path.parent.mkdir(parents=True, exist_ok=True)
             with atomic_output(path) as out:
                 found.to_parquet(out)
-        mean = mean_rate(pd.read_parquet(path))
-        low, high = 100 * np.array(mean.interval)
-        return f"{100 * mean.value:.0f} ({low:.0f} to {high:.0f})"
+        return pd.read_parquet(path)
+
+    def rate(name: str, errors: str, contact: str) -> str:
+        mean = mean_rate(attempts_of(name, errors, contact))
+        return percent(mean.value, mean.interval)
+
+    def cost(name: str, errors: str) -> str:
+        both = [results(attempts_of(name, each, "close"), name) for each in (errors, "none")]
+        difference = compare(*both)
+        return percent(difference.difference, difference.interval)
 
     both = list(itertools.product(CONTACTS, ("none", "typical")))
     table(
@@ -111,11 +119,14 @@ def main(
         [f"{error}, {contact}" for contact, error in both],
         lambda name: (rate(name, error, contact) for contact, error in both),
     )
-    table(
-        NAMES,
-        list(ERRORS),
-        lambda name: (rate(name, error, "close") for error in ERRORS),
-    )
+    alone = [error for error in ERRORS if error != "none"]
+    table(NAMES, alone, lambda name: (cost(name, error) for error in alone))
+
+
+def percent(value: float, interval: Interval) -> str:
+    """A rate or difference with its interval, in percent."""
+    rate, low, high = np.round(100 * np.array([value, *interval])) + 0.0  # no -0
+    return f"{rate:.0f} ({low:.0f} to {high:.0f})"
 
 
 def table(
@@ -143,8 +154,9 @@ if __name__ == "__main__":
     parser.add_argument("weights", nargs="*")
     parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0])
     parser.add_argument("--attempts", type=int, default=20)
+    parser.add_argument("--noise", type=float, default=0.1, help="pixels of disparity")
     parser.add_argument("--jobs", type=int, default=2)
     chosen = parser.parse_intermixed_args()
     shipped = {name: None if name == "labels" else make_detector(DETECTORS[name]) for name in NAMES}
     detectors = shipped | dict(weights(chosen.weights))
-    main(chosen.folder, detectors, chosen.engine, chosen.attempts, chosen.jobs)
+    main(chosen.folder, detectors, chosen.engine, chosen.attempts, chosen.noise, chosen.jobs)
