@@ -1,10 +1,8 @@
 """Detectors clear tables from Python."""
 
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import trimesh
 from PIL import Image
@@ -203,24 +201,6 @@ def test_labels_and_antipodal_points_succeed_with_boxes():
     for name in ("labels", "antipodal-cloud"):
         found = egad.run_benchmark(name, OBJECTS, **{**FEW, "scenes": ["packed"]})
         assert found.rates()[0].success.value > 0.7
-
-
-def test_the_default_protocol_is_that_of_earlier_versions():
-    """`sim/reference_clearing.csv` was made before there were protocols."""
-    path = Path(__file__).parent / "sim/reference_clearing.csv"
-    expected = pd.read_csv(path, keep_default_na=False)
-    sides = [(0.04, 0.03, 0.05), (0.03, 0.06, 0.03), (0.04, 0.04, 0.04), (0.05, 0.03, 0.03)]
-    boxes = {f"box{number}": trimesh.creation.box(each) for number, each in enumerate(sides)}
-    few = {"rounds": 1, "per_scene": 3, "scenes": ["packed", "pile"], "noise": ["stereo", "gamma"]}
-    table = egad.run_benchmark(at_the_highest_point, boxes, seed=5, **few).table
-    assert set(table["protocol"]) == {"egad"}
-    for name in expected:
-        found = table[name]
-        if found.dtype.kind == "f":
-            wanted = pd.to_numeric(expected[name], errors="coerce")
-            np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-7, err_msg=name)
-        else:
-            assert found.astype(str).tolist() == expected[name].astype(str).tolist(), name
 
 
 @pytest.mark.parametrize(
