@@ -223,7 +223,8 @@ def clear(run: Run, first: int, objects: list[SceneObject], given: argparse.Name
         for each in rounds_of([one.id for one in known], settings)
         if first <= each.number < first + CHUNK
     ]
-    threshold = run.clutter.protocol.threshold or THRESHOLD
+    given_threshold = run.clutter.protocol.threshold
+    threshold = THRESHOLD if given_threshold is None else given_threshold
     detect = (FineVgn if run.fine else Vgn)(given.vgn, threshold)
     table, _ = clear_rounds(todo, known, detect, settings)
     path.parent.mkdir(parents=True, exist_ok=True)

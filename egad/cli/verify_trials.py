@@ -35,11 +35,13 @@ def verify_trials(
     jobs: Jobs = CORES,
 ) -> None:
     """Simulate the attempts of a table again, without their detector, and say which differ."""
+    import pandas as pd
+
     from egad.tables import parquet
     from egad.tables.clutter import CLUTTER
     from egad.tables.evaluation import TRIALS
     from egad.workflow.bundled import models_in
-    from egad.workflow.verification import groups_of, verify_groups
+    from egad.workflow.verification import gaps, groups_of, verify_groups
 
     settings = settings_in(config)
     hand = named_gripper(settings, gripper)
@@ -62,3 +64,9 @@ def verify_trials(
             "the kind of processor differ from those of the trials"
         )
     typer.echo(f"{table}: {attempts} of {len(rows)} attempts simulated again: all as it says")
+    labels = dict(zip(rows["id"], rows.get("label", rows["id"]), strict=True))
+    objects = [(labels.get(name, name), name) for name in models]
+    missing = list(gaps(rows, pd.DataFrame(objects, columns=["label", "id"]), settings, hand))
+    if missing:
+        more = f", and {len(missing) - 1} more" if len(missing) > 1 else ""
+        typer.echo(f"It is not all that the configuration asks for: {missing[0]}{more}", err=True)

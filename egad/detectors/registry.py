@@ -54,7 +54,8 @@ def make_detector(config: DetectorConfig) -> Detector:
     if name == "ggcnn":
         return with_checked_answers(GGCNN(config.weights, config.execution))
     if name == "vgn":
-        return with_checked_answers(Vgn(config.weights, config.threshold or THRESHOLD))
+        threshold = THRESHOLD if config.threshold is None else config.threshold
+        return with_checked_answers(Vgn(config.weights, threshold))
     return with_checked_answers(_own(config))
 
 

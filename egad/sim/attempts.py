@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from egad.detectors import Detector, Grasp, Labels
+from egad.errors import UserError
 from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.arms import ARMS
@@ -68,11 +69,21 @@ def read_attempt(
         errors: Those of the trials.
     """
     start = InitialPose(row["initial_pose"], Pose.of([row[name] for name in INITIAL]))
-    deviation = draw(errors, *(int(row[name], 16) for name in ("calibration", "seed")))
+    deviation = draw(errors, *(_hexadecimal(row, name) for name in ("calibration", "seed")))
     if np.isnan(row["width"]):
         return start, None, deviation
     x, y, z = (float(row[name]) for name in CENTER)
     return start, Grasp((x, y, z), *(float(row[key]) for key in NUMBERS)), deviation
+
+
+def _hexadecimal(row: Mapping[str, Any], name: str) -> int:
+    try:
+        return int(row[name], 16)
+    except ValueError as error:
+        place = f"{row['label']}, attempt {row['attempt']}"
+        raise UserError(
+            f"{place}: {name} is {row[name]!r}; allowed: a hexadecimal number"
+        ) from error
 
 
 def _protocol(settings: TrialParameters) -> dict[str, str]:

@@ -46,7 +46,8 @@ class SceneCameras(UserParameters):
     def _ranges_can_be_drawn_from(self) -> Self:
         for name in ("distance", "tilt", "azimuth"):
             low, high = getattr(self, name)
-            if low > high or (low <= 0 and name != "azimuth"):
+            least = {"distance": 0.1, "tilt": 0}.get(name, low)
+            if not least <= low <= high:
                 raise ValueError(f"{name} must go from low to high, got {low} to {high}")
         if self.tilt[1] >= 90:
             raise ValueError(f"tilt must be less than 90 degrees, got {self.tilt[1]}")
@@ -127,7 +128,11 @@ class ClutterProtocol(UserParameters):
         "that `threshold` leaves",
     )
     threshold: float | None = Field(
-        None, description="grasps of a lower score are not tried; nothing: all may be"
+        None,
+        ge=0,
+        le=1,
+        description="grasps of a lower score are not tried, whatever the detector means by its "
+        "scores; nothing: all may be",
     )
     failures: int = Field(2, ge=1, description="failures in a row that end a round")
     skips: int = Field(

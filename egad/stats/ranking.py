@@ -5,6 +5,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # scipy.stats is loaded when it is used
 
 from egad._util.arrays import Floats, Ints
 from egad.random import generator
@@ -49,9 +50,9 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
     """All pairs of detectors, with simultaneous intervals of 95 % for other groups of their kind.
 
     Rates are sums of successes over the sum of sizes. Groups (objects, or rounds of clearing a
-    table) are drawn with replacement, the same for all pairs. In each draw, the deviation of every
-    difference is divided by its standard error in that draw; the interval of a pair is as many
-    standard errors wide as the largest of these is in 95 % of the draws.
+    table) are drawn with replacement, the same for all pairs. The interval of a pair is as many
+    standard errors wide as the largest deviation of any difference is in 95 % of the draws, and
+    widened for few groups as in `egad.stats.rates.bootstrap`.
 
     Args:
         successes: Of each group, (n,), by detector.
@@ -69,19 +70,22 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
     widths = np.full(len(pairs), np.inf)
     if count >= ENOUGH_OBJECTS:
         drawn = generator(0, "bootstrap").multinomial(count, np.full(count, 1 / count), DRAWS)
-        values, spreads = _ratios(drawn, gains, sizes)
-        away = np.abs(values - differences)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            largest = np.where(away > 0, away / spreads, 0.0).max(axis=1)
-        with np.errstate(invalid="ignore"):
-            wide = np.quantile(largest, 0.95, method="higher") * errors[0]
-        widths = np.where(errors[0] > 0, wide, 0.0)
+        away = np.abs(_ratios(drawn, gains, sizes)[0] - differences)
+        differ = errors[0] > 0  # of the others, all gains are equal
+        largest = (away[:, differ] / errors[0, differ]).max(axis=1, initial=0.0)
+        widths = np.quantile(largest, 0.95) * _small_sample(count) * errors[0]
     found = []
     for (one, other), value, width in zip(pairs, differences[0].tolist(), widths, strict=True):
         names = (one, other) if value >= 0 else (other, one)
         interval = float(abs(value) - width), float(abs(value) + width)
         found.append(Lead(*names, abs(value), interval))
     return found
+
+
+def _small_sample(count: int) -> float:
+    """What makes a bootstrap interval wider for few groups (Hesterberg 2015)."""
+    normal, student = scipy.stats.norm.ppf(0.975), scipy.stats.t.ppf(0.975, count - 1)
+    return float(np.sqrt(count / (count - 1)) * student / normal)
 
 
 def _ratios(weights: Floats | Ints, gains: Ints, sizes: Ints) -> tuple[Floats, Floats]:

@@ -111,6 +111,8 @@ def read_protocol(path: Path) -> tuple[Protocol, Settings]:
     """
     try:
         values = read_values(path)
+        if not {"trials", "clutter"} & set(values or ()):
+            raise UserError("a protocol needs a section trials or clutter")
         settings = check(merged(defaults(), values))
         is_clutter = "clutter" in values
         section = settings.clutter if is_clutter else settings.trials
@@ -144,8 +146,9 @@ def build(folder: Path, out: Path, checks: Checks) -> list[str]:
         (made / FILMS).mkdir(parents=True)
         for name, path in _listed(folder / ENTRIES, entries, problems):
             if path.stem not in protocols:
-                problems.append(f"{path}: there is no protocol {path.stem}")
-                continue
+                if not (folder / PROTOCOLS / f"{path.stem}.yaml").exists():
+                    problems.append(f"{path}: there is no protocol {path.stem}")
+                continue  # what is wrong with it has been told
             submitted = _Submitted(name, path, *protocols[path.stem])
             try:
                 tables.append(_verified(submitted, models, checks, made))
@@ -198,6 +201,8 @@ def _protocols(
 
 
 def _entries(folder: Path, problems: list[str]) -> Iterator[tuple[str, Entry]]:
+    if not folder.is_dir():
+        raise UserError(f"{folder}: no such folder")
     for path in sorted(each for each in folder.iterdir() if each.is_dir()):
         try:
             if not re.fullmatch(NAME, path.name):
@@ -241,9 +246,12 @@ def _verified(
         raise _NotVerifiedError(reasons)
     models = models_of(this.settings.grippers[this.gripper], this.settings.rescale.rule)
     groups = groups_of(rows, checks.sample, this.settings.seed)
-    found = verify_groups(
-        groups, models, this.settings, this.gripper, checks.tolerance, checks.jobs
-    )
+    try:
+        found = verify_groups(
+            groups, models, this.settings, this.gripper, checks.tolerance, checks.jobs
+        )
+    except UserError as error:
+        raise _NotVerifiedError([str(error)]) from error
     simulated = sum(map(len, groups))
     if found:
         places = dict.fromkeys(each.place for each in found)
@@ -322,6 +330,8 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="%(message)s")
+    if given.sample is not None and given.sample < 1:
+        parser.error(f"--sample is {given.sample}; allowed: at least 1")
     checks = Checks(given.sample, given.tolerance, given.jobs)
     try:
         problems = build(given.folder, given.out, checks)

@@ -1,5 +1,6 @@
 """Whether tables of simulated attempts can be reproduced."""
 
+import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
@@ -32,13 +33,16 @@ def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.Data
     Args:
         rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
         sample: How many of these groups, drawn by chance; all if None.
-        seed: What they are drawn with.
+        seed: What they are drawn with, and with the table, so that nobody knows before it is made.
     """
     keys = ROUND if "scene" in rows else ["id"]
     groups = [own for _, own in rows.groupby(keys, sort=False)]
     if sample is None or sample >= len(groups):
         return groups
-    chosen = generator(seed, "verify").choice(len(groups), sample, replace=False)
+    digest = hashlib.sha256(
+        pd.util.hash_pandas_object(rows, index=False).to_numpy().tobytes()
+    ).hexdigest()
+    chosen = generator(seed, "verify", digest).choice(len(groups), sample, replace=False)
     return [groups[number] for number in sorted(chosen)]
 
 

@@ -61,7 +61,7 @@ def tried(test, noise, name, seed, detector):
     table = table.assign(test=test, noise=noise, training_set=name, seed=seed, quality=0.5)
     outcome = np.where(table["success"], "success", "collided")
     table = table.assign(outcome=outcome, detector=detector, engine="mujoco")
-    return table[COMPARED.names]
+    return table.assign(errors="none", contact="collided")[COMPARED.names]
 
 
 def cleared(test, name, seed, detector):

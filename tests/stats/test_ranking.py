@@ -54,6 +54,21 @@ def test_a_few_objects_cannot_tell_detectors_apart():
     assert ranks(["alone"], []) == {"alone": Ranks(1, 1)}
 
 
+@pytest.mark.parametrize("objects", [1, 2, 3])
+def test_a_copy_that_differs_at_few_objects_leaves_the_others_their_ranks(objects):
+    good = np.array([17, 18, 16, 20, 15, 19, 17] * 7)
+    copy = good.copy()
+    copy[:objects] -= 1
+    tables = {"good": good, "copy": copy, "bad": good // 4}
+    pairs = leads(tables, np.full(49, 20))
+    assert np.isfinite([each.interval for each in pairs]).all()
+    assert ranks(list(tables), pairs) == {
+        "good": Ranks(1, 2),
+        "copy": Ranks(1, 2),
+        "bad": Ranks(3, 3),
+    }
+
+
 def test_a_chain_of_ties_whose_ends_differ():
     pairs = [
         Lead("a", "b", 0.1, (-0.1, 0.3)),

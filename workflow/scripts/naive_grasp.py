@@ -20,6 +20,8 @@ from egad.workflow.simulations import open_naive_grasps
 
 log = logging.getLogger(__name__)
 
+GRASP_TIME = 5.0  # seconds; one takes a tenth of that
+
 
 def run(
     settings: NaiveGrasps,
@@ -45,7 +47,7 @@ def run(
     found = []
     phase("starting the simulator")
     opened = partial(open_naive_grasps, settings, convex_parts, meshes)
-    with RestartingWorker(opened, 2 * ENGINE_TIME * count) as attempt:
+    with RestartingWorker(opened, ENGINE_TIME + 2 * count * GRASP_TIME) as attempt:
         for row in progress(parquet.records(names), "trying naive grasps", len(names)):
             tried = attempt(row)
             if tried is None:
