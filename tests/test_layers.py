@@ -21,6 +21,7 @@ LAYERS = [
         "reeb",
         "grippers",
         "grasps",
+        "suction",
         "measures",
         "map_elites",
         "perception",

@@ -1,0 +1,5 @@
+"""Suction cups and their grasps: seal, wrench resistance, robust quality, sampling."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

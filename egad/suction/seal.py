@@ -1,0 +1,174 @@
+"""Whether suction cups seal against a surface: the springs of Dex-Net 3.0 (Mahler et al. 2018).
+
+The frame of a cup has its origin in the middle of the ring, before the ring is deformed. z is the
+approach, into the object; x points to the first vertex of the ring. Depths count along z.
+"""
+
+from enum import StrEnum
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from egad._util.arrays import Flags, Floats, Ints
+from egad.geometry import RayCaster
+from egad.suction.parameters import SuctionCup
+
+POINTS_WITHIN = 50  # the ring, where holes are looked for; as in GraspGen
+GOLDEN_RATIO = (1 + np.sqrt(5)) / 2
+INNER = 1e-9  # least share of the apex in a point of the wall
+
+
+class SealFailure(StrEnum):
+    """Why a cup does not seal."""
+
+    MISSED = "ring misses the object"
+    BLOCKED = "object in the way of the cup"
+    STRAINED = "ring bent too far"
+    HOLE = "hole inside the ring"
+    WALL = "object meets the wall of the cup"
+
+
+class Seals(NamedTuple):
+    """How n cups meet an object.
+
+    Attributes:
+        failures: (n,) why each cup does not seal, a text of `SealFailure`; empty if it seals.
+        strains: (n,) largest relative change of length of a spring; infinite if the ring misses.
+        depths: (n,) mean depth of the ring, metres; infinite if it misses.
+    """
+
+    failures: NDArray[np.str_]
+    strains: Floats
+    depths: Floats
+
+    @property
+    def sealed(self) -> Flags:
+        """(n,) whether each cup seals."""
+        return np.asarray(self.failures == "")
+
+
+class Springs(NamedTuple):
+    """Lengths of the springs of n cups, (n, sides) each, metres.
+
+    Attributes:
+        perimeter: From each vertex of the ring to the next.
+        flexion: From each vertex of the ring to the next but one.
+        cone: From each vertex of the ring to the apex.
+    """
+
+    perimeter: Floats
+    flexion: Floats
+    cone: Floats
+
+
+def seal_cups(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats) -> Seals:
+    """Let cups move onto an object and see whether they seal.
+
+    Each vertex of the ring moves along z until it meets the object. A cup seals if every spring
+    changes its length by less than `max_strain`, if the surface has no hole inside the ring, and if
+    it stays below the wall of the cup. Hole and wall are tested at 50 points. There is a hole where
+    a ray along z meets nothing, or only what lies deeper below the ring than the cup is high.
+
+    Args:
+        caster: Ray caster of the object, closed, metres.
+        cup: The cup.
+        origins: (n, 3) origins of the frames of the cups, metres.
+        frames: (n, 3, 3) their unit vectors x, y, z in rows.
+    """
+    ring = _depths(caster, cup, origins, frames, ring_vertices(cup))
+    met = np.isfinite(ring).all(axis=1)
+    ring[~met] = 0.0
+    mean = ring.mean(axis=1)
+    rest, springs = spring_lengths(cup, np.zeros((1, cup.sides))), spring_lengths(cup, ring)
+    strains = np.max(np.abs(np.stack(springs) / np.stack(rest) - 1), axis=(0, 2))
+    failures = np.select(
+        [~met, mean < -cup.height, strains >= cup.max_strain],
+        [SealFailure.MISSED, SealFailure.BLOCKED, SealFailure.STRAINED],
+        " " * len(SealFailure.WALL),
+    )
+    failures = np.char.strip(failures)
+    good = np.flatnonzero(failures == "")
+    failures[good] = _failures_within(caster, cup, origins[good], frames[good], ring[good])
+    return Seals(failures, np.where(met, strains, np.inf), np.where(met, mean, np.inf))
+
+
+def ring_vertices(cup: SuctionCup) -> Floats:
+    """(sides, 2) vertices of the ring before it is deformed, x and y, metres."""
+    angles = 2 * np.pi * np.arange(cup.sides) / cup.sides
+    return cup.radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def spring_lengths(cup: SuctionCup, ring: Floats) -> Springs:
+    """Lengths of the springs of cups whose vertices lie at these depths.
+
+    The apex lies on the axis, where its mean axial distance to the ring is the height of the cup.
+
+    Args:
+        cup: The cup.
+        ring: (n, sides) depths of the vertices, metres.
+    """
+    chords = 2 * cup.radius * np.sin(np.pi * np.array([1, 2]) / cup.sides)
+    heights = cup.height + ring - ring.mean(axis=1, keepdims=True)
+    return Springs(
+        np.hypot(chords[0], ring - np.roll(ring, -1, axis=1)),
+        np.hypot(chords[1], ring - np.roll(ring, -2, axis=1)),
+        np.hypot(cup.radius, heights),
+    )
+
+
+def _failures_within(
+    caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, ring: Floats
+) -> NDArray[np.str_]:
+    """What fails inside the ring of each of n cups, given the depths of the ring (n, sides)."""
+    points, sectors, shares = _points_within(cup)
+    depths = _depths(caster, cup, origins, frames, points)
+    mean = ring.mean(axis=1, keepdims=True)
+    apex = mean - cup.height
+    wall = shares[:, 0] * ring[:, sectors] + shares[:, 1] * ring[:, (sectors + 1) % cup.sides]
+    wall += shares[:, 2] * apex
+    hole = (depths - mean > cup.height).any(axis=1)
+    above = ((depths < wall) & (shares[:, 2] > INNER)).any(axis=1)
+    found = [SealFailure.HOLE.value, SealFailure.WALL.value]
+    return np.select([hole, above], found, "")
+
+
+@lru_cache(maxsize=8)
+def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
+    """Points inside the ring of a cup, and where on its wall they lie.
+
+    The points are those of a sunflower, some of them on the ring.
+
+    Returns:
+        (k, 2) points, metres; (k,) the first vertex of the sector that each lies in; (k, 3) shares
+        of this vertex, the next one and the apex in the point: that of the apex is negative between
+        the ring and its chord.
+    """
+    number = np.arange(1, POINTS_WITHIN + 1)
+    outer = round(2 * np.sqrt(POINTS_WITHIN))
+    parts = np.sqrt((number - 0.5) / (POINTS_WITHIN - (outer + 1) / 2))
+    reach = cup.radius * np.where(number > POINTS_WITHIN - outer, 1.0, parts)
+    angles = 2 * np.pi * number / GOLDEN_RATIO**2 % (2 * np.pi)
+    points = reach[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    sector = 2 * np.pi / cup.sides
+    sectors = np.floor(angles / sector).astype(np.int64) % cup.sides
+    inside = angles - sectors * sector
+    scale = reach / (cup.radius * np.sin(sector))
+    first, second = scale * np.sin(sector - inside), scale * np.sin(inside)
+    return points, sectors, np.stack([first, second, 1 - first - second], axis=1)
+
+
+def _depths(
+    caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, points: Floats
+) -> Floats:
+    """Depths at which points (k, 2) of n cups meet the object, (n, k), metres.
+
+    They are infinite where a point meets nothing, or starts inside the object.
+    """
+    x, y, z = frames[:, None, 0], frames[:, None, 1], frames[:, None, 2]
+    starts = origins[:, None] - cup.approach * z + points[:, :1] * x + points[:, 1:] * y
+    directions = np.broadcast_to(z, starts.shape)
+    hits = caster.first_hits(starts.reshape(-1, 3), directions.reshape(-1, 3))
+    depths = np.where(hits.entering, hits.distances - cup.approach, np.inf)
+    return depths.reshape(len(origins), len(points))

@@ -1,0 +1,51 @@
+"""Which loads a suction cup resists: the linear limits of Dex-Net 3.0 (Mahler et al. 2018).
+
+A load is the wrench of the object on the cup, in the frame of the cup: force, then torque about the
+origin. z is the approach: a positive force along it pulls the object off. The contact of one cup
+has six coordinates, which are those of its load. So a load is resisted if it satisfies the limits
+itself, and no program has to be solved.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from egad._util.arrays import Flags, Floats
+from egad.suction.parameters import SuctionCup
+
+
+def resists(cup: SuctionCup, loads: Floats, friction: ArrayLike | None = None) -> Flags:
+    """Whether a cup resists each of n loads.
+
+    With the force `N = V - f_z` that presses the cup on, the eleven limits are
+    `sqrt(3) |f_x| <= mu N`, `sqrt(3) |f_y| <= mu N` (friction), `sqrt(3) |t_z| <= r mu N`
+    (torsion), `sqrt(2) |t_x| <= pi r kappa`, `sqrt(2) |t_y| <= pi r kappa` (bending) and `N >= 0`
+    (vacuum). The bending torque may lie outside its limits by `torque_tolerance`.
+
+    Args:
+        cup: The cup.
+        loads: (n, 6) force and torque, newtons and newton metres.
+        friction: mu, one for all or (n,); by default that of the cup.
+    """
+    pressing = cup.vacuum_force - loads[:, 2]
+    mu = np.asarray(cup.friction if friction is None else friction)
+    grip = mu * pressing / np.sqrt(3)
+    held = (pressing >= 0) & (np.abs(loads[:, :2]).max(axis=1) <= grip)
+    held &= np.abs(loads[:, 5]) <= cup.radius * grip
+    limit = np.pi * cup.radius * cup.bending / np.sqrt(2)
+    beyond = np.maximum(np.abs(loads[:, 3:5]) - limit, 0.0)
+    return np.asarray(held & (np.hypot(beyond[:, 0], beyond[:, 1]) <= cup.torque_tolerance))
+
+
+def loads_in_frames(origins: Floats, frames: Floats, forces: Floats, points: Floats) -> Floats:
+    """Loads of forces at points, in the frames of n cups: (n, 6).
+
+    Args:
+        origins: (n, 3) origins of the frames, metres.
+        frames: (n, 3, 3) their unit vectors x, y, z in rows.
+        forces: (n, 3) or (3,), newtons.
+        points: (n, 3) or (3,) where the forces act, metres.
+    """
+    force = np.broadcast_to(forces, origins.shape)
+    both = np.stack([force, np.cross(points - origins, force)], axis=1)
+    turned = np.einsum("nij,nkj->nki", frames, both)
+    return np.asarray(turned.reshape(len(origins), 6))
