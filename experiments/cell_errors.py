@@ -108,6 +108,11 @@ def main(
         mean = mean_rate(attempts_of(name, errors, contact))
         return percent(mean.value, mean.interval)
 
+    def row_of(name: str, letter: str) -> str:
+        attempts = attempts_of(name, "typical", "collided")
+        mean = mean_rate(attempts[attempts["label"].str.startswith(letter)])
+        return percent(mean.value, mean.interval)
+
     def cost(name: str, errors: str) -> str:
         both = [results(attempts_of(name, each, "close"), name) for each in (errors, "none")]
         difference = compare(*both)
@@ -116,8 +121,11 @@ def main(
     both = list(itertools.product(CONTACTS, ("none", "typical")))
     table(
         detectors,
-        [f"{error}, {contact}" for contact, error in both],
-        lambda name: (rate(name, error, contact) for contact, error in both),
+        [f"{error}, {contact}" for contact, error in both] + ["row A: typical, collided", "row G"],
+        lambda name: (
+            *(rate(name, error, contact) for contact, error in both),
+            *(row_of(name, letter) for letter in "AG"),
+        ),
     )
     alone = [error for error in ERRORS if error != "none"]
     table(NAMES, alone, lambda name: (cost(name, error) for error in alone))
