@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from egad._util.parameters import Length, ParameterGroup, Parameters, Seed, Sigma, UserParameters
+from egad._util.parameters import Length, Parameters, Seed, Sigma, UserParameters
 
 
 class SuctionCup(UserParameters):
@@ -58,7 +58,7 @@ class RobustSuction(Parameters):
     weight_sigma: Sigma = Field(0.1, description="weight of the object, relative")
 
 
-class SuctionSampling(ParameterGroup):
+class SuctionSampling(Parameters):
     """How many suction grasps of an object, and which."""
 
     seed: Seed
