@@ -50,9 +50,9 @@ from egad.sim import (
     write_film,
 )
 from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing, engine_names
+from egad.tables.clutter import ROUND
 
 SHARDS = 4  # for each job, so that none waits long for the others
-ROUND = ["scene", "noise", "round"]
 
 
 class Scenes(NamedTuple):

@@ -34,8 +34,6 @@ TURN = Rotation.from_euler("z", np.pi / 2).as_matrix()
 class Vgn:
     """VGN's network as a grasp detector."""
 
-    _threshold = THRESHOLD
-
     def __init__(self, weights: str | None, threshold: float = THRESHOLD) -> None:
         """Load it.
 

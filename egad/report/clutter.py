@@ -19,6 +19,7 @@ from egad.stats import (
     clearing_rates,
     compare_clearing,
     engine_names,
+    unusual,
 )
 from egad.tables import parquet
 
@@ -120,8 +121,7 @@ def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
 
 def _rules(name: str, table: pd.DataFrame) -> tuple[str, str]:
     """The name of a table, and the rules by which it was cleared."""
-    errors = sorted(set(table["errors"]) - {"none", ""})
-    return name, ", ".join([*table["protocol"].unique(), *(f"errors: {each}" for each in errors)])
+    return name, ", ".join([*table["protocol"].unique(), *unusual(table, {"errors": "none"})])
 
 
 def page(results: ClearingResults) -> str:

@@ -25,9 +25,9 @@ from egad.stats import (
     ranks,
     trial_grid,
 )
+from egad.tables.clutter import ROUND
 
 ROWS, COLUMNS = 7, 7
-ROUND = ["scene", "noise", "round"]
 
 
 @dataclass(frozen=True)

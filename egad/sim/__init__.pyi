@@ -47,11 +47,13 @@ from .protocols import CUSTOM as CUSTOM
 from .protocols import NAMED_PROTOCOLS as NAMED_PROTOCOLS
 from .protocols import ClutterProtocol as ClutterProtocol
 from .protocols import SceneCameras as SceneCameras
+from .rounds import Models as Models
 from .rounds import Round as Round
 from .rounds import failed_round as failed_round
 from .rounds import film_round as film_round
 from .rounds import picture_of as picture_of
 from .rounds import repeat_round as repeat_round
+from .rounds import round_name as round_name
 from .rounds import rounds_of as rounds_of
 from .rounds import run_round as run_round
 from .scene_labels import SceneLabels as SceneLabels

@@ -30,7 +30,7 @@ from egad.sim.free_hand import ContactRules, execute_pose
 from egad.sim.gripper import Fingers
 from egad.sim.parameters import Clutter
 from egad.sim.protocols import ClutterProtocol, SceneCameras
-from egad.sim.scenes import OURS, WORKSPACE, RestingObject, make_scene, put, settle_from
+from egad.sim.scenes import EGAD, WORKSPACE, RestingObject, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World
 
 Generator = np.random.Generator
@@ -238,7 +238,7 @@ def intrinsics_of(cameras: SceneCameras) -> Intrinsics:
     return Intrinsics(width, height, focal, ((width - 1) / 2, (height - 1) / 2))
 
 
-def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = OURS) -> Propose:
+def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = EGAD) -> Propose:
     """A detector that sees what it wants of the scene.
 
     Args:

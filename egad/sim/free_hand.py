@@ -122,11 +122,11 @@ class ContactRules(NamedTuple):
     first: bool = False
 
 
-OURS = ContactRules()
+DEFAULT_CONTACTS = ContactRules()
 
 
 def execute_pose(
-    world: World, pose: Floats, width: float, rules: ContactRules = OURS
+    world: World, pose: Floats, width: float, rules: ContactRules = DEFAULT_CONTACTS
 ) -> PoseExecution:
     """Approach from 5 cm away, stop at a contact, close, and retreat by 10 cm.
 
@@ -159,13 +159,15 @@ def _executed(world: World, pose: Floats, width: float, rules: ContactRules) -> 
     stopped = hand.move(STANDOFF * approach, APPROACH_SPEED, limit)
     if stopped and rules.contact == "fail":
         return PoseExecution(Outcome.COLLIDED, stopped=stopped)
-    touched, lost = hand.close(), Outcome.SLIPPED_LIFTING
-    if not hand.pinches():
-        lost = Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED
-    if lost == Outcome.SLIPPED_LIFTING or not rules.pinched:
+    touched, pinched = hand.close(), hand.pinches()
+    if pinched or not rules.pinched:
         way = -approach if -approach[2] >= np.cos(STEEP) else UP
         hand.move(RETREAT * way, RETREAT_SPEED)
         held = hand.held(first=rules.first)
         if held is not None and hand.opening() > LEAST_OPENING * hand.gripper.opening:
             return PoseExecution(Outcome.SUCCESS, held, stopped)
-    return PoseExecution(Outcome.COLLIDED if stopped else lost, stopped=stopped)
+    if stopped:
+        return PoseExecution(Outcome.COLLIDED, stopped=stopped)
+    if pinched:
+        return PoseExecution(Outcome.SLIPPED_LIFTING)
+    return PoseExecution(Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED)

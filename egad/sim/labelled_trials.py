@@ -124,7 +124,7 @@ def float_before_hand(to_hand: Floats, size: float, gripper: Gripper) -> tuple[P
 
     Args:
         to_hand: (4, 4) from the principal frame of the object to the frame of the hand.
-        size: No point of the object is further than this from the origin of that frame, metres.
+        size: Length of the object, metres; it floats this high, and `CLEAR` above that.
         gripper: The hand.
     """
     height = size + CLEAR

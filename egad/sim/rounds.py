@@ -51,6 +51,11 @@ class Round(NamedTuple):
     factors: tuple[float, ...]
 
 
+def round_name(scene: object, noise: object, number: object) -> str:
+    """What a round is called in messages."""
+    return f"round {number}, {scene}, noise {noise}"
+
+
 def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
     """All rounds, in the order scene, noise, number; none without objects.
 
@@ -171,7 +176,7 @@ def film_round(
     """
     chosen = (table["scene"] == scene) & (table["noise"] == noise) & (table["round"] == number)
     rows = table[chosen].reset_index(drop=True)
-    name = f"round {number}, {scene}, noise {noise}"
+    name = round_name(scene, noise, number)
     if rows.empty or not rows["n_objects"].iloc[0]:
         raise UserError(f"{name}: there is none in the table, or it never began")
     films: list[Film] = []

@@ -23,7 +23,7 @@ SCENE_TRIES = 10  # ours: scenes without any object in the workspace are made an
 SETTLING_TIME = 2.0  # seconds, at most
 REST_SPEED = 0.01  # m/s and rad/s
 REST_TIME = 0.1  # ours: seconds that all objects must be slower than that
-OURS = ClutterProtocol()
+EGAD = ClutterProtocol()
 
 
 class RestingObject(NamedTuple):
@@ -34,7 +34,10 @@ class RestingObject(NamedTuple):
 
 
 def make_scene(
-    world: World, kind: SceneKind, rng: np.random.Generator, protocol: ClutterProtocol = OURS
+    world: World,
+    kind: SceneKind,
+    rng: np.random.Generator,
+    protocol: ClutterProtocol = EGAD,
 ) -> list[RestingObject]:
     """Put the objects of a world on the table, one after the other, until they lie still.
 

@@ -17,12 +17,13 @@ from egad.perception import View
 from egad.sim.attempts import read_attempt, run_attempts
 from egad.sim.model import Model
 from egad.sim.parameters import ClutterParameters, TrialParameters
-from egad.sim.rounds import Models, repeat_round, rounds_of
+from egad.sim.rounds import Models, Round, repeat_round, round_name, rounds_of
 from egad.sim.world import UnstableError
 from egad.tables import parquet
+from egad.tables.clutter import ROUND
 
 UNSEEN = ("failure", "quality", "score")  # columns that only the detector decides
-SCENE, BEGUN = ["scene", "noise", "round"], ["objects", "factors", "seed"]
+BEGUN = ["objects", "factors", "seed"]
 
 
 class Difference(NamedTuple):
@@ -91,16 +92,13 @@ def verify_rounds(
     """
     engine = {"engine": table["engine"].iloc[0]}
     settings = settings.model_copy(update={"clutter": settings.clutter.model_copy(update=engine)})
-    planned = {
-        f"round {each.number}, {each.scene}, noise {each.noise}": each
-        for each in rounds_of(list(models), settings)
-    }
+    planned: dict[object, Round] = {each[:3]: each for each in rounds_of(list(models), settings)}
     found: list[Difference] = []
-    for (scene, noise, number), group in table.groupby(SCENE, sort=False):
+    for (scene, noise, number), group in table.groupby(ROUND, sort=False):
         rows = group.reset_index(drop=True)
-        place, first = f"round {number}, {scene}, noise {noise}", rows.iloc[0]
+        place, first = round_name(scene, noise, number), rows.iloc[0]
         begun, wanted = tuple(first[BEGUN]), None
-        if plan := planned.get(place):
+        if plan := planned.get((scene, noise, number)):
             factors = " ".join(map(repr, plan.factors))
             wanted = (" ".join(plan.ids), factors, f"{plan.seed:032x}")
         if begun != wanted:

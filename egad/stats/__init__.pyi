@@ -35,6 +35,7 @@ from .rates import rate as rate
 from .rates import simulated_in as simulated_in
 from .rates import trend as trend
 from .rates import trial_grid as trial_grid
+from .rates import unusual as unusual
 from .rates import wilson as wilson
 from .records import LOG_COLUMNS as LOG_COLUMNS
 from .records import LOG_SCHEMA as LOG_SCHEMA

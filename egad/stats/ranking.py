@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import scipy  # scipy.stats is loaded when it is used
 
-from egad._util.arrays import Floats, Ints
+from egad._util.arrays import Ints
 from egad.random import generator
 from egad.stats.paired import ENOUGH_OBJECTS
-from egad.stats.rates import DRAWS, Interval
+from egad.stats.rates import DRAWS, Interval, expanded_quantile
 
 
 class Lead(NamedTuple):
@@ -66,39 +66,23 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
     if not pairs:
         return []
     gains = np.column_stack([successes[one] - successes[other] for one, other in pairs])
-    differences, errors = _ratios(np.ones((1, count)), gains, sizes)
+    differences = gains.sum(axis=0) / sizes.sum()
+    rest = gains - differences * sizes[:, None]
+    errors = np.sqrt((rest**2).sum(axis=0) * count / max(count - 1, 1)) / sizes.sum()
     widths = np.full(len(pairs), np.inf)
     if count >= ENOUGH_OBJECTS:
         drawn = generator(0, "bootstrap").multinomial(count, np.full(count, 1 / count), DRAWS)
-        away = np.abs(_ratios(drawn, gains, sizes)[0] - differences)
-        differ = errors[0] > 0  # of the others, all gains are equal
-        largest = (away[:, differ] / errors[0, differ]).max(axis=1, initial=0.0)
-        widths = np.quantile(largest, 0.95) * _small_sample(count) * errors[0]
+        away = np.abs(drawn @ gains / (drawn @ sizes)[:, None] - differences)
+        differ = errors > 0  # of the others, all gains are equal
+        largest = (away[:, differ] / errors[differ]).max(axis=1, initial=0.0)
+        wider = expanded_quantile(count) / scipy.stats.norm.ppf(0.975)
+        widths = np.quantile(largest, 0.95) * wider * errors
     found = []
-    for (one, other), value, width in zip(pairs, differences[0].tolist(), widths, strict=True):
+    for (one, other), value, width in zip(pairs, differences.tolist(), widths, strict=True):
         names = (one, other) if value >= 0 else (other, one)
         interval = float(abs(value) - width), float(abs(value) + width)
         found.append(Lead(*names, abs(value), interval))
     return found
-
-
-def _small_sample(count: int) -> float:
-    """What makes a bootstrap interval wider for few groups (Hesterberg 2015)."""
-    normal, student = scipy.stats.norm.ppf(0.975), scipy.stats.t.ppf(0.975, count - 1)
-    return float(np.sqrt(count / (count - 1)) * student / normal)
-
-
-def _ratios(weights: Floats | Ints, gains: Ints, sizes: Ints) -> tuple[Floats, Floats]:
-    """Sums of gains over sums of sizes with their standard errors, (draws, pairs)."""
-    total = (weights @ sizes)[:, None]
-    ratios = weights @ gains / total
-    squares = (
-        weights @ gains**2
-        - 2 * ratios * (weights @ (gains * sizes[:, None]))
-        + ratios**2 * (weights @ sizes**2)[:, None]
-    )
-    count = len(sizes)
-    return ratios, np.sqrt(np.maximum(squares, 0) * count / max(count - 1, 1)) / total
 
 
 def ranks(names: list[str], pairs: list[Lead]) -> dict[str, Ranks]:

@@ -1,7 +1,7 @@
 """Success rates with confidence intervals: overall, per cell of the grid, and as trends."""
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,9 +59,15 @@ def bootstrap(
     values = statistic(generator(0, "bootstrap").integers(count, size=(DRAWS, count)))
     if np.isnan(values).all():
         return np.nan, np.nan
-    far = np.sqrt(count / (count - 1)) * scipy.stats.t.ppf((1 + confidence) / 2, count - 1)
+    far = expanded_quantile(count, confidence)
     ends: Floats = np.nanquantile(values, scipy.stats.norm.cdf(np.array([-far, far])))
     return float(ends[0]), float(ends[1])
+
+
+def expanded_quantile(count: int, confidence: float = 0.95) -> float:
+    """The two-sided normal quantile, further out for few objects; see `bootstrap`."""
+    student = scipy.stats.t.ppf((1 + confidence) / 2, count - 1)
+    return float(np.sqrt(count / (count - 1)) * student)
 
 
 @dataclass(frozen=True, repr=False)
@@ -145,13 +151,22 @@ def simulated_in(table: pd.DataFrame) -> str:
         table: Columns of `tables.evaluation.RESULTS`.
     """
     usual = {"errors": "none", "contact": "collided"}
+    return ", ".join((engine_names(table), *unusual(table, usual)))
+
+
+def unusual(table: pd.DataFrame, usual: Mapping[str, str]) -> list[str]:
+    """What columns have besides their usual values, such as `errors: typical`.
+
+    Args:
+        table: Attempts; columns that it does not have are left out.
+        usual: Usual values by column. Empty ones are usual, too.
+    """
     others = {
         name: " and ".join(sorted(set(table[name].dropna()) - {"", value}))
         for name, value in usual.items()
         if name in table
     }
-    said = (f"{name}: {values}" for name, values in others.items() if values)
-    return ", ".join((engine_names(table), *said))
+    return [f"{name}: {values}" for name, values in others.items() if values]
 
 
 def by_object(trials: pd.DataFrame) -> pd.DataFrame:

@@ -7,6 +7,7 @@ from egad.tables.columns import FLOAT, INT, STRING, Result, column
 from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, SUCCESS
 
 GRASP_POSE = tuple(f"pose_{row}{part}" for row in "xyz" for part in ("x", "y", "z", "t"))
+ROUND = ["scene", "noise", "round"]  # columns that tell rounds apart
 CARRIED_OUT = (
     Outcome.SUCCESS,
     Outcome.COLLIDED,

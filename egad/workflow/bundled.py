@@ -16,7 +16,7 @@ from egad.grippers import Gripper
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import EVALUATION_SET, load
 from egad.outcomes import Outcome
-from egad.sim import Model, build, model_of
+from egad.sim import Model, Models, build, model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
 
@@ -44,7 +44,7 @@ def model_in(bundle: Path, row: Row) -> Model:
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)
 
 
-class Models(Mapping[str, Model]):
+class LazyModels(Mapping[str, Model]):
     """Objects to simulate by their ids; each is made when it is looked up."""
 
     def __init__(self, makers: Mapping[str, Callable[[], Model]]) -> None:
@@ -81,13 +81,13 @@ def models_in(dataset: Path, settings: Settings, gripper: str) -> Models:
 def bundle_models(bundle: Path) -> Models:
     """The objects in the folder of a simulation bundle."""
     rows = rows_by_id(bundle)
-    return Models({name: partial(model_in, bundle, row) for name, row in rows.items()})
+    return LazyModels({name: partial(model_in, bundle, row) for name, row in rows.items()})
 
 
 def evaluation_set_models(gripper: Gripper, rule: str) -> Models:
     """The objects of the released evaluation set, scaled to a gripper."""
     targets = named_meshes(load(EVALUATION_SET))
-    return Models({each.id: partial(_built, each, gripper, rule) for each in targets})
+    return LazyModels({each.id: partial(_built, each, gripper, rule) for each in targets})
 
 
 def _built(target: NamedMesh, gripper: Gripper, rule: str) -> Model:

@@ -29,13 +29,13 @@ from egad.grippers import Gripper
 from egad.objects import EVALUATION_SET, load
 from egad.outcomes import Outcome
 from egad.report.leaderboard import Board, Protocol, Refusal, SubmittedTable, page
-from egad.sim import ClutterParameters, TrialParameters, check_engine
+from egad.sim import ClutterParameters, Models, TrialParameters, check_engine
 from egad.tables import parquet
-from egad.tables.clutter import CLUTTER
+from egad.tables.clutter import CLUTTER, ROUND
 from egad.tables.evaluation import TRIALS
-from egad.workflow.bundled import Models, evaluation_set_models
+from egad.workflow.bundled import evaluation_set_models
 from egad.workflow.replays import film_attempt, film_clearing
-from egad.workflow.verification import ROUND, gaps, groups_of, verify_groups
+from egad.workflow.verification import gaps, groups_of, verify_groups
 
 log = logging.getLogger(__name__)
 

@@ -15,7 +15,7 @@ from egad.sim import (
     Attempt,
     ClutterParameters,
     Film,
-    Model,
+    Models,
     TrialParameters,
     TrialRunner,
     columns_of,
@@ -27,8 +27,6 @@ from egad.sim import (
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import TRIALS
-
-Models = Mapping[str, Model]
 
 
 @phase_if_slow("simulating and filming the attempt")

@@ -1,7 +1,7 @@
 """Whether tables of simulated attempts can be reproduced."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import pandas as pd
@@ -16,15 +16,14 @@ from egad.random import generator
 from egad.sim import (
     ClutterParameters,
     Difference,
-    Model,
+    Models,
     TrialParameters,
+    round_name,
     rounds_of,
     verify_attempts,
     verify_rounds,
 )
-
-Models = Mapping[str, Model]
-ROUND = ["scene", "noise", "round"]
+from egad.tables.clutter import ROUND
 
 
 def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.DataFrame]:
@@ -72,7 +71,7 @@ def verify_groups(
     """
     is_clutter = any("scene" in rows for rows in groups)
     check = (
-        partial(_rounds, models=models, settings=select(settings, ClutterParameters, gripper))
+        partial(verify_rounds, models=models, settings=select(settings, ClutterParameters, gripper))
         if is_clutter
         else partial(_attempts, models=models, settings=select(settings, TrialParameters, gripper))
     )
@@ -92,12 +91,6 @@ def _attempts(
     return verify_attempts(models[name], rows, settings, tolerance)
 
 
-def _rounds(
-    rows: pd.DataFrame, models: Models, settings: ClutterParameters, tolerance: float
-) -> list[Difference]:
-    return verify_rounds(rows, models, settings, tolerance)
-
-
 def gaps(
     rows: pd.DataFrame, objects: pd.DataFrame, settings: Settings, gripper: str
 ) -> Iterator[str]:
@@ -115,8 +108,8 @@ def gaps(
     counts: dict[str, int | None]
     if "scene" in rows:
         planned = rounds_of(list(objects["id"]), select(settings, ClutterParameters, gripper))
-        counts = {_round_name(*each[:3]): None for each in planned}
-        keys = [_round_name(*each) for each in rows[ROUND].itertuples(index=False)]
+        counts = {round_name(*each[:3]): None for each in planned}
+        keys = [round_name(*each) for each in rows[ROUND].itertuples(index=False)]
         crashed = pd.Series(keys, rows.index)[rows["outcome"] == Outcome.CRASHED].unique()
         yield from (f"{name} crashed and cannot be verified" for name in crashed)
     else:
@@ -129,10 +122,6 @@ def gaps(
         attempts = found.get(name, [])
         if not attempts or attempts != list(range(count or len(attempts))):
             yield f"{name}: attempts are missing, there twice, or in another order"
-
-
-def _round_name(scene: str, noise: str, number: int) -> str:
-    return f"round {number}, {scene}, noise {noise}"
 
 
 def _object_name(label: str, name: str) -> str:

@@ -65,7 +65,7 @@ def test_a_peak_of_the_quality_becomes_a_pose():
     answer[1:5] = turn.as_quat()[:, None, None, None]
     distances = np.full((40, 40, 40), 0.5, np.float32)  # free space everywhere
     detect = Vgn.__new__(Vgn)
-    detect._infer = lambda _: answer
+    detect._infer, detect._threshold = lambda _: answer, 0.9
     grid = Tsdf(distances, np.ones_like(distances), corner, voxel, 4 * voxel)
     (pose,), (width,), (score,) = detect(grid, HAND, np.random.default_rng(0))
     x, y, z = turn.as_matrix().T

@@ -1,26 +1,17 @@
 """The leaderboard in Chromium: `make browser`."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from chromium import CHROMIUM, IN_CHROMIUM, QUIET, STANDARDS
 
 from egad.report.leaderboard import Board, Protocol, Refusal, SubmittedTable, page
 from egad.tables.evaluation import TRIALS
 
-CHROMIUM = shutil.which("chromium")
 playwright = pytest.importorskip("playwright.sync_api")
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
-]
-QUIET = (
-    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"),
-    *("--disable-background-networking", "--disable-component-update"),
-)
-STANDARDS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
+pytestmark = IN_CHROMIUM
 FILMS = {"A0, attempt 0": "films/a.gif"}
 ABOUT = {
     "detector": "mine",

@@ -2,31 +2,22 @@
 
 import json
 import re
-import shutil
 from importlib import resources
 
 import pytest
 import trimesh
+from chromium import CHROMIUM, IN_CHROMIUM, QUIET, STANDARDS
 from commands import egad
 
 from egad.report.log_sheet import LogObject, page, plan
 from egad.report.pictures import png_bytes, render
 from egad.stats import LOG_COLUMNS, read, wilson
 
-CHROMIUM = shutil.which("chromium")
 playwright = pytest.importorskip("playwright.sync_api")
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
-]
-QUIET = (
-    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"),
-    *("--disable-background-networking", "--disable-component-update"),
-)
+pytestmark = IN_CHROMIUM
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 SECOND_TAP = 380  # ms: later than what counts as one tap
 LEAST_TARGET = 44  # pixels
-STANDARDS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
 PLANNED = plan(["A0", "C4"], 10, ["mine", "theirs"], 0, blind=True)
 NO_STORAGE = """
 const get = () => { throw new DOMException("no", "SecurityError"); };

@@ -1,19 +1,14 @@
 """The report in Chromium, on screens of several widths: `make browser`."""
 
-import shutil
-
 import pytest
+from chromium import CHROMIUM, IN_CHROMIUM
 
 from egad.config import Settings
 from egad.report.page import report_page, section_of
 from egad.workflow.config_tables import entry_tables, parameter_tables
 
-CHROMIUM = shutil.which("chromium")
 playwright = pytest.importorskip("playwright.sync_api")
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
-]
+pytestmark = IN_CHROMIUM
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,12 @@
 """Naive grasps of a shard, and success rates of objects, whatever becomes of their grasps."""
 
-import os
-
 import naive_grasp
 import numpy as np
 import pandas as pd
 import pytest
 import simulated_success_rate
 import trimesh
+from dying_worker import Dying
 
 from egad.config import Settings
 from egad.config.stages import NaiveGrasps, select
@@ -55,17 +54,6 @@ def test_a_crash_of_the_engine_is_an_outcome(shard, monkeypatch):
     found = tried(shard)
     assert len(found) == 16
     assert set(found["outcome"]) == {"crashed"}
-
-
-class Dying:
-    def __init__(self, *_):
-        pass
-
-    def __enter__(self):
-        return lambda _: os._exit(11)
-
-    def __exit__(self, *_):
-        pass
 
 
 def naive_table(path, names):

@@ -1,12 +1,11 @@
 """Simulated labels of a shard: every grasp keeps its row, whatever becomes of its object."""
 
-import os
-
 import numpy as np
 import pandas as pd
 import pytest
 import simulated_label
 import trimesh
+from dying_worker import Dying
 
 from egad.config import Settings
 from egad.config.stages import SimulatedLabels, select
@@ -71,17 +70,6 @@ def test_a_missing_mesh_is_an_error(shard):
 def test_a_crash_of_the_engine_is_an_outcome(shard, monkeypatch):
     monkeypatch.setattr(simulated_label, "open_labels", Dying)
     assert set(labels(shard)["simulated_outcome"].dropna()) == {"crashed"}
-
-
-class Dying:
-    def __init__(self, *_):
-        pass
-
-    def __enter__(self):
-        return lambda _: os._exit(11)
-
-    def __exit__(self, *_):
-        pass
 
 
 def test_tables_without_simulated_labels_are_read_as_unknown(shard):
