@@ -19,6 +19,7 @@ from .geometry.repair import repair as repair
 from .geometry.stable_poses import StablePose as StablePose
 from .grasping import sample_grasps as sample_grasps
 from .grasps.grasps import Grasps as Grasps
+from .grippers.cup import SuctionCup as SuctionCup
 from .grippers.parameters import Gripper as Gripper
 from .grippers.table import gripper as gripper
 from .map_elites.ancestry import Lineage as Lineage

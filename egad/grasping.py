@@ -1,4 +1,4 @@
-"""Antipodal grasps of a mesh, labelled."""
+"""Grasps of a mesh, labelled."""
 
 import pandas as pd
 import trimesh
@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 
 from egad._util.parameters import check_count
 from egad._util.progress import phase_if_slow
+from egad.errors import RejectedError
 from egad.geometry import check_units
 from egad.grasps import (
     APPROACH_ANGLES,
@@ -13,13 +14,13 @@ from egad.grasps import (
     FRICTION,
     Grasps,
     LabelParameters,
-    label_grasps,
     label_parameters,
 )
-from egad.grippers import Gripper, as_gripper, hand_body
+from egad.grippers import Gripper, as_gripper
 from egad.measures import center_of_mass
 from egad.meshes import center_or_given
 from egad.random import generator
+from egad.samplers import LabelledGrasps, Labeller
 
 
 @phase_if_slow("sampling grasps")
@@ -34,15 +35,18 @@ def sample_grasps(
     approach_angles: int = APPROACH_ANGLES,
     center_of_mass: ArrayLike | None = None,
 ) -> Grasps:
-    """Sample antipodal grasps of a mesh, with their quality and collisions of the hand.
+    """Sample grasps of a mesh, with their quality and collisions of the hand.
+
+    Jaws get antipodal grasps, a suction cup points that are uniform over the surface, and a gripper
+    with a `sampler` what this gives.
 
     Args:
         mesh: A closed mesh in metres, as it is grasped: see `rescale`.
         gripper: The gripper, or its name.
-        n: The largest number of grasps. Fewer are returned if no more are found that are at least
-            2.5 mm apart.
+        n: The largest number of grasps. Fewer antipodal ones are returned if no more are found that
+            are at least 2.5 mm apart.
         seed: The same mesh and seed give the same grasps.
-        friction: Coulomb friction coefficient that the quality is computed with.
+        friction: Coulomb friction coefficient that the quality of jaws is computed with.
         cone: Tangent of the widest angle between the closing axis and the normals of a sampled
             grasp. Grasps outside the friction cone slip: their quality is 0.
         approach_angles: Directions around the closing axis from which the hand is tested for
@@ -53,14 +57,15 @@ def sample_grasps(
         At least one grasp, in the frame of the mesh.
 
     Raises:
-        RejectedError: The mesh is open, or there is no grasp; the text says what became of the
-            candidates.
+        RejectedError: The mesh is open, or there is no grasp, or no cup seals; the text says what
+            became of the candidates. Or a sampler of your own fails.
         UserError: There is no gripper of this name, or a number is not allowed.
 
     Warns:
         UnitsWarning: The size of the mesh suggests another unit than the metre.
 
-    Source: Mahler et al., Dex-Net 2.0, RSS 2017 (sampling); Ferrari and Canny, ICRA 1992 (quality).
+    Source: jaws: Mahler et al., Dex-Net 2.0, RSS 2017 (sampling); Ferrari and Canny, ICRA 1992
+    (quality). Cups: Mahler et al., Dex-Net 3.0, ICRA 2018.
     """
     check_units(mesh)
     hand = as_gripper(gripper)
@@ -74,7 +79,7 @@ def sample_grasps(
     )
     com = center_or_given(mesh, center_of_mass)
     rng = generator(parameters.seed, "sample_grasps")
-    return Grasps(label_grasps(mesh, com, parameters, rng, hand_body(hand)))
+    return Grasps(_table(Labeller(parameters)(mesh, com, rng)))
 
 
 def dataset_grasps(
@@ -94,5 +99,10 @@ def dataset_grasps(
         RejectedError: The mesh is open, or there is no grasp.
     """
     rng = generator(parameters.seed, "grasps", object_id)
-    body = hand_body(parameters.gripper)
-    return label_grasps(mesh, center_of_mass(mesh), parameters, rng, body)
+    return _table(Labeller(parameters)(mesh, center_of_mass(mesh), rng))
+
+
+def _table(found: LabelledGrasps) -> pd.DataFrame:
+    if found.reason:
+        raise RejectedError(found.reason)
+    return found.table

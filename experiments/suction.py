@@ -25,11 +25,11 @@ from egad._util.arrays import Floats, RgbImage
 from egad._util.files import atomic_output
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, mass_properties
+from egad.grippers import SuctionCup
 from egad.report.colors import COLOR_MAP, UNKNOWN
 from egad.sim.film import draw
 from egad.suction import (
     RobustSuction,
-    SuctionCup,
     collision_free,
     robust_suction_quality,
     sample_suction,

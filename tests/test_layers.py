@@ -22,6 +22,7 @@ LAYERS = [
         "grippers",
         "grasps",
         "suction",
+        "samplers",
         "measures",
         "map_elites",
         "perception",

@@ -131,20 +131,21 @@ def _sentence(error: Mapping[str, Any], schema: Node, what: str) -> str:
         return str(error["ctx"]["error"])
     name, *inside = error["loc"]
     check_name(what, str(name), schema["properties"])
-    where, node = str(name), _resolved(schema["properties"][name], schema)
+    where, node = str(name), resolved(schema["properties"][name], schema)
     for key in inside:
         if "properties" in node:
             check_name(f"key of {where}", str(key), node["properties"])
-            node = _resolved(node["properties"][key], schema)
+            node = resolved(node["properties"][key], schema)
         where += f"[{key}]"
     if error["type"] == "missing":
         return f"{where} is missing; allowed: {wanted(node)}"
     return _refusal(where, error["input"], node)
 
 
-def _resolved(node: Node, schema: Node) -> Node:
-    """A part of a schema, with what it refers to."""
-    reference = str(node.get("$ref", ""))
+def resolved(node: Node, schema: Node) -> Node:
+    """A part of a schema, with what it refers to; a section that may be nothing is that section."""
+    optional = [option for option in node.get("anyOf", []) if "$ref" in option]
+    reference = str(node.get("$ref", optional[0]["$ref"] if optional else ""))
     return node | schema["$defs"][reference.rpartition("/")[2]] if reference else node
 
 
@@ -207,6 +208,8 @@ def keys_of(node: Node) -> list[str]:
 
 def allowed(node: Node) -> str:
     """What a value may be, as a phrase: `a whole number, at least 1`."""
+    if "properties" in node:
+        return f"a section with the keys {', '.join(keys_of(node))}"
     if "anyOf" in node:
         return " or ".join(allowed(option) for option in node["anyOf"])
     choices = [node["const"]] if "const" in node else node.get("enum")
@@ -214,8 +217,6 @@ def allowed(node: Node) -> str:
         return " or ".join(map(str, choices))
     if node["type"] == "array":
         return _allowed_list(node)
-    if "properties" in node:
-        return f"a section with the keys {', '.join(keys_of(node))}"
     if node["type"] == "object":
         return "a table with at least one name"
     if "pattern" in node:

@@ -124,12 +124,11 @@ def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "GraspScene"
         UserError: The file is not a mesh, or the mesh cannot be repaired.
     """
     from egad.geometry import ENLARGED, rescale, units_doubt
-    from egad.grasps import label_grasps
-    from egad.grippers import hand_body
     from egad.io import read_mesh
     from egad.measures import center_of_mass
     from egad.random import generator
     from egad.report.viewer import GraspScene
+    from egad.samplers import Labeller
     from egad.tables import parquet
     from egad.tables.grasping import GRASPS
     from egad.workflow.repair import repaired_mesh
@@ -148,10 +147,11 @@ def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "GraspScene"
     title = _size(row)
     rng = generator(settings.seed, "grasps", path.stem)
     try:
-        rows = label_grasps(mesh, center_of_mass(mesh), settings, rng, hand_body(settings.gripper))
-        return GraspScene(path.stem, title, mesh, rows)
+        rows, _, note = Labeller(settings)(mesh, center_of_mass(mesh), rng)
     except RejectedError as reason:
-        return GraspScene(path.stem, title, mesh, parquet.empty(GRASPS), str(reason))
+        note = str(reason)
+    shown = parquet.empty(GRASPS) if note else rows
+    return GraspScene(path.stem, title, mesh, shown, note)
 
 
 def _size(row: Mapping[Any, Any]) -> str:

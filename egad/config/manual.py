@@ -34,7 +34,7 @@ def manual() -> str:
                 f"\n### `{name}`\n\n",
                 f"{_about(name)}\n\n",
                 _keys(path, known.get(name, {})),
-                *_nested((name,), known.get(name, {}), shown),
+                *_nested(path, known.get(name, {}), shown),
             ]
     return "".join(parts) + "\n"
 
@@ -47,8 +47,8 @@ def _nested(path: tuple[str, ...], known: Mapping[str, Any], shown: set[str]) ->
         if "properties" in node and node["title"] not in shown:
             shown.add(node["title"])
             yield f"\n### `{'.'.join(inner)}`\n\n{_meaning(node)}\n\n"
-            yield _keys(inner, known[key])
-            yield from _nested(inner, known[key], shown)
+            yield _keys(inner, known.get(key, {}))
+            yield from _nested(inner, known.get(key, {}), shown)
 
 
 def _meaning(node: Node) -> str:

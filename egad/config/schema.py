@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from functools import cache
 
-from egad._util.parameters import Node
+from egad._util.parameters import Node, resolved
 from egad.config import Settings
 
 
@@ -32,6 +32,4 @@ def _child(node: Node, key: str | int) -> Node | None:
         child = next(iter(node["patternProperties"].values()))
     else:
         child = node.get("properties", {}).get(key)
-    if child is not None and "$ref" in child:
-        child = child | schema()["$defs"][child["$ref"].rpartition("/")[2]]
-    return child
+    return None if child is None else resolved(child, schema())

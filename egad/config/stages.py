@@ -18,7 +18,7 @@ from egad.grasps import LabelParameters, Quality
 from egad.grippers import Gripper
 from egad.learning import Training
 from egad.map_elites import EvolutionParameters
-from egad.measures import MeasureParameters, MeasureSpace
+from egad.measures import MeasureParameters, MeasureSpace, space_of
 from egad.perception import RenderParameters
 from egad.reeb import Similarity
 from egad.sim import (
@@ -207,7 +207,7 @@ def select(
         gripper: Name of the gripper, for stages that read one.
         detector: Name of the grasp detector, for the stage that tries one.
     """
-    entries = ("gripper", "map_gripper", "camera", "detector")
+    entries = ("gripper", "map_gripper", "camera", "detector", "density")
     names = [name for name in stage.model_fields if name not in entries]
     values = {name: getattr(settings, name) for name in names}
     if issubclass(stage, MeasureParameters) and settings.graspability.metric == "nominal":
@@ -216,6 +216,11 @@ def select(
         chooses = "select_eval" in values
         own = _narrowest(settings) if chooses else settings.graspability.gripper
         values["gripper"] = settings.grippers[gripper or own]
+        cup = values["gripper"].cup is not None
+        if "density" in stage.model_fields:
+            values["density"] = settings.material.density if cup else Material().density
+        if "space" in stage.model_fields:
+            values["space"] = space_of(values["gripper"], settings.space)
     if "map_gripper" in stage.model_fields:
         values["map_gripper"] = settings.grippers[settings.graspability.gripper]
     if "camera" in stage.model_fields:

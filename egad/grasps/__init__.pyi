@@ -4,6 +4,7 @@ from .collision import LEAST_BITE as LEAST_BITE
 from .collision import TABLE_CLEARANCE as TABLE_CLEARANCE
 from .collision import blocked_turns as blocked_turns
 from .collision import roomy as roomy
+from .grasps import RIGID as RIGID
 from .grasps import Grasps as Grasps
 from .grasps import vectors as vectors
 from .labels import label_grasps as label_grasps
@@ -21,6 +22,8 @@ from .parameters import LabelParameters as LabelParameters
 from .parameters import Quality as Quality
 from .parameters import Robust as Robust
 from .parameters import Sampling as Sampling
+from .posed import label_poses as label_poses
+from .posed import posed_table as posed_table
 from .poses import PANDA_REACH as PANDA_REACH
 from .poses import dexnet_configurations as dexnet_configurations
 from .poses import graspnet_poses as graspnet_poses

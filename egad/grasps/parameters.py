@@ -3,6 +3,7 @@
 from pydantic import Field
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Seed, Sigma
+from egad.geometry import Material
 from egad.grippers import Gripper
 
 FRICTION = 0.5  # of the contacts that grasps are rated for
@@ -77,3 +78,4 @@ class LabelParameters(ParameterGroup):
     sampling: Sampling
     quality: Quality
     robust: Robust
+    density: float = Material().density  # of the object, kg/m3, for suction cups

@@ -1,3 +1,4 @@
+from .cup import SuctionCup as SuctionCup
 from .described import description_files as description_files
 from .hand import CLEARANCE as CLEARANCE
 from .hand import BoxBody as BoxBody
@@ -11,8 +12,10 @@ from .model import PALM_BODY as PALM_BODY
 from .model import SECOND_FINGER as SECOND_FINGER
 from .model import GripperModel as GripperModel
 from .model import HandLink as HandLink
+from .parameters import ANTIPODAL as ANTIPODAL
 from .parameters import PADS as PADS
 from .parameters import SIZES as SIZES
+from .parameters import SUCTION as SUCTION
 from .parameters import Gripper as Gripper
 from .parameters import Pad as Pad
 from .robot import base_link as base_link

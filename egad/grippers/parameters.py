@@ -1,4 +1,4 @@
-"""What is set of a parallel-jaw gripper."""
+"""What is set of a gripper: two jaws, or a suction cup."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.display import facts_html
 from egad._util.parameters import Length, Place, UserParameters, UserPath
+from egad.grippers.cup import SuctionCup
 
 
 class Pad(NamedTuple):
@@ -39,8 +40,23 @@ else:
 SIZES = {"opening", "finger_length", "finger_width", "finger_thickness", "fingertip", "palm"}
 
 
+ANTIPODAL, SUCTION = "antipodal", "suction"  # samplers
+# what a gripper with a suction cup can have besides it
+OF_CUP = {"cup", "opening", "sampler"}
+CUP_SCALE = 0.08  # metres
+
+
 class Gripper(UserParameters):
-    """A parallel-jaw gripper."""
+    """A gripper: two jaws that close, or a suction cup."""
+
+    cup: SuctionCup | None = Field(
+        default=None, description="a suction cup in the place of the jaws; nothing: jaws"
+    )
+    sampler: UserPath = Field(
+        default="",
+        description="grasp sampler: antipodal (jaws) or suction (cups) if empty; or FILE.py:NAME, "
+        "a function of your own",
+    )
 
     file: FilePath | None = Field(
         default=None,
@@ -70,7 +86,10 @@ class Gripper(UserParameters):
         default=None,
         description="approach axis in the frame of the palm's link in the file; found if null",
     )
-    opening: Length = Field(description="widest opening, metres; with a file, that of the hand")
+    opening: Length = Field(
+        description="widest opening, metres; with a file, that of the hand; with a cup, that of "
+        "jaws that objects would be scaled alike for (0.08)"
+    )
     finger_length: Length = Field(
         default=0.04, description="length of a finger from palm to fingertip, metres"
     )
@@ -134,6 +153,8 @@ class Gripper(UserParameters):
             return values
         # what a strict reading of JSON takes for a tuple, it does not behind a validator
         values = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
+        if values.get("cup") is not None:
+            return _with_cup(values)
         if not isinstance(values.get("file"), str | Path):
             return values
         if values.get("mesh") is not None:
@@ -152,6 +173,11 @@ class Gripper(UserParameters):
             )
         return values | {name: found[name] for name in missing}
 
+    @property
+    def grasps_with(self) -> str:
+        """The sampler that applies: `antipodal`, `suction`, or the name of a function."""
+        return self.sampler or (ANTIPODAL if self.cup is None else SUCTION)
+
     def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
         """What pydantic prints: the fields that differ from their defaults."""
         for name, field in type(self).model_fields.items():
@@ -169,3 +195,19 @@ class Gripper(UserParameters):
         """The pads with the friction that applies."""
         pad = PADS[self.pads]
         return pad if self.friction is None else pad._replace(friction=self.friction)
+
+
+def _with_cup(values: dict[str, Any]) -> dict[str, Any]:
+    """What a gripper with a cup has.
+
+    Raises:
+        ValueError: It has something of jaws.
+    """
+    fields = Gripper.model_fields
+    others = {name: value for name, value in values.items() if name in fields.keys() - OF_CUP}
+    if odd := [name for name, value in others.items() if value != fields[name].default]:
+        raise ValueError(
+            f"a gripper with a suction cup has no {' or '.join(odd)}; allowed: "
+            f"{', '.join(sorted(OF_CUP))}"
+        )
+    return {"opening": CUP_SCALE, **values}

@@ -1,6 +1,7 @@
-"""The parallel-jaw grippers that egad knows by name."""
+"""The grippers that egad knows by name."""
 
 from egad.errors import UserError, check_name
+from egad.grippers.cup import SuctionCup
 from egad.grippers.parameters import Gripper
 
 _PANDA_PALM = (0.2, 0.063, 0.06)
@@ -24,11 +25,16 @@ GRIPPERS = {
         palm=(0.2, 0.075, 0.09),
         force=80,
     ),
+    "cup_15mm": Gripper(cup=SuctionCup(radius=0.0075, stem_radius=0.0075), opening=0.08),
+    "cup_30mm": Gripper(cup=SuctionCup(radius=0.015), opening=0.08),
 }
 
 
 def gripper(name: str) -> Gripper:
-    """One of the grippers that egad knows: yumi, panda, egad_75mm, robotiq_2f_85, robotiq_2f_140.
+    """One of the grippers that egad knows.
+
+    With jaws: yumi, panda, egad_75mm, robotiq_2f_85, robotiq_2f_140. With a suction cup: cup_15mm,
+    cup_30mm.
 
     Args:
         name: Its name.

@@ -38,4 +38,5 @@ from .parameters import MeasureSpace as MeasureSpace
 from .parameters import SizeEffect as SizeEffect
 from .parameters import SizeEffectParameters as SizeEffectParameters
 from .parameters import default_measures as default_measures
+from .parameters import space_of as space_of
 from .size_effect import summarize as summarize

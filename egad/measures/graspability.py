@@ -28,6 +28,7 @@ from egad.grasps import (
     sample_contacts,
     valid_contacts,
 )
+from egad.grippers import ANTIPODAL
 from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MAP_RULE, MeasureParameters
 from egad.measures.percentile import (
@@ -36,6 +37,7 @@ from egad.measures.percentile import (
     percentile_rank,
     percentile_std,
 )
+from egad.samplers import draw_grasps
 
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
@@ -102,6 +104,8 @@ def graspability(
     factor: float | None = None,
 ) -> GraspabilityEstimate:
     """A percentile of the quality of independent grasps: high values are easy objects.
+
+    Of a suction cup, all candidates count: those that do not seal have the quality 0.
 
     A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
     coordinate axes, then scaled until its smallest side is `side_fraction` of the opening, or by
@@ -206,7 +210,7 @@ class _RatedGrasps:
         self._settings, self._rng = settings, rng
         self._grasps = ContactPairs.empty()
         self._sample = BoundedSample(self._qualities)
-        self._caster = RayCaster(scaled)
+        self._mesh, self._caster = scaled, RayCaster(scaled)
         self.tally = SamplingStatistics()
 
     def __len__(self) -> int:
@@ -214,13 +218,39 @@ class _RatedGrasps:
 
     def draw(self, candidates: int) -> None:
         """Draw more candidates."""
+        if self._settings.gripper.grasps_with != ANTIPODAL:
+            self._draw_others(candidates)
+            return
         opening, sampling = self._settings.gripper.opening, self._settings.sampling
         self._add(*valid_contacts(self._caster, opening, candidates, sampling, self._rng))
 
     def draw_spaced(self, count: int) -> None:
-        """Sample grasps that keep a distance from each other."""
+        """Sample grasps that keep a distance from each other; only antipodal ones do."""
+        if self._settings.gripper.grasps_with != ANTIPODAL:
+            self._draw_others(count)
+            return
         opening, sampling = self._settings.gripper.opening, self._settings.sampling
         self._add(*sample_contacts(self._caster, opening, count, sampling, self._rng))
+
+    def _draw_others(self, candidates: int) -> None:
+        """Draw grasps of another sampler; those of a cup that does not seal have the quality 0."""
+        settings = self._settings
+        self.tally += SamplingStatistics(tried=candidates)
+        try:
+            quality = draw_grasps(
+                self._mesh,
+                self._com,
+                settings.gripper,
+                candidates,
+                self._rng,
+                robust=settings.robust,
+                density=settings.density,
+            ).quality
+        except RejectedError:
+            if not len(self):
+                raise
+            quality = np.zeros(candidates if settings.gripper.cup else 0)
+        self._sample.extend(quality, exact=True)
 
     def _add(self, grasps: ContactPairs, tally: SamplingStatistics) -> None:
         self.tally += tally

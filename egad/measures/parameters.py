@@ -21,9 +21,9 @@ from egad._util.parameters import (
     check_ascending,
     from_arguments,
 )
-from egad.geometry import SIDE_FRACTION
+from egad.geometry import SIDE_FRACTION, Material
 from egad.grasps import Quality, Robust, Sampling
-from egad.grippers import Gripper
+from egad.grippers import SUCTION, Gripper
 from egad.reeb import Similarity
 
 MAX_CANDIDATES = 32768  # of the final estimate of graspability
@@ -148,11 +148,15 @@ class SizeEffect(Parameters):
         return self
 
 
+# the rest does not change how grasps are sampled
+HAND = Archived(keys=frozenset({"opening", "sampler", "cup"}))
+
+
 class MeasureParameters(ParameterGroup):
     """The settings that the measures of an object depend on."""
 
     seed: Annotated[Seed, Archived(graspability=False)]
-    gripper: Annotated[Gripper, Archived(keys=frozenset({"opening"}))]  # the rest is for the hand
+    gripper: Annotated[Gripper, HAND]
     measures: CustomMeasures
     complexity: Annotated[Complexity, Archived(graspability=False)]
     graspability: Graspability
@@ -161,6 +165,19 @@ class MeasureParameters(ParameterGroup):
     sampling: Sampling
     quality: Quality
     robust: Robust | None  # none if the metric is nominal: then its settings do not matter
+    density: float = Material().density  # of the object, kg/m3, for suction cups
+
+
+def space_of(gripper: Gripper, space: MeasureSpace) -> MeasureSpace:
+    """The space, with the range of graspability of a suction cup if it has that of jaws.
+
+    The quality of a suction grasp is the share of 25 perturbed copies that hold; the limits of
+    cells lie halfway between the values that it can have.
+    """
+    jaws = MeasureSpace().graspability_range
+    if gripper.grasps_with != SUCTION or space.graspability_range != jaws:
+        return space
+    return space.model_copy(update={"graspability_range": (0.02, 1.02)})
 
 
 def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
@@ -180,7 +197,7 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
         measures=CustomMeasures(),
         complexity=Complexity(),
         graspability=Graspability(),
-        space=MeasureSpace(),
+        space=space_of(gripper, MeasureSpace()),
         similarity=Similarity(),
         sampling=Sampling(),
         quality=Quality(),

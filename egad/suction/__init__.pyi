@@ -1,5 +1,5 @@
+from .labels import label_cups as label_cups
 from .parameters import RobustSuction as RobustSuction
-from .parameters import SuctionCup as SuctionCup
 from .robust import robust_suction_quality as robust_suction_quality
 from .sampler import collision_free as collision_free
 from .sampler import sample_suction as sample_suction

@@ -1,44 +1,11 @@
-"""Parameters of suction cups and of the robust quality of their grasps."""
+"""Parameters of suction grasps and of their robust quality."""
+
+from typing import Self
 
 from pydantic import Field
 
-from egad._util.parameters import Length, Parameters, Seed, Sigma, UserParameters
-
-
-class SuctionCup(UserParameters):
-    """One suction cup on a straight stem: the model of Dex-Net 3.0.
-
-    The cup is a pyramid of springs: a ring of `sides` vertices, and an apex on the approach axis.
-
-    Source: Mahler et al., Dex-Net 3.0, ICRA 2018, arXiv 1709.06670: strain, vacuum force, friction
-    and bending. GraspGen (NVlabs, `single_suction_cup_30mm.yaml`) has the same four and gives
-    radius, height and sides, which the paper does not. The stem is the collision cylinder of
-    SuctionNet-1Billion. The tolerance is the residual that GraspGen's solver accepts.
-    """
-
-    radius: Length = Field(0.015, description="radius of the ring, metres; a 30 mm cup")
-    height: Length = Field(0.03, description="from the ring to the apex, metres")
-    sides: int = Field(15, ge=5, le=360, description="vertices of the ring")
-    max_strain: float = Field(
-        0.1, gt=0, lt=1, description="relative change of length that each spring allows"
-    )
-    vacuum_force: float = Field(
-        250.0, gt=0, description="force that presses cup and object together, newtons"
-    )
-    friction: float = Field(0.5, gt=0, le=2, description="friction of the ring on the object")
-    bending: float = Field(
-        0.005,
-        gt=0,
-        description="kappa, newtons: the cup resists pi radius kappa / sqrt(2) of bending torque",
-    )
-    torque_tolerance: float = Field(
-        0.0316,
-        ge=0,
-        description="bending torque beyond that limit that still counts as resisted, newton metres",
-    )
-    stem_radius: Length = Field(0.01, description="radius of the stem, metres")
-    stem_length: Length = Field(0.09, description="length of the stem from the apex on, metres")
-    approach: Length = Field(0.1, description="length of the straight way to the object, metres")
+from egad._util.parameters import Parameters, Seed, Sigma
+from egad.grasps import Robust
 
 
 class RobustSuction(Parameters):
@@ -56,6 +23,14 @@ class RobustSuction(Parameters):
     com_sigma: Sigma = Field(0.01, description="center of mass, metres per axis")
     friction_sigma: Sigma = Field(0.1, description="friction coefficient")
     weight_sigma: Sigma = Field(0.1, description="weight of the object, relative")
+
+    @classmethod
+    def of(cls, robust: Robust) -> Self:
+        """With the samples and deviations of antipodal grasps."""
+        values = robust.model_dump(include=set(cls.model_fields))
+        for way in ("translation_sigma", "rotation_sigma"):
+            values[f"cup_{way}"] = getattr(robust, f"grasp_{way}")
+        return cls(**values)
 
 
 class SuctionSampling(Parameters):

@@ -9,8 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats, Ints
 from egad.geometry import RayCaster
+from egad.grippers import SuctionCup
 from egad.random import generator
-from egad.suction.parameters import RobustSuction, SuctionCup
+from egad.suction.parameters import RobustSuction
 from egad.suction.seal import seal_cups
 from egad.suction.wrench import loads_in_frames, resists
 

@@ -13,9 +13,9 @@ from egad._util.parameters import from_arguments
 from egad.errors import RejectedError, UserError, most_common
 from egad.geometry import Material, RayCaster, box_sides, check_solid, mass_properties
 from egad.grasps import blocked_turns, hand_poses, swallowed, vectors
-from egad.grippers import Part
+from egad.grippers import Part, SuctionCup
 from egad.random import generator
-from egad.suction.parameters import RobustSuction, SuctionCup, SuctionSampling
+from egad.suction.parameters import RobustSuction, SuctionSampling
 from egad.suction.robust import robust_suction_quality
 from egad.suction.seal import Seals, seal_cups
 from egad.suction.wrench import loads_in_frames, resists

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
-from egad.suction.parameters import SuctionCup
+from egad.grippers import SuctionCup
 
 POINTS_WITHIN = 50  # the ring, where holes are looked for; as in GraspGen
 GOLDEN_RATIO = (1 + np.sqrt(5)) / 2

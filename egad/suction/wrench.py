@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from egad._util.arrays import Flags, Floats
-from egad.suction.parameters import SuctionCup
+from egad.grippers import SuctionCup
 
 
 def resists(cup: SuctionCup, loads: Floats, friction: ArrayLike | None = None) -> Flags:

@@ -13,10 +13,10 @@ import egad
 from egad.errors import RejectedError, UserError
 from egad.geometry import RayCaster
 from egad.grasps import vectors
+from egad.grippers import SuctionCup
 from egad.suction import (
     RobustSuction,
     SealFailure,
-    SuctionCup,
     collision_free,
     sample_suction,
     suction_poses,

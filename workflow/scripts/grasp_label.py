@@ -7,12 +7,11 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.geometry import RayCaster
-from egad.grasps import LabelParameters, rate_grasps, sample_for_labels, statistics_row
-from egad.grippers import hand_body
+from egad.grasps import LabelParameters, statistics_row
 from egad.io import read_mesh
 from egad.measures import center_of_mass
 from egad.random import generator
+from egad.samplers import Labeller
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SAMPLING
 from egad.tables.objects import OBJECTS, REJECTED
@@ -47,26 +46,23 @@ def run(
     """
     frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)
-    body = hand_body(settings.gripper)
+    label, wanted = Labeller(settings), settings.grasp_label.grasps
     labelled, tallies, left_out = [], [], []
     names = zip(frame["id"], frame["label"], strict=True)
     for object_id, object_label in progress(names, "labelling grasps", len(frame)):
         named = {"id": object_id, "label": object_label}
         try:
             mesh = read_mesh(meshes / f"{object_label}.obj", "m")
+            found = label(mesh, center_of_mass(mesh), generator(settings.seed, "grasps", object_id))
         except RejectedError as reason:
             left_out.append(rejection(object_id, "grasp-label", reason))
             continue
-        rng = generator(settings.seed, "grasps", object_id)
-        caster = RayCaster(mesh)
-        grasps, counts = sample_for_labels(caster, settings, rng)
-        if len(grasps):
-            rows = rate_grasps(caster, center_of_mass(mesh), grasps, settings, rng, body)
-            labelled.append(rows.assign(**named))
+        rows = parquet.empty(GRASPS) if found.reason else found.table
+        if found.reason:
+            left_out.append(rejection(object_id, "grasp-label", found.reason))
         else:
-            rows = parquet.empty(GRASPS)
-            left_out.append(rejection(object_id, "grasp-label", f"no grasp ({counts})"))
-        tallies.append(named | statistics_row(settings.grasp_label.grasps, counts, rows))
+            labelled.append(rows.assign(**named))
+        tallies.append(named | statistics_row(wanted, found.tally, rows))
     table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
     parquet.write(table, GRASPS, out)
     parquet.write(pd.DataFrame(tallies), SAMPLING, sampling)

@@ -1,0 +1,123 @@
+"""Labels of grasps that are given as poses: what their fingers touch, and their collisions."""
+
+import numpy as np
+import pandas as pd
+
+from egad._util.arrays import Flags, Floats
+from egad.geometry import RayCaster
+from egad.grasps.approach import swallowed
+from egad.grasps.collision import blocked_turns
+from egad.grasps.opening import needed_openings
+from egad.grasps.sampler import ContactPairs
+from egad.grippers import HandBody, Part
+from egad.tables.columns import vector_names
+
+STRAIGHT = np.zeros(1)  # the only turn about the closing axis
+
+
+def label_poses(
+    caster: RayCaster, poses: Floats, widths: Floats, quality: Floats, body: HandBody, way: float
+) -> pd.DataFrame:
+    """What is known of grasps of which the pose is given.
+
+    The normals are those where rays from the open fingers along the closing axis meet the surface;
+    missing if they meet none.
+
+    Args:
+        caster: Ray caster of the object, closed, metres.
+        poses: (n, 4, 4) of the hand, see `Grasps.poses`, metres.
+        widths: (n,) distances of the contacts, metres.
+        quality: (n,).
+        body: Body of the hand.
+        way: Length of the straight way in, metres.
+
+    Returns:
+        Columns of `tables.grasping.GRASPS` without `id` and `label`. The robust quality is the
+        given one; its deviation and the success rate are missing.
+    """
+    centers, frames = poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
+    axes, approaches = frames[:, 0], frames[:, 2]
+    opening = body.gripper.opening
+    half = widths[:, None] / 2 * axes
+    points = np.stack([centers - half, centers + half], axis=1)
+    ends = [_normals(caster, centers, side * axes, opening / 2) for side in (-1, 1)]
+    pairs = ContactPairs(points, np.stack(ends, axis=1), axes)
+    behind = body.reach(widths) - body.reach(np.array([opening]))
+    there, coming = (
+        _blocked(caster, body.parts(back), centers, frames, behind) for back in (0, way)
+    )
+    return posed_table(
+        centers,
+        frames,
+        contacts=points,
+        normals=pairs.normals,
+        quality=quality,
+        fits=~there,
+        free=~(there | coming),
+    ).assign(width=widths, needed_opening=needed_openings(caster, pairs, approaches, body))
+
+
+def posed_table(
+    centers: Floats,
+    frames: Floats,
+    *,
+    contacts: Floats,
+    normals: Floats,
+    quality: Floats,
+    fits: Flags,
+    free: Flags,
+) -> pd.DataFrame:
+    """Columns of `tables.grasping.GRASPS` of n grasps that have one approach each.
+
+    Args:
+        centers: (n, 3) origins of the hand, metres.
+        frames: (n, 3, 3) its unit vectors x, y, z in rows.
+        contacts: (n, 2, 3) metres.
+        normals: (n, 2, 3) outward unit normals there.
+        quality: (n,) nominal and robust quality.
+        fits: (n,) whether the hand touches nothing at the grasp.
+        free: (n,) whether it touches nothing on its way either.
+
+    Returns:
+        Width and needed opening are 0; the deviation of the quality and the success rate are
+        missing.
+    """
+    vectors = {
+        "center": centers,
+        "axis": frames[:, 0],
+        "approach": frames[:, 2],
+        **{f"contact{side}": contacts[:, side] for side in (0, 1)},
+        **{f"normal{side}": normals[:, side] for side in (0, 1)},
+    }
+    columns = [pd.DataFrame(each, columns=vector_names(name)) for name, each in vectors.items()]
+    return pd.concat(columns, axis=1).assign(
+        grasp=np.arange(len(centers)),
+        width=0.0,
+        needed_opening=0.0,
+        quality=quality,
+        robust_quality=quality,
+        robust_quality_std=np.nan,
+        robust_success_rate=np.nan,
+        fits=fits,
+        collision_free=free,
+        angles_fit=fits.astype(int),
+        angles_collision_free=free.astype(int),
+    )
+
+
+def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float) -> Floats:
+    """Outward normals where fingers come in from both ends of the opening, (n, 3); or NaN."""
+    hits = caster.first_hits(centers + reach * outwards, -outwards)
+    met = hits.entering & (hits.distances < 2 * reach)
+    return np.where(met[:, None], hits.normals, np.nan)
+
+
+def _blocked(
+    caster: RayCaster, parts: list[Part], centers: Floats, frames: Floats, behind: Floats
+) -> Flags:
+    """(n,) whether parts of a hand touch the object."""
+    inside = swallowed(caster, parts, centers, frames, STRAIGHT, behind)
+    touching = blocked_turns(
+        caster.triangles, parts, centers, frames, STRAIGHT, known=inside, behind=behind
+    )
+    return np.asarray(touching[:, 0])

@@ -1,0 +1,240 @@
+"""Grasp samplers: antipodal grasps for jaws, suction for cups, or a function of the user's own.
+
+A function of the user's own is called as `sampler(mesh, gripper, n, rng)`: a closed
+`trimesh.Trimesh` in metres, the `egad.Gripper`, how many grasps at most, and a
+`numpy.random.Generator`. It returns poses, widths and qualities, as a grasp detector does:
+
+- (k, 4, 4) poses of the hand in the frame of the mesh. The origin is midway between the contacts,
+  on the surface for a cup; x is the closing axis, z the approach.
+- (k,) distances of the contacts, metres; zeros for a cup.
+- (k,) qualities, not negative, higher for better grasps.
+
+It may give fewer than n grasps. They must be independent draws, for graspability is a percentile of
+their quality.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad import plugins as own_code
+from egad._util.arrays import Flags, Floats
+from egad.errors import RejectedError, UserError
+from egad.geometry import Material, RayCaster, check_solid
+from egad.grasps import (
+    RIGID,
+    LabelParameters,
+    Robust,
+    SamplingStatistics,
+    label_poses,
+    rate_grasps,
+    sample_for_labels,
+)
+from egad.grippers import ANTIPODAL, SUCTION, Gripper, hand_body
+from egad.suction import RobustSuction, label_cups, sample_suction, suction_poses
+
+OwnSampler = Callable[[trimesh.Trimesh, Gripper, int, np.random.Generator], Any]
+WHERE = "sampler"
+DENSITY = Material().density
+
+
+class Sampled(NamedTuple):
+    """Grasps of a sampler: poses (n, 4, 4), widths (n,) in metres, and qualities (n,)."""
+
+    poses: Floats
+    widths: Floats
+    quality: Floats
+
+
+class LabelledGrasps(NamedTuple):
+    """LabelledGrasps grasps of an object.
+
+    Attributes:
+        table: Columns of `tables.grasping.GRASPS` without `id` and `label`; none without grasps.
+        tally: What became of the candidates.
+        reason: Why there is no grasp; empty if there is one.
+    """
+
+    table: pd.DataFrame
+    tally: SamplingStatistics
+    reason: str = ""
+
+
+class Labeller:
+    """Samples the grasps of objects and rates them, as the gripper says.
+
+    Attributes:
+        settings: The gripper, how many grasps, and how to rate them.
+    """
+
+    def __init__(self, settings: LabelParameters) -> None:
+        """Read the hand.
+
+        Raises:
+            UserError: A file of the gripper, or its sampler, cannot be used.
+        """
+        self.settings = settings
+        self._body = None if settings.gripper.cup else hand_body(settings.gripper)
+        check_sampler(settings.gripper)
+
+    def __call__(
+        self, mesh: trimesh.Trimesh, com: Floats, rng: np.random.Generator
+    ) -> LabelledGrasps:
+        """The labelled grasps of an object.
+
+        Args:
+            mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
+            com: (3,) center of mass, metres.
+            rng: Where chance comes from.
+
+        Raises:
+            RejectedError: The mesh is open, bounds no volume or is not finite, no cup seals, or the
+                user's sampler fails.
+            UserError: It is not a mesh, or the user's sampler gives something else than grasps.
+        """
+        check_solid(mesh)
+        settings, caster = self.settings, RayCaster(mesh)
+        gripper, wanted = settings.gripper, settings.grasp_label
+        if self._body is not None and gripper.grasps_with == ANTIPODAL:
+            pairs, tally = sample_for_labels(caster, settings, rng)
+            if not len(pairs):
+                return LabelledGrasps(pd.DataFrame(), tally, f"no grasp ({tally})")
+            return LabelledGrasps(rate_grasps(caster, com, pairs, settings, rng, self._body), tally)
+        poses, widths, quality = draw_grasps(
+            mesh,
+            com,
+            gripper,
+            wanted.grasps,
+            rng,
+            robust=settings.robust,
+            density=settings.density,
+        )
+        if gripper.cup is not None:
+            table = label_cups(caster, gripper.cup, poses, quality)
+        elif self._body is not None:
+            table = label_poses(caster, poses, widths, quality, self._body, wanted.approach_way)
+        return LabelledGrasps(table, SamplingStatistics(tried=wanted.grasps))
+
+
+def draw_grasps(
+    mesh: trimesh.Trimesh,
+    com: Floats,
+    gripper: Gripper,
+    n: int,
+    rng: np.random.Generator,
+    *,
+    robust: Robust | None = None,
+    density: float = DENSITY,
+) -> Sampled:
+    """Grasps of any sampler but the antipodal one.
+
+    Args:
+        mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
+        com: (3,) center of mass, metres.
+        gripper: A cup, or any with a sampler of the user's own.
+        n: How many at most.
+        rng: Where chance comes from.
+        robust: Perturbed copies of suction grasps, and their spread.
+        density: Of the object, kg/m3; decides the load of a cup.
+
+    Raises:
+        RejectedError: There is no grasp, or the user's sampler fails.
+        UserError: The user's sampler gives something else than grasps.
+    """
+    if gripper.grasps_with != SUCTION:
+        return _own(gripper, mesh, n, rng)
+    if gripper.cup is None:
+        raise UserError("the sampler `suction` is for a gripper with a cup")
+    table = sample_suction(
+        mesh,
+        gripper.cup,
+        n,
+        seed=int(rng.integers(2**32)),
+        density=density,
+        center_of_mass=com,
+        robust=RobustSuction() if robust is None else RobustSuction.of(robust),
+    )
+    return Sampled(suction_poses(table), np.zeros(n), table["quality"].to_numpy(np.float64))
+
+
+def check_sampler(gripper: Gripper) -> None:
+    """Make sure that a gripper has a sampler for it.
+
+    Raises:
+        UserError: It has not.
+    """
+    name = gripper.grasps_with
+    if name == ANTIPODAL and gripper.cup is not None:
+        raise UserError("the sampler `antipodal` is for jaws; a cup has none")
+    if name == SUCTION and gripper.cup is None:
+        raise UserError("the sampler `suction` is for cups; the gripper has jaws")
+    if name not in (ANTIPODAL, SUCTION):
+        own_code.find(name, WHERE, "function")
+
+
+def source_hash(gripper: Gripper) -> str:
+    """A fingerprint of the file of a sampler of the user's own, which is not run; else empty.
+
+    Raises:
+        UserError: There is no such file.
+    """
+    name = gripper.grasps_with
+    return "" if name in (ANTIPODAL, SUCTION) else own_code.source_hash(name, WHERE)
+
+
+def _own(gripper: Gripper, mesh: trimesh.Trimesh, n: int, rng: np.random.Generator) -> Sampled:
+    """The grasps of a sampler of the user's own."""
+    name = gripper.grasps_with
+    function: OwnSampler = own_code.find(name, WHERE, "function")
+    try:
+        given = function(mesh.copy(), gripper, n, rng)
+    except MemoryError:
+        raise  # says nothing of the object
+    except Exception as error:
+        what = f"{own_code.place_of(error)}: {type(error).__name__}: {error}"
+        raise RejectedError(f"the sampler {name} failed{what}") from error
+    found = _checked(name, given, n)
+    if not len(found.quality):
+        raise RejectedError(f"the sampler {name} found no grasp")
+    return found
+
+
+def _checked(name: str, given: Any, n: int) -> Sampled:  # noqa: ANN401 (whatever it gives)
+    """An answer as grasps.
+
+    Raises:
+        UserError: It is something else.
+    """
+    wanted = f"the sampler {name} must return poses (k, 4, 4), widths (k,) and qualities (k,)"
+    try:
+        poses, widths, quality = (np.asarray(part, dtype=np.float64) for part in given)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"{wanted}, but returned {type(given).__name__}: {error}") from error
+    shapes = f"{poses.shape}, {widths.shape} and {quality.shape}"
+    count = len(quality) if quality.ndim else 0
+    if (poses.shape, widths.shape, quality.shape) != ((count, 4, 4), (count,), (count,)):
+        raise UserError(f"{wanted}, but returned arrays of the shapes {shapes}")
+    if count > n:
+        raise UserError(f"the sampler {name} was asked for {n} grasps at most, and gave {count}")
+    wrong = {
+        "a pose that is not finite": ~np.isfinite(poses).all(axis=(1, 2)),
+        "a pose that is no rotation with a translation": ~_rigid(poses),
+        "a width that is negative or not finite": ~(np.isfinite(widths) & (widths >= 0)),
+        "a quality that is negative or not finite": ~(np.isfinite(quality) & (quality >= 0)),
+    }
+    for what, where in wrong.items():
+        if where.any():
+            raise UserError(f"the sampler {name} gave {what}: grasp {int(where.argmax())}")
+    return Sampled(poses, widths, quality)
+
+
+def _rigid(poses: Floats) -> Flags:
+    """(n,) whether each pose is a rotation and a translation."""
+    turns = poses[:, :3, :3]
+    with np.errstate(invalid="ignore"):
+        off = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(axis=(1, 2), initial=0)
+        last = np.abs(poses[:, 3] - [0, 0, 0, 1]).max(axis=1, initial=0)
+        return np.asarray((off <= RIGID) & (np.linalg.det(turns) > 0) & (last <= RIGID))
