@@ -38,6 +38,7 @@ from egad.reeb import graph as reeb
 from egad.reeb import similarity as matching
 
 MAP_GRIPPER = "yumi"  # the cells of the map are for it
+LARGE = 0.02  # graspability that is not written in thousandths
 MEASURED_LARGER = (
     "the mesh is measured larger than it is, as EGAD does: {size}; rule='none' measures it as it is"
 )
@@ -87,6 +88,8 @@ class Measures(NamedTuple):
 
     @property
     def _graspability_text(self) -> str:
+        if self.graspability > LARGE:
+            return f"{self.graspability:.3f} ± {self.graspability_std:.3f}"
         value, std = 1000 * self.graspability, 1000 * self.graspability_std
         return f"{value:.3f} ± {std:.3f} 1e-3"
 

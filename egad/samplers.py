@@ -13,7 +13,7 @@ It may give fewer than n grasps. They must be independent draws, for graspabilit
 their quality.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,6 +38,7 @@ from egad.suction import RobustSuction, label_cups, sample_suction, suction_pose
 
 OwnSampler = Callable[[trimesh.Trimesh, Gripper, int, np.random.Generator], Any]
 WHERE = "sampler"
+BUILT_IN = (ANTIPODAL, SUCTION)
 DENSITY = Material().density
 
 
@@ -171,18 +172,18 @@ def check_sampler(gripper: Gripper) -> None:
         raise UserError("the sampler `antipodal` is for jaws; a cup has none")
     if name == SUCTION and gripper.cup is None:
         raise UserError("the sampler `suction` is for cups; the gripper has jaws")
-    if name not in (ANTIPODAL, SUCTION):
+    if name not in BUILT_IN:
         own_code.find(name, WHERE, "function")
 
 
-def source_hash(gripper: Gripper) -> str:
-    """A fingerprint of the file of a sampler of the user's own, which is not run; else empty.
+def own_samplers(grippers: Iterable[Gripper]) -> list[str]:
+    """Fingerprints of the files of samplers of the user's own, which are not run.
 
     Raises:
         UserError: There is no such file.
     """
-    name = gripper.grasps_with
-    return "" if name in (ANTIPODAL, SUCTION) else own_code.source_hash(name, WHERE)
+    names = [gripper.grasps_with for gripper in grippers]
+    return [own_code.source_hash(name, WHERE) for name in names if name not in BUILT_IN]
 
 
 def _own(gripper: Gripper, mesh: trimesh.Trimesh, n: int, rng: np.random.Generator) -> Sampled:

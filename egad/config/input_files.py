@@ -12,6 +12,7 @@ from egad.exchange import NamedGripper, check_format
 from egad.grippers import Gripper, files_of
 from egad.io import EVERY_FILE, check_unit_known, mesh_files
 from egad.measures import source_hash
+from egad.samplers import check_sampler
 from egad.tables.evolution import GENOME
 from egad.tables.parquet import check_columns
 
@@ -51,8 +52,9 @@ def _checks(settings: Settings) -> Iterator[tuple[str, Callable[[], object]]]:
         made = detector.weights and is_result(detector.weights)
         if not made or Path(str(detector.weights)).is_file():
             yield "", partial(fingerprint, detector)
-    for name in settings.targets.grippers:
+    for name in dict.fromkeys([settings.graspability.gripper, *settings.targets.grippers]):
         yield f"grippers.{name}", partial(_check_gripper, settings.grippers[name])
+    for name in settings.targets.grippers:
         hand = NamedGripper(name, settings.grippers[name])
         for style in settings.targets.exports:
             yield "targets.exports", partial(check_format, style, hand)
@@ -83,6 +85,7 @@ def _check_archive(path: Path) -> None:
 
 def _check_gripper(gripper: Gripper) -> None:
     check_readable(files_of(gripper))
+    check_sampler(gripper)
 
 
 def check_readable(files: Iterable[Path]) -> None:

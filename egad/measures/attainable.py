@@ -12,6 +12,7 @@ import pandas as pd
 
 from egad._util.arrays import Floats
 from egad.grasps import Quality, quality_bound
+from egad.grippers import ANTIPODAL
 from egad.measures.grid import cell_counts
 from egad.measures.parameters import MeasureParameters, MeasureSpace
 from egad.measures.percentile import percentile
@@ -23,7 +24,8 @@ class Attainable(NamedTuple):
     """What the measure of graspability leaves to objects.
 
     Attributes:
-        quality: No grasp has a higher quality; infinite if graspability is not the nominal quality.
+        quality: No grasp has a higher quality; infinite if graspability is not the nominal
+            quality of antipodal grasps.
         graspability: The highest that is expected, of an object as thick as its box; or infinite.
         rows: So many of the easiest rows lie above that graspability.
         edge: The lowest graspability of these rows.
@@ -54,7 +56,8 @@ def attainable_graspability(settings: MeasureParameters) -> Attainable:
     Args:
         settings: Gripper, cone of the sampler, contact model, percentile, and the cells.
     """
-    if settings.measures.graspability or settings.robust is not None:
+    others = settings.robust is not None or settings.gripper.grasps_with != ANTIPODAL
+    if settings.measures.graspability or others:
         return Attainable(math.inf, math.inf, 0, math.inf)
     side = settings.graspability.side_fraction * settings.gripper.opening
     leans = settings.sampling.cone * (np.arange(LEANS) + 0.5) / LEANS

@@ -34,6 +34,7 @@ from egad.io import missing_files
 from egad._util.kernel_cache import compile_kernels
 from egad._util.progress import MARKS
 from egad.measures import source_hash
+from egad.samplers import own_samplers
 from egad.detectors import SHIPPED_WEIGHTS, fingerprint
 from egad.perception import shard_count
 
@@ -43,6 +44,7 @@ try:
     check_input_files(SETTINGS)
     # The user's own measures by their code, so that editing it re-runs what they measure.
     MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
+    MEASURES += own_samplers([SETTINGS.grippers[SETTINGS.graspability.gripper]])
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")
 
@@ -200,6 +202,11 @@ def parts_of_images(wildcards):
 def gripper_files(wildcards):
     """The files that describe a gripper, if there are any."""
     return files_of_gripper(wildcards.gripper)
+
+
+def sampler_code(wildcards):
+    """The code of a gripper's own sampler, if it has one."""
+    return own_samplers([SETTINGS.grippers[wildcards.gripper]])
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Grasp-label: antipodal grasps with nominal and robust quality.
+"""Grasp-label: grasps with nominal and robust quality.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G.
 Outputs: results/D/grasps/G.parquet; G.sampling.parquet, the sampling statistics of each object;
@@ -45,6 +45,7 @@ rule grasp_label:
         meshes=subpath(input.scales, parent=True),
         shard=shard_of(len(SHARDS)),
         contents=contents_of(gripper_files),
+        sampler=sampler_code,
         code=code_of("grasp_label"),
     message:
         "Labelling grasps of {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"

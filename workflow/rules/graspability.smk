@@ -26,6 +26,7 @@ rule graspability:
     params:
         settings=settings_of(GraspabilityOfGripper),
         measures=MEASURES,
+        sampler=sampler_code,
         code=code_of("graspability"),
     message:
         "Measuring the graspability of {wildcards.dataset} for {wildcards.gripper}"
