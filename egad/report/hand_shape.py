@@ -5,8 +5,9 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
-from egad.grasps import hand_poses
-from egad.grippers import BoxBody, Gripper, GripperModel, model_of
+from egad._util.arrays import Floats
+from egad.grasps import hand_poses, vectors
+from egad.grippers import BoxBody, Gripper, GripperModel, SuctionCup, model_of
 
 Colored = tuple[trimesh.Trimesh, int]
 Painted = tuple[trimesh.Trimesh, NDArray[np.uint8]]
@@ -15,6 +16,7 @@ Painted = tuple[trimesh.Trimesh, NDArray[np.uint8]]
 LINK_COLORS = {0: 0, -1: 1, 1: 2}
 BOX_COLORS = (1, 2, 0)  # of the first finger, the second one, and the palm
 OBJECT_COLOR = 5
+CIRCLE = 32  # corners that a circle is drawn with
 
 
 def link_shapes(model: GripperModel, opening: float) -> list[Colored]:
@@ -46,7 +48,7 @@ def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) ->
 
     Args:
         mesh: The object, metres.
-        grasps: Columns contact0, contact1, approach (each with x, y and z), quality and
+        grasps: Columns center, axis, approach (each with x, y and z), width, quality and
             collision_free of `tables.grasping.GRASPS`, in the frame of the mesh.
         gripper: The hand. A mesh for its palm is shown as a box.
 
@@ -60,19 +62,16 @@ def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) ->
     if free.empty:
         return None
     best = free.iloc[[int(free["quality"].argmax())]]
-    first, second, approach = (
-        best[[f"{name}_{axis}" for axis in "xyz"]].to_numpy(dtype=np.float64)[0]
-        for name in ("contact0", "contact1", "approach")
-    )
-    opening = float(np.linalg.norm(second - first))
-    axis = (second - first) / opening
-    (pose,) = hand_poses((first + second)[None] / 2, axis[None], approach[None])
+    (pose,) = hand_poses(*(vectors(best, name) for name in ("center", "axis", "approach")))
+    opening = float(best["width"].iloc[0])
     hand = [(shape.apply_transform(pose), color) for shape, color in hand_shapes(gripper, opening)]
     return painted([(mesh, OBJECT_COLOR), *hand])
 
 
 def hand_shapes(gripper: Gripper, opening: float) -> list[Colored]:
     """The parts of a hand whose pads are around the origin, with colors."""
+    if gripper.cup is not None:
+        return _cup_shapes(gripper.cup)
     if gripper.file is not None:
         model = model_of(gripper)
         shift = [0, 0, -float(model.reach_at(np.array(opening)))]
@@ -85,3 +84,19 @@ def hand_shapes(gripper: Gripper, opening: float) -> list[Colored]:
         for each, color in zip(pieces, BOX_COLORS, strict=True)
         for part in each.parts
     ]
+
+
+def _cup_shapes(cup: SuctionCup) -> list[Colored]:
+    """The cup with its ring around the origin, and its stem behind it."""
+    top = -cup.height
+    flared = [_circle(cup.radius, 0.0), _circle(cup.stem_radius, top)]
+    stem = [_circle(cup.stem_radius, top), _circle(cup.stem_radius, top - cup.stem_length)]
+    return [
+        (trimesh.convex.convex_hull(np.concatenate(rings)), color)
+        for rings, color in ((flared, LINK_COLORS[1]), (stem, LINK_COLORS[0]))
+    ]
+
+
+def _circle(radius: float, height: float) -> Floats:
+    turns = 2 * np.pi * np.arange(CIRCLE) / CIRCLE
+    return np.stack([radius * np.cos(turns), radius * np.sin(turns), 0 * turns + height], axis=1)

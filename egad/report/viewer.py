@@ -67,11 +67,12 @@ def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any
         gripper: What the grasps are for.
 
     Returns:
-        `finger`: from the contacts back to the palm, metres; `objects`: each packed; `metrics`:
-        key, name, and the value that has the last color, the same for all objects.
+        `finger`: from the contacts back to the palm, or to the top of the cup, metres; `objects`:
+        each packed; `metrics`: key, name, and the value that has the last color, the same for all
+        objects.
     """
     return {
-        "finger": -finger_span(gripper)[0],
+        "finger": gripper.cup.height if gripper.cup else -finger_span(gripper)[0],
         "objects": [pack(scene) for scene in scenes],
         "metrics": [[key, name, _top(scenes, key)] for key, name in METRICS.items()],
     }

@@ -112,7 +112,7 @@ def test_colors_mean_the_same_for_all_objects(grasps):
     assert (both <= tops["quality"]).mean() == pytest.approx(0.98, abs=0.03)
 
 
-@pytest.mark.parametrize("name", GRIPPERS)
+@pytest.mark.parametrize("name", [name for name, each in GRIPPERS.items() if not each.cup])
 def test_the_jaws_reach_back_to_the_palm_mesh_the_gripper(name):
     gripper = GRIPPERS[name]
     data = viewer.viewer_data([GraspScene("ring", "", MESH, parquet.empty(GRASPS))], gripper)

@@ -125,11 +125,21 @@ function addBar(rows, from, to, wide, deep, color) {
 }
 
 // Two fingers that end at the contacts, the bridge between them, and the stem of the approach.
+// Of a cup, both contacts are one point: its stem ends there.
 function addJaws(rows, object, grasp, color) {
   const at = (array, place) => Array.from(array.subarray(3 * place, 3 * place + 3));
   const ends = [at(object.contacts, 2 * grasp), at(object.contacts, 2 * grasp + 1)];
   const approach = at(object.approaches, grasp);
   const half = THICK * object.longest;
+  if (ends[0].every((value, k) => value === ends[1][k])) {
+    const least = approach.map(Math.abs).reduce((best, value, k, all) => (value < all[best] ? k : best), 0);
+    const aside = unit(cross(approach, [0, 1, 2].map((k) => (k === least ? 1 : 0))));
+    const across = cross(approach, aside);
+    const top = plus(ends[0], approach, -object.finger - STEM * object.longest);
+    const thick = (direction) => direction.map((value) => value * half);
+    addBar(rows, ends[0], top, thick(aside), thick(across), color);
+    return;
+  }
   const axis = unit(minus(ends[1], ends[0]));
   const wide = axis.map((value) => value * half);
   const deep = unit(cross(approach, axis)).map((value) => value * half);
