@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+import pandas as pd
 import trimesh
 
 from egad._util.display import facts_html
@@ -23,6 +24,7 @@ from egad.exchange import (
     NamedGripper,
     check_format,
     check_key,
+    for_cups,
     module_of,
     needs_run,
     writer_of,
@@ -102,7 +104,8 @@ def export(
     Args:
         objects: A dataset, or meshes in metres by name.
         format: With sampled and simulated grasps: `acronym`: `LABEL.h5`, and `meshes/LABEL.obj`.
-            `graspgen`: a dataset of GraspGen, with `objects/LABEL.obj`. `graspnet`: `LABEL.npy` for
+            `graspgen`: a dataset of GraspGen, with `objects/LABEL.obj`; `graspgen_suction`: the
+            same for a suction cup, not simulated. `graspnet`: `LABEL.npy` for
             graspnetAPI, and `meshes/LABEL.obj`. `isaac_grasp`: `LABEL.yaml`, for a gripper with a
             file, and `meshes/LABEL.obj`. Without grasps: `usd`, `sdf`, `urdf`, `mjcf`,
             `robosuite`: for each object a folder with its surface, convex parts, mass, friction and
@@ -175,10 +178,14 @@ def _writer(name: str, job: _Job) -> Callable[[Path, NamedMesh, trimesh.Trimesh]
         writer_of(name)(folder, item.label, made, bundle.friction)
 
     def write_grasps(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
-        labelled = dataset_grasps(mesh, item.id, job.labels)
-        model = build(mesh, density, bundle, item.label)
-        grasps = simulate_labels(model, labelled, job.simulation)
+        grasps = dataset_grasps(mesh, item.id, job.labels)
+        if not for_cups(name):
+            grasps = simulated(item, mesh, grasps)
         module_of(name).write(folder, item.label, mesh, grasps, job.hand)
+
+    def simulated(item: NamedMesh, mesh: trimesh.Trimesh, labelled: pd.DataFrame) -> pd.DataFrame:
+        model = build(mesh, density, bundle, item.label)
+        return simulate_labels(model, labelled, job.simulation)
 
     if name in SURFACES:
         return write_surface

@@ -29,6 +29,7 @@ from .registry import Format as Format
 from .registry import ObjectFormat as ObjectFormat
 from .registry import ObjectSet as ObjectSet
 from .registry import check_format as check_format
+from .registry import for_cups as for_cups
 from .registry import last_files as last_files
 from .registry import module_of as module_of
 from .registry import modules_of_format as modules_of_format

@@ -9,9 +9,10 @@
   `write(folder, label, mesh, grasps, hand)`, if there is one, writes one object with its simulated
   grasps for `egad.export`.
 
-A module may have `check(hand)`, which is called before any of these and raises an error if the
-format cannot be written. Surfaces are mesh files, which `egad.io` writes. `egad.export`, the
-command `egad export`, `targets.exports` and the rule `export` know every format.
+A module with `FOR_CUPS` writes the grasps of suction cups, labelled but not simulated; the others
+are for jaws. A module may have `check(hand)`, which is called before any of these and raises an
+error if the format cannot be written. Surfaces are mesh files, which `egad.io` writes.
+`egad.export`, the command `egad export`, `targets.exports` and the rule `export` know every format.
 """
 
 import importlib
@@ -24,6 +25,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_type_hints
 
 from egad._util.extras import needed_for
 from egad._util.parameters import ParameterGroup
+from egad.errors import UserError
 from egad.exchange.parameters import NamedGripper
 
 ObjectSet = Literal["evaluation-set", "all"]
@@ -86,8 +88,26 @@ def check_format(name: str, hand: NamedGripper) -> None:
     Raises:
         UserError: A package is not installed, or the gripper lacks what the format describes.
     """
-    if check := getattr(module_of(name), "check", None):
+    module = module_of(name)
+    has_cup = hand.gripper.cup is not None
+    if name in (*GRASPS, *IMAGES) and has_cup != for_cups(name):
+        fitting = [each for each in (*GRASPS, *IMAGES) if for_cups(each) == has_cup]
+        kind = "a suction cup" if has_cup else "jaws"
+        raise UserError(
+            f"format {name!r} is not for {hand.name}, which has {kind}; allowed: "
+            f"{', '.join(sorted([*OBJECT_FORMATS, *fitting]))}"
+        )
+    if check := getattr(module, "check", None):
         check(hand)
+
+
+def for_cups(name: str) -> bool:
+    """Whether a format is for the labelled grasps of suction cups; others have those of jaws.
+
+    Raises:
+        MissingPackageError: A package that it needs is not installed.
+    """
+    return name in GRASPS and getattr(module_of(name), "FOR_CUPS", False)
 
 
 def needs_run(name: str) -> bool:

@@ -4,6 +4,7 @@ from .robust import robust_suction_quality as robust_suction_quality
 from .sampler import collision_free as collision_free
 from .sampler import sample_suction as sample_suction
 from .sampler import suction_poses as suction_poses
+from .seal import HOLE_POINTS as HOLE_POINTS
 from .seal import SealFailure as SealFailure
 from .seal import Seals as Seals
 from .seal import ring_vertices as ring_vertices

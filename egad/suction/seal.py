@@ -15,7 +15,7 @@ from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
 from egad.grippers import SuctionCup
 
-POINTS_WITHIN = 50  # the ring, where holes are looked for; as in GraspGen
+HOLE_POINTS = 50  # the ring, where holes are looked for; as in GraspGen
 GOLDEN_RATIO = (1 + np.sqrt(5)) / 2
 INNER = 1e-9  # least share of the apex in a point of the wall
 
@@ -145,10 +145,10 @@ def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
         of this vertex, the next one and the apex in the point: that of the apex is negative between
         the ring and its chord.
     """
-    number = np.arange(1, POINTS_WITHIN + 1)
-    outer = round(2 * np.sqrt(POINTS_WITHIN))
-    parts = np.sqrt((number - 0.5) / (POINTS_WITHIN - (outer + 1) / 2))
-    reach = cup.radius * np.where(number > POINTS_WITHIN - outer, 1.0, parts)
+    number = np.arange(1, HOLE_POINTS + 1)
+    outer = round(2 * np.sqrt(HOLE_POINTS))
+    parts = np.sqrt((number - 0.5) / (HOLE_POINTS - (outer + 1) / 2))
+    reach = cup.radius * np.where(number > HOLE_POINTS - outer, 1.0, parts)
     angles = 2 * np.pi * number / GOLDEN_RATIO**2 % (2 * np.pi)
     points = reach[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     sector = 2 * np.pi / cup.sides

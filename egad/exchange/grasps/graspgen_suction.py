@@ -1,0 +1,194 @@
+"""GraspGen datasets for suction cups: JSON files of grasps, lists of objects, and the cup."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import trimesh
+import yaml
+
+from egad._util.arrays import Floats
+from egad._util.files import new_folder
+from egad._util.progress import progress
+from egad.exchange.grasp_tables import by_object
+from egad.exchange.grasps.graspgen import SPLITS, default_split
+from egad.exchange.hdf5 import check_key
+from egad.exchange.parameters import GripperFormat, NamedGripper
+from egad.geometry import RayCaster
+from egad.grasps import Grasps
+from egad.grippers import SuctionCup
+from egad.io import read_mesh, write_obj
+from egad.suction import HOLE_POINTS, seal_cups
+from egad.tables import parquet
+from egad.tables.grasping import GRASPS
+
+FOR_CUPS = True
+STANDOFF = 0.001  # metres that GraspGen's cup stays above the surface
+OUTWARDS = np.diag([1.0, -1.0, -1.0, 1.0])  # our z is the approach, theirs the outward normal
+COLUMNS = [name for name in GRASPS.names if name not in ("id", "label")]
+DESCRIPTION = '''"""A cup for GraspGen; the .py, .yaml and .obj files belong in config/grippers."""
+
+from pathlib import Path
+
+import numpy as np
+import torch
+import trimesh
+from grasp_gen.robot import load_control_points_core, load_default_gripper_config
+
+HERE = Path(__file__)
+LINE = np.asarray(load_control_points_core(load_default_gripper_config(HERE.stem)))
+
+
+class GripperModel:
+    def __init__(self, data_root_dir=None):
+        self.mesh = trimesh.load(HERE.with_suffix(".obj"), force="mesh")
+
+    def get_gripper_collision_mesh(self):
+        return self.mesh.copy()
+
+    def get_gripper_visual_mesh(self):
+        return self.mesh.copy()
+
+
+def load_control_points():
+    return torch.from_numpy(np.column_stack([LINE, np.ones(len(LINE))]).T).float()
+
+
+def load_control_points_for_visualization():
+    return [LINE]
+'''
+
+
+def suction_transforms(grasps: Grasps) -> Floats:
+    """Poses in GraspGen's frame, (n, 4, 4): z is the outward normal, 1 mm above the surface."""
+    poses: Floats = grasps.poses @ OUTWARDS
+    poses[:, :3, 3] += STANDOFF * poses[:, :3, 2]
+    return poses
+
+
+def described_cup(name: str, cup: SuctionCup) -> dict[str, Any]:
+    """A cup in GraspGen's keys."""
+    return {
+        "poses": [np.eye(4).tolist()],
+        "num_sides": cup.sides,
+        "radius": cup.radius,
+        "height": cup.height,
+        "suction_force": cup.vacuum_force,
+        "material_kappa": cup.bending,
+        "friction_mu": cup.friction,
+        "interpolated_perimeter_vertices": 0,
+        "spring_max_length_change": cup.max_strain,
+        "standoff_distance": STANDOFF,
+        "num_suction_points_for_hole_check": HOLE_POINTS,
+        "collision_mesh_fname": f"{name}.obj",
+    }
+
+
+def start_dataset(folder: Path, name: str, cup: SuctionCup) -> None:
+    """Make the folders of a dataset, empty lists, and the description of the cup."""
+    for each in ("grasp_data", "splits"):
+        (folder / each / name).mkdir(parents=True)
+    (folder / "objects").mkdir()
+    for split in SPLITS:
+        (folder / "splits" / name / f"{split}.txt").touch()
+    described = folder / "gripper"
+    described.mkdir()
+    top = cup.height + cup.stem_length
+    line = [[0.0, 0.0, height] for height in (0.0, cup.height, top)]
+    about = described_cup(name, cup) | {"depth": top, "control_points": line}
+    (described / f"{name}.yaml").write_text(yaml.safe_dump(about, sort_keys=False))
+    (described / f"{name}.py").write_text(DESCRIPTION)
+    write_obj(_cup_mesh(cup), described / f"{name}.obj")
+
+
+def write_suction(
+    folder: Path, name: str, cup: SuctionCup, label: str, mesh: trimesh.Trimesh, rows: pd.DataFrame
+) -> None:
+    """Write the grasps of an object, and its name to a list.
+
+    `object_in_gripper` is true if the cup seals and neither cup nor stem collides; `score` is the
+    share of perturbed copies that seal and hold.
+
+    Args:
+        folder: Folder of the dataset, made by `start_dataset`.
+        name: Name of the gripper.
+        cup: Its cup.
+        label: Label of the object.
+        mesh: Its mesh, as it is grasped, metres.
+        rows: One row per grasp, with the columns of `tables.grasping.GRASPS`.
+    """
+    grasps = Grasps(rows)
+    poses = grasps.poses
+    frames = np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
+    sealed = seal_cups(RayCaster(mesh), cup, poses[:, :3, 3], frames).sealed
+    written = {
+        "object": {"file": f"{label}.obj", "scale": 1.0},
+        "gripper": described_cup(name, cup),
+        "grasps": {
+            "transforms": suction_transforms(grasps).round(9).tolist(),
+            "suction_points": grasps.contacts[:, 0].round(9).tolist(),
+            "approach_vectors": (-poses[:, :3, 2]).round(9).tolist(),
+            "object_in_gripper": (sealed & grasps.collision_free).tolist(),
+            "is_sealed": sealed.tolist(),
+            "score": grasps.quality.tolist(),
+        },
+    }
+    (folder / "grasp_data" / name / f"{label}.json").write_text(json.dumps(written) + "\n")
+    listed = folder / "splits" / name / f"{default_split(label)}.txt"
+    listed.write_text(f"{listed.read_text()}{label}.obj\n")
+
+
+def write(
+    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+) -> None:
+    """Add an object to a dataset of GraspGen: see `egad.exchange.registry`."""
+    if (cup := hand.gripper.cup) is None:
+        raise ValueError("the gripper has no cup")
+    if not (folder / "objects").exists():
+        start_dataset(folder, hand.name, cup)
+    write_obj(mesh, folder / "objects" / f"{label}.obj")
+    write_suction(folder, hand.name, cup, label, mesh, grasps)
+
+
+def run(settings: GripperFormat, gripper: str, meshes: Path, grasps: Path, out: Path) -> None:
+    """Write a dataset of GraspGen: grasps, meshes, lists of objects and the cup.
+
+    Args:
+        settings: Settings of this format.
+        gripper: Name of the gripper.
+        meshes: Folder of the scaled meshes.
+        grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
+        out: The labelled grasps for gripper G, a suction cup, as a dataset of GraspGen, with
+            meshes. Made if `targets.exports` contains `graspgen_suction`. See `docs/exchange.md`.
+
+    Raises:
+        UserError: A name is not allowed, or the folder is not empty.
+    """
+    if (cup := settings.gripper.cup) is None:
+        raise ValueError("the gripper has no cup")
+    name = check_key(gripper, "gripper")
+    with new_folder(out) as folder:
+        start_dataset(folder, name, cup)
+        labels = {label for rows in parquet.batches(grasps, ["label"]) for label in rows["label"]}
+        found = progress(by_object(grasps, COLUMNS), "writing grasps", len(labels))
+        for label, rows in found:
+            file = f"{check_key(label)}.obj"
+            shutil.copyfile(meshes / file, folder / "objects" / file)
+            write_suction(folder, name, cup, label, read_mesh(meshes / file, "m"), rows)
+
+
+def _cup_mesh(cup: SuctionCup) -> trimesh.Trimesh:
+    """Cup and stem, which stand on the ring and point outwards."""
+    top = cup.height + cup.stem_length
+    outline = [
+        [0.0, 0.0],
+        [cup.radius, 0.0],
+        [cup.stem_radius, cup.height],
+        [cup.stem_radius, top],
+        [0.0, top],
+    ]
+    mesh: trimesh.Trimesh = trimesh.creation.revolve(np.array(outline), sections=32)
+    return mesh

@@ -1,0 +1,91 @@
+import json
+
+import numpy as np
+import pytest
+import trimesh
+import yaml
+
+import egad
+from egad.errors import UserError
+from egad.exchange.grasps.graspgen_suction import OUTWARDS
+
+BOX = trimesh.creation.box((0.07, 0.08, 0.09))
+BALL = trimesh.creation.icosphere(subdivisions=4, radius=0.04)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    out = tmp_path_factory.mktemp("set") / "suction"
+    hand = egad.gripper("cup_30mm")
+    egad.export({"box": BOX, "ball": BALL}, "graspgen_suction", hand, out, grasps=30, rule="none")
+    return out
+
+
+def read(folder, label):
+    (path,) = folder.glob(f"grasp_data/*/{label}.json")
+    return json.loads(path.read_text())
+
+
+def test_poses_stand_on_the_surface_and_look_outwards(folder):
+    grasps = read(folder, "ball")["grasps"]
+    poses = np.array(grasps["transforms"])
+    turns, places = poses[:, :3, :3], poses[:, :3, 3]
+    np.testing.assert_allclose(
+        turns @ turns.transpose(0, 2, 1), np.tile(np.eye(3), (30, 1, 1)), atol=1e-8
+    )
+    np.testing.assert_allclose(np.linalg.det(turns), 1)
+    outwards = places / np.linalg.norm(places, axis=1, keepdims=True)
+    assert (np.einsum("nk,nk->n", outwards, turns[:, :, 2]) > 0.99).all()  # facets of a ball
+    np.testing.assert_allclose(
+        places, np.array(grasps["suction_points"]) + 1e-3 * turns[:, :, 2], atol=1e-8
+    )
+    np.testing.assert_allclose(grasps["approach_vectors"], turns[:, :, 2], atol=1e-8)
+
+
+@pytest.mark.parametrize("label", ["box", "ball"])
+def test_a_cup_seals_where_its_ring_stays_on_a_face_and_on_a_ball(folder, label):
+    written = read(folder, label)
+    points = np.array(written["grasps"]["suction_points"])
+    sealed = written["grasps"]["is_sealed"]
+    assert written["object"] == {"file": f"{label}.obj", "scale": 1.0}
+    if label == "box":  # the ring of 15 mm stays on a face
+        face = np.isclose(np.abs(points), BOX.extents / 2, atol=1e-7)
+        room = np.where(face, np.inf, BOX.extents / 2 - np.abs(points)).min(axis=1)
+        assert np.all(np.array(sealed)[room > 0.0151])
+        assert not np.any(np.array(sealed)[room < 0.0145])
+    else:
+        assert all(sealed)
+    assert written["grasps"]["object_in_gripper"] == sealed  # nothing else is in the way
+    scores = np.array(written["grasps"]["score"])
+    assert scores.max() > 0.2
+    np.testing.assert_allclose(25 * scores, np.round(25 * scores))
+
+
+def test_every_object_is_listed_once_and_the_cup_is_described(folder):
+    listed = [line for path in folder.glob("splits/*/*.txt") for line in path.read_text().split()]
+    assert sorted(listed) == ["ball.obj", "box.obj"]
+    assert trimesh.load(folder / "objects" / "box.obj").volume == pytest.approx(BOX.volume)
+    (path,) = folder.glob("gripper/*.yaml")
+    cup = yaml.safe_load(path.read_text())
+    assert (cup["radius"], cup["height"], cup["num_sides"]) == (0.015, 0.03, 15)
+    assert cup == {
+        **read(folder, "box")["gripper"],
+        "depth": 0.12,
+        "control_points": [[0, 0, 0], [0, 0, 0.03], [0, 0, 0.12]],
+    }
+    shape = trimesh.load(path.with_suffix(".obj"))
+    np.testing.assert_allclose(shape.bounds, [[-0.015, -0.015, 0], [0.015, 0.015, 0.12]], atol=1e-6)
+    assert shape.is_watertight
+
+
+def test_formats_are_for_jaws_or_for_cups(tmp_path):
+    with pytest.raises(UserError, match="'graspgen' is not for cup_30mm, which has a suction cup"):
+        egad.export({"box": BOX}, "graspgen", "cup_30mm", tmp_path / "a")
+    with pytest.raises(UserError, match="'graspgen_suction' is not for panda, which has jaws"):
+        egad.export({"box": BOX}, "graspgen_suction", "panda", tmp_path / "b")
+    assert egad.export({"box": BOX}, "stl", "cup_30mm", tmp_path / "c").labels == ["box"]
+
+
+def test_the_turn_to_their_frame_is_a_half_turn_about_x():
+    np.testing.assert_array_equal(OUTWARDS @ OUTWARDS, np.eye(4))
+    assert np.linalg.det(OUTWARDS[:3, :3]) == 1
