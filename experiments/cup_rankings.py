@@ -3,10 +3,10 @@
     python experiments/cup_rankings.py TABLE.parquet [--jobs 2]
 
 The graspability of all released objects is measured for a Panda and for cups of 15 and 30 mm, at
-the same size, from 512 candidates each; TABLE.parquet keeps it. Printed are rank correlations
-(Spearman, with 95 % intervals over objects), how many objects have no grasp or a graspability of 0,
-and the objects that are easiest for one hand among the hardest for another. The second row repeats
-the first hand with other grasps.
+the same size, from 512 candidates each. TABLE.parquet keeps them; a second call does what is left.
+Printed are rank correlations (Spearman, with 95 % intervals over objects), how many objects have no
+grasp or a graspability of 0, and which are easy for jaws and hard for the cup, or the reverse. The
+second row repeats the first hand with other grasps.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import pandas as pd
 
 import egad
 from egad._util.arrays import Floats
-from egad._util.progress import progress
+from egad._util.files import atomic_output
 from egad._util.workers import workers
 from egad.random import generator
 
@@ -27,6 +27,7 @@ HANDS = {"panda": ("panda", 0), "panda, again": ("panda", 1)} | {
     cup: (cup, 0) for cup in ("cup_15mm", "cup_30mm")
 }
 CANDIDATES, DRAWS = 512, 2000
+BATCH = 50  # objects
 
 
 def graspabilities(label: str, objects: egad.Dataset) -> dict[str, float | str]:
@@ -43,15 +44,20 @@ def graspabilities(label: str, objects: egad.Dataset) -> dict[str, float | str]:
 
 
 def measured(path: Path, jobs: int) -> pd.DataFrame:
-    """The table, which is made if it is not there."""
-    if not path.is_file():
-        warnings.simplefilter("ignore")
-        objects = egad.load("released")
-        labels = [each.label for each in objects]
-        with workers(jobs) as mapper:
-            found = mapper(partial(graspabilities, objects=objects), labels)
-            pd.DataFrame(progress(found, "measuring", len(objects))).to_parquet(path)
-    return pd.read_parquet(path)
+    """The table, with the objects that it lacks measured and added."""
+    warnings.simplefilter("ignore")
+    objects = egad.load("released")
+    table = pd.read_parquet(path) if path.is_file() else pd.DataFrame({"label": []})
+    known = set(table["label"])
+    left = [each.label for each in objects if each.label not in known]
+    with workers(jobs) as mapper:
+        for start in range(0, len(left), BATCH):
+            found = mapper(partial(graspabilities, objects=objects), left[start : start + BATCH])
+            table = pd.concat([table, pd.DataFrame(list(found))], ignore_index=True)
+            with atomic_output(path) as out:
+                table.to_parquet(out)
+            print(len(table), "of", len(objects), flush=True)
+    return table
 
 
 def correlation(first: Floats, second: Floats) -> str:

@@ -118,8 +118,17 @@ CELLS = [
     column("complexity_cell", INT, "cell along complexity, 0 = simplest"),
     column("difficulty_cell", INT, "cell along difficulty, 0 = easiest"),
 ]
-QUALITY = column("quality", FLOAT, "Ferrari-Canny quality")
-ROBUST_QUALITY = column("robust_quality", FLOAT, "mean quality over disturbed copies of the grasp")
+QUALITY = column(
+    "quality",
+    FLOAT,
+    "Ferrari-Canny quality; of a cup, the fraction of disturbed copies that seal and hold; or that "
+    "of a sampler of your own",
+)
+ROBUST_QUALITY = column(
+    "robust_quality",
+    FLOAT,
+    "mean quality over disturbed copies of the grasp; of cups and your own samplers, the quality",
+)
 ROBUST_SUCCESS_RATE = column(
     "robust_success_rate",
     FLOAT,

@@ -24,10 +24,12 @@ GRASPS = pa.schema(
         ID,
         LABEL,
         column("grasp", INT, "number of the grasp on its object"),
-        *vector("center", "midpoint of the contacts", "m"),
-        *vector("axis", "unit vector from the first contact to the second"),
+        *vector("center", "midpoint of the contacts; of a cup, on the surface", "m"),
+        *vector(
+            "axis", "unit vector from the first contact to the second; of a cup, any across it"
+        ),
         *vector("approach", "unit vector along which the hand moves towards the object"),
-        column("width", FLOAT, "distance of the contacts", "m"),
+        column("width", FLOAT, "distance of the contacts; 0 for a cup", "m"),
         column(
             "needed_opening",
             FLOAT,
@@ -36,7 +38,7 @@ GRASPS = pa.schema(
             "m",
         ),
         *vector("contact0", "first contact", "m"),
-        *vector("contact1", "second contact", "m"),
+        *vector("contact1", "second contact; of a cup, the first again", "m"),
         *vector("normal0", "outward unit normal at the first contact"),
         *vector("normal1", "outward unit normal at the second contact"),
         QUALITY,
