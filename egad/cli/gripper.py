@@ -1,6 +1,7 @@
 """Tools for grippers."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -32,11 +33,13 @@ def inspect(
 ) -> None:
     """Show what is found in the file of a hand: joints, fingers, pads, opening, shape in 3D.
 
+    Of a suction cup, it shows what it holds.
+
     Prints the entry for a configuration. Writes NAME.html, or the page given by --out.
     """
-    from egad._util.files import write_text
     from egad.grippers import Gripper, model_of
     from egad.io import check_ending
+    from egad.report.cup import cup_entry, cup_facts, cup_page
     from egad.report.hand import hand_entry, hand_facts, hand_page
 
     check_ending(out, (".html",))
@@ -46,15 +49,27 @@ def inspect(
         known = settings_in(config).grippers
         name = check_name("gripper or file", hand, known)
         found = known[name]
+        if found.cup is not None:
+            facts, entry = cup_facts(found.cup), cup_entry(name, found)
+            _write(out, name, facts, entry, cup_page(name, found, found.cup))
+            return
         if found.file is None:
             raise UserError(f"the gripper {name} has no `file`; its boxes are in the configuration")
     model = model_of(found)
-    for key, value in hand_facts(found, model).items():
+    shown = hand_facts(found, model), hand_entry(name, found), hand_page(name, found, model)
+    _write(out, name, *shown)
+
+
+def _write(out: Path | None, name: str, facts: Mapping[str, str], entry: str, page: str) -> None:
+    """Print the facts and the entry, and write the page."""
+    from egad._util.files import write_text
+
+    for key, value in facts.items():
         typer.echo(f"{key + ':':38s} {value}")
-    typer.echo(f"\n{hand_entry(name, found)}")
-    page = out or Path(f"{name}.html")
-    write_text(page, hand_page(name, found, model))
-    typer.echo(f"see {page}")
+    typer.echo(f"\n{entry}")
+    path = out or Path(f"{name}.html")
+    write_text(path, page)
+    typer.echo(f"see {path}")
 
 
 def _name_of(path: Path) -> str:

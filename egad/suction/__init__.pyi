@@ -10,5 +10,6 @@ from .seal import Seals as Seals
 from .seal import ring_vertices as ring_vertices
 from .seal import seal_cups as seal_cups
 from .seal import spring_lengths as spring_lengths
+from .wrench import limits as limits
 from .wrench import loads_in_frames as loads_in_frames
 from .wrench import resists as resists

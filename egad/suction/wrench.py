@@ -6,11 +6,36 @@ has six coordinates, which are those of its load. So a load is resisted if it sa
 itself, and no program has to be solved.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from egad._util.arrays import Flags, Floats
 from egad.grippers import SuctionCup
+
+
+class Limits(NamedTuple):
+    """The most that a cup bears of each part of a load, if the others are 0.
+
+    Attributes:
+        pull: Along its axis, newtons.
+        across: Along x or y, newtons.
+        torsion: About its axis, newton metres.
+        bending: About x or y, newton metres, with the tolerance.
+    """
+
+    pull: float
+    across: float
+    torsion: float
+    bending: float
+
+
+def limits(cup: SuctionCup) -> Limits:
+    """The limits of a cup: see `resists`."""
+    grip = cup.friction * cup.vacuum_force / np.sqrt(3)
+    bending = _bending(cup) + cup.torque_tolerance
+    return Limits(cup.vacuum_force, grip, cup.radius * grip, bending)
 
 
 def resists(cup: SuctionCup, loads: Floats, friction: ArrayLike | None = None) -> Flags:
@@ -31,9 +56,13 @@ def resists(cup: SuctionCup, loads: Floats, friction: ArrayLike | None = None) -
     grip = mu * pressing / np.sqrt(3)
     held = (pressing >= 0) & (np.abs(loads[:, :2]).max(axis=1) <= grip)
     held &= np.abs(loads[:, 5]) <= cup.radius * grip
-    limit = np.pi * cup.radius * cup.bending / np.sqrt(2)
-    beyond = np.maximum(np.abs(loads[:, 3:5]) - limit, 0.0)
+    beyond = np.maximum(np.abs(loads[:, 3:5]) - _bending(cup), 0.0)
     return np.asarray(held & (np.hypot(beyond[:, 0], beyond[:, 1]) <= cup.torque_tolerance))
+
+
+def _bending(cup: SuctionCup) -> float:
+    """The bending torque of the paper, newton metres."""
+    return float(np.pi * cup.radius * cup.bending / np.sqrt(2))
 
 
 def loads_in_frames(origins: Floats, frames: Floats, forces: Floats, points: Floats) -> Floats:
