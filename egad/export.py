@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-import pandas as pd
 import trimesh
 
 from egad._util.display import facts_html
@@ -41,8 +40,8 @@ from egad.sim import (
     Lifting,
     SimulatedLabel,
     SimulatedLabelParameters,
-    build,
     check_engine,
+    model_of,
     simulate_labels,
 )
 
@@ -107,7 +106,8 @@ def export(
             `graspgen`: a dataset of GraspGen, with `objects/LABEL.obj`; `graspgen_suction`: the
             same for a suction cup, not simulated. `graspnet`: `LABEL.npy` for
             graspnetAPI, and `meshes/LABEL.obj`. `isaac_grasp`: `LABEL.yaml`, for a gripper with a
-            file, and `meshes/LABEL.obj`. Without grasps: `usd`, `sdf`, `urdf`, `mjcf`,
+            file, and `meshes/LABEL.obj`. `simready`: `LABEL/simready/LABEL.usd`, with the grasps
+            that succeeded. Without grasps: `usd`, `sdf`, `urdf`, `mjcf`,
             `robosuite`: for each object a folder with its surface, convex parts, mass, friction and
             stable poses. `simulation`: URDF and MJCF in one folder. `vgn`: URDF files side by side,
             for the simulator of VGN. `glb`: surfaces with a material, for browsers and Blender.
@@ -179,13 +179,11 @@ def _writer(name: str, job: _Job) -> Callable[[Path, NamedMesh, trimesh.Trimesh]
 
     def write_grasps(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
         grasps = dataset_grasps(mesh, item.id, job.labels)
+        made = make_simulation_object(mesh, density, bundle, item.label)
         if not for_cups(name):
-            grasps = simulated(item, mesh, grasps)
-        module_of(name).write(folder, item.label, mesh, grasps, job.hand)
-
-    def simulated(item: NamedMesh, mesh: trimesh.Trimesh, labelled: pd.DataFrame) -> pd.DataFrame:
-        model = build(mesh, density, bundle, item.label)
-        return simulate_labels(model, labelled, job.simulation)
+            model = model_of(made.mesh, made.parts, made.physics, made.volume_error)
+            grasps = simulate_labels(model, grasps, job.simulation)
+        module_of(name).write(folder, item.label, made, grasps, job.hand)
 
     if name in SURFACES:
         return write_surface

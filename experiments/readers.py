@@ -9,6 +9,7 @@ named ones if any are named:
 
     pip install drake mujoco mujoco-warp 'newton[importers]' omniverse-asset-validator pandas
     pip install pyarrow pybullet pygltflib robosuite sapien scipy trimesh
+    pip install simready-foundation-tier-core simready-validate
     pip install bpy
     npm install gltf-validator
 
@@ -113,6 +114,30 @@ def validated_usd(exports: Path, rows: list[Row]) -> str:
         ).issues()
     ]
     return f"{len(rows)} objects, {len(issues)} issues{': ' + issues[0] if issues else ''}"
+
+
+def validated_simready(exports: Path, rows: list[Row]) -> str:
+    """NVIDIA's rules for props: the features that its profile requires, and that of grasps."""
+    import simready.validate as rules
+
+    rules.initialize([], [], [])
+    failed: set[str] = set()
+    for row in rows:
+        file = exports / "simready" / row["label"] / "simready" / f"{row['label']}.usd"
+        config = rules.AssetValidationConfig(
+            asset_path=str(file), profile_id="Robotics-Prop", profile_version="4.0.0"
+        )
+        found = rules.validate_asset(config).features_summary
+        if not found["FET_005_STANDARD"]["passed"]:
+            failed.add(f"{row['label']}: FET_005_STANDARD")
+        failed |= {
+            f"{row['label']}: {name}"
+            for name, feature in found.items()
+            if feature["blocking_failure"]
+        }
+    return (
+        f"{len(rows)} props, {len(failed)} features failed {', '.join(sorted(failed)[:5])}".strip()
+    )
 
 
 def newton_usd(exports: Path, rows: list[Row], bundle: Path) -> str:
@@ -356,6 +381,12 @@ def results(
             "omniverse-asset-validator",
             "omni.asset_validator",
             lambda: validated_usd(exports, rows),
+        ),
+        (
+            "simready",
+            "simready-validate",
+            "simready.validate",
+            lambda: validated_simready(exports, rows),
         ),
         ("usd", "newton", "newton", lambda: newton_usd(exports, rows, bundle)),
         ("sdf", "drake", "pydrake", lambda: in_drake(exports, rows, "sdf", "model.sdf")),

@@ -111,4 +111,5 @@ def without_usd(monkeypatch):
         return found(name, *more)
 
     monkeypatch.setattr(builtins, "__import__", other)
-    monkeypatch.delitem(sys.modules, "egad.exchange.objects.usd", raising=False)
+    for name in ("objects.usd", "grasps.simready"):
+        monkeypatch.delitem(sys.modules, f"egad.exchange.{name}", raising=False)

@@ -84,6 +84,17 @@ def test_simulation_files_have_the_mass_of_the_solid(tmp_path):
     assert sum(part.volume for part in parts) == pytest.approx(BLOCK.volume * FACTOR**3)
 
 
+def test_simready_props_have_lines_of_the_size_of_the_hand(tmp_path):
+    usd = pytest.importorskip("pxr.Usd")
+    egad.export({"block": BLOCK}, "simready", "panda", tmp_path / "out", grasps=6)
+    stage = usd.Stage.Open(str(tmp_path / "out/block/simready/block.usd"))
+    lines = [prim for prim in stage.Traverse() if prim.GetTypeName() == "BasisCurves"]
+    assert 0 < len(lines) <= 6
+    for line in lines:
+        start, end = np.array(line.GetAttribute("points").Get())
+        assert np.linalg.norm(end - start) == pytest.approx(0.08, abs=1e-7)
+
+
 @pytest.mark.parametrize("style", get_args(ObjectFormat))
 def test_formats_of_simulators_have_files_of_each_object_that_is_solid(tmp_path, style):
     if style == "usd":

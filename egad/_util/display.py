@@ -74,6 +74,18 @@ def facts_html(
     return _call("notebook", "facts_html", title, facts, mesh)
 
 
+def thumbnail(mesh: "trimesh.Trimesh", size: int) -> bytes:
+    """A PNG file of a mesh on a transparent ground, seen from in front and above.
+
+    Args:
+        mesh: The object, in any unit; it is scaled to fill the picture.
+        size: Pixels along each side.
+    """
+    pictures = importlib.import_module("egad.report.pictures")
+    content: bytes = pictures.png_bytes(pictures.render(mesh, size))
+    return content
+
+
 def table_html(title: str, table: "pd.DataFrame") -> str:
     """HTML of a table; of a long one, its first and last rows.
 

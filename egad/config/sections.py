@@ -161,7 +161,7 @@ class Targets(Parameters):
     simulated_labels: bool = Field(
         False,
         description="whether to simulate labelled grasps of all objects; it is done in any case if "
-        "`exports` has acronym, graspgen, graspnet or isaac_grasp",
+        "`exports` has acronym, graspgen, graspnet, isaac_grasp or simready",
     )
     render: bool = Field(
         False, description="whether to render depth images with grasps for training"

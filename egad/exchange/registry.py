@@ -6,8 +6,8 @@
 - `grasps/NAME.py`: `run(settings, ..., out)` writes the grasps of a run, and makes `out`. Its
   parameters name what it reads: `gripper`, the name, and files of `SOURCES`. The annotation of
   `settings` is the class of the settings that it needs; each such class has a `gripper`.
-  `write(folder, label, mesh, grasps, hand)`, if there is one, writes one object with its simulated
-  grasps for `egad.export`.
+  `write(folder, label, made, grasps, hand)`, if there is one, writes one object, `made` as above,
+  with its simulated grasps for `egad.export`.
 
 A module with `FOR_CUPS` writes the grasps of suction cups, labelled but not simulated; the others
 are for jaws. A module may have `check(hand)`, which is called before any of these and raises an

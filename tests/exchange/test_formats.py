@@ -54,6 +54,8 @@ def test_the_same_object_gives_the_same_bytes(tmp_path, made, name):
 def test_a_missing_package_is_named():
     with pytest.raises(UserError, match=r"usd needs OpenUSD: pip install 'egad\[usd\]'"):
         check_format("usd", HAND)
+    with pytest.raises(UserError, match=r"simready needs OpenUSD: pip install 'egad\[usd\]'"):
+        check_format("simready", HAND)
     check_format("sdf", HAND)
 
 

@@ -8,15 +8,14 @@ from typing import Any
 import h5py
 import numpy as np
 import pandas as pd
-import trimesh
 
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output, check_not_file
 from egad.errors import UserError
+from egad.evalset import SimulationObject
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
 from egad.exchange.simulated import check_simulated, simulated_by_object
-from egad.geometry import Material, mass_properties
 from egad.grasps import FRICTION, Grasps, held_when_shaken, panda_poses, with_outcome
 from egad.grippers import finger_span
 from egad.io import SUMS, write_obj
@@ -122,20 +121,19 @@ def jaws_of(hand: NamedGripper) -> Jaws:
 
 
 def write(
-    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+    folder: Path, label: str, made: SimulationObject, grasps: pd.DataFrame, hand: NamedGripper
 ) -> None:
     """Write `LABEL.h5`, and `meshes/LABEL.obj`: see `egad.exchange.registry`."""
-    mass = mass_properties(mesh, Material().density)
     body = AcronymObject(
         file=f"meshes/{label}.obj",
         scale=1.0,
-        volume=mass.volume,
-        mass=mass.mass,
-        com=np.asarray(mass.com),
-        inertia=mass.inertia,
+        volume=made.physics.volume,
+        mass=made.physics.mass,
+        com=np.asarray(made.physics.com),
+        inertia=made.physics.inertia,
         friction=FRICTION,
     )
-    write_obj(mesh, folder / body.file)
+    write_obj(made.mesh, folder / body.file)
     least = Acronym().min_robust_success_rate
     write_acronym(folder / f"{label}.h5", body, jaws_of(hand), grasps, least)
 

@@ -13,6 +13,7 @@ import yaml
 
 from egad._util.arrays import Floats
 from egad._util.files import new_folder
+from egad.evalset import SimulationObject
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.exchange.simulated import check_simulated, simulated_by_object
@@ -195,13 +196,13 @@ def _mesh(hand: GraspGenHand) -> trimesh.Trimesh:
 
 
 def write(
-    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+    folder: Path, label: str, made: SimulationObject, grasps: pd.DataFrame, hand: NamedGripper
 ) -> None:
     """Add an object to a dataset of GraspGen: see `egad.exchange.registry`."""
     theirs = graspgen_hand(hand.name, hand.gripper)
     if not (folder / "objects").exists():
         start_graspgen(folder, theirs)
-    write_obj(mesh, folder / "objects" / f"{label}.obj")
+    write_obj(made.mesh, folder / "objects" / f"{label}.obj")
     write_graspgen(folder, theirs, label, grasps)
 
 

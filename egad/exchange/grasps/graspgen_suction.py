@@ -13,6 +13,7 @@ import yaml
 from egad._util.arrays import Floats
 from egad._util.files import new_folder
 from egad._util.progress import progress
+from egad.evalset import SimulationObject
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.grasps.graspgen import SPLITS, default_split
 from egad.exchange.hdf5 import check_key
@@ -142,15 +143,15 @@ def write_suction(
 
 
 def write(
-    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+    folder: Path, label: str, made: SimulationObject, grasps: pd.DataFrame, hand: NamedGripper
 ) -> None:
     """Add an object to a dataset of GraspGen: see `egad.exchange.registry`."""
     if (cup := hand.gripper.cup) is None:
         raise ValueError("the gripper has no cup")
     if not (folder / "objects").exists():
         start_dataset(folder, hand.name, cup)
-    write_obj(mesh, folder / "objects" / f"{label}.obj")
-    write_suction(folder, hand.name, cup, label, mesh, grasps)
+    write_obj(made.mesh, folder / "objects" / f"{label}.obj")
+    write_suction(folder, hand.name, cup, label, made.mesh, grasps)
 
 
 def run(settings: GripperFormat, gripper: str, meshes: Path, grasps: Path, out: Path) -> None:

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import trimesh
 
 from egad._util.arrays import Floats
 from egad._util.files import new_folder
+from egad.evalset import SimulationObject
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.exchange.simulated import check_simulated, simulated_by_object
@@ -85,11 +85,11 @@ def write_graspnet(folder: Path, label: str, grasps: pd.DataFrame, opening: floa
 
 
 def write(
-    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+    folder: Path, label: str, made: SimulationObject, grasps: pd.DataFrame, hand: NamedGripper
 ) -> None:
     """Write `LABEL.npy`, and `meshes/LABEL.obj`: see `egad.exchange.registry`."""
     write_graspnet(folder, label, grasps, hand.gripper.opening)
-    write_obj(mesh, folder / f"meshes/{label}.obj")
+    write_obj(made.mesh, folder / f"meshes/{label}.obj")
 
 
 def run(

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import trimesh
 import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad._util.files import new_folder
 from egad.errors import UserError
+from egad.evalset import SimulationObject
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.exchange.simulated import check_simulated, simulated_by_object
@@ -82,11 +82,11 @@ def _rounded(numbers: NDArray[np.float64]) -> list[float]:
 
 
 def write(
-    folder: Path, label: str, mesh: trimesh.Trimesh, grasps: pd.DataFrame, hand: NamedGripper
+    folder: Path, label: str, made: SimulationObject, grasps: pd.DataFrame, hand: NamedGripper
 ) -> None:
     """Write `LABEL.yaml`, and `meshes/LABEL.obj`: see `egad.exchange.registry`."""
     write_isaac_grasp(folder / f"{label}.yaml", label, hand.gripper, grasps)
-    write_obj(mesh, folder / f"meshes/{label}.obj")
+    write_obj(made.mesh, folder / f"meshes/{label}.obj")
 
 
 def run(

@@ -37,8 +37,22 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
         friction: Static and dynamic friction.
     """
     (folder / name).mkdir(parents=True)
-    layer = Sdf.Layer.CreateAnonymous(".usda")
-    stage = Usd.Stage.Open(layer)
+    stage = make_stage(name, made, friction)
+    for child in stage.GetDefaultPrim().GetChildren():
+        child.SetInstanceable(True)
+    save(stage, folder / name / f"{name}.usd")
+    write_poses(folder / name, made)
+
+
+def make_stage(name: str, made: SimulationObject, friction: float) -> Usd.Stage:
+    """An object in memory, as the module describes it, but without instances.
+
+    Args:
+        name: Name of the object, as for `write`.
+        made: The object.
+        friction: Static and dynamic friction.
+    """
+    stage = Usd.Stage.Open(Sdf.Layer.CreateAnonymous(".usda"))
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
@@ -51,11 +65,14 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
     _define_visuals(stage, made.mesh)
     _define_collisions(stage, made.parts, friction)
     for child in (VISUALS, COLLISIONS):
-        instance = UsdGeom.Xform.Define(stage, body.GetPath().AppendChild(child.name)).GetPrim()
-        instance.GetReferences().AddInternalReference(child)
-        instance.SetInstanceable(True)
-    layer.Export(str(folder / name / f"{name}.usd"), args={"format": "usdc"})
-    write_poses(folder / name, made)
+        part = UsdGeom.Xform.Define(stage, body.GetPath().AppendChild(child.name)).GetPrim()
+        part.GetReferences().AddInternalReference(child)
+    return stage
+
+
+def save(stage: Usd.Stage, path: Path) -> None:
+    """Write a stage to a binary file whose name ends in `.usd`."""
+    stage.GetRootLayer().Export(str(path), args={"format": "usdc"})
 
 
 def _body_path(name: str) -> Sdf.Path:

@@ -1,0 +1,209 @@
+"""SimReady props for Isaac Sim: objects as OpenUSD, with a line for each grasp that held.
+
+What NVIDIA's SimReady Foundation asks of the profile Robotics-Prop 4.0.0, with its feature of
+grasps: a line runs along the closing axis, through both contacts, from pad to pad of the open hand.
+
+    /NAME                              the object, as `egad.exchange.objects.usd` has it
+    /NAME/grasps/grasp_identifier_001  a line in the frame of the mesh; the best grasp comes first
+"""
+
+import logging
+import os
+import time
+from collections.abc import Hashable, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade, Vt
+
+from egad import __version__
+from egad._util.arrays import Singles
+from egad._util.display import thumbnail
+from egad.evalset import Bundle, SimulationObject
+from egad.exchange.grasp_tables import by_object
+from egad.exchange.hdf5 import check_key
+from egad.exchange.objects import usd
+from egad.exchange.parameters import AllObjects, NamedGripper
+from egad.exchange.poses import write_poses
+from egad.exchange.simulated import COLUMNS, check_simulated
+from egad.exchange.whole_sets import write_all
+from egad.grasps import Grasps
+from egad.tables.columns import vector_names
+
+THUMBNAIL = 256  # pixels along each side
+LINE_WIDTH = 0.001  # metres
+LINE_COLOR = Gf.Vec3f(0.1, 0.7, 0.2)
+MATERIAL = "plastic"
+PHYSICAL_OBJECT = "Q223557"  # of Wikidata
+
+log = logging.getLogger(__name__)
+
+
+def held_at_the_end(grasps: pd.DataFrame) -> pd.DataFrame:
+    """The grasps that succeeded in simulation, the most robust first.
+
+    Args:
+        grasps: Columns `simulated_success`, which may be missing, and `robust_quality`.
+    """
+    held = grasps[grasps["simulated_success"].eq(True).fillna(False).to_numpy(dtype=bool)]
+    return held.sort_values("robust_quality", ascending=False, kind="stable")
+
+
+def write_simready(
+    folder: Path,
+    label: str,
+    made: SimulationObject,
+    friction: float,
+    grasps: pd.DataFrame,
+    hand: NamedGripper,
+) -> None:
+    """Write the folder `LABEL/simready` with `LABEL.usd`, its thumbnail and `poses.json`.
+
+    Args:
+        folder: Where the folder is made.
+        label: Label of the object.
+        made: The object.
+        friction: Static and dynamic friction.
+        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`. Those
+            that did not succeed in simulation are left out; if none did, the log says so.
+        hand: The gripper.
+    """
+    held = held_at_the_end(grasps)
+    if held.empty:
+        log.warning("%s has no grasp that held in simulation: its prop has no grasp lines", label)
+    stage = usd.make_stage(label, made, friction)
+    _add_semantics(stage, label)
+    _add_lines(stage, held, hand)
+    _add_metadata(stage, label, made)
+    inner = folder / label / "simready"
+    thumbnails = inner / f".thumbs/{THUMBNAIL}x{THUMBNAIL}"
+    thumbnails.mkdir(parents=True)
+    (thumbnails / f"{label}.usd.png").write_bytes(thumbnail(made.mesh, THUMBNAIL))
+    usd.save(stage, inner / f"{label}.usd")
+    write_poses(inner, made)
+
+
+def _add_lines(stage: Usd.Stage, held: pd.DataFrame, hand: NamedGripper) -> None:
+    """A line for each grasp, between the middles of the pads of the open hand."""
+    if held.empty:
+        return
+    scope = UsdGeom.Scope.Define(stage, stage.GetDefaultPrim().GetPath().AppendChild("grasps"))
+    poses = Grasps(held).poses
+    reach = np.multiply.outer([-0.5, 0.5], hand.gripper.opening * poses[:, :3, 0])
+    lines = np.swapaxes(poses[:, :3, 3] + reach, 0, 1)
+    for number, (line, row) in enumerate(zip(lines, held.to_dict("records"), strict=True), 1):
+        path = scope.GetPath().AppendChild(f"grasp_identifier_{number:03d}")
+        curve = _define_line(stage, path, line.astype(np.float32))
+        curve.GetPrim().SetCustomDataByKey("egad", _about(row, hand.name))
+
+
+def _define_line(stage: Usd.Stage, path: Sdf.Path, line: Singles) -> UsdGeom.BasisCurves:
+    curve = UsdGeom.BasisCurves.Define(stage, path)
+    points = Vt.Vec3fArray.FromNumpy(line)
+    curve.CreateTypeAttr(UsdGeom.Tokens.linear)
+    curve.CreateCurveVertexCountsAttr([2])
+    curve.CreatePointsAttr(points)
+    curve.CreateWidthsAttr([LINE_WIDTH])
+    curve.SetWidthsInterpolation(UsdGeom.Tokens.constant)
+    curve.CreatePurposeAttr(UsdGeom.Tokens.guide)
+    curve.CreateDisplayColorAttr([LINE_COLOR])
+    curve.CreateExtentAttr(UsdGeom.Curves(curve).ComputeExtent(points, [LINE_WIDTH]))
+    return curve
+
+
+def _about(row: Mapping[Hashable, Any], gripper: str) -> dict[str, object]:
+    """What was measured of a grasp. Each was simulated once."""
+    approach = Gf.Vec3d(*(row[name] for name in vector_names("approach")))
+    return {
+        "gripper": gripper,
+        "grasp": row["grasp"],
+        "approach": approach,
+        "width": row["width"],
+        "robust_quality": row["robust_quality"],
+        "robust_success_rate": row["robust_success_rate"],
+        "simulated_outcome": row["simulated_outcome"],
+        "simulated_engine": row["simulated_engine"],
+        "simulated_attempts": 1,
+    }
+
+
+def _add_semantics(stage: Usd.Stage, label: str) -> None:
+    """Say what the object is, and what each material stands for."""
+    UsdSemantics.LabelsAPI.Apply(stage.GetDefaultPrim(), "class").CreateLabelsAttr([label])
+    for prim in Usd.PrimRange.AllPrims(stage.GetPrimAtPath(usd.MESHES)):
+        if prim.IsA(UsdShade.Material):
+            UsdSemantics.LabelsAPI.Apply(prim, "material").CreateLabelsAttr([MATERIAL])
+
+
+def _add_metadata(stage: Usd.Stage, label: str, made: SimulationObject) -> None:
+    """Add where the prop comes from; profiles before 3.2 read it one level higher.
+
+    The license of a mesh is not known here.
+    """
+    about = {
+        "author": f"egad {__version__}",
+        "asset_name": label,
+        "asset_type": "prop",
+        "asset_license": "not stated",
+        "category": "object to grasp",
+        "source_file": f"{label}.obj",
+        "usd_date_generated": _today(),
+        "qcode": PHYSICAL_OBJECT,
+        "rigid_body_count": 1,
+        "asset_extents": Gf.Vec3f(*made.mesh.extents.tolist()),
+        "mass": made.physics.mass,
+    }
+    stage.GetRootLayer().customLayerData = {**about, "SimReady_Metadata": about}
+
+
+def _today() -> str:
+    """The date, which the rules want; that of SOURCE_DATE_EPOCH gives the same bytes again."""
+    moment = float(os.environ.get("SOURCE_DATE_EPOCH", time.time()))
+    return datetime.fromtimestamp(moment, UTC).date().isoformat()
+
+
+def write(
+    folder: Path, label: str, made: SimulationObject, grasps: pd.DataFrame, hand: NamedGripper
+) -> None:
+    """Write one prop, with the friction of a new configuration: see `egad.exchange.registry`."""
+    write_simready(folder, label, made, Bundle().friction, grasps, hand)
+
+
+def run(
+    settings: AllObjects,
+    gripper: str,
+    meshes: Path,
+    convex_parts: Path,
+    simulated_grasps: Path,
+    out: Path,
+) -> None:
+    """Write a prop for each object that has convex parts.
+
+    Args:
+        settings: The gripper, density and friction of the objects.
+        gripper: Name of the gripper.
+        meshes: Folder of the scaled meshes.
+        convex_parts: Table with the columns of `tables.evaluation.CONVEX_PARTS`, sorted by label.
+        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
+            label.
+        out: All objects as SimReady props for Isaac Sim, with the grasps of gripper G that held in
+            simulation. Made if `targets.exports` contains `simready`. See `docs/exchange.md`.
+
+    Raises:
+        UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
+            empty.
+        TableError: A table is damaged.
+    """
+    check_simulated(simulated_grasps)
+    hand = NamedGripper(gripper, settings.gripper)
+    known = by_object(simulated_grasps, COLUMNS)
+    held = {label: held_at_the_end(rows) for label, rows in known}
+    none = pd.DataFrame(columns=COLUMNS)
+
+    def write_prop(folder: Path, label: str, made: SimulationObject, friction: float) -> None:
+        write_simready(folder, check_key(label), made, friction, held.get(label, none), hand)
+
+    write_all(settings, write_prop, meshes, convex_parts, out)

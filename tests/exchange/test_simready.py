@@ -1,0 +1,236 @@
+"""SimReady props, read by OpenUSD itself and compared with the table of grasps."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+from PIL import Image
+
+pxr = pytest.importorskip("pxr")
+from pxr import Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation  # noqa: E402 (an extra)
+
+from egad.config import GRIPPERS  # noqa: E402
+from egad.config.stages import select  # noqa: E402
+from egad.errors import UserError  # noqa: E402
+from egad.exchange import NamedGripper, sources, write_format  # noqa: E402
+from egad.exchange.grasps.simready import write  # noqa: E402
+from egad.exchange.parameters import AllObjects  # noqa: E402
+from egad.tables import parquet  # noqa: E402
+from egad.tables.grasping import GRASPS, SIMULATED_GRASPS  # noqa: E402
+
+LABELS = ("A00_0", "B01_0", "C02_0")
+OPENING = GRIPPERS["yumi"].opening
+
+
+def export(settings, dataset, out, **instead):
+    reads = {name: dataset / file for name, file in sources("simready", "yumi").items()}
+    chosen = select(settings, AllObjects, "yumi")
+    write_format("simready", "all", chosen, "yumi", reads | instead, out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def grasps(labelled):
+    """Grasps of which some slipped at the end, after they were shaken, and some have no label."""
+    frame = labelled.copy()
+    held = frame.index[frame["simulated_success"].notna()]
+    frame.loc[held[::3], ["simulated_success", "simulated_outcome"]] = False, "dropped"
+    assert set(frame["simulated_success"].map(str)) == {"True", "False", "None"}
+    return frame
+
+
+@pytest.fixture(scope="module")
+def props(settings, dataset, grasps, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("simready")
+    parquet.write(grasps, SIMULATED_GRASPS, folder / "grasps.parquet")
+    return export(settings, dataset, folder / "out", simulated_grasps=folder / "grasps.parquet")
+
+
+def open_prop(props, label):
+    return Usd.Stage.Open(str(props / label / "simready" / f"{label}.usd"))
+
+
+@pytest.fixture(scope="module")
+def stages(props):
+    """The props by label; a stage that is dropped closes."""
+    return {label: open_prop(props, label) for label in LABELS}
+
+
+def lines_of(stage):
+    """The curves below the default prim whose names say that they are grasps, in their order."""
+    prims = Usd.PrimRange(stage.GetDefaultPrim())
+    curves = [UsdGeom.BasisCurves(prim) for prim in prims if prim.IsA(UsdGeom.BasisCurves)]
+    assert all(curve.GetPrim().GetName().startswith("grasp_identifier") for curve in curves)
+    return curves
+
+
+def ends_of(curve):
+    """The ends of a line in the frame of the scene, (2, 3)."""
+    placed = UsdGeom.XformCache().GetLocalToWorldTransform(curve.GetPrim())
+    return np.array([placed.Transform(point) for point in curve.GetPointsAttr().Get()])
+
+
+def grasp_of(curve):
+    return curve.GetPrim().GetCustomDataByKey("egad:grasp")
+
+
+def surface_of(stage):
+    (mesh,) = (
+        UsdGeom.Mesh(prim)
+        for prim in Usd.PrimRange(stage.GetDefaultPrim())
+        if prim.IsA(UsdGeom.Mesh) and not prim.HasAPI(UsdPhysics.CollisionAPI)
+    )
+    corners = np.reshape(mesh.GetFaceVertexIndicesAttr().Get(), (-1, 3))
+    return trimesh.Trimesh(np.array(mesh.GetPointsAttr().Get()), corners)
+
+
+def test_only_grasps_that_held_in_simulation_have_lines(stages, grasps):
+    for label, rows in grasps.groupby("label"):
+        held = {row.grasp for row in rows.itertuples() if row.simulated_success is True}
+        written = [grasp_of(curve) for curve in lines_of(stages[label])]
+        assert set(written) == held
+        assert len(written) == len(held) > 2
+
+
+def test_lines_run_from_pad_to_pad_of_the_open_hand(stages, grasps):
+    rows = grasps.set_index(["label", "grasp"])
+    for label in ("A00_0", "B01_0"):
+        for curve in lines_of(stages[label]):
+            row = rows.loc[label, grasp_of(curve)]
+            center, axis, *contacts = (
+                row[[f"{name}_{part}" for part in "xyz"]].to_numpy(float)
+                for name in ("center", "axis", "contact0", "contact1")
+            )
+            start, end = ends_of(curve)
+            np.testing.assert_allclose((start + end) / 2, center, atol=1e-7)
+            np.testing.assert_allclose(end - start, OPENING * axis, atol=1e-7)
+            assert curve.GetTypeAttr().Get() == "linear"
+            assert list(curve.GetCurveVertexCountsAttr().Get()) == [2]
+            along = [np.dot(contact - start, axis) for contact in contacts]
+            assert 0 < along[0] < along[1] < OPENING
+
+
+def test_lines_meet_the_surface_where_the_fingers_touch_and_end_outside(stages, grasps):
+    rows = grasps.set_index(["label", "grasp"])
+    for label in ("A00_0", "B01_0"):
+        stage = stages[label]
+        surface = surface_of(stage)
+        for curve in lines_of(stage):
+            start, end = ends_of(curve)
+            found, _, _ = surface.ray.intersects_location([start], [end - start])
+            row = rows.loc[label, grasp_of(curve)]
+            for name in ("contact0", "contact1"):
+                contact = row[[f"{name}_{part}" for part in "xyz"]].to_numpy(float)
+                assert np.linalg.norm(found - contact, axis=1).min() < 1e-5
+            assert not surface.contains([start, end]).any()
+
+
+def test_the_most_robust_grasp_comes_first_and_each_says_what_was_measured(stages, grasps):
+    rows = grasps.set_index(["label", "grasp"])
+    curves = lines_of(stages["A00_0"])
+    about = [curve.GetPrim().GetCustomDataByKey("egad") for curve in curves]
+    quality = [each["robust_quality"] for each in about]
+    assert quality == sorted(quality, reverse=True)
+    for each in about:
+        row = rows.loc["A00_0", each["grasp"]]
+        assert each["gripper"] == "yumi"
+        assert each["simulated_attempts"] == 1
+        assert each["simulated_engine"] == "mujoco"
+        for name in ("width", "robust_quality", "robust_success_rate", "simulated_outcome"):
+            assert each[name] == row[name]
+        np.testing.assert_allclose(
+            each["approach"], [row[f"approach_{part}"] for part in "xyz"], rtol=1e-12
+        )
+
+
+def test_every_collider_has_a_material_with_the_friction(stages, settings):
+    for stage in stages.values():
+        prims = list(Usd.PrimRange(stage.GetDefaultPrim()))  # does not enter instances
+        colliders = [prim for prim in prims if prim.HasAPI(UsdPhysics.CollisionAPI)]
+        assert colliders
+        for prim in colliders:
+            binding = UsdShade.MaterialBindingAPI(prim).GetDirectBinding("physics")
+            material = binding.GetMaterial().GetPrim()
+            assert material in prims
+            friction = UsdPhysics.MaterialAPI(material)
+            assert friction.GetStaticFrictionAttr().Get() == pytest.approx(settings.bundle.friction)
+
+
+def test_an_object_that_no_grasp_held_is_a_prop_without_lines(settings, dataset, tmp_path, caplog):
+    out = export(settings, dataset, tmp_path / "out")
+    stage = open_prop(out, "C02_0")
+    assert lines_of(stage) == []
+    assert not stage.GetPrimAtPath("/C02_0/grasps")
+    said = [record.message for record in caplog.records if "no grasp lines" in record.message]
+    assert said == ["C02_0 has no grasp that held in simulation: its prop has no grasp lines"]
+
+
+def test_the_metadata_are_those_of_the_prop(stages):
+    for label, stage in stages.items():
+        data = stage.GetRootLayer().customLayerData
+        about = data["SimReady_Metadata"]
+        assert data.items() >= about.items()
+        assert about["asset_name"] == label
+        mass = UsdPhysics.MassAPI(stage.GetDefaultPrim()).GetMassAttr().Get()
+        assert about["mass"] == pytest.approx(mass, rel=1e-6)
+        cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"])
+        box = cache.ComputeWorldBound(stage.GetDefaultPrim()).ComputeAlignedRange()
+        np.testing.assert_allclose(about["asset_extents"], box.GetSize(), rtol=1e-5)
+        found = UsdPhysics.LoadUsdPhysicsFromRange(stage, ["/"])
+        bodies, _ = found[UsdPhysics.ObjectType.RigidBody]
+        assert about["rigid_body_count"] == len(bodies)
+
+
+def test_the_bytes_are_the_same_on_the_date_that_is_asked_for(
+    settings, dataset, grasps, tmp_path, monkeypatch
+):
+    parquet.write(grasps, SIMULATED_GRASPS, tmp_path / "grasps.parquet")
+    texts = []
+    for number, second in enumerate(("0", "3600", "90000")):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", second)
+        out = tmp_path / str(number)
+        export(settings, dataset, out, simulated_grasps=tmp_path / "grasps.parquet")
+        stage = open_prop(out, LABELS[0])
+        date = stage.GetRootLayer().customLayerData["usd_date_generated"]
+        assert date == ("1970-01-02" if number == 2 else "1970-01-01")
+        texts.append([path.read_bytes() for path in sorted(out.rglob("*.usd"))])
+    assert texts[0] == texts[1]
+    assert texts[0] != texts[2]
+
+
+def test_files_lie_where_the_rules_want_them(props):
+    for label in LABELS:
+        files = {
+            str(path.relative_to(props / label))
+            for path in (props / label).rglob("*")
+            if path.is_file()
+        }
+        picture = f"simready/.thumbs/256x256/{label}.usd.png"
+        assert files == {f"simready/{label}.usd", "simready/poses.json", picture}
+        with Image.open(props / label / picture) as image:
+            assert (image.format, image.size) == ("PNG", (256, 256))
+            assert image.convert("RGBA").getextrema()[3] == (0, 255)
+        assert json.loads((props / label / "simready/poses.json").read_text())
+
+
+def test_the_validators_of_usd_have_no_complaint(stages):
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    for stage in stages.values():
+        assert UsdValidation.ValidationContext(validators).Validate(stage) == []
+
+
+def test_missing_labels_are_no_success(made, labelled, tmp_path):
+    rows = labelled[labelled["label"] == "A00_0"].assign(simulated_success=None)
+    write(tmp_path, "ell", made, rows, NamedGripper("yumi", GRIPPERS["yumi"]))
+    stage = open_prop(tmp_path, "ell")
+    assert lines_of(stage) == []
+
+
+def test_without_simulated_labels_there_are_no_props(settings, dataset, labelled, tmp_path):
+    table = tmp_path / "grasps.parquet"
+    parquet.write(pd.DataFrame(labelled), GRASPS, table)
+    with pytest.raises(UserError, match=r"no simulated labels.*simulated_labels: true"):
+        export(settings, dataset, tmp_path / "out", simulated_grasps=table)
+    assert not (tmp_path / "out").exists()
