@@ -28,7 +28,7 @@ from egad.grasps import (
     sample_contacts,
     valid_contacts,
 )
-from egad.grippers import ANTIPODAL
+from egad.grippers import ANTIPODAL, SUCTION
 from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MAP_RULE, MeasureParameters
 from egad.measures.percentile import (
@@ -39,6 +39,7 @@ from egad.measures.percentile import (
 )
 from egad.samplers import draw_grasps
 
+MOST_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 
@@ -117,7 +118,8 @@ def graspability(
     Args:
         mesh: The object, of any size, its triangles winding outwards.
         settings: Gripper, metric, percentile, how grasps are sampled and rated, and the cells.
-        max_candidates: Most candidates to draw; see `valid_contacts`.
+        max_candidates: Most candidates to draw, of a suction cup `MOST_CUPS`; see
+            `valid_contacts`.
         rng: Where chance comes from.
         com: Center of mass in the frame of the mesh; else the centroid of the volume.
         factor: Scale factor, from `grasped_size`; by default that of the rule `exact`.
@@ -127,6 +129,8 @@ def graspability(
         UserError: It is not a mesh.
     """
     grasps, enough = _RatedGrasps(mesh, settings, rng, com, factor), settings.space.confidence
+    if settings.gripper.grasps_with == SUCTION:
+        max_candidates = min(max_candidates, MOST_CUPS)
     draws = min(settings.graspability.candidates, max_candidates)
     while True:
         grasps.draw(draws)
