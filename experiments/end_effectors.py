@@ -59,7 +59,7 @@ def labels_row(objects: egad.Dataset, name: str) -> list[str]:
 def success(objects: egad.Dataset, name: str, engine: str, attempts: int, jobs: int) -> str:
     """The success of the detector `labels`, percent, with its interval."""
     made = egad.run_trials("labels", objects, name, engine=engine, attempts=attempts, jobs=jobs)
-    rate = made.success_rate
+    rate = made.success_rate()
     return f"{100 * rate.value:.0f} ({100 * rate.ci_low:.0f} to {100 * rate.ci_high:.0f})"
 
 
