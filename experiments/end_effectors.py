@@ -17,9 +17,10 @@ from cup_rankings import correlation
 
 import egad
 from egad._util.arrays import Floats
+from egad.sim import EngineName
 
 GRASPS, CANDIDATES = 100, 4096
-ENGINES = ("mujoco", "pybullet")
+ENGINES: tuple[EngineName, ...] = ("mujoco", "pybullet")
 
 
 def main() -> None:
@@ -56,7 +57,7 @@ def labels_row(objects: egad.Dataset, name: str) -> list[str]:
     return [f"{100 * found.mean():.0f} %", str(int(np.sum(found == 0)))]
 
 
-def success(objects: egad.Dataset, name: str, engine: str, attempts: int, jobs: int) -> str:
+def success(objects: egad.Dataset, name: str, engine: EngineName, attempts: int, jobs: int) -> str:
     """The success of the detector `labels`, percent, with its interval."""
     made = egad.run_trials("labels", objects, name, engine=engine, attempts=attempts, jobs=jobs)
     rate = made.success_rate()
