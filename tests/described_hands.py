@@ -1,8 +1,12 @@
 """Descriptions of hands, small enough to know the answers."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import trimesh
+
+from egad.geometry import to_mesh, to_solid
 
 PANDA = {"finger": (0.01, 0.021, 0.0445), "palm": (0.2, 0.063, 0.06), "opening": 0.08}
 BAR = 0.06  # metres, of the linkage
@@ -145,3 +149,105 @@ def linkage_mjcf(path: Path, swing: tuple[float, float] = SWING) -> Path:
   </actuator>
 </mujoco>""")
     return path
+
+
+# The jaws of an SO-101, as boxes, in millimetres. Fixed: x of the inner face, z from and to, half
+# the breadth. Moving: the same as distances from its hinge, where the joint is at 0.
+FIXED_STEPS = (
+    (-7.9, -104.5, -95.0, 4.0),
+    (-9.9, -95.0, -86.0, 5.5),
+    (-11.6, -86.0, -65.0, 9.0),
+    (-13.3, -65.0, -45.0, 10.5),
+    (-15.0, -45.0, -36.0, 12.0),
+)
+MOVING_STEPS = ((-12.3, -82.0, -73.0, 4.0), (-10.3, -73.0, -63.0, 6.0), (-8.3, -63.0, -24.0, 10.0))
+HINGE = (20.2, -23.4)  # x and z
+JAW_THICKNESS = (5.0, 6.0)
+JAW_RANGE = (-0.1745, 1.7453)  # radians; positive opens
+JAW_STROKE = 0.05  # metres, of a jaw that slides
+
+
+def jaw_urdf(
+    path: Path,
+    *,
+    slides: bool = False,
+    meshes: bool = False,
+    mirrored: bool = False,
+    changes: dict[str, str] | None = None,
+) -> Path:
+    """An SO-101's hand: a fixed jaw on the palm, in steps, and a moving one about a hinge.
+
+    The jaws open along x and point to -z.
+
+    Args:
+        path: File to write.
+        slides: Whether the moving jaw slides along x instead, closed with its steps at 0 mm.
+        meshes: Whether palm and jaws are one concave mesh each instead of boxes.
+        mirrored: Whether the joint counts the other way.
+        changes: Texts that are replaced in the file.
+    """
+    palm = ((-35.0, 6.0), (-24.0, 24.0), (-36.0, 0.0))
+    fixed = [((x - JAW_THICKNESS[0], x), (-y, y), (a, b)) for x, a, b, y in FIXED_STEPS]
+    moving = [((x, x + JAW_THICKNESS[1]), (-y, y), (a, b)) for x, a, b, y in MOVING_STEPS]
+    start = (-7.9 + 12.3, -21.5) if slides else HINGE
+    low, high = (0.0, JAW_STROKE) if slides else JAW_RANGE
+    way = -1 if mirrored else 1
+    if mirrored:
+        low, high = -high, -low
+    axis = f"{way} 0 0" if slides else f"0 {-way} 0"
+    text = f"""<robot name="jaw">
+  <link name="gripper">{_shapes(path, "gripper", [palm, *fixed], meshes)}</link>
+  <link name="jaw">{_shapes(path, "jaw", moving, meshes)}</link>
+  <joint name="swing" type="{"prismatic" if slides else "revolute"}">
+    <origin xyz="{start[0] / 1000} 0 {start[1] / 1000}"/>
+    <parent link="gripper"/><child link="jaw"/><axis xyz="{axis}"/>
+    <limit lower="{low}" upper="{high}" effort="1" velocity="1"/>
+  </joint>
+</robot>"""
+    for old, new in (changes or {}).items():
+        assert old in text, old
+        text = text.replace(old, new)
+    path.write_text(text)
+    return path
+
+
+def jaw_gap(angle: float, z: float) -> float:
+    """Gap of the jaws of `jaw_urdf` along x, metres; NaN where one of them is not.
+
+    Args:
+        angle: Of the joint, radians.
+        z: Depth in the frame of the palm, metres.
+    """
+    mm, (hinge_x, hinge_z) = 1000 * z, HINGE
+    fixed = [x for x, low, high, _ in FIXED_STEPS if low <= mm < high]
+    ends = []
+    for x, low, high, _ in MOVING_STEPS:
+        along = (mm - hinge_z - x * np.sin(angle)) / np.cos(angle)  # from the hinge
+        if low <= along < high:
+            ends.append(hinge_x + x * np.cos(angle) - along * np.sin(angle))
+    if not fixed or not ends:
+        return float("nan")
+    return (min(ends) - fixed[0]) / 1000
+
+
+def _shapes(path: Path, name: str, boxes: Sequence[Sequence[Sequence[float]]], mesh: bool) -> str:
+    """Collision shapes of a link: boxes in millimetres, or one mesh file of all of them."""
+    solids = []
+    for box in boxes:
+        size, center = np.ptp(box, axis=1) / 1000, np.mean(box, axis=1) / 1000
+        solids.append(
+            trimesh.creation.box(size, trimesh.transformations.translation_matrix(center))
+        )
+    if mesh:
+        whole = to_solid(solids[0].vertices, solids[0].faces)
+        for solid in solids[1:]:
+            whole += to_solid(solid.vertices, solid.faces)
+        file = path.with_name(f"{path.stem}-{name}.stl")
+        to_mesh(whole).export(file)
+        return f'<collision><geometry><mesh filename="{file.name}"/></geometry></collision>'
+    return "".join(
+        f"""
+    <collision><origin xyz="{" ".join(map(str, solid.bounds.mean(axis=0)))}"/>
+      <geometry><box size="{" ".join(map(str, solid.extents))}"/></geometry></collision>"""
+        for solid in solids
+    )

@@ -10,6 +10,7 @@ import typer
 from egad._util.parameters import ScaleRule
 from egad.config import GRIPPERS, Gripper, Settings
 from egad.errors import UserError, check_name
+from egad.grippers import PACKAGED, gripper
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,7 +27,7 @@ def out_option(help: str) -> Any:  # noqa: A002, ANN401 (as in typer)
 
 def grippers_like(incomplete: str) -> list[str]:
     """The grippers that a shell offers while `--gripper` is being typed."""
-    return [name for name in GRIPPERS if name.startswith(incomplete)]
+    return [name for name in (*GRIPPERS, *PACKAGED) if name.startswith(incomplete)]
 
 
 def gripper_option(default: str = "", opening: bool = True) -> Any:  # noqa: ANN401 (as in typer)
@@ -129,9 +130,10 @@ def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:
     Raises:
         UserError: It is neither.
     """
+    settings = with_packaged(settings, given)
     opening = None if given in settings.grippers else _number(given)
     if opening is None:
-        names = settings.grippers
+        names = [*settings.grippers, *(set(PACKAGED) - set(settings.grippers))]
         return settings, check_name("--gripper", given, names, ", nor is it an opening in metres")
     try:
         added = Gripper(opening=opening)
@@ -139,6 +141,17 @@ def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:
         raise UserError(f"--gripper {given}: {error}") from error
     name = f"{opening:g} m"
     return settings.model_copy(update={"grippers": {**settings.grippers, name: added}}), name
+
+
+def with_packaged(settings: Settings, name: str | None) -> Settings:
+    """The settings with a gripper that another package has, if it is asked for by its name.
+
+    Raises:
+        UserError: The package is not installed.
+    """
+    if name not in PACKAGED or name in settings.grippers:
+        return settings
+    return settings.model_copy(update={"grippers": {**settings.grippers, name: gripper(name)}})
 
 
 def _number(text: str) -> float | None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import Config, out_option, settings_in
+from egad.cli.common import Config, out_option, settings_in, with_packaged
 from egad.errors import UserError, check_name
 
 gripper = typer.Typer(
@@ -40,13 +40,13 @@ def inspect(
     from egad.grippers import Gripper, model_of
     from egad.io import check_ending
     from egad.report.cup import cup_entry, cup_facts, cup_page
-    from egad.report.hand import hand_entry, hand_facts, hand_page
+    from egad.report.hand import hand_entry, hand_facts, hand_page, jaw_table
 
     check_ending(out, (".html",))
     if Path(hand).is_file():
         name, found = _name_of(Path(hand)), Gripper.from_file(hand)
     else:
-        known = settings_in(config).grippers
+        known = with_packaged(settings_in(config), hand).grippers
         name = check_name("gripper or file", hand, known)
         found = known[name]
         if found.cup is not None:
@@ -56,8 +56,12 @@ def inspect(
         if found.file is None:
             raise UserError(f"the gripper {name} has no `file`; its boxes are in the configuration")
     model = model_of(found)
-    shown = hand_facts(found, model), hand_entry(name, found), hand_page(name, found, model)
-    _write(out, name, *shown)
+    facts = hand_facts(found, model)
+    for row in jaw_table(model):
+        cells = (row[key] for key in ("opening", "angle", "friction", "gaps"))
+        text = "opening {}, angle {}, friction {}; gaps {} mm".format(*cells)
+        facts[f"joint at {row['joint']}"] = text
+    _write(out, name, facts, hand_entry(name, found), hand_page(name, found, model))
 
 
 def _write(out: Path | None, name: str, facts: Mapping[str, str], entry: str, page: str) -> None:

@@ -9,8 +9,17 @@ import yaml
 
 from egad.config.settings import Settings
 from egad.errors import UserError
+from egad.grippers import PACKAGED, packaged_settings
 
 BUILT_IN = ("grippers", "cameras", "detectors")
+DESCRIBED = {"file", "opening"}  # an entry with one of these is a gripper of its own
+# Settings that name grippers
+GRIPPERS_IN = (
+    ("targets", "grippers"),
+    ("graspability", "gripper"),
+    ("select_eval", "gripper"),
+    ("release", "gripper"),
+)
 
 
 def read_values(path: Path) -> dict[str, Any]:
@@ -44,6 +53,26 @@ def with_built_in(values: Mapping[str, Any]) -> dict[str, Any]:
 
     Those of the user come beside them; keys of an entry of the same name replace its keys.
     """
+    packaged = {name: packaged_settings(name) for name in _packaged(values)}
+    if packaged:
+        own = values.get("grippers")
+        values = {**values, "grippers": merged(packaged, own if isinstance(own, Mapping) else {})}
     given = [name for name in BUILT_IN if isinstance(values.get(name), Mapping)]
     known = defaults() if given else {}
     return {**values, **{name: merged(known[name], values[name]) for name in given}}
+
+
+def _packaged(values: Mapping[str, Any]) -> list[str]:
+    """The hands of other packages that are used, and of which no file or opening is given."""
+    used: list[Any] = []
+    for section, key in GRIPPERS_IN:
+        chosen = values.get(section)
+        names = chosen.get(key) if isinstance(chosen, Mapping) else None
+        used += names if isinstance(names, list) else [names]
+    given = values.get("grippers")
+    entries = dict(given) if isinstance(given, Mapping) else {}
+    return [
+        name
+        for name in PACKAGED
+        if (name in used or name in entries) and not DESCRIBED & set(entries.get(name) or {})
+    ]

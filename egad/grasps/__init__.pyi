@@ -1,8 +1,10 @@
 from .approach import first_approaches as first_approaches
 from .approach import swallowed as swallowed
+from .collision import FIXED_SIDE_CLEARANCE as FIXED_SIDE_CLEARANCE
 from .collision import LEAST_BITE as LEAST_BITE
 from .collision import TABLE_CLEARANCE as TABLE_CLEARANCE
 from .collision import blocked_turns as blocked_turns
+from .collision import expected_distance as expected_distance
 from .collision import roomy as roomy
 from .grasps import RIGID as RIGID
 from .grasps import Grasps as Grasps

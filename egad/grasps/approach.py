@@ -62,12 +62,12 @@ def best_approaches(
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
     turns = 2 * np.pi * np.arange(angles) / angles
     hand, swept = body.parts(), body.parts(way)
-    behind = body.reach(grasps.widths) - body.reach(np.array([body.gripper.opening]))
-    there = blocked_turns(triangles, hand, grasps.centers, frames, turns, behind=behind)
-    there |= swallowed(caster, hand, grasps.centers, frames, turns, behind)
-    coming = blocked_turns(
-        triangles, swept, grasps.centers, frames, turns, known=there, behind=behind
-    )
+    opening = np.array([body.gripper.opening])
+    behind = body.reach(grasps.widths) - body.reach(opening)
+    origins = grasps.centers + body.aside(grasps.widths, opening)[:, None] * grasps.axes
+    there = blocked_turns(triangles, hand, origins, frames, turns, behind=behind)
+    there |= swallowed(caster, hand, origins, frames, turns, behind)
+    coming = blocked_turns(triangles, swept, origins, frames, turns, known=there, behind=behind)
     fits, free = ~there.all(axis=1), ~coming.all(axis=1)
     best = np.where(free, _roomiest(coming), _roomiest(there))
     turn = turns[best][:, None]

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
 from egad.grasps.approach import swallowed
 from egad.grasps.collision import blocked_turns
 from egad.grasps.sampler import ContactPairs
-from egad.grippers import CLEARANCE, ModelBody
+from egad.grippers import CLEARANCE, FINGERS, FIRST_FINGER, SECOND_FINGER, ModelBody
 
 STRAIGHT = np.zeros(1)
 
@@ -31,7 +31,9 @@ def needed_openings_of_model(
         (n,) metres between the pads, at least the widths of the grasps; infinite if the hand does
         not open that far.
     """
-    frames = np.stack([grasps.axes, np.cross(approaches, grasps.axes), approaches], axis=1)
+    if body.model.lever is not None:
+        return _needed_by_jaw(caster, grasps, approaches, body)
+    frames = _frames(grasps, approaches)
     needed = np.full(len(grasps), np.inf)
     openings = body.model.openings
     for level in np.flatnonzero(openings <= body.gripper.opening + CLEARANCE):
@@ -39,10 +41,57 @@ def needed_openings_of_model(
         rows = np.flatnonzero(np.isinf(needed) & (grasps.widths <= opening - CLEARANCE))
         if not len(rows):
             continue
-        parts = body.at(int(level), fingers_only=True)
+        parts = body.at(int(level), bodies=FINGERS)
         behind = body.reach(grasps.widths[rows]) - body.reach(np.array([opening]))
         where = grasps.centers[rows], frames[rows], STRAIGHT
         inside = swallowed(caster, parts, *where, behind)
         blocked = blocked_turns(caster.triangles, parts, *where, known=inside, behind=behind)
         needed[rows[~blocked[:, 0]]] = opening
     return needed
+
+
+def _needed_by_jaw(
+    caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: ModelBody
+) -> Floats:
+    """The same for a hand with one moving jaw, whose fixed jaw stands before the first contact.
+
+    The moving jaw sweeps from wide open to the contact: what it meets on the way stops it there.
+    """
+    widths, openings = grasps.widths, body.model.openings
+    levels = np.flatnonzero(openings <= body.gripper.opening + CLEARANCE)
+    everything = np.arange(len(grasps))
+    stands = ~_blocked(caster, grasps, approaches, body, everything, int(levels[-1]), FIRST_FINGER)
+    needed = np.full(len(grasps), np.inf)
+    left = stands.copy()
+    for level in levels[::-1]:
+        rows = np.flatnonzero(left & (widths <= openings[level] - CLEARANCE))
+        if not len(rows):
+            break
+        blocked = _blocked(caster, grasps, approaches, body, rows, int(level), SECOND_FINGER)
+        needed[rows[~blocked]] = openings[level]
+        left[rows[blocked]] = False
+    return needed
+
+
+def _blocked(
+    caster: RayCaster,
+    grasps: ContactPairs,
+    approaches: Floats,
+    body: ModelBody,
+    rows: Ints,
+    level: int,
+    side: int,
+) -> Flags:
+    """Whether one of the jaws touches the object at some of the grasps, (n,)."""
+    chosen = grasps.take(rows)
+    frames = _frames(chosen, approaches[rows])
+    clearance = {"clearance": 0.0} if side == SECOND_FINGER else {}
+    aside = body.aside(chosen.widths, body.model.openings[[level]], **clearance)
+    where = chosen.centers + aside[:, None] * chosen.axes, frames, STRAIGHT
+    parts = body.at(level, bodies=(side,))
+    inside = swallowed(caster, parts, *where)
+    return np.asarray(blocked_turns(caster.triangles, parts, *where, known=inside)[:, 0])
+
+
+def _frames(grasps: ContactPairs, approaches: Floats) -> Floats:
+    return np.stack([grasps.axes, np.cross(approaches, grasps.axes), approaches], axis=1)

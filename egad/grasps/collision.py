@@ -10,6 +10,9 @@ from egad.grippers import Gripper, Part
 
 TABLE_CLEARANCE = 0.003  # fingertips stay this far above whatever lies below them
 SIDE_CLEARANCE = 0.008  # free space that is wanted on each side of what is held
+# The same before a jaw that does not move, if only an image tells where the object is: what is left
+# is how far the other jaw pushes the object.
+FIXED_SIDE_CLEARANCE = 0.003
 LEAST_BITE = 0.003  # the fingertips reach at least this far below the contacts
 
 
@@ -17,6 +20,18 @@ def roomy(distance: Floats, gripper: Gripper) -> Floats:
     """How far to open for contacts this far apart: 8 mm more on each side, if the hand can."""
     width: Floats = np.minimum(distance + 2 * SIDE_CLEARANCE, gripper.opening)
     return width
+
+
+def expected_distance(opening: float, gripper: Gripper) -> float | None:
+    """For contacts how far apart `roomy` opens so far, metres; None if it opens as far as it can.
+
+    Args:
+        opening: Metres.
+        gripper: The hand.
+    """
+    if opening >= gripper.opening:
+        return None
+    return max(opening - 2 * SIDE_CLEARANCE, 0.0)
 
 
 def blocked_turns(

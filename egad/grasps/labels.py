@@ -11,6 +11,7 @@ from egad._util.parameters import from_arguments
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, check_solid
 from egad.grasps.approach import best_approaches
+from egad.grasps.jaws import JawFaces
 from egad.grasps.opening import needed_openings
 from egad.grasps.parameters import (
     APPROACH_ANGLES,
@@ -109,9 +110,19 @@ def rate_grasps(
 ) -> pd.DataFrame:
     """Rate grasps: arguments and result are those of `label_grasps`, with a caster of the mesh."""
     gripper, wanted = settings.gripper, settings.grasp_label
+    approach = best_approaches(
+        caster, grasps, body, angles=wanted.approach_angles, way=wanted.approach_way
+    )
+    needed = needed_openings(caster, grasps, approach.directions, body)
+    faces = JawFaces.of(body, grasps, approach.directions, needed)
     quality = ferrari_canny(
         grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
     )
+    if faces is not None:
+        fitting = ferrari_canny(
+            grasps.points, faces.normals(grasps), grasps.axes, com, **settings.quality.model_dump()
+        )
+        quality = np.minimum(quality, fitting)
     mean, deviation, held = robust_ferrari_canny(
         caster,
         grasps,
@@ -120,11 +131,8 @@ def rate_grasps(
         quality=settings.quality,
         robust=settings.robust,
         rng=rng,
+        faces=faces,
     )
-    approach = best_approaches(
-        caster, grasps, body, angles=wanted.approach_angles, way=wanted.approach_way
-    )
-    needed = needed_openings(caster, grasps, approach.directions, body)
     return pd.DataFrame(
         {
             "grasp": np.arange(len(grasps)),

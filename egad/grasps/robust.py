@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster
+from egad.grasps.jaws import JawFaces
 from egad.grasps.parameters import Quality, Robust
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import ContactPairs
@@ -25,6 +26,7 @@ def robust_ferrari_canny(
     quality: Quality,
     robust: Robust,
     rng: np.random.Generator,
+    faces: JawFaces | None = None,
 ) -> tuple[Floats, Floats, Floats]:
     """Quality of each of n grasps over disturbed copies.
 
@@ -40,6 +42,7 @@ def robust_ferrari_canny(
         quality: Contact model; its torque scaling gives way to that of `robust`.
         robust: Number of copies and their spread.
         rng: Where chance comes from.
+        faces: Those of a hand with one moving jaw, which must hold the copies, too.
 
     Returns:
         Mean, standard deviation (of the copies), and fraction of copies with positive quality:
@@ -50,17 +53,23 @@ def robust_ferrari_canny(
     contacts, touching = close_fingers(caster, centers, axes, opening)
     coms = com + rng.normal(0, robust.com_sigma, (copies, 3))
     friction = np.maximum(rng.normal(quality.friction, robust.friction_sigma, copies), 0)
+
+    def rated(normals: Floats) -> Floats:
+        return ferrari_canny(
+            contacts.points[touching],
+            normals[touching],
+            axes[touching],
+            coms[touching],
+            friction=friction[touching],
+            torque_scaling=robust.torque_scaling,
+            finger_radius=quality.finger_radius,
+            cone_faces=quality.cone_faces,
+        )
+
     values = np.zeros(copies)
-    values[touching] = ferrari_canny(
-        contacts.points[touching],
-        contacts.normals[touching],
-        axes[touching],
-        coms[touching],
-        friction=friction[touching],
-        torque_scaling=robust.torque_scaling,
-        finger_radius=quality.finger_radius,
-        cone_faces=quality.cone_faces,
-    )
+    values[touching] = rated(contacts.normals)
+    if faces is not None:
+        values[touching] = np.minimum(values[touching], rated(faces.normals(contacts)))
     table = values.reshape(len(grasps), robust.samples)
     return table.mean(axis=1), table.std(axis=1), (table > 0).mean(axis=1)
 

@@ -1,6 +1,8 @@
 from .cup import SuctionCup as SuctionCup
 from .described import description_files as description_files
 from .hand import CLEARANCE as CLEARANCE
+from .hand import FINGERS as FINGERS
+from .hand import JAW_CLEARANCE as JAW_CLEARANCE
 from .hand import BoxBody as BoxBody
 from .hand import HandBody as HandBody
 from .hand import ModelBody as ModelBody
@@ -8,10 +10,13 @@ from .hand import Part as Part
 from .hand import body_of as body_of
 from .hand import finger_span as finger_span
 from .hand import hand_body as hand_body
+from .model import FIRST_FINGER as FIRST_FINGER
 from .model import PALM_BODY as PALM_BODY
 from .model import SECOND_FINGER as SECOND_FINGER
 from .model import GripperModel as GripperModel
 from .model import HandLink as HandLink
+from .packaged import PACKAGED as PACKAGED
+from .packaged import packaged_settings as packaged_settings
 from .parameters import ANTIPODAL as ANTIPODAL
 from .parameters import PADS as PADS
 from .parameters import SIZES as SIZES
@@ -26,3 +31,4 @@ from .robot import model_of as model_of
 from .table import GRIPPERS as GRIPPERS
 from .table import as_gripper as as_gripper
 from .table import gripper as gripper
+from .tcp import tcp_poses as tcp_poses

@@ -9,7 +9,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, Ints
 from egad.errors import UserError
 from egad.grippers.shape_files import Packages, find_file, list_packages, read_shape
 from egad.grippers.tree import body_name
@@ -140,11 +140,31 @@ def shapes_of(model: mujoco.MjModel, body: int) -> list[Floats]:
     return [_points(model, shape) for shape in shapes]
 
 
+def shape_surfaces(model: mujoco.MjModel, body: int) -> Iterator[tuple[Floats, Ints]]:
+    """Points and faces of the collision shapes of a link, in its frame.
+
+    Shapes that are no meshes, and meshes of which only the convex hull is known, have no faces:
+    the convex hull of their points counts.
+    """
+    first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
+    for shape in range(first, first + count):
+        if _collides(model, shape):
+            yield _points(model, shape), _faces(model, shape)
+
+
 def _points(model: mujoco.MjModel, shape: int) -> Floats:
     turn = np.empty(9)
     mujoco.mju_quat2Mat(turn, model.geom_quat[shape])
     corners = _corners(model, shape)
     return np.asarray(corners @ turn.reshape(3, 3).T + model.geom_pos[shape])
+
+
+def _faces(model: mujoco.MjModel, shape: int) -> Ints:
+    if model.geom_type[shape] != mujoco.mjtGeom.mjGEOM_MESH:
+        return np.empty((0, 3), dtype=np.int64)
+    mesh = model.geom_dataid[shape]
+    first = model.mesh_faceadr[mesh]
+    return np.asarray(model.mesh_face[first : first + model.mesh_facenum[mesh]], dtype=np.int64)
 
 
 def _corners(model: mujoco.MjModel, shape: int) -> Floats:

@@ -73,6 +73,22 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
     return driven
 
 
+def find_moving_jaw(mechanism: Mechanism, chains: list[int]) -> int | None:
+    """The only link of a hand that moves, if one joint moves it against the rest; None otherwise.
+
+    Args:
+        mechanism: The joints.
+        chains: Numbers of the links on the palm that move.
+    """
+    model = mechanism.model
+    groups = [subtree(model, chain) for chain in chains]
+    solid = [each for each in groups if any(shapes_of(model, body) for body in each)]
+    if len(solid) != 1 or mechanism.followers or len(mechanism.driven) != 1:
+        return None
+    (body,) = [each for each in solid[0] if model.body_jntnum[each]]
+    return body if all(each == body or not shapes_of(model, each) for each in solid[0]) else None
+
+
 def find_sides(mechanism: Mechanism, chains: list[int]) -> Sides:
     """Which links belong to which finger: those that move against each other.
 

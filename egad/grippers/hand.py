@@ -1,9 +1,11 @@
-"""The body of a parallel-jaw hand: convex parts of boxes, of a palm mesh, or of a maker's model.
+"""The body of a hand with two jaws: convex parts of boxes, of a palm mesh, or of a maker's model.
 
 The frame of the hand has its origin midway between the pads. x is the closing axis, from the first
 contact to the second; z is the approach, along which the hand moves towards the object;
 y = z cross x. Fingers that are boxes have the contacts in the middle of square pads at their ends,
 so the fingertips reach half a finger's width beyond the origin. The palm begins where they end.
+
+A hand with one moving jaw is placed with its fixed jaw, at negative x, before the first contact.
 """
 
 from abc import ABC, abstractmethod
@@ -19,12 +21,17 @@ from typing_extensions import override
 
 from egad._util.arrays import Floats, Ints
 from egad.errors import RejectedError, UserError
-from egad.grippers.model import PALM_BODY, GripperModel
+from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, GripperModel
 from egad.grippers.parameters import Gripper
 from egad.grippers.robot import model_of
 from egad.io import read_mesh
 
 CLEARANCE = 1e-4  # metres between a contact as wide as the opening and the finger
+# metres between a contact and the fixed jaw of an open hand that has one; its convex parts fill up
+# to half of it
+JAW_CLEARANCE = 1e-3
+FINGERS = (FIRST_FINGER, SECOND_FINGER)
+BODIES = (PALM_BODY, *FINGERS)
 
 
 class Part(NamedTuple):
@@ -79,6 +86,17 @@ class HandBody(ABC):
 
         Of linkages the pads move on an arc. Only differences between openings matter.
         """
+
+    def aside(self, widths: Floats, openings: Floats, clearance: float = JAW_CLEARANCE) -> Floats:
+        """Place of the middle between the pads along the closing axis, (n,) metres.
+
+        Args:
+            widths: (n,) distances of contacts, metres; their middle is at 0.
+            openings: (n,) of a hand that is to close on them.
+            clearance: Between the first contact and a jaw that is fixed, metres.
+        """
+        del openings, clearance
+        return np.zeros_like(widths)
 
 
 class BoxBody(HandBody):
@@ -146,7 +164,7 @@ class ModelBody(HandBody):
     @override
     def parts(self, retreat: float = 0.0) -> list[Part]:
         opening = self.gripper.opening
-        shift = np.array([0, 0, float(self.reach(np.array([opening]))[0])])
+        shift = self.model.middle_at(np.array(opening))
         shapes = [points for link in self.model.points(opening) for points in link]
         return [_hull(points - shift, retreat) for points in shapes]
 
@@ -155,25 +173,39 @@ class ModelBody(HandBody):
         levels = self._levels(openings)
         for level in np.unique(levels):
             rows = np.flatnonzero(levels == level)
-            shifts = np.zeros((len(rows), 3))
             there = self.model.openings[[level]]
-            shifts[:, 2] = self.reach(there) - self.reach(openings[rows])
+            shifts = self.model.middle_at(there) - self.model.middle_at(openings[rows])
             yield Pieces(rows, self.at(int(level), retreat), shifts)
 
     @override
     def reach(self, openings: Floats) -> Floats:
         return self.model.reach_at(openings)
 
+    @override
+    def aside(self, widths: Floats, openings: Floats, clearance: float = JAW_CLEARANCE) -> Floats:
+        if self.model.lever is None:
+            return np.zeros_like(widths)
+        places = self.model.middle_at(openings) - self.model.middle_at(widths)
+        return np.asarray(places[..., 0] - clearance)
+
     @lru_cache(maxsize=256)  # noqa: B019 (one body lives as long as its stage)
-    def at(self, level: int, retreat: float = 0.0, *, fingers_only: bool = False) -> list[Part]:
-        """The hand at one of the openings that are tabulated, with its pads at the origin."""
+    def at(
+        self, level: int, retreat: float = 0.0, *, bodies: tuple[int, ...] = BODIES
+    ) -> list[Part]:
+        """The hand at one of the openings that are tabulated, with its pads at the origin.
+
+        Args:
+            level: Number of the opening.
+            retreat: Length of the straight way that it came, metres.
+            bodies: Which of its bodies, as in `HandLink`.
+        """
         opening = float(self.model.openings[level])
-        shift = np.array([0, 0, float(self.model.reach[level])])
+        shift = self.model.middle_at(np.array(opening))
         return [
             _hull(points - shift, retreat)
             for link, shapes in zip(self.model.links, self.model.points(opening), strict=True)
             for points in shapes
-            if link.body != PALM_BODY or not fingers_only
+            if link.body in bodies
         ]
 
     def _levels(self, openings: Floats) -> Ints:

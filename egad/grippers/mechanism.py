@@ -151,6 +151,31 @@ class Mechanism:
         back = self._data.xmat[self.palm].reshape(3, 3).T
         return np.asarray(back @ self._data.xaxis[joint])
 
+    def velocities(self, positions: Floats, body: int, points: Floats) -> tuple[Floats, Floats]:
+        """How fast points move with the only joint between a link and the palm.
+
+        Args:
+            positions: Positions of all joints.
+            body: The link.
+            points: (n, 3) on it, in the frame of the palm.
+
+        Returns:
+            (n, 3) metres per radian, or per metre, in the frame of the palm; and (n,) the levers
+            of the points about a hinge, metres, 1 for a joint that slides.
+        """
+        joint = int(self.model.body_jntadr[body])
+        axis = self.axis(joint, positions)
+        if self.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
+            return np.tile(axis, (len(points), 1)), np.ones(len(points))
+        velocities = np.cross(axis, points - self.anchor(joint, positions))
+        return velocities, np.linalg.norm(velocities, axis=1)
+
+    def anchor(self, joint: int, positions: Floats) -> Floats:
+        """A point of the axis of a joint in the frame of the palm, metres."""
+        self._move(positions)
+        back = self._data.xmat[self.palm].reshape(3, 3).T
+        return np.asarray(back @ (self._data.xanchor[joint] - self._data.xpos[self.palm]))
+
     def _move(self, positions: Floats) -> None:
         self._data.qpos[:] = positions
         self._data.qvel[:] = 0

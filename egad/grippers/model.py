@@ -1,6 +1,6 @@
-"""A parallel-jaw hand as its maker describes it: its shape and joints at every opening."""
+"""A two-jaw hand as its maker describes it: its shape and joints at every opening."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -61,6 +61,9 @@ class GripperModel:
         links: All links; the first one is the palm.
         openings: (k,) distances of the middles of the pads, from closed to open, metres.
         reach: (k,) height of the middle between the pads along z; 0 when closed, metres.
+        aside: (k,) the same along x: half of what a hand opens that has only one moving jaw.
+        angles: (k,) between the inner faces of the jaws, radians; positive if they are farther
+            apart at the tips. 0 unless only one jaw moves.
         turns: (k, l, 3, 3) rotations of the links in the frame of the hand.
         places: (k, l, 3) positions of the links in the frame of the hand, metres.
         joints: Names of the joints that move, the driven ones first.
@@ -68,11 +71,17 @@ class GripperModel:
         positions: (k, j) their positions, metres or radians.
         palm_to_hand: (4, 4) pose of the frame of the hand in that of the palm.
         pad: Low and high corner of both pads, when closed, in the frame of the hand, (2, 3).
+        lever: Of a hand with one moving jaw, the torque of its joint for a newton between the pads,
+            metres; 1 if it slides. None if both fingers move.
+        depths: (d,) of places along its fixed jaw, beyond the pads along z, metres.
+        gaps: (k, d) between the inner faces there, along x, metres; NaN where one of them is not.
     """
 
     links: tuple[HandLink, ...]
     openings: Floats
     reach: Floats
+    aside: Floats
+    angles: Floats
     turns: Floats
     places: Floats
     joints: tuple[str, ...]
@@ -80,6 +89,15 @@ class GripperModel:
     positions: Floats
     palm_to_hand: Floats
     pad: Floats
+    lever: float | None = None
+    depths: Floats = field(default_factory=lambda: np.empty(0))
+    gaps: Floats = field(default_factory=lambda: np.empty((0, 0)))
+
+    @property
+    def joint_kind(self) -> str:
+        """How the first driven joint moves: prismatic or revolute."""
+        kinds = {link.joint.name: link.joint.kind for link in self.links if link.joint}
+        return kinds[self.joints[0]]
 
     def joint_positions(self, opening: float) -> dict[str, float]:
         """Positions of the joints at an opening, metres or radians."""
@@ -95,6 +113,15 @@ class GripperModel:
     def reach_at(self, openings: Floats) -> Floats:
         """Height of the middle between the pads at openings, metres."""
         return np.asarray(np.interp(openings, self.openings, self.reach))
+
+    def middle_at(self, openings: Floats) -> Floats:
+        """The middle between the pads at openings, (n, 3) in the frame of the hand, metres."""
+        aside = np.interp(openings, self.openings, self.aside)
+        return np.stack([aside, np.zeros_like(aside), self.reach_at(openings)], axis=-1)
+
+    def angle_at(self, openings: Floats) -> Floats:
+        """Angle between the inner faces of the jaws at openings, radians."""
+        return np.asarray(np.interp(openings, self.openings, self.angles))
 
     def points(self, opening: float) -> list[list[Floats]]:
         """Corners of the convex parts of each link at an opening, in the frame of the hand."""

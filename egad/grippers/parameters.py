@@ -133,7 +133,8 @@ class Gripper(UserParameters):
         """A gripper from the URDF or MJCF file that its maker publishes.
 
         The actuated joint, mimic joints and linkages, the fingers and their pads, the closing and
-        approach axes and the opening are found in the file. Give what is found wrongly.
+        approach axes and the opening are found in the file. Give what is found wrongly. One of two
+        jaws may be part of the palm, and the other one turn or slide.
 
         Args:
             file: The file. Its meshes are looked for where it says, and packages of ROS in the
@@ -141,8 +142,8 @@ class Gripper(UserParameters):
             settings: Other fields of a gripper, such as `force` or `joint`.
 
         Raises:
-            UserError: The file cannot be used, or it is no parallel-jaw hand; the text names the
-                link or joint.
+            UserError: The file cannot be used, or it is neither a parallel-jaw hand nor one with a
+                moving jaw; the text names the link or joint.
         """
         return cls(file=file, **settings)
 

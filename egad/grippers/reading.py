@@ -21,7 +21,16 @@ from egad.grippers.description import (
     read_description,
     shapes_of,
 )
-from egad.grippers.fingers import Sides, find_driven, find_sides, snapped
+from egad.grippers.fingers import Sides, find_driven, find_moving_jaw, find_sides, snapped
+from egad.grippers.jaw import (
+    JawFrame,
+    JawSolids,
+    find_jaw_stroke,
+    gaps_along,
+    jaw_links,
+    jaw_root,
+    lever_of,
+)
 from egad.grippers.links import hand_link
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import GripperModel
@@ -62,7 +71,7 @@ def read_model(path: Path, choices: Choices = Choices()) -> GripperModel:  # noq
         choices: What is not left to be found.
 
     Raises:
-        UserError: The file cannot be used, or it is no parallel-jaw hand; with the link or joint.
+        UserError: The file cannot be used, or it is no hand with two jaws; with the link or joint.
     """
     changed = path.stat().st_mtime_ns if path.is_file() else 0
     with name_file_in_messages(path):
@@ -111,6 +120,8 @@ def _modelled(spec: mujoco.MjSpec, path: Path, choices: Choices) -> tuple[Grippe
     followers = [each for each in joints if each not in driven]
     description = compile_with_shapes(spec, path, hand_bodies(bare, palm))
     mechanism = Mechanism(description, palm, driven, followers)
+    if (jaw := find_moving_jaw(mechanism, chains)) is not None:
+        return _with_one_jaw(mechanism, jaw, choices), []
     sides = find_sides(mechanism, chains)
     if choices.closing_axis is not None:
         sides = _along(sides, np.array(choices.closing_axis))
@@ -137,6 +148,8 @@ def _tabulated(
         links=tuple(hand_link(description, body, bodies, sides) for body in bodies),
         openings=(stroke.middles[:, 1] - stroke.middles[:, 0]) @ sides.axis,
         reach=(stroke.middles - stroke.middles[0]).mean(axis=1) @ axes[2],
+        aside=np.zeros(len(stroke.middles)),
+        angles=np.zeros(len(stroke.middles)),
         turns=axes @ turns[:, bodies],
         places=(places[:, bodies] - origin) @ axes.T,
         joints=tuple(joint_name(description, joint) for joint in order),
@@ -144,6 +157,53 @@ def _tabulated(
         positions=stroke.positions[:, description.jnt_qposadr[order]],
         palm_to_hand=palm_to_hand,
         pad=np.stack([pad.min(axis=0), pad.max(axis=0)]),
+    )
+
+
+def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperModel:
+    """The model of a hand of which one jaw is part of the palm."""
+    description, palm = mechanism.model, mechanism.palm
+    moving = subtree(description, body)
+    static = [each for each in hand_bodies(description, palm) if each not in moving]
+    jaws = JawSolids(mechanism, body, static)
+    closing, points = jaws.facing.axis, jaws.facing.points
+    if choices.closing_axis is not None:
+        closing = np.array(choices.closing_axis) / np.linalg.norm(choices.closing_axis)
+    behind, joint = jaws.middle, mechanism.driven[0]
+    if description.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE:
+        behind = mechanism.anchor(joint, mechanism.middle())
+    ahead = points.mean(axis=0) - behind
+    z = _towards(mechanism, mechanism.middle(), closing, ahead, choices)
+    frame = JawFrame(closing, np.cross(z, closing), z)
+    stroke = find_jaw_stroke(
+        jaws, frame, None if choices.tcp is None else np.array(choices.tcp, dtype=np.float64)
+    )
+    half = stroke.openings / 2
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = frame.matrix, stroke.pad + half[0] * closing
+    root = jaw_root(jaws, frame, stroke)
+    links = jaw_links(jaws, frame, root, static)
+    depths, gaps = gaps_along(jaws, frame, stroke, root)
+    poses = [mechanism.placement(each) for each in stroke.positions]
+    turns = np.array([[np.eye(3), np.eye(3), each.turns[body]] for each in poses])
+    places = np.array([[np.zeros(3), np.zeros(3), each.places[body]] for each in poses])
+    corner = np.array([half[0], *(stroke.extent / 2)])
+    return GripperModel(
+        links=links,
+        openings=stroke.openings,
+        reach=np.zeros_like(half),
+        aside=half - half[0],
+        angles=stroke.angles,
+        turns=frame.matrix.T @ turns,
+        places=(places - pose[:3, 3]) @ frame.matrix,
+        joints=(joint_name(description, mechanism.driven[0]),),
+        n_driven=1,
+        positions=stroke.positions[:, description.jnt_qposadr[mechanism.driven]],
+        palm_to_hand=pose,
+        pad=np.stack([-corner, corner]),
+        lever=lever_of(jaws, stroke, frame),
+        depths=depths,
+        gaps=gaps,
     )
 
 
@@ -158,24 +218,31 @@ def _along(sides: Sides, axis: Floats) -> Sides:
 def _frame(mechanism: Mechanism, sides: Sides, stroke: Stroke, choices: Choices) -> Floats:
     """Pose of the frame of the hand in that of the palm, (4, 4)."""
     origin = stroke.middles[0].mean(axis=0) if choices.tcp is None else np.array(choices.tcp)
-    if choices.approach_axis is None:
-        approach = _approach(mechanism, stroke.positions[0], sides.axis, origin)
-    else:
-        approach = np.array(choices.approach_axis, dtype=np.float64)
-    z = approach - (approach @ sides.axis) * sides.axis
-    if np.linalg.norm(z) < SHORT:
-        raise UserError("its approach is along its closing axis")
-    z = z / np.linalg.norm(z)
+    shapes = shapes_of(mechanism.model, mechanism.palm)
+    ahead = origin - (np.concatenate(shapes).mean(axis=0) if shapes else np.zeros(3))
+    z = _towards(mechanism, stroke.positions[0], sides.axis, ahead, choices)
     pose = np.eye(4)
     pose[:3] = np.stack([sides.axis, np.cross(z, sides.axis), z, origin], axis=1)
     return pose
 
 
-def _approach(mechanism: Mechanism, positions: Floats, closing: Floats, tip: Floats) -> Floats:
-    """Across the closing axis and the axes of hinges, from the palm towards the pads."""
+def _towards(
+    mechanism: Mechanism, positions: Floats, closing: Floats, ahead: Floats, choices: Choices
+) -> Floats:
+    """The approach as a unit vector at right angles to the closing axis; see `_approach`."""
+    if choices.approach_axis is None:
+        approach = _approach(mechanism, positions, closing, ahead)
+    else:
+        approach = np.array(choices.approach_axis, dtype=np.float64)
+    z = approach - (approach @ closing) * closing
+    if np.linalg.norm(z) < SHORT:
+        raise UserError("its approach is along its closing axis")
+    return np.asarray(z / np.linalg.norm(z))
+
+
+def _approach(mechanism: Mechanism, positions: Floats, closing: Floats, ahead: Floats) -> Floats:
+    """Across the closing axis and the axes of hinges, from the palm towards the pads: ahead."""
     model = mechanism.model
-    shapes = shapes_of(model, mechanism.palm)
-    ahead = tip - (np.concatenate(shapes).mean(axis=0) if shapes else np.zeros(3))
     ahead = ahead - (ahead @ closing) * closing
     joints = [*mechanism.driven, *mechanism.followers]
     hinges = [joint for joint in joints if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE]

@@ -69,8 +69,9 @@ def base_pose(gripper: Gripper, opening: float) -> Floats | None:
     """Pose of the base link in the frame of a grasp, (4, 4), metres; None without a file.
 
     The frame of a grasp has its origin midway between the pads, x along the closing axis and z
-    along the approach. The pads of a linkage move along z while they close, so the pose depends on
-    the opening. With the opening that the object leaves, the pads meet the contacts of the grasp.
+    along the approach. While they close, the middle of the pads of a linkage moves along z, and
+    that of a hand with one moving jaw along x, so the pose depends on the opening. With the opening
+    that the object leaves, the pads meet the contacts of the grasp.
 
     Args:
         gripper: The gripper.
@@ -82,7 +83,7 @@ def base_pose(gripper: Gripper, opening: float) -> Floats | None:
     if (model := _model(gripper)) is None:
         return None
     pose = np.linalg.inv(model.palm_to_hand)
-    pose[2, 3] -= model.reach_at(np.array(opening))
+    pose[:3, 3] -= model.middle_at(np.array(opening))
     return np.asarray(pose)
 
 

@@ -35,6 +35,8 @@ def sizes_of(model: GripperModel) -> dict[str, Any]:
         if link.body == SECOND_FINGER
     ]
     tip = float(max(points[:, 2].max() for points in finger))
+    if model.lever is not None:
+        tip = _lowest_tip(model)
     low, high = _around_the_pad(finger, float(model.pad[0, 2]))
     behind = np.concatenate(fixed) if fixed else np.array([[0.0, 0.0, low[2] - LEAST]])
     face = min(float(behind[:, 2].max()), float(model.pad[0, 2]))
@@ -47,6 +49,17 @@ def sizes_of(model: GripperModel) -> dict[str, Any]:
         "fingertip": _positive(tip),
         "palm": tuple(_positive(size) for size in palm),
     }
+
+
+def _lowest_tip(model: GripperModel) -> float:
+    """How far the jaws reach along the approach, at any opening, metres."""
+    return max(
+        float(points[:, 2].max())
+        for opening in model.openings
+        for link, shapes in zip(model.links, model.points(float(opening)), strict=True)
+        if link.body != PALM_BODY
+        for points in shapes
+    )
 
 
 def _around_the_pad(finger: list[Floats], lowest: float) -> tuple[Floats, Floats]:

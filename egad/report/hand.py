@@ -16,6 +16,7 @@ from egad.tables.parquet import empty
 PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in scene3d.js
 PAD_THICKNESS = 4e-4  # metres, of what shows a pad
 ARROW = (0.03, 0.001)  # metres: length and radius of what shows the approach
+JAW_ROWS = 9  # of the table of a hand with one moving jaw
 CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approach_axis")
 
 
@@ -30,6 +31,7 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
     driven, followers = model.joints[: model.n_driven], model.joints[model.n_driven :]
     ends = model.positions[[0, -1]].T
     bow = 1000 * float(np.ptp(model.reach))
+    jaw = {} if model.lever is None else _jaw_facts(gripper, model)
     pad = 1000 * np.ptp(model.pad, axis=0)
     frame = model.palm_to_hand
     boxes = [gripper.finger_length, gripper.finger_width, gripper.finger_thickness]
@@ -46,12 +48,59 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
         "their middle to the fingertips",
         "way of the pads along the approach": f"{bow:.1f} mm" if bow > 0.01 else "none",
         "middle of the closed pads": f"{_mm(frame[:3, 3], ', ')} mm in the frame of the palm",
+        **jaw,
         "closing axis": _axis(frame[:3, 0]),
         "approach axis": _axis(frame[:3, 2]),
         "convex parts": str(sum(len(link.shapes) for link in model.links)),
         "boxes, where boxes will do": f"fingers {_mm(boxes, ' x ')} mm, palm "
         f"{_mm(gripper.palm, ' x ')} mm",
     }
+
+
+def _jaw_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
+    """What is particular to a hand with one moving jaw."""
+    lever, low, high = model.lever or 1.0, *np.degrees(model.angles[[0, -1]])
+    unit, slides = ("N m", False) if model.joint_kind == "revolute" else ("N", True)
+    angle = f"{low:.1f} to {high:.1f} degrees"
+    if not slides and model.angles.min() < 0 < model.angles.max():
+        parallel = float(np.interp(0.0, model.angles, model.openings))
+        angle += f", parallel at {1000 * parallel:.1f} mm"
+    return {
+        "moving jaw": "the second finger; the first one is fixed, and is placed first",
+        "angle between the jaws": "none" if slides and not np.any(model.angles) else angle,
+        "friction that holds a round body": f"{np.tan(np.abs(model.angles).max() / 2):.2f} when "
+        "wide open",
+        "depths of the table": f"{_mm(model.depths, ', ')} mm beyond the pads, along the approach",
+        "strength of the joint": f"{gripper.force * lever:.3g} {unit} for {gripper.force:g} N at "
+        "the pads",
+    }
+
+
+def jaw_table(model: GripperModel) -> list[dict[str, str]]:
+    """Openings of a hand with one moving jaw; empty for other hands.
+
+    Returns:
+        Rows with the columns `joint`, `opening`, `angle`, `friction`: that which a round body
+        needs not to be squeezed out; and `gaps` at the depths of the model, millimetres.
+    """
+    if model.lever is None:
+        return []
+    turns = model.joint_kind == "revolute"
+    rows = []
+    for number in np.linspace(0, len(model.openings) - 1, JAW_ROWS).round().astype(int):
+        joint, angle = float(model.positions[number, 0]), float(model.angles[number])
+        rows.append(
+            {
+                "joint": f"{np.degrees(joint):.1f} deg" if turns else f"{1000 * joint:.1f} mm",
+                "opening": f"{1000 * model.openings[number]:.1f} mm",
+                "angle": f"{np.degrees(angle) + 0.0:.1f} deg",
+                "friction": f"{np.tan(abs(angle) / 2):.2f}",
+                "gaps": ", ".join(
+                    "-" if np.isnan(gap) else f"{1000 * gap:.0f}" for gap in model.gaps[number]
+                ),
+            }
+        )
+    return rows
 
 
 def hand_entry(name: str, gripper: Gripper) -> str:
@@ -76,6 +125,7 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
         "hand.html.j2",
         name=name,
         facts=hand_facts(gripper, model),
+        jaw=jaw_table(model),
         entry=hand_entry(name, gripper),
         viewer=viewer_data(scenes, gripper),
     )
@@ -84,33 +134,39 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
 def hand_scene(model: GripperModel, word: str, opening: float) -> GraspScene:
     """A hand at an opening for the viewer, with its pads and its approach, which points down.
 
+    Of a hand with one moving jaw, the fixed one stays where it is.
+
     Args:
         model: The hand.
         word: What to call it.
         opening: Metres.
     """
-    reach = float(model.reach_at(np.array(opening)))
-    pads = [(pad, PAD_COLOR) for pad in _pads(model, opening, reach)]
-    mesh, paint = painted([*link_shapes(model, opening), *pads, (_arrow(reach), APPROACH_COLOR)])
+    middle = model.middle_at(np.array(opening))
+    pads = [(pad, PAD_COLOR) for pad in _pads(model, opening, middle)]
+    mesh, paint = painted([*link_shapes(model, opening), *pads, (_arrow(middle), APPROACH_COLOR)])
     mesh.apply_transform(trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0)))
     title = f"{1000 * opening:.1f} mm between the pads"
     return GraspScene(word, title, mesh, empty(GRASPS), paint=paint)
 
 
-def _pads(model: GripperModel, opening: float, reach: float) -> list[trimesh.Trimesh]:
-    """Thin plates where the pads are."""
+def _pads(model: GripperModel, opening: float, middle: Floats) -> list[trimesh.Trimesh]:
+    """Thin plates where the pads are; that of a jaw that turns leans with it."""
     low, high = model.pad
     size = np.array([PAD_THICKNESS, *(high - low)[1:]])
-    middle = (low + high) / 2 + [0, 0, reach]
-    places = [middle * [0, 1, 1] + [side * opening / 2, 0, 0] for side in (-1, 1)]
-    return [trimesh.creation.box(size).apply_translation(place) for place in places]
+    place = (low + high) / 2 * [0, 1, 1] + middle
+    plates = []
+    for side, angle in ((-1, 0.0), (1, float(model.angle_at(np.array(opening))))):
+        plate: trimesh.Trimesh = trimesh.creation.box(size)
+        plate.apply_transform(trimesh.transformations.rotation_matrix(angle, (0, 1, 0)))
+        plates.append(plate.apply_translation(place + np.array([side * opening / 2, 0, 0])))
+    return plates
 
 
-def _arrow(reach: float) -> trimesh.Trimesh:
+def _arrow(middle: Floats) -> trimesh.Trimesh:
     """A bar between the pads, from their middle along the approach."""
     length, radius = ARROW
     bar: trimesh.Trimesh = trimesh.creation.cylinder(radius, length, sections=16)
-    bar.apply_translation((0, 0, reach + length / 2))
+    bar.apply_translation(middle + np.array([0, 0, length / 2]))
     return bar
 
 

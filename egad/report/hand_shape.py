@@ -74,9 +74,9 @@ def hand_shapes(gripper: Gripper, opening: float) -> list[Colored]:
         return _cup_shapes(gripper.cup)
     if gripper.file is not None:
         model = model_of(gripper)
-        shift = [0, 0, -float(model.reach_at(np.array(opening)))]
+        middle = model.middle_at(np.array(opening))
         return [
-            (mesh.apply_translation(shift), color) for mesh, color in link_shapes(model, opening)
+            (mesh.apply_translation(-middle), color) for mesh, color in link_shapes(model, opening)
         ]
     pieces = BoxBody(gripper).pieces(np.array([opening]))
     return [

@@ -121,8 +121,9 @@ class Panda(Arm):
     @override
     def joints(self, stance: HandPose, near: Floats | None = None) -> Floats:
         wanted = np.eye(4)
-        # The hand is its own mirror image: the turn that needs least of the last joint.
-        angle = -((-stance.angle) % np.pi)
+        # A hand of which both fingers move is its own mirror image: the turn that needs least of
+        # the last joint.
+        angle = -((-stance.angle) % (np.pi if self.robot.jaw is None else 2 * np.pi))
         wanted[:3, :3] = Rotation.from_euler("xz", (np.pi, angle)).as_matrix()
         wanted[:3, 3] = np.array([stance.x, stance.y, stance.height]) - PANDA_BASE
         joints = np.array(PANDA_READY) if near is None else near

@@ -7,6 +7,7 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad.detectors import Grasp
+from egad.grasps import FIXED_SIDE_CLEARANCE, expected_distance
 from egad.outcomes import Outcome
 from egad.sim.arms import Arm, HandPose, UnreachableError
 from egad.sim.gripper import HEAVIEST, Hand
@@ -143,11 +144,18 @@ def place_hand_above(
 ) -> Hand:
     """The open hand, its fingertips at some height above a grasp; see `execute`.
 
+    A jaw that does not move is `JAW_CLEARANCE` before its contact. If it is not known where the
+    hand will meet the object, the opening of the grasp tells, as 8 mm more on each side, and the
+    jaw is `FIXED_SIDE_CLEARANCE` before; a hand that opens as far as it can is in the middle.
+
     Raises:
         UnreachableError: The arm cannot bring it there.
     """
     stance = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
-    return Hand(world, arm, stance, grasp.width, contact)
+    if contact is not None or arm.robot.jaw is None:
+        return Hand(world, arm, stance, grasp.width, contact)
+    expected = expected_distance(grasp.width, arm.robot.gripper)
+    return Hand(world, arm, stance, grasp.width, expected, FIXED_SIDE_CLEARANCE)
 
 
 class _Held(NamedTuple):

@@ -52,9 +52,11 @@ class FreeHand(Fingers):
         self._rotation = pose[:3, :3]
         self._joints = np.zeros(3)
         ahead = finger_span(self.gripper)[1]
+        tip = pose[:3, 3]
         if world.robot is not None:
             ahead -= world.robot.reach(width)
-        tip = pose[:3, 3] + ahead * pose[:3, 2]
+            tip = tip - world.robot.aside(width) * pose[:3, 0]
+        tip = tip + ahead * pose[:3, 2]
         turn = Rotation.from_matrix(self._rotation).as_quat()
         world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
 

@@ -5,8 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from egad._util.arrays import Floats
+from egad.grippers import JAW_CLEARANCE
 from egad.sim.arms import Arm, HandPose
 from egad.sim.protocols import COLLISION_FORCE
+from egad.sim.robot import Robot
 from egad.sim.world import TIME_STEP, World
 
 CLOSING_TIME = 1.0
@@ -22,7 +24,7 @@ Still = Callable[[], bool]
 
 
 class Fingers:
-    """The two fingers of a hand in a world, which move as mirror images.
+    """The two fingers of a hand in a world, which move as mirror images, or of which one moves.
 
     Attributes:
         world: Where they are.
@@ -77,6 +79,7 @@ class Hand(Fingers):
         stance: HandPose,
         width: float,
         contact: float | None = None,
+        clearance: float = JAW_CLEARANCE,
     ) -> None:
         """Open a hand that hangs in a world.
 
@@ -87,6 +90,8 @@ class Hand(Fingers):
             width: Distance of the finger pads, metres.
             contact: That at which they will meet the object: the fingertips are where the stance
                 says when they are there; `width` if None.
+            clearance: How far before its contact a jaw that does not move stands, metres, if the
+                contact is known.
 
         Raises:
             UnreachableError: The arm cannot bring it there.
@@ -96,8 +101,9 @@ class Hand(Fingers):
         self.path_left: list[float] = []
         self._stance = stance
         self._raised = -arm.robot.reach(width if contact is None else contact)
+        self._aside = _aside(arm.robot, width, contact, clearance)
         self._target = arm.joints(self._tip(stance))
-        world.put_robot(arm.base(stance), self._target.tolist(), width)
+        world.put_robot(arm.base(self._tip(stance)), self._target.tolist(), width)
 
     def steer(self, stance: HandPose) -> None:
         """Steer the hand to a place above its base, to be there after the next step."""
@@ -174,11 +180,27 @@ class Hand(Fingers):
 
     def _tip(self, stance: HandPose) -> HandPose:
         """Where the fingertips of the closed hand would be."""
+        if self._aside:
+            stance = stance._replace(
+                x=stance.x - self._aside * float(np.cos(stance.angle)),
+                y=stance.y - self._aside * float(np.sin(stance.angle)),
+            )
         return stance._replace(height=stance.height - self._raised) if self._raised else stance
 
     def _raise_to(self, height: float) -> None:
         self.steer(self._stance._replace(height=height))
         self.world.step()
+
+
+def _aside(robot: Robot, width: float, contact: float | None, clearance: float) -> float:
+    """How far the middle of the contacts lies beside TIP, along the closing axis, metres.
+
+    A jaw that is fixed stands a little before its contact if it is known where that is; otherwise
+    the open jaws are as far from the middle.
+    """
+    if robot.jaw is None or contact is None:
+        return robot.aside(width)
+    return robot.aside(contact) + clearance
 
 
 def minimum_jerk(start: float, end: float, seconds: float) -> list[float]:

@@ -145,17 +145,18 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     for name, strength in robot.strength.items():
         spec.joint(ROBOT + name).armature = ARMATURE * strength
         _add_servo(spec, name, strength, strength / SLACK, DAMPING_TIME * strength / SLACK, ARM)
-    force = robot.gripper.force
-    stiffness = force / FINGER_SLACK
-    for name in (LEFT, RIGHT):
+    force, factor = robot.finger_strength, abs(robot.closing)
+    stiffness, damping = force / (FINGER_SLACK * factor), force / (CLOSING_SPEED * factor)
+    for name in robot.fingers:
         joint = spec.joint(ROBOT + name)
-        joint.armature = 2 * TIME_STEP / SUBSTEPS * force / CLOSING_SPEED
+        joint.armature = 2 * TIME_STEP / SUBSTEPS * force / (CLOSING_SPEED * factor)
         joint.solref_limit[:2], joint.solimp_limit = _CONTACT["solref"], _CONTACT["solimp"]
-        _add_servo(spec, name, force, stiffness, force / CLOSING_SPEED, HOLD)
+        _add_servo(spec, name, force, stiffness, damping, HOLD)
     # As that of a motor, the force of a closing finger falls with its speed, to zero at full speed.
-    for name in (LEFT, RIGHT):
-        _add_servo(spec, name, force, 0.0, force / CLOSING_SPEED, CLOSE)
-    _couple(spec, LEFT, RIGHT, [0.0, 1.0])
+    for name in robot.fingers:
+        _add_servo(spec, name, force, 0.0, damping, CLOSE)
+    if robot.jaw is None:
+        _couple(spec, LEFT, RIGHT, [0.0, 1.0])
 
 
 def _add_hulls(spec: mujoco.MjSpec, body: mujoco.MjsBody, link: Link) -> None:

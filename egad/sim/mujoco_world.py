@@ -59,12 +59,12 @@ class MujocoWorld(World):
             self._base = engine.body("base").mocapid[0]
             self._links = np.array([engine.body(ROBOT + link.name).id for link in robot.links])
             self._arm = _Joints(engine, robot.arm)
-            self._fingers = _Joints(engine, (LEFT, RIGHT))
+            self._fingers = _Joints(engine, robot.fingers)
             self._followers = _Joints(engine, [each.joint for each in robot.followers])
-            count = len(robot.arm)
+            count, fingers = len(robot.arm), len(robot.fingers)
             self._arm_control = slice(0, count)
-            self._hold_control = slice(count, count + 2)
-            self._close_control = slice(count + 2, count + 4)
+            self._hold_control = slice(count, count + fingers)
+            self._close_control = slice(count + fingers, count + 2 * fingers)
         self._factors = self.mass_factor, self.friction_factor
         self.reset()
 
@@ -119,18 +119,19 @@ class MujocoWorld(World):
 
     @override
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
+        robot = self._known_robot()
         self.data.mocap_pos[self._base] = base.position
         self.data.mocap_quat[self._base] = _scalar_first(base.quaternion)
         self.data.qpos[self._arm.positions] = joints
         self.data.qvel[self._arm.speeds] = 0
-        self.data.qpos[self._fingers.positions] = opening / 2
+        self.data.qpos[self._fingers.positions] = robot.finger_position(opening)
         self.data.qvel[self._fingers.speeds] = 0
-        followers = self.robot.followers if self.robot else ()
-        self.data.qpos[self._followers.positions] = [each.at(opening / 2) for each in followers]
+        followers = [each.at(opening / 2) for each in robot.followers]
+        self.data.qpos[self._followers.positions] = followers
         self.data.qvel[self._followers.speeds] = 0
         self.data.qacc_warmstart[:] = 0
         self.drive(joints, [0.0] * len(joints))
-        self.data.ctrl[self._hold_control] = opening / 2
+        self.data.ctrl[self._hold_control] = robot.finger_position(opening)
         self.engine.opt.disableactuator = 1 << CLOSE
         self._here = True
 
@@ -140,7 +141,7 @@ class MujocoWorld(World):
 
     @override
     def close_fingers(self) -> None:
-        self.data.ctrl[self._close_control] = -CLOSING_SPEED
+        self.data.ctrl[self._close_control] = self._known_robot().closing * CLOSING_SPEED
         self.engine.opt.disableactuator = 1 << HOLD
 
     @override
@@ -150,7 +151,8 @@ class MujocoWorld(World):
 
     @override
     def fingers(self) -> tuple[Floats, Floats]:
-        return self.data.qpos[self._fingers.positions], self.data.qvel[self._fingers.speeds]
+        positions, speeds = self._fingers.positions, self._fingers.speeds
+        return self._known_robot().pads(self.data.qpos[positions], self.data.qvel[speeds])
 
     @override
     def forces(self, number: int | None = None) -> Forces:

@@ -13,7 +13,7 @@ from typing_extensions import override
 
 from egad._util.arrays import Floats
 from egad.sim.model import Model
-from egad.sim.robot import LEFT, RIGHT, Box, Robot, hull_files, to_urdf
+from egad.sim.robot import LEFT, RIGHT, Box, hull_files, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     DOWN,
@@ -130,7 +130,7 @@ class PyBulletWorld(World):
         count = self.client.getNumJoints(self._robot)
         names = [self.client.getJointInfo(self._robot, joint)[1].decode() for joint in range(count)]
         self._arm = [names.index(name) for name in robot.arm]
-        self._fingers = (names.index(LEFT), names.index(RIGHT))
+        self._fingers = tuple(names.index(name) for name in robot.fingers)
         self._sides = {names.index(link): side for link, side in robot.sides.items()}
         self._gears = {
             names.index(each.joint): (each, self._fingers[each.side == RIGHT])
@@ -157,13 +157,14 @@ class PyBulletWorld(World):
 
     @override
     def close_fingers(self) -> None:
+        robot = self._known_robot()
         for finger in self._fingers:
             self.client.setJointMotorControl2(
                 self._robot,
                 finger,
                 pybullet.VELOCITY_CONTROL,
-                targetVelocity=-CLOSING_SPEED,
-                force=self._known_robot().gripper.force,
+                targetVelocity=robot.closing * CLOSING_SPEED,
+                force=robot.finger_strength,
             )
 
     @override
@@ -174,7 +175,8 @@ class PyBulletWorld(World):
     @override
     def fingers(self) -> tuple[Floats, Floats]:
         states = self.client.getJointStates(self._robot, self._fingers)
-        return np.array([state[0] for state in states]), np.array([state[1] for state in states])
+        positions, speeds = (np.array([state[each] for state in states]) for each in (0, 1))
+        return self._known_robot().pads(positions, speeds)
 
     @override
     def forces(self, number: int | None = None) -> Forces:
@@ -251,11 +253,6 @@ class PyBulletWorld(World):
         contacts = self.client.getContactPoints(first, second)
         return float(sum(contact[NORMAL_FORCE] for contact in contacts))
 
-    def _known_robot(self) -> Robot:
-        if self.robot is None:
-            raise ValueError("there is no robot in this world")
-        return self.robot
-
     def _set_friction(self, joints: int) -> None:
         sliding, torsional = self._known_robot().pad_friction
         for link in range(joints):
@@ -267,16 +264,19 @@ class PyBulletWorld(World):
             )
 
     def _hold_fingers(self, opening: float) -> None:
-        """Hold the fingers where they are, coupled by a gear.
+        """Hold the fingers where they are, coupled by a gear if there are two.
 
         With equal and opposite forces alone they would drift sideways together.
         """
-        force = self._known_robot().gripper.force
+        robot = self._known_robot()
+        force, position = robot.finger_strength, robot.finger_position(opening)
         for finger in self._fingers:
-            self.client.resetJointState(self._robot, finger, opening / 2, 0)
+            self.client.resetJointState(self._robot, finger, position, 0)
             self.client.setJointMotorControl2(
-                self._robot, finger, pybullet.POSITION_CONTROL, opening / 2, force=force
+                self._robot, finger, pybullet.POSITION_CONTROL, position, force=force
             )
+        if robot.jaw is not None:
+            return
         gear = self._gear(*self._fingers)
         self.client.changeConstraint(gear, gearRatio=-1, maxForce=GEAR_STRENGTH * force)
 

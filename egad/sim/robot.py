@@ -1,4 +1,4 @@
-"""A parallel-jaw hand as links and joints, and as URDF."""
+"""A hand with two jaws as links and joints, and as URDF."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -124,12 +124,49 @@ class Follower:
         return np.pad(fitted.coef, (0, DEGREE + 1 - len(fitted.coef)))
 
 
+@dataclass(frozen=True, eq=False)
+class JawJoint:
+    """The joint of a hand with one moving jaw.
+
+    Attributes:
+        joint: Its name.
+        openings: (k,) distances of the pads, ascending, metres.
+        positions: (k,) its positions there, metres or radians.
+        lever: Its torque for a newton between the pads, metres; 1 if it slides.
+    """
+
+    joint: str
+    openings: Floats
+    positions: Floats
+    lever: float
+
+    @property
+    def closing(self) -> float:
+        """How far it moves for a metre that the pad moves inwards; the sign is the way."""
+        return float(np.sign(self.positions[0] - self.positions[-1])) / self.lever
+
+    def at(self, opening: float) -> float:
+        """Its position at an opening."""
+        return float(np.interp(opening, self.openings, self.positions))
+
+    def opening(self, position: float, speed: float) -> tuple[float, float]:
+        """The opening at a position, metres, and how fast it grows at a speed, m/s."""
+        order = slice(None, None, 1 if self.positions[-1] > self.positions[0] else -1)
+        positions, openings = self.positions[order], self.openings[order]
+        slopes = np.gradient(openings, positions)
+        return (
+            float(np.interp(position, positions, openings)),
+            speed * float(np.interp(position, positions, slopes)),
+        )
+
+
 @dataclass(frozen=True)
 class Robot:
-    """An arm, and at its end a palm with two fingers that move as mirror images.
+    """An arm, and at its end a palm with two fingers that move as mirror images, or with one jaw.
 
     The joints LEFT and RIGHT have the distance of a pad from the middle. They move the fingers
-    themselves, or carriages without a body that the joints of a linkage follow.
+    themselves, or carriages without a body that the joints of a linkage follow. A hand with one
+    moving jaw has the joint of this jaw instead; the fixed one is on the right, at negative x.
 
     Attributes:
         gripper: Force and pads of the fingers.
@@ -140,6 +177,7 @@ class Robot:
         followers: Joints that follow those of the fingers.
         path: Openings, ascending, and places of the pads along the approach, metres; the fingertips
             are at TIP when they are at 0.
+        jaw: The joint of a hand with one moving jaw.
     """
 
     gripper: Gripper
@@ -149,6 +187,37 @@ class Robot:
     sides: dict[str, str] = field(hash=False)
     followers: tuple[Follower, ...] = field(default=(), compare=False)
     path: tuple[Floats, Floats] | None = field(default=None, compare=False)
+    jaw: JawJoint | None = field(default=None, compare=False)
+
+    def aside(self, opening: float) -> float:
+        """How far the middle between the pads is beside TIP at an opening, along x, metres."""
+        return 0.0 if self.jaw is None else (opening - float(self.jaw.openings[0])) / 2
+
+    @property
+    def fingers(self) -> tuple[str, ...]:
+        """Names of the joints that close the hand."""
+        return (LEFT, RIGHT) if self.jaw is None else (self.jaw.joint,)
+
+    @property
+    def finger_strength(self) -> float:
+        """Force or torque of each of them, N or N m."""
+        return self.gripper.force * (1.0 if self.jaw is None else self.jaw.lever)
+
+    @property
+    def closing(self) -> float:
+        """How far each of them moves for a metre that its pad moves inwards."""
+        return -1.0 if self.jaw is None else self.jaw.closing
+
+    def finger_position(self, opening: float) -> float:
+        """Position of each of them at an opening."""
+        return opening / 2 if self.jaw is None else self.jaw.at(opening)
+
+    def pads(self, positions: Floats, speeds: Floats) -> tuple[Floats, Floats]:
+        """Distances of both pads from their middle, and their speeds: (2,) each, m and m/s."""
+        if self.jaw is None:
+            return positions, speeds
+        opening, speed = self.jaw.opening(float(positions[0]), float(speeds[0]))
+        return np.full(2, opening / 2), np.full(2, speed / 2)
 
     def reach(self, opening: float) -> float:
         """How far beyond TIP the fingertips are at an opening, along the approach, metres."""

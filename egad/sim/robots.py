@@ -23,6 +23,7 @@ from egad.sim.robot import (
     Box,
     Follower,
     HullShape,
+    JawJoint,
     Joint,
     Link,
     Robot,
@@ -127,6 +128,7 @@ class _Hand(NamedTuple):
     sides: dict[str, str]
     followers: tuple[Follower, ...] = ()
     path: tuple[Floats, Floats] | None = None
+    jaw: JawJoint | None = None
 
 
 def _with_hand(
@@ -145,6 +147,7 @@ def _with_hand(
         hand.sides,
         hand.followers,
         hand.path,
+        hand.jaw,
     )
 
 
@@ -172,7 +175,7 @@ def _box_hand(gripper: Gripper) -> _Hand:
 
 
 def _model_hand(gripper: Gripper) -> _Hand:
-    """The links and joints of a maker's model, with a carriage for each finger."""
+    """The links and joints of a maker's model, with a carriage for each finger if both move."""
     model = model_of(gripper)
     closed = list(zip(model.links, model.points(float(model.openings[0])), strict=True))
     fixed = [points for link, shapes in closed for points in shapes if link.body == PALM_BODY]
@@ -182,11 +185,11 @@ def _model_hand(gripper: Gripper) -> _Hand:
     mass = sum(link.mass for link in model.links if link.body == PALM_BODY)
     palm = Link(PALM, max(mass, LEAST_MASS), tuple(HullShape(points + raised) for points in fixed))
     links, joints, sides = [palm], [], {}
-    for name, way in ((LEFT, 1.0), (RIGHT, -1.0)):
+    for name, way in ((LEFT, 1.0), (RIGHT, -1.0)) if model.lever is None else ():
         limits = (float(model.openings[0]) / 2, gripper.opening / 2)
         links.append(Link(name, CARRIAGE_MASS))
         joints.append(Joint(name, PALM, "prismatic", axis=(way, 0, 0), limits=limits))
-    followers = []
+    followers, jaw = list[Follower](), None
     for link in model.links:
         if link.body == PALM_BODY:
             continue
@@ -196,11 +199,13 @@ def _model_hand(gripper: Gripper) -> _Hand:
         joint = _model_joint(model, link, raised)
         joints.append(joint)
         sides[OWN + link.name] = side
-        if link.joint is not None:
-            column = model.positions[:, model.joints.index(link.joint.name)]
-            followers.append(
-                Follower(OWN + link.name, side, model.openings / 2, column - link.joint.zero)
-            )
+        if link.joint is None:
+            continue
+        column = model.positions[:, model.joints.index(link.joint.name)] - link.joint.zero
+        if model.lever is None:
+            followers.append(Follower(OWN + link.name, side, model.openings / 2, column))
+        else:
+            jaw = JawJoint(OWN + link.name, model.openings, column, model.lever)
     length = tip - back
     return _Hand(
         [*links, Link(TIP)],
@@ -209,6 +214,7 @@ def _model_hand(gripper: Gripper) -> _Hand:
         sides,
         tuple(followers),
         (model.openings, model.reach),
+        jaw,
     )
 
 
@@ -230,6 +236,7 @@ def _model_joint(model: GripperModel, link: HandLink, raised: Floats) -> Joint:
     if link.joint is None:
         return Joint(OWN + link.name, parent, origin=origin, turn=_vector(turn))
     column = model.positions[:, model.joints.index(link.joint.name)] - link.joint.zero
+    loose = LOOSE if model.lever is None else 0.0
     return Joint(
         OWN + link.name,
         parent,
@@ -237,7 +244,7 @@ def _model_joint(model: GripperModel, link: HandLink, raised: Floats) -> Joint:
         origin,
         _vector(turn),
         _vector(link.joint.axis),
-        (float(column.min()) - LOOSE, float(column.max()) + LOOSE),
+        (float(column.min()) - loose, float(column.max()) + loose),
     )
 
 

@@ -56,6 +56,8 @@ class SceneLabels:
         frames, widths, quality = self._candidates(present)
         opening = self._gripper.opening
         behind = self._body.reach(widths) - self._body.reach(np.array([opening]))
+        aside = self._body.aside(widths, np.array([opening]))
+        frames[:, :3, 3] += aside[:, None] * frames[:, :3, 0]  # the open hand
         scene = np.concatenate([TABLE, *(self._triangles(each) for each in present)])
         best = np.argsort(-quality, kind="stable")[:MOST]
         for first in range(0, len(best), CHUNK):

@@ -121,6 +121,11 @@ class World(ABC):
         self.watch: Callable[[World], None] | None = None
         self.mass_factor = self.friction_factor = 1.0
 
+    def _known_robot(self) -> Robot:
+        if self.robot is None:
+            raise ValueError("there is no robot in this world")
+        return self.robot
+
     @property
     def model(self) -> Model:
         """The first object."""
@@ -172,7 +177,7 @@ class World(ABC):
 
     @abstractmethod
     def close_fingers(self) -> None:
-        """Let each finger move inwards at `CLOSING_SPEED`, or press with its force."""
+        """Let each finger that moves do so inwards at `CLOSING_SPEED`, or press with its force."""
 
     @abstractmethod
     def arm_joints(self) -> Floats:

@@ -15,7 +15,7 @@ from egad._util.arrays import Flags, Floats
 from egad.grippers import SuctionCup
 
 
-class Limits(NamedTuple):
+class CupLimits(NamedTuple):
     """The most that a cup bears of each part of a load, if the others are 0.
 
     Attributes:
@@ -31,11 +31,11 @@ class Limits(NamedTuple):
     bending: float
 
 
-def limits(cup: SuctionCup) -> Limits:
+def limits(cup: SuctionCup) -> CupLimits:
     """The limits of a cup: see `resists`."""
     grip = cup.friction * cup.vacuum_force / np.sqrt(3)
     bending = _bending(cup) + cup.torque_tolerance
-    return Limits(cup.vacuum_force, grip, cup.radius * grip, bending)
+    return CupLimits(cup.vacuum_force, grip, cup.radius * grip, bending)
 
 
 def resists(cup: SuctionCup, loads: Floats, friction: ArrayLike | None = None) -> Flags:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 import yaml
-from described_hands import box_urdf
+from described_hands import box_urdf, jaw_urdf
 
 from egad import Gripper
 from egad.config.stages import select
@@ -22,7 +22,7 @@ from egad.exchange.grasps.graspgen import (
 )
 from egad.exchange.parameters import GripperFormat
 from egad.geometry.distance import nearest
-from egad.grippers import GRIPPERS
+from egad.grippers import GRIPPERS, model_of
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 
@@ -142,6 +142,23 @@ def test_a_hand_with_a_file_is_as_deep_as_its_palm_is_far(labelled, tmp_path):
     assert seen_by_hand(one)[:, :, 2] == pytest.approx(hand.depth, abs=1e-8)
     mesh = trimesh.load(tmp_path / "gripper/mine.obj")
     assert mesh.bounds[:, 2] == pytest.approx([-0.06, 0.0445])
+
+
+def test_a_fixed_jaw_is_at_the_first_contact_of_each_grasp(labelled, tmp_path):
+    """So the hand is not its own mirror image, and GraspGen must not turn its grasps over."""
+    gripper = Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"))
+    hand = graspgen_hand("jaw", gripper)
+    start_graspgen(tmp_path, hand)
+    write_graspgen(tmp_path, hand, "A00_0", labelled[labelled["label"] == "A00_0"])
+    (tmp_path / "objects/A00_0.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (one,) = read(tmp_path, "jaw").values()
+    contacts = seen_by_hand(one)
+    closed = model_of(gripper).openings[0]
+    wide = np.linalg.norm(one.contacts[:, 1] - one.contacts[:, 0], axis=1) > closed
+    assert contacts[wide, 0, 0] == pytest.approx(-closed / 2, abs=1e-8)
+    assert contacts[:, :, 2] == pytest.approx(hand.depth, abs=1e-8)
+    about = yaml.safe_load((tmp_path / "gripper/jaw.yaml").read_text())
+    assert not about["symmetric_antipodal"]
 
 
 def test_objects_that_are_left_out_are_logged(dataset, settings, labelled, tmp_path, caplog):

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
-from described_hands import box_urdf, linkage_mjcf
+from described_hands import box_urdf, jaw_gap, jaw_urdf, linkage_mjcf
 from scipy.spatial.transform import Rotation
 
 from egad import Gripper
@@ -88,6 +88,22 @@ def test_pads_of_a_linkage_meet_the_contacts(rows, tmp_path):
         assert (seen[0] + seen[1]) / 2 == pytest.approx(middle, abs=2e-5)
         heights.append(middle[2])
     assert np.ptp(heights) > 1e-4  # they do move forward
+
+
+def test_jaws_of_which_one_is_fixed_meet_the_contacts(rows, tmp_path):
+    """In the frame of the palm the fixed face is at -7.9 mm; the gap is that of the closed form."""
+    gripper = Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"))
+    narrow = rows[rows["width"].between(0.003, gripper.opening)]
+    write_isaac_grasp(tmp_path / "a.yaml", LABEL, gripper, narrow)
+    found, content = read(tmp_path / "a.yaml")
+    assert content["gripper_frame"] == "gripper"
+    contacts = zip(contacts_of(narrow, 0), contacts_of(narrow, 1), strict=True)
+    for (_, pose, joints, _), pair in zip(found, contacts, strict=True):
+        first, second = ((np.linalg.inv(pose) @ [*contact, 1])[:3] for contact in pair)
+        assert first[:2] == pytest.approx([-0.0079, 0], abs=1e-6)
+        gap = jaw_gap(joints["swing"], first[2])
+        assert second - first == pytest.approx([gap, 0, 0], abs=2e-5)
+    assert len(found) > 5
 
 
 def test_only_grasps_that_held_have_confidence(rows, tmp_path):

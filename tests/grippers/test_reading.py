@@ -163,8 +163,11 @@ LEFT = '<parent link="hand"/><child link="left"/>'
 BAD = {
     "no joint": ({'type="prismatic"': 'type="fixed"'}, "none of its joints moves"),
     "one finger": (
-        {'name="left_joint" type="prismatic"': 'name="left_joint" type="fixed"'},
-        "only one finger moves, with the link right",
+        {
+            'name="left_joint" type="prismatic"': 'name="left_joint" type="fixed"',
+            f'"{-(THICK / 2 + 1e-4)} 0 ': f'"{-(THICK / 2 + 1e-4)} {2 * WIDE} ',
+        },
+        "its jaws never face each other: no face of the link right",
     ),
     "no opening": (
         {'upper="0.04"': 'upper="0.0001"'},

@@ -6,10 +6,10 @@ import zlib
 import numpy as np
 import pytest
 import yaml
-from described_hands import PANDA, box_urdf, linkage_mjcf
+from described_hands import PANDA, box_urdf, jaw_urdf, linkage_mjcf
 
 from egad.grippers import Gripper, model_of
-from egad.report.hand import hand_entry, hand_facts, hand_page, hand_scene
+from egad.report.hand import hand_entry, hand_facts, hand_page, hand_scene, jaw_table
 from egad.report.viewer import viewer_data
 
 
@@ -40,6 +40,26 @@ def test_the_page_has_the_hand_at_three_openings(boxes):
     page = hand_page("mine", boxes, model_of(boxes))
     for word in ("open", "half open", "closed", "left_joint", "mine"):
         assert word in page
+
+
+def test_a_hand_with_one_moving_jaw_has_a_table_of_its_joint(tmp_path, boxes):
+    hand = Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"), force=10)
+    model = model_of(hand)
+    facts, rows = hand_facts(hand, model), jaw_table(model)
+    assert facts["fingers"] == "gripper-fixed-jaw; jaw"
+    assert "parallel at 15.8 mm" in facts["angle between the jaws"]
+    assert facts["strength of the joint"].startswith(f"{10 * model.lever:.3g} N m for 10 N")
+    assert rows[0]["joint"] == rows[0]["angle"] == "-10.0 deg"
+    # a round body between faces at 30 degrees is held with friction of tan(15 degrees)
+    assert float(rows[-1]["friction"]) == pytest.approx(np.tan(model.angles[-1] / 2), abs=0.005)
+    page = hand_page("jaw", hand, model)
+    assert all(cell in page for row in rows for cell in row.values())
+    slides = Gripper.from_file(jaw_urdf(tmp_path / "slides.urdf", slides=True), force=10)
+    found = hand_facts(slides, model_of(slides))
+    assert found["angle between the jaws"] == "none"
+    assert found["strength of the joint"] == "10 N for 10 N at the pads"
+    assert "moving jaw" not in hand_facts(boxes, model_of(boxes))
+    assert jaw_table(model_of(boxes)) == []
 
 
 def test_colors_of_faces_are_packed_last(boxes):

@@ -111,8 +111,11 @@ def graspgen_hand(name: str, gripper: Gripper) -> GraspGenHand:
 def graspgen_poses(hand: GraspGenHand, grasps: Grasps) -> Floats:
     """Poses of the base of a hand in the frame of the object, (n, 4, 4)."""
     poses = grasps.poses.copy()
-    behind = hand.depth + hand_body(hand.gripper).reach(grasps.widths)
+    body = hand_body(hand.gripper)
+    behind = hand.depth + body.reach(grasps.widths)
     poses[:, :3, 3] -= behind[:, None] * poses[:, :3, 2]
+    if isinstance(body, ModelBody):
+        poses[:, :3, 3] -= body.model.middle_at(grasps.widths)[:, :1] * poses[:, :3, 0]
     return poses
 
 
@@ -171,13 +174,18 @@ def start_graspgen(folder: Path, hand: GraspGenHand) -> None:
         "width": hand.gripper.opening,
         "depth": hand.depth,
         "transform_offset_from_asset_to_graspgen_convention": [[0.0] * 3, [0.0] * 3 + [1.0]],
-        "symmetric_antipodal": True,
+        "symmetric_antipodal": not _has_one_jaw(hand.gripper),
     }
     described = folder / "gripper"
     described.mkdir()
     (described / f"{hand.name}.yaml").write_text(yaml.safe_dump(about, sort_keys=False))
     (described / f"{hand.name}.py").write_text(DESCRIPTION)
     write_obj(_mesh(hand), described / f"{hand.name}.obj")
+
+
+def _has_one_jaw(gripper: Gripper) -> bool:
+    body = hand_body(gripper)
+    return isinstance(body, ModelBody) and body.model.lever is not None
 
 
 def _mesh(hand: GraspGenHand) -> trimesh.Trimesh:

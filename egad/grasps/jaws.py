@@ -1,0 +1,74 @@
+"""What jaws at an angle do to a grasp (ours).
+
+The faces of a jaw that turns are parallel at one opening only. What is held between them touches
+both, and the line of the closing force then leans by half the angle to either face: a body that
+lies flat against one face presses it off its middle, and a round one turns. So friction must carry
+half the angle at each contact, whatever the surface of the object is like, or it is squeezed out.
+"""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from egad._util.arrays import Floats
+from egad.grasps.sampler import ContactPairs
+from egad.grippers import HandBody, ModelBody
+
+
+class JawFaces(NamedTuple):
+    """The inner faces of a hand with one moving jaw, at n grasps.
+
+    Attributes:
+        body: The hand.
+        approaches: (n, 3) unit vectors along which it points.
+        excess: (n,) how much wider than the contacts it stays open, as it meets something else
+            first, metres.
+    """
+
+    body: ModelBody
+    approaches: Floats
+    excess: Floats
+
+    @classmethod
+    def of(
+        cls, body: HandBody, grasps: ContactPairs, approaches: Floats, needed: Floats
+    ) -> Self | None:
+        """Those at some grasps; None for a hand with parallel jaws.
+
+        Args:
+            body: The hand.
+            grasps: The grasps.
+            approaches: (n, 3) unit vectors along which it points.
+            needed: (n,) openings from `needed_openings`, metres.
+        """
+        if not isinstance(body, ModelBody) or body.model.lever is None:
+            return None
+        excess = np.where(np.isfinite(needed), needed - grasps.widths, 0.0)
+        return cls(body, approaches, excess)
+
+    def normals(self, grasps: ContactPairs) -> Floats:
+        """Outward normals of an object that fits the faces at the contacts: (n, 2, 3).
+
+        Args:
+            grasps: The same grasps, or as many copies of each, grasp by grasp.
+        """
+        copies = len(grasps) // max(len(self.excess), 1)
+        excess = np.repeat(self.excess, copies)
+        approaches = np.repeat(self.approaches, copies, axis=0)
+        angles = self.body.model.angle_at(grasps.widths + excess)
+        return face_normals(grasps.axes, approaches, angles)
+
+
+def face_normals(axes: Floats, approaches: Floats, angles: Floats) -> Floats:
+    """Outward normals of n objects that fit between jaws at an angle: (n, 2, 3).
+
+    Args:
+        axes: (n, 3) unit closing axes, to which the faces lean alike.
+        approaches: (n, 3) unit vectors; what is along the axes does not count.
+        angles: (n,) between the faces, radians; positive if they are farther apart at the tips.
+    """
+    along = np.einsum("nk,nk->n", approaches, axes)[:, None] * axes
+    ahead = approaches - along
+    ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
+    cosine, sine = np.cos(angles / 2)[:, None], np.sin(angles / 2)[:, None]
+    return np.stack([-cosine * axes - sine * ahead, cosine * axes - sine * ahead], axis=1)

@@ -1,0 +1,439 @@
+"""A hand with one jaw that is fixed to the palm, and one that turns or slides.
+
+The closing axis is the normal of the fixed jaw's inner face. The pads are where both jaws are
+nearest to each other, which is at the tips of most hands. The opening is the gap between the inner
+faces there, along the closing axis, at the middle of their breadth: what a body touches that lies
+against the fixed jaw. The fixed pad stays where it is, so the middle between the pads moves by half
+the opening, and faces of a jaw that turns are parallel at one opening only.
+"""
+
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+import trimesh
+
+from egad._util.arrays import Floats
+from egad.errors import RejectedError, UserError
+from egad.geometry import RayCaster, decompose, is_solid, to_mesh, to_solid
+from egad.grippers.jaw_faces import Facing, find_facing, joined, solids_of
+from egad.grippers.mechanism import Mechanism
+from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink, LinkJoint
+from egad.grippers.stroke import LARGEST_OPENING, LEAST_OPENING, LEVELS
+from egad.grippers.tree import body_name, joint_name
+
+GRID = 5e-4  # metres, between points of a jaw's face
+BREADTH = (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)  # metres from the middle of a jaw's breadth
+DEPTH_STEP = 0.01  # metres, between places along a jaw
+MARGIN = 5  # of these around the points that were found on it
+SKIN = 1e-5  # metres before a face, where rays start; thinner slices are left where they are
+PAD_DEPTH = 1e-3  # metres that a pad may lie behind the foremost point of its jaw
+FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
+# Metres around the middle of a pad, which comes first, along its breadth and its length
+PATCH = [(0.0, 0.0), *((y, z) for y in (-1e-3, 0.0, 1e-3) for z in (-1e-3, -5e-4, 5e-4, 1e-3))]
+STEEPEST = np.cos(np.radians(75.0))  # how far the face of a jaw may turn away from the other one
+CONVEX = 0.02  # of a hull: with less excess a shape counts as convex
+# How much convex parts may add: depth in hollows, metres, and part of the volume
+JAW, PALM = (5e-4, 0.1), (2e-3, 0.5)
+MOST_PARTS = 64
+
+
+class JawFrame(NamedTuple):
+    """The directions of a hand with one jaw, in the frame of its palm; unit vectors.
+
+    Attributes:
+        closing: From the fixed jaw to the moving one.
+        across: Along the breadth of the jaws.
+        approach: Along the jaws, towards their tips.
+    """
+
+    closing: Floats
+    across: Floats
+    approach: Floats
+
+    @property
+    def matrix(self) -> Floats:
+        """(3, 3) with the directions in its columns."""
+        return np.stack(self, axis=1)
+
+
+class JawStroke(NamedTuple):
+    """The way of a jaw from closed to open.
+
+    Attributes:
+        positions: (k, q) of all joints.
+        openings: (k,) gap of the inner faces at the pads, ascending, metres.
+        angles: (k,) between them, radians; positive if they are farther apart at the tips.
+        pad: (3,) middle of the fixed pad, in the frame of the palm, metres.
+        extent: Breadth and length of the pads, metres.
+    """
+
+    positions: Floats
+    openings: Floats
+    angles: Floats
+    pad: Floats
+    extent: Floats
+
+
+class JawSolids:
+    """The solids of both jaws of a hand.
+
+    Attributes:
+        mechanism: The joints.
+        body: Number of the link that moves.
+        moving: Its surface, in its frame.
+        solids: What does not move, in the frame of the palm.
+        middle: The middle of their volume.
+        facing: How they face each other.
+    """
+
+    def __init__(self, mechanism: Mechanism, body: int, static: list[int]) -> None:
+        """Read the shapes of a hand.
+
+        Args:
+            mechanism: The joints, of which one is driven.
+            body: Number of the link that moves.
+            static: Numbers of those that do not.
+
+        Raises:
+            UserError: The jaws never face each other.
+        """
+        model = mechanism.model
+        self.mechanism, self.body = mechanism, body
+        self.moving_solids = solids_of(model, body)
+        self.moving = joined(self.moving_solids)
+        turns, places = mechanism.placement(mechanism.middle())
+        self.solids = [
+            _placed(solid, turns[each], places[each])
+            for each in static
+            for solid in solids_of(model, each)
+        ]
+        if not self.solids:
+            raise UserError(
+                f"its jaws never face each other: only the link {body_name(model, body)} has "
+                "collision shapes"
+            )
+        volumes = [solid.volume for solid in self.solids]
+        self.middle: Floats = np.average(
+            [solid.center_mass for solid in self.solids], axis=0, weights=volumes
+        )
+        self._fixed = RayCaster(joined(self.solids))
+        self._moving = RayCaster(self.moving)
+        self.facing: Facing = find_facing(mechanism, body, self.moving, self._fixed)
+
+    def positions(self, joint: float) -> Floats:
+        """Positions of all joints at one of the driven joint."""
+        return self.mechanism.follow(np.array([joint]), self.mechanism.model.qpos0)
+
+    def angle(self, joint: float, frame: JawFrame) -> float:
+        """Angle between the inner faces, radians; positive if they open towards the tips."""
+        turn = self.mechanism.placement(self.positions(joint)).turns[self.body]
+        normal = turn @ self.facing.normal
+        return float(np.arctan2(normal @ frame.approach, -normal @ frame.closing))
+
+    def gaps(self, starts: Floats, joint: float, frame: JawFrame) -> Floats:
+        """Distances from points along the closing axis to the moving jaw's inner face.
+
+        Args:
+            starts: (n, 3) on the fixed jaw's face, in the frame of the palm, metres.
+            joint: Position of the driven joint.
+            frame: The directions of the hand.
+
+        Returns:
+            (n,) metres; NaN where a ray meets nothing, or another side of the jaw.
+        """
+        turns, places = self.mechanism.placement(self.positions(joint))
+        turn, place = turns[self.body], places[self.body]
+        ahead = np.tile(frame.closing @ turn, (len(starts), 1))
+        hits = self._moving.first_hits((starts - place) @ turn, ahead)
+        looks = -np.einsum("nk,nk->n", hits.normals, ahead)
+        return np.where(hits.entering & (looks > STEEPEST), hits.distances, np.nan)
+
+    def gap(self, pad: Floats, joint: float, frame: JawFrame) -> float:
+        """Gap of the inner faces at the pads, metres; NaN where the moving jaw is not there.
+
+        In a groove that shows no face, that of the points around counts if most of them have one.
+        """
+        offsets = np.array(PATCH) @ np.stack([frame.across, frame.approach])
+        gaps = self.gaps(pad + offsets, joint, frame)
+        if np.isfinite(gaps[0]) or np.isnan(gaps).sum() > len(gaps) / 2:
+            return float(gaps[0])
+        return float(np.nanmedian(gaps))
+
+    def fixed_face(self, points: Floats, frame: JawFrame) -> Floats:
+        """Distances of points from the fixed jaw, back along the closing axis.
+
+        Returns:
+            (n,) metres; NaN where there is no face, and negative infinity within the link.
+        """
+        back = np.tile(-frame.closing, (len(points), 1))
+        hits = self._fixed.first_hits(points, back)
+        inside = np.isfinite(hits.distances) & ~hits.entering
+        looks = -np.einsum("nk,nk->n", hits.normals, back)
+        found = np.where(hits.entering & (looks > STEEPEST), hits.distances, np.nan)
+        return np.where(inside, -np.inf, found)
+
+
+def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None) -> JawStroke:
+    """Where the pads are, and how far they are apart at each position of the joint.
+
+    Args:
+        jaws: The jaws.
+        frame: The directions of the hand.
+        tcp: Middle of the closed pads in the frame of the palm, metres; found if None.
+
+    Raises:
+        UserError: They do not open, or wider than any hand.
+    """
+    low, high = jaws.mechanism.ranges()[0]
+    closed, wide = (low, high) if jaws.facing.closing < 0 else (high, low)
+    joints = np.linspace(closed, wide, FINE)
+    angles = np.array([jaws.angle(joint, frame) for joint in joints])
+    parallel = int(np.abs(angles).argmin())
+    pad, extent = _find_pad(jaws, frame, float(joints[parallel]))
+    if tcp is not None:
+        pad = _on_fixed_face(jaws, frame, tcp, pad)
+    gaps = np.array([jaws.gap(pad, float(joint), frame) for joint in joints])
+    first, last = _useful(gaps, parallel)
+    names = f"{body_name(jaws.mechanism.model, jaws.body)} and the fixed jaw"
+    if last - first < 1 or gaps[last] < LEAST_OPENING:
+        raise UserError(f"its links {names} are at most {1000 * gaps[last]:.2g} mm apart")
+    if gaps[last] > LARGEST_OPENING:
+        raise UserError(
+            f"its links {names} open {gaps[last]:.3g} m; limits of sliding joints are in metres"
+        )
+    levels = np.linspace(joints[first], joints[last], LEVELS)
+    openings = np.array([jaws.gap(pad, float(joint), frame) for joint in levels])
+    return JawStroke(
+        np.array([jaws.positions(float(joint)) for joint in levels]),
+        np.maximum.accumulate(openings),
+        np.array([jaws.angle(float(joint), frame) for joint in levels]),
+        pad,
+        extent,
+    )
+
+
+def _useful(gaps: Floats, start: int) -> tuple[int, int]:
+    """The positions around one between which the gap is known and grows, but for small steps."""
+    known = np.isfinite(gaps)
+    if not known.any():
+        raise UserError("its jaws never face each other where they are nearest")
+    start = int(np.flatnonzero(known)[np.abs(np.flatnonzero(known) - start).argmin()])
+    first = last = start
+    while first > 0 and gaps[first - 1] < gaps[first] + PAD_DEPTH:
+        first -= 1
+    while last + 1 < len(gaps) and gaps[last + 1] > gaps[last] - PAD_DEPTH:
+        last += 1
+    return first, last
+
+
+def _find_pad(jaws: JawSolids, frame: JawFrame, joint: float) -> tuple[Floats, Floats]:
+    """Middle of the fixed pad, and breadth and length of both, with the jaws nearly parallel."""
+    points = _grid(jaws, frame)
+    behind = jaws.fixed_face(points, frame)
+    here = np.flatnonzero(np.isfinite(behind))
+    faces = points[here] - behind[here, None] * frame.closing
+    gaps = jaws.gaps(faces, joint, frame)
+    meet = np.isfinite(gaps)
+    if not meet.any():
+        raise UserError("its jaws never face each other where their faces are parallel")
+    faces, gaps = faces[meet], gaps[meet]
+    heights = faces @ frame.closing
+    fixed = heights > heights.max() - PAD_DEPTH
+    ends = heights + gaps
+    both = fixed & (ends < ends[fixed].min() + PAD_DEPTH)
+    chosen = faces[both] @ frame.matrix
+    middle = chosen.mean(axis=0)
+    middle[0] = chosen[np.abs(chosen[:, 1:] - middle[1:]).sum(axis=1).argmin(), 0]
+    return frame.matrix @ middle, np.ptp(chosen[:, 1:], axis=0) + GRID
+
+
+def _on_fixed_face(jaws: JawSolids, frame: JawFrame, tcp: Floats, pad: Floats) -> Floats:
+    """The point of the fixed jaw's face at the depth and breadth of another point."""
+    off = frame.matrix.T @ (tcp - pad)
+    start = tcp - off[0] * frame.closing + GRID * frame.closing
+    (behind,) = jaws.fixed_face(start[None], frame)
+    if not np.isfinite(behind):
+        raise UserError("at its tcp there is no face of the fixed jaw")
+    return np.asarray(start - behind * frame.closing)
+
+
+def _grid(jaws: JawSolids, frame: JawFrame) -> Floats:
+    """Points a little before the foremost of the fixed jaw's face, over all of it, (n, 3)."""
+    seen = jaws.facing.points @ frame.matrix
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    across, along = (
+        GRID * (np.arange(*np.round([low[axis] / GRID - MARGIN, high[axis] / GRID + MARGIN])) + 0.5)
+        for axis in (1, 2)
+    )
+    y, z = np.meshgrid(across, along, indexing="ij")
+    points = np.stack([np.full_like(y, high[0] + SKIN), y, z], axis=2)
+    return np.asarray(points.reshape(-1, 3) @ frame.matrix.T)
+
+
+def gaps_along(
+    jaws: JawSolids, frame: JawFrame, stroke: JawStroke, root: float
+) -> tuple[Floats, Floats]:
+    """Gaps of the inner faces along the fixed jaw.
+
+    Args:
+        jaws: The jaws.
+        frame: The directions of the hand.
+        stroke: Its pads and the positions of its joint.
+        root: Where the fixed jaw begins, along the approach, metres.
+
+    Returns:
+        (d,) depths beyond the pads and (k, d) gaps of what stands out most near the middle of
+        their breadth, metres; NaN where one of the faces is not.
+    """
+    length = float(stroke.pad @ frame.approach) - root
+    depths = -DEPTH_STEP * np.arange(max(int(length / DEPTH_STEP), 0) + 1)
+    middles = stroke.pad + SKIN * frame.closing + depths[:, None] * frame.approach
+    points = middles + np.array(BREADTH)[:, None, None] * frame.across
+    shape = points.shape[:2]
+    behind = jaws.fixed_face(points.reshape(-1, 3), frame).reshape(shape)
+    foremost = np.nanmin(np.where(np.isfinite(behind), behind, np.inf), axis=0)
+    known = np.isfinite(foremost)
+    faces = (points - np.where(known, foremost, 0.0)[:, None] * frame.closing).reshape(-1, 3)
+    joint = jaws.mechanism.model.jnt_qposadr[jaws.mechanism.driven[0]]
+    gaps = np.array([jaws.gaps(faces, float(each[joint]), frame) for each in stroke.positions])
+    nearest = np.where(np.isnan(gaps), np.inf, gaps).reshape(-1, *shape).min(axis=1)
+    return np.asarray(depths), np.where(known & np.isfinite(nearest), nearest, np.nan)
+
+
+def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
+    """Where the fixed jaw begins, along the approach: the palm is what stands before its face.
+
+    It begins with the hand if nothing does.
+    """
+    surfaces = np.concatenate([np.asarray(solid.vertices) for solid in jaws.solids])
+    lowest = float((surfaces @ frame.approach).min())
+    start = float(stroke.pad @ frame.approach)
+    depths = np.arange(0.0, start - lowest, GRID)
+    line = stroke.pad + PAD_DEPTH * frame.closing - depths[:, None] * frame.approach
+    inside = np.isneginf(jaws.fixed_face(line, frame))
+    if not inside.any():
+        return lowest
+    ahead, behind = (float(depths[inside.argmax() - before]) for before in (1, 0))
+    while behind - ahead > SKIN / 10:
+        middle = (ahead + behind) / 2
+        point = stroke.pad + PAD_DEPTH * frame.closing - middle * frame.approach
+        if np.isneginf(jaws.fixed_face(point[None], frame)[0]):
+            behind = middle
+        else:
+            ahead = middle
+    return start - ahead
+
+
+def jaw_links(
+    jaws: JawSolids, frame: JawFrame, root: float, static: list[int]
+) -> tuple[HandLink, HandLink, HandLink]:
+    """The palm, the fixed jaw and the moving one, with the convex parts of their shapes.
+
+    Args:
+        jaws: The jaws.
+        frame: The directions of the hand.
+        root: Where the fixed jaw begins, along the approach, metres.
+        static: Numbers of the links that do not move; the first one is the palm.
+    """
+    model = jaws.mechanism.model
+    palm: list[trimesh.Trimesh] = []
+    finger: list[trimesh.Trimesh] = []
+    for solid in jaws.solids:
+        for mesh, ahead in _cut(solid, frame.approach, root):
+            (finger if ahead else palm).append(mesh)
+    name = body_name(model, static[0])
+    return (
+        HandLink(
+            name=name,
+            body=PALM_BODY,
+            shapes=_parts(palm, *PALM),
+            mass=sum(float(model.body_mass[each]) for each in static),
+            carrier=-1,
+            place=np.eye(4),
+            joint=None,
+        ),
+        HandLink(
+            name=f"{name}-fixed-jaw",
+            body=FIRST_FINGER,
+            shapes=_parts(finger, *JAW),
+            mass=0.0,
+            carrier=0,
+            place=np.eye(4),
+            joint=None,
+        ),
+        _moving_link(jaws),
+    )
+
+
+def _moving_link(jaws: JawSolids) -> HandLink:
+    model, body = jaws.mechanism.model, jaws.body
+    joint = int(model.body_jntadr[body])
+    rest = jaws.positions(float(model.qpos0[model.jnt_qposadr[joint]]))
+    turns, places = jaws.mechanism.placement(rest)
+    slides = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    place = np.eye(4)
+    place[:3, :3], place[:3, 3] = turns[body], places[body]
+    return HandLink(
+        name=body_name(model, body),
+        body=SECOND_FINGER,
+        shapes=_parts(jaws.moving_solids, *JAW),
+        mass=float(model.body_mass[body]),
+        carrier=0,
+        place=place,
+        joint=LinkJoint(
+            joint_name(model, joint),
+            "prismatic" if slides else "revolute",
+            np.array(model.jnt_axis[joint]),
+            np.array(model.jnt_pos[joint]),
+            float(model.qpos0[model.jnt_qposadr[joint]]),
+        ),
+    )
+
+
+def lever_of(jaws: JawSolids, stroke: JawStroke, frame: JawFrame) -> float:
+    """Torque of the joint for a newton along the closing axis at the pads: metres; 1 if it slides.
+
+    The pads stay at one depth, so it is the same at all openings.
+    """
+    contact = stroke.pad + stroke.openings[-1] * frame.closing
+    velocities, _ = jaws.mechanism.velocities(stroke.positions[-1], jaws.body, contact[None])
+    return float(abs(velocities[0] @ frame.closing))
+
+
+def _placed(solid: trimesh.Trimesh, turn: Floats, place: Floats) -> trimesh.Trimesh:
+    vertices = np.asarray(solid.vertices) @ turn.T + place
+    return trimesh.Trimesh(vertices, solid.faces, process=False)
+
+
+def _cut(
+    mesh: trimesh.Trimesh, normal: Floats, height: float
+) -> list[tuple[trimesh.Trimesh, bool]]:
+    """What lies ahead of a plane and behind it, and whether it lies ahead."""
+    heights = np.asarray(mesh.vertices) @ normal
+    solid = to_solid(mesh.vertices, mesh.faces)
+    one_side = heights.min() >= height - SKIN or heights.max() <= height + SKIN
+    if one_side or not is_solid(solid):
+        return [(mesh, bool(heights.mean() >= height))]
+    halves = solid.split_by_plane(tuple(normal), height)
+    return [
+        (to_mesh(half), ahead)
+        for half, ahead in zip(halves, (True, False), strict=True)
+        if is_solid(half)
+    ]
+
+
+def _parts(meshes: list[trimesh.Trimesh], deviation: float, excess: float) -> tuple[Floats, ...]:
+    """Corners of convex parts of solids."""
+    return tuple(points for mesh in meshes for points in _convex(mesh, deviation, excess))
+
+
+def _convex(mesh: trimesh.Trimesh, deviation: float, excess: float) -> list[Floats]:
+    hull = trimesh.convex.convex_hull(mesh.vertices)
+    if hull.volume <= (1 + CONVEX) * abs(mesh.volume):
+        return [np.asarray(hull.vertices)]
+    try:
+        parts = decompose(mesh, MOST_PARTS, excess, deviation).parts
+    except RejectedError:
+        return [np.asarray(hull.vertices)]
+    return [np.asarray(part.vertices) for part in parts]

