@@ -173,8 +173,9 @@ def run_benchmark(
             generator (`egad.detectors.wanted_input`) and returns poses, widths and scores
             (`egad.detectors.GraspPoses`), or grasps from above; or the name of one that needs no
             file: `antipodal-cloud`, `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that
-            egad ships; it needs PyTorch); or `labels`, which knows where the
-            objects are and proposes the best of 100 sampled grasps of each.
+            egad ships; it needs PyTorch); `suction-cloud`, `suction-depth` for a suction cup; or
+            `labels`, which knows where the objects are and proposes the best of 100 sampled grasps
+            of each.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         scenes: Kinds of scenes: single, packed, pile.
@@ -193,8 +194,9 @@ def run_benchmark(
 
     Raises:
         UserError: The detector fails in every attempt of three rounds. There is no such gripper,
-            detector, scene, noise or rule, the engine is not installed, a number is out of bounds,
-            or there are no objects that can be simulated.
+            detector, scene, noise or rule, the detector is for jaws and the gripper has a suction
+            cup or the other way round, the engine is not installed, a number is out of bounds, or
+            there are no objects that can be simulated.
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre.

@@ -13,6 +13,7 @@ from egad._util.workers import workers
 from egad.detectors import (
     DetectorConfig,
     FailureMonitor,
+    check_gripper,
     opened,
     with_checked_answers,
 )
@@ -60,7 +61,7 @@ def check_detector(detect: Detect, settings: ClutterParameters) -> None:
         settings: How long its answers may take.
 
     Raises:
-        UserError: The detector cannot be found, made or started.
+        UserError: The detector cannot be found, made or started, or is for another kind of gripper.
     """
     with _proposer(detect, lambda _: empty(GRASPS), settings):
         pass
@@ -169,6 +170,8 @@ def _proposer(
 ) -> Iterator[Callable[[Sequence[str], Sequence[Model]], Propose]]:
     """From the objects of a scene to what proposes grasps."""
     protocol = settings.clutter.protocol
+    if isinstance(detect, DetectorConfig):
+        check_gripper(detect.name, settings.gripper)
     if knows_scene(detect):
         yield lambda ids, models: SceneLabels(list(map(grasps, ids)), models, settings.gripper)
     elif isinstance(detect, DetectorConfig):

@@ -11,6 +11,7 @@ class Outcome(StrEnum):
         SUCCESS: Held up to the end.
         COLLIDED: The hand was stopped on its way, or the grasp is out of the arm's reach.
         MISSED: The fingers closed, but never pressed on the object both at once.
+        NO_SEAL: The suction cup did not seal.
         SLIPPED_CLOSING: Lost between the fingers before it was lifted.
         SLIPPED_SHAKING: Lost while it was shaken.
         SLIPPED_LIFTING: Lost while it was lifted.
@@ -31,6 +32,7 @@ class Outcome(StrEnum):
     SUCCESS = "success"
     COLLIDED = "collided"
     MISSED = "missed"
+    NO_SEAL = "no_seal"
     SLIPPED_CLOSING = "slipped_closing"
     SLIPPED_SHAKING = "slipped_shaking"
     SLIPPED_LIFTING = "slipped_lifting"
@@ -58,6 +60,9 @@ EXECUTION = (
 )
 """A grasp was carried out."""
 
+SUCTION_FAILURES = (Outcome.NO_SEAL,)
+"""Only of a suction cup."""
+
 SHAKEN = (*EXECUTION[:4], Outcome.SLIPPED_SHAKING, *EXECUTION[4:])
 """A labelled grasp was closed in free space, shaken and lifted."""
 
@@ -82,6 +87,7 @@ NOTED_BY_HAND = (Outcome.SLIPPED, Outcome.OTHER)
 
 OBSERVABLE = (
     *EXECUTION,
+    *SUCTION_FAILURES,
     *NOTED_BY_HAND,
     Outcome.NO_GRASP,
     Outcome.ERROR,

@@ -19,6 +19,7 @@ from egad.detectors import (
     DetectorConfig,
     FailureMonitor,
     Labels,
+    check_gripper,
     check_views_will_do,
     make_detector,
     with_checked_answers,
@@ -135,8 +136,8 @@ def run_trials(
             (`egad.detectors.Detector`); or the name of one that needs no file:
             `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that egad ships; it needs
             PyTorch), `ggcnn2-evolved-published` (the same, carried out as on the robot of EGAD);
-            or `labels`, which knows where the object is and proposes the best of 100 grasps that
-            are sampled with the seed.
+            `suction-depth` for a suction cup; or `labels`, which knows where the object is and
+            proposes the best of 100 grasps that are sampled with the seed.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         attempts: Attempts at each object; 20 as in the paper.
@@ -158,7 +159,8 @@ def run_trials(
 
     Raises:
         UserError: The detector fails in every attempt at the first three objects, or at all if
-            there are fewer. There is no such gripper, detector or rule, the engine is not
+            there are fewer. There is no such gripper, detector or rule, the detector is for jaws
+            and the gripper has a suction cup or the other way round, the engine is not
             installed, a number is out of bounds, there are no objects, a mesh file of the dataset
             is missing, or the detector cannot be sent to other processes.
 
@@ -183,7 +185,7 @@ def run_trials(
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
     if isinstance(detect, str):
-        check_name("detector", detect, (LABELS, *SHIPPED_NETWORKS, *QUICK))
+        check_gripper(check_name("detector", detect, (LABELS, *SHIPPED_NETWORKS, *QUICK)), hand)
     elif not callable(detect):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
     else:

@@ -2,16 +2,22 @@
 
     python experiments/suction.py picture
     python experiments/suction.py table
+    python experiments/suction.py trials [--attempts N] [--rounds N]
+    python experiments/suction.py film
 
 `picture` draws three shapes, colored by the robust quality of a 30 mm cup, into docs/suction.png.
 `table` labels 100 grasps of each object of the released evaluation set, with the bending limit of
 the paper as it stands and with the tolerance, and measures the CPU time beside antipodal grasps.
+`trials` lets detectors try these objects with that cup in both engines, each alone and on tables
+of several. `film` draws a cup that lifts an object into docs/suction_lift.png.
 """
 
 import argparse
 import time
+from collections import Counter
 from pathlib import Path
 
+import imageio.v3 as imageio
 import numpy as np
 import trimesh
 from matplotlib import colormaps
@@ -23,10 +29,13 @@ from scipy.spatial.transform import Rotation
 import egad
 from egad._util.arrays import Floats, RgbImage
 from egad._util.files import atomic_output
+from egad.detectors.suction import suction_depth
 from egad.errors import RejectedError
-from egad.geometry import RayCaster, mass_properties
+from egad.evalset import Bundle
+from egad.geometry import Material, RayCaster, mass_properties
 from egad.grippers import SuctionCup
 from egad.report.colors import COLOR_MAP, UNKNOWN
+from egad.sim import ARMS, ENGINES, Film, TrialProtocol, TrialRunner, build, open_world
 from egad.sim.film import draw
 from egad.suction import (
     RobustSuction,
@@ -37,7 +46,9 @@ from egad.suction import (
 )
 
 DOCS = Path(__file__).parents[1] / "docs"
+GRIPPER = "cup_30mm"
 CUP = SuctionCup()
+MOST_SEEDS, LIFT_FRAMES = 20, 70
 EDGE = 0.003  # metres: longest side of a colored triangle
 DISTANCE, YAW, PITCH = 1.95, 35.0, -32.0  # diagonals of the box; degrees
 FACING = 0.6  # cosine between the view and the approach of the grasp that is drawn
@@ -49,11 +60,17 @@ BINS = 26  # the copies of a grasp can hold 0 to 25 times
 def main() -> None:
     """Draw or count."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("command", choices=["picture", "table"])
-    if parser.parse_args().command == "picture":
-        draw_shapes()
-    else:
-        print_table()
+    commands = {
+        "picture": lambda _: draw_shapes(),
+        "table": lambda _: print_table(),
+        "trials": lambda given: print_trials(given.attempts, given.rounds),
+        "film": lambda _: draw_lift(),
+    }
+    parser.add_argument("command", choices=list(commands))
+    parser.add_argument("--attempts", type=int, default=10, help="at each object")
+    parser.add_argument("--rounds", type=int, default=20, help="of each kind of scene")
+    given = parser.parse_args()
+    commands[given.command](given)
 
 
 def mug() -> trimesh.Trimesh:
@@ -173,6 +190,47 @@ def print_row(cup: SuctionCup, meshes: list[trimesh.Trimesh]) -> None:
     sealed, hold, good = 100 * np.mean(shares, axis=0)
     size = f"{2000 * cup.radius:.0f} | {cup.torque_tolerance:g}"
     print(f"| {size} | {sealing} | {sealed:.1f} % | {hold:.1f} % | {good:.1f} % | {spent:.2f} |")
+
+
+def print_trials(attempts: int, rounds: int) -> None:
+    """Print success rates of detectors with the 30 mm cup: one object at a time, then tables."""
+    objects = egad.load("evaluation-set")
+    print("| detector | engine | success | no_grasp | no_seal | lost | collided |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    for detector in ("labels", "suction-depth"):
+        for engine in ENGINES:
+            found = egad.run_trials(detector, objects, GRIPPER, attempts, engine=engine)
+            counts = Counter(found.table["outcome"])
+            lost = counts["slipped_lifting"] + counts["dropped"]
+            rest = f"{counts['no_grasp']} | {counts['no_seal']} | {lost} | {counts['collided']}"
+            print(f"| {detector} | {engine} | {found.success_rate()} | {rest} |", flush=True)
+    print("| detector | engine | scene | success | cleared |")
+    print("| --- | --- | --- | --- | --- |")
+    for detector in ("labels", "suction-cloud"):
+        for engine in ENGINES:
+            cleared = egad.run_benchmark(
+                detector, objects, GRIPPER, rounds=rounds, noise=("none",), engine=engine
+            )
+            for each in cleared.rates():
+                rates = f"{each.success} | {each.cleared}"
+                print(f"| {detector} | {engine} | {each.scene} | {rates} |", flush=True)
+
+
+def draw_lift() -> None:
+    """Draw four moments of a lift of object C2 into docs/suction_lift.png."""
+    gripper = egad.gripper(GRIPPER)
+    mesh, _ = egad.rescale(egad.load("evaluation-set")["C2"].mesh, gripper)
+    model, arm = build(mesh, Material().density, Bundle()), ARMS["axis"](gripper)
+    with open_world("mujoco", [model], arm.robot) as world:
+        runner, film = TrialRunner(world, arm, TrialProtocol()), Film(world)
+        for seed in range(MOST_SEEDS):
+            film.frames.clear()
+            if runner.attempt(suction_depth, seed).outcome == "success":
+                break
+    lift = film.frames[-LIFT_FRAMES:]
+    shown = [lift[round(share * (len(lift) - 1))] for share in (0.0, 0.12, 0.3, 0.45)]
+    with atomic_output(DOCS / "suction_lift.png") as out:
+        imageio.imwrite(out, np.concatenate(shown, axis=1), extension=".png")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from egad.outcomes import (
     POSE_FAILURES,
     SHAKEN,
     SIMULATION_FAILURES,
+    SUCTION_FAILURES,
     Outcome,
     listed,
 )
@@ -14,7 +15,14 @@ from egad.outcomes import (
 
 def test_every_outcome_is_of_one_kind():
     shaken_only = [outcome for outcome in SHAKEN if outcome not in EXECUTION]
-    kinds = [*EXECUTION, *shaken_only, *SIMULATION_FAILURES, *POSE_FAILURES, *NOTED_BY_HAND]
+    kinds = [
+        *EXECUTION,
+        *shaken_only,
+        *SUCTION_FAILURES,
+        *SIMULATION_FAILURES,
+        *POSE_FAILURES,
+        *NOTED_BY_HAND,
+    ]
     assert [outcome for outcome in SHAKEN if outcome in EXECUTION] == list(EXECUTION)
     assert len(kinds) == len(set(kinds))
     assert set(kinds) == set(Outcome)

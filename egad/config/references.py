@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping
 
 from egad.config.settings import Settings
+from egad.detectors import check_gripper
+from egad.errors import UserError
 
 
 def wrong_references(settings: Settings) -> list[str]:
@@ -27,6 +29,8 @@ def wrong_references(settings: Settings) -> list[str]:
             settings.grippers,
         ),
         *_unknown_in_release(settings),
+        *_wrong_kind("targets.detectors", settings.targets.detectors, settings),
+        *_wrong_kind("targets.clutter", settings.targets.clutter, settings),
     ]
     evolved = [name for name, data in settings.datasets.items() if data.source == "evolved"]
     if len(evolved) > 1:
@@ -44,6 +48,19 @@ def _unknown_in_release(settings: Settings) -> list[str]:
         *unknown_names("release.dataset", [settings.release.dataset], settings.datasets),
         *unknown_names("release.gripper", [settings.release.gripper], settings.grippers),
     ]
+
+
+def _wrong_kind(key: str, detectors: Iterable[str], settings: Settings) -> list[str]:
+    """A line for each detector of a target that is for another kind of gripper than a target's."""
+    problems = []
+    hands = [name for name in settings.targets.grippers if name in settings.grippers]
+    for name in (name for name in detectors if name in settings.detectors):
+        for hand in hands:
+            try:
+                check_gripper(settings.detectors[name].name, settings.grippers[hand])
+            except UserError as error:
+                problems.append(f"{key}: with {hand} of targets.grippers, {error}")
+    return problems
 
 
 def unknown_names(key: str, used: Iterable[str], table: Mapping[str, object]) -> list[str]:

@@ -4,6 +4,7 @@ from .asking import choose as choose
 from .asking import from_above as from_above
 from .asking import seen_by as seen_by
 from .asking import wanted_input as wanted_input
+from .base import SEARCH as SEARCH
 from .base import DetectorError as DetectorError
 from .base import DetectorTimeoutError as DetectorTimeoutError
 from .base import Grasp as Grasp
@@ -15,9 +16,11 @@ from .failures import try_to_plan as try_to_plan
 from .ggcnn import GGCNN as GGCNN
 from .labels import Labels as Labels
 from .parameters import DETECTORS as DETECTORS
+from .parameters import FOR_CUPS as FOR_CUPS
 from .parameters import SHIPPED_NETWORKS as SHIPPED_NETWORKS
 from .parameters import SHIPPED_WEIGHTS as SHIPPED_WEIGHTS
 from .parameters import DetectorConfig as DetectorConfig
+from .parameters import check_gripper as check_gripper
 from .poses import Detector as Detector
 from .poses import GraspPoses as GraspPoses
 from .poses import PoseGrasp as PoseGrasp

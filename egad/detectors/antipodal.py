@@ -8,7 +8,7 @@ from scipy import ndimage
 from egad._util.arrays import Floats
 from egad.detectors.base import LEAST_BITE, Grasp, bite_share, rank_grasps
 from egad.grasps import TABLE_CLEARANCE, roomy
-from egad.grippers import Gripper
+from egad.grippers import Gripper, check_jaws
 from egad.perception import (
     Heightmap,
     View,
@@ -68,6 +68,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     Returns:
         At most 50 grasps, best first.
     """
+    check_jaws(gripper, "the detector antipodal-depth")
     view = restore(view)
     window = _uneven(view, gripper.pad.friction)
     heightmap = heightmap_of(view, window)

@@ -11,6 +11,7 @@ from egad.grippers import Gripper
 from egad.outcomes import Outcome
 
 MOST_GRASPS = 50  # kept of the candidates of a detector
+SEARCH = 0.01  # metres beyond where a suction cup should meet an object that it looks for it
 LEAST_BITE = 0.005  # metres that the fingertips must reach below the surface that is seen
 FULL_BITE = 0.02  # metres; nothing is gained by reaching further
 WHERE = "detectors"
@@ -18,13 +19,15 @@ WHERE = "detectors"
 
 @dataclass(frozen=True)
 class Grasp:
-    """A vertical grasp of a parallel-jaw hand.
+    """A vertical grasp of a parallel-jaw hand or a suction cup.
 
     Attributes:
         center: Where the pads should meet the object: midpoint of the contacts, world frame, m.
+            Of a cup: where the middle of the ring should.
         angle: Angle of the closing axis about the vertical, from the world's x axis, radians.
-        width: How far to open, metres.
-        depth: How far the fingertips reach below the center, metres.
+        width: How far to open, metres; 0 for a cup.
+        depth: How far the fingertips reach below the center, metres. A cup goes as far to find the
+            object, and stops where its ring lies on it.
         quality: What the detector expects of it; the highest is tried.
     """
 

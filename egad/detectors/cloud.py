@@ -7,7 +7,7 @@ import numpy as np
 from egad._util.arrays import Flags, Floats, Ints
 from egad.detectors.poses import GraspPoses, best_poses
 from egad.grasps import TABLE_CLEARANCE, hand_poses, roomy
-from egad.grippers import Gripper, finger_span
+from egad.grippers import Gripper, check_jaws, finger_span
 from egad.perception import PointCloud
 
 MAX_POINTS = 800  # that can be contacts
@@ -52,6 +52,7 @@ def antipodal_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generato
     Returns:
         At most 50 grasps, best first.
     """
+    check_jaws(gripper, "the detector antipodal-cloud")
     obstacles = cloud.points[_chosen(len(cloud.points), MAX_OBSTACLES, rng)]
     pairs = _pairs(cloud, gripper, rng)
     quality = pairs.squareness / _moment(pairs, obstacles, gripper.opening)

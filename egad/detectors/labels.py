@@ -8,12 +8,13 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
-from egad.detectors.base import Grasp, rank_grasps
-from egad.grasps import LEAST_BITE, roomy
+from egad.detectors.base import SEARCH, Grasp, rank_grasps
+from egad.grasps import LEAST_BITE, roomy, vectors
 from egad.grippers import Gripper, finger_span
 from egad.perception import View, heightmap_of, min_fingertip_height, restore
 
 TILT = np.radians(15)  # of the closing axis, which the hand holds level
+CUP_TILT = np.radians(10)  # of the approach of a suction cup, which the hand holds upright
 
 
 class Labels:
@@ -29,6 +30,7 @@ class Labels:
         self._center = free[["center_x", "center_y", "center_z"]].to_numpy(np.float64)
         self._axis = free[["axis_x", "axis_y", "axis_z"]].to_numpy(np.float64)
         self._width = free["width"].to_numpy(np.float64)
+        self._free = free
         self._quality = free["robust_quality"].to_numpy(np.float64)
 
     def propose(self, matrix: Floats, view: View, gripper: Gripper) -> list[Grasp]:
@@ -39,6 +41,9 @@ class Labels:
         lower. The pads are centered on the contacts, or as low as they can get. The quality is the
         robust quality.
 
+        A suction cup takes those whose approach is within 10 degrees of straight down, for it comes
+        straight down. Their quality is the robust quality times the cosine of that angle.
+
         Args:
             matrix: (4, 4) transform from the frame of the grasps to the world.
             view: What the camera sees.
@@ -47,6 +52,8 @@ class Labels:
         Returns:
             At most 50 grasps, best first.
         """
+        if gripper.cup is not None:
+            return self._for_cup(matrix)
         heightmap = heightmap_of(restore(view))
         axis = self._axis @ matrix[:3, :3].T
         level = np.flatnonzero(np.abs(axis[:, 2]) <= np.sin(TILT))
@@ -68,3 +75,12 @@ class Labels:
         depth = center[:, 2] - tip
         columns = (center, flat, width, depth, self._quality[level])
         return rank_grasps(*(values[depth >= LEAST_BITE] for values in columns))
+
+    def _for_cup(self, matrix: Floats) -> list[Grasp]:
+        """The grasps of `propose` for a suction cup."""
+        cosine = -vectors(self._free, "approach") @ matrix[2, :3]
+        down = np.flatnonzero((cosine >= np.cos(CUP_TILT)) & (self._quality > 0))
+        center = self._center[down] @ matrix[:3, :3].T + matrix[:3, 3]
+        axis, width = np.tile([1.0, 0.0], (len(down), 1)), np.zeros(len(down))
+        depth = np.clip(center[:, 2], 0.0, SEARCH)
+        return rank_grasps(center, axis, width, depth, self._quality[down] * cosine[down])

@@ -6,6 +6,8 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Parameters, UserPath
+from egad.errors import UserError
+from egad.grippers import Gripper
 
 Execution = Literal["deepest", "published"]
 SHIPPED_NETWORK = "ggcnn2-evolved"
@@ -22,8 +24,11 @@ SHIPPED = (
     *SHIPPED_NETWORKS,
     "labels",
     "random",
+    "suction-cloud",
+    "suction-depth",
     "vgn",
 )
+FOR_CUPS = ("suction-cloud", "suction-depth")
 GRASPGEN = "graspgen"  # shipped, but without an address it is nothing
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 
@@ -91,6 +96,27 @@ class DetectorConfig(Parameters):
         ):
             raise ValueError(f"the detector {self.detector} takes no `weights`")
         return self
+
+
+def check_gripper(detector: str, gripper: Gripper) -> None:
+    """Make sure that a detector is for the kind of gripper; one of the user's own is for any.
+
+    Args:
+        detector: Its name.
+        gripper: The hand.
+
+    Raises:
+        UserError: A built-in one is for jaws and the gripper has a cup, or the other way round.
+    """
+    if detector in ("labels", *FOR_CUPS) and gripper.cup is not None:
+        return
+    if detector in FOR_CUPS:
+        raise UserError(f"the detector {detector} is for suction cups; the gripper has jaws")
+    if detector in (*SHIPPED, GRASPGEN) and gripper.cup is not None:
+        raise UserError(
+            f"the detector {detector} is for jaws; the gripper has a suction cup, for which there "
+            f"are {', '.join(FOR_CUPS)} and labels"
+        )
 
 
 DETECTORS = {name: DetectorConfig(detector=name) for name in SHIPPED}

@@ -7,7 +7,7 @@ import numpy as np
 from egad._util.arrays import Floats, Ints
 from egad.detectors.base import MOST_GRASPS, Grasp
 from egad.grasps import hand_poses
-from egad.grippers import Gripper, finger_span
+from egad.grippers import Gripper, tip_reach
 from egad.outcomes import Outcome
 
 RIGID = 1e-3  # largest entry of R^T R - 1; networks answer in single precision
@@ -18,7 +18,8 @@ class GraspPoses(NamedTuple):
 
     Attributes:
         poses: (n, 4, 4) from the frame of the hand to the world: the origin is midway between the
-            pads, x is the closing axis, z the approach.
+            pads, x is the closing axis, z the approach. The origin of a suction cup is in the
+            middle of its ring, and x any direction across.
         widths: (n,) how far to open, metres.
         scores: (n,) what the detector expects of them; the highest is tried.
     """
@@ -130,13 +131,17 @@ def infeasibility(grasp: PoseGrasp, gripper: Gripper) -> Outcome | None:
         return Outcome.NOT_RIGID
     if not 0 <= grasp.width <= gripper.opening:
         return Outcome.TOO_WIDE
-    tip = pose[:3, 3] + finger_span(gripper)[1] * pose[:3, 2]
+    tip = pose[:3, 3] + tip_reach(gripper) * pose[:3, 2]
     return Outcome.BELOW_TABLE if tip[2] < 0 else None
 
 
 def pose_of(grasp: Grasp, gripper: Gripper) -> PoseGrasp:
-    """A grasp from above as one in any direction: its fingertips end at the same place."""
+    """A grasp from above as one in any direction: its fingertips end at the same place.
+
+    The ring of a suction cup, which goes on until it meets an object, begins at the center.
+    """
     axis = np.array([[np.cos(grasp.angle), np.sin(grasp.angle), 0.0]])
-    center = np.array([[*grasp.center[:2], grasp.tip + finger_span(gripper)[1]]])
+    height = grasp.center[2] if gripper.cup else grasp.tip + tip_reach(gripper)
+    center = np.array([[*grasp.center[:2], height]])
     pose = hand_poses(center, axis, np.array([[0.0, 0.0, -1.0]]))[0]
     return PoseGrasp(pose, grasp.width, grasp.quality)

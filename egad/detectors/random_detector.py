@@ -4,7 +4,7 @@ import numpy as np
 
 from egad.detectors.base import Grasp
 from egad.grasps import TABLE_CLEARANCE
-from egad.grippers import Gripper
+from egad.grippers import Gripper, check_jaws
 from egad.perception import View, restore
 
 
@@ -15,6 +15,7 @@ def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list
     below the point as the fingers are long, but not onto the table. The quality is a random number
     from 0 to 1.
     """
+    check_jaws(gripper, "the detector random")
     points = restore(view).points().reshape(-1, 3)
     standing = points[points[:, 2] > TABLE_CLEARANCE]
     if len(standing) == 0:

@@ -22,14 +22,23 @@ from egad.detectors.parameters import (
 )
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
+from egad.detectors.suction import suction_cloud, suction_depth
 from egad.detectors.vgn import THRESHOLD, Vgn
 from egad.errors import UserError
 from egad.grippers import Gripper
 
-QUICK: dict[str, Detector] = {"antipodal-depth": antipodal_depth, "random": random_grasp}
+QUICK: dict[str, Detector] = {
+    "antipodal-depth": antipodal_depth,
+    "random": random_grasp,
+    "suction-depth": suction_depth,
+}
 """Detectors that need nothing but the image, and no process of their own to be stopped."""
 
-IN_SCENES: dict[str, Detector] = {"antipodal-cloud": antipodal_cloud, **QUICK}
+IN_SCENES: dict[str, Detector] = {
+    "antipodal-cloud": antipodal_cloud,
+    "suction-cloud": suction_cloud,
+    **QUICK,
+}
 """The same for scenes of several objects, which many cameras see."""
 
 

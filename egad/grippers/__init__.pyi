@@ -8,8 +8,10 @@ from .hand import HandBody as HandBody
 from .hand import ModelBody as ModelBody
 from .hand import Part as Part
 from .hand import body_of as body_of
+from .hand import check_jaws as check_jaws
 from .hand import finger_span as finger_span
 from .hand import hand_body as hand_body
+from .hand import tip_reach as tip_reach
 from .model import FIRST_FINGER as FIRST_FINGER
 from .model import PALM_BODY as PALM_BODY
 from .model import SECOND_FINGER as SECOND_FINGER

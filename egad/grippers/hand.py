@@ -113,7 +113,9 @@ class BoxBody(HandBody):
 
         Raises:
             RejectedError: A body of the mesh is flat.
+            UserError: The gripper has a suction cup.
         """
+        check_jaws(gripper, "the body of a hand")
         self.gripper, self._palm = gripper, palm
         self.parts()
 
@@ -225,8 +227,35 @@ def body_of(gripper: Gripper) -> BoxBody | ModelBody:
     return ModelBody(gripper, model_of(gripper))
 
 
+def check_jaws(gripper: Gripper, what: str) -> None:
+    """Make sure that a gripper has jaws.
+
+    Args:
+        gripper: The gripper.
+        what: What needs them, the subject of the sentence of the error.
+
+    Raises:
+        UserError: It has a suction cup.
+    """
+    if gripper.cup is not None:
+        raise UserError(f"{what} needs a gripper with two jaws; this one has a suction cup")
+
+
+def tip_reach(gripper: Gripper) -> float:
+    """How far a hand reaches beyond the origin of its frame, along the approach, metres.
+
+    Of jaws this is `finger_span`; the origin of a suction cup is in its ring.
+    """
+    return finger_span(gripper)[1] if gripper.cup is None else 0.0
+
+
 def finger_span(gripper: Gripper) -> tuple[float, float]:
-    """Where the fingers begin and end along the approach, metres from the contacts."""
+    """Where the fingers begin and end along the approach, metres from the contacts.
+
+    Raises:
+        UserError: The gripper has a suction cup.
+    """
+    check_jaws(gripper, "what looks at fingers")
     tip = gripper.fingertip
     if tip is None:
         tip = min(gripper.finger_width, gripper.finger_length) / 2

@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from egad._util.arrays import Floats, Ints
 from egad.grasps import TABLE_CLEARANCE
-from egad.grippers import Gripper
+from egad.grippers import Gripper, check_jaws
 from egad.perception.camera import View, Window
 
 PROBE = 0.004  # distance of the points at which the space for the hand is probed
@@ -105,6 +105,7 @@ def min_fingertip_height(
     Returns:
         (n,) heights over the table, `TABLE_CLEARANCE` above what is met.
     """
+    check_jaws(gripper, "the least height of fingertips")
     along, across = _probes(gripper.finger_thickness, gripper.finger_width)
     shift = (width + gripper.finger_thickness)[:, None] / 2
     clear = np.maximum(

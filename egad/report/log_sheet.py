@@ -30,6 +30,7 @@ MEANINGS = {
     Outcome.SLIPPED_CLOSING: "lost between the fingers before the lift",
     Outcome.SLIPPED_LIFTING: "lost during the lift",
     Outcome.DROPPED: "lost while held up",
+    Outcome.NO_SEAL: "the suction cup did not seal",
     Outcome.SLIPPED: "lost, but you did not see when",
     Outcome.OTHER: "any other failure: say which in a note",
     Outcome.NO_GRASP: "the detector proposed no grasp",

@@ -26,6 +26,7 @@ OUTCOMES = {
     "slipped": "#2f8fc4",
     "dropped": "#009e73",
     "missed": "#e69f00",
+    "no_seal": "#f0b94d",
     "collided": "#d55e00",
     "no_grasp": "#cc79a7",
     "not_finite": "#b0568a",

@@ -1,4 +1,7 @@
-"""One grasp carried out: approach, close, lift, and hold until the object has come to rest."""
+"""One grasp carried out: approach, close, lift, and hold until the object has come to rest.
+
+To close is, for a suction cup, to switch the vacuum on.
+"""
 
 from contextlib import nullcontext
 from typing import NamedTuple
@@ -10,6 +13,7 @@ from egad.detectors import Grasp
 from egad.grasps import FIXED_SIDE_CLEARANCE, expected_distance
 from egad.outcomes import Outcome
 from egad.sim.arms import Arm, HandPose, UnreachableError
+from egad.sim.cup import CupHand
 from egad.sim.gripper import HEAVIEST, Hand
 from egad.sim.parameters import Lifting
 from egad.sim.protocols import COLLISION_FORCE
@@ -44,7 +48,7 @@ class Execution(NamedTuple):
     """What came of a grasp.
 
     Attributes:
-        outcome: One of `egad.outcomes.EXECUTION`, or failed.
+        outcome: One of `egad.outcomes.EXECUTION`, or failed; no_seal of a suction cup.
         lifted: Height that the object's center of mass gained, metres.
         end: Where the object is at last; None if the simulation broke down. Of an object that lay
             still in the hand before it was lifted all the way, where it would be then.
@@ -116,7 +120,7 @@ def _outcome(
     if hand.pinches():
         outcome, end = lift_and_hold(hand, lifting)
     else:
-        outcome, end = Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, world.pose()
+        outcome, end = hand.loss(touched), world.pose()
     return outcome, end, stopped or 0.0
 
 
@@ -152,6 +156,8 @@ def place_hand_above(
         UnreachableError: The arm cannot bring it there.
     """
     stance = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
+    if arm.robot.gripper.cup is not None:
+        return CupHand(world, arm, stance, 0.0)
     if contact is not None or arm.robot.jaw is None:
         return Hand(world, arm, stance, grasp.width, contact)
     expected = expected_distance(grasp.width, arm.robot.gripper)

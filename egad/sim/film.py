@@ -49,7 +49,9 @@ class Film:
         self._world, self._steps = world, 0
         self._looking_at = np.array([0.0, 0.0, LOWEST[2]])
         self._objects = [trimesh.util.concatenate(list(model.parts)) for model in world.models]
-        self._links = [] if world.robot is None else [link.shapes for link in world.robot.links]
+        self._links = (
+            [] if world.robot is None else [link.shapes + link.soft for link in world.robot.links]
+        )
         world.watch = self._look
 
     def _look(self, _: World) -> None:

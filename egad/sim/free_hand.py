@@ -5,10 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from typing_extensions import override
 
 from egad._util.arrays import Floats
-from egad.grippers import finger_span
+from egad.detectors import SEARCH
+from egad.grippers import tip_reach
 from egad.outcomes import Outcome
+from egad.sim.cup import Cup
 from egad.sim.gripper import Fingers, minimum_jerk
 from egad.sim.protocols import COLLISION_FORCE
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
@@ -27,7 +30,7 @@ class PoseExecution(NamedTuple):
 
     Attributes:
         outcome: Success; collided: the hand was stopped on its way and held nothing in the end;
-            missed, slipped_closing or slipped_lifting; failed.
+            missed, slipped_closing or slipped_lifting; no_seal of a suction cup; failed.
         held: Number of the object in the hand; None without success.
         stopped: How far before the grasp something stopped the hand, metres.
     """
@@ -51,8 +54,7 @@ class FreeHand(Fingers):
         super().__init__(world)
         self._rotation = pose[:3, :3]
         self._joints = np.zeros(3)
-        ahead = finger_span(self.gripper)[1]
-        tip = pose[:3, 3]
+        ahead, tip = tip_reach(self.gripper), pose[:3, 3]
         if world.robot is not None:
             ahead -= world.robot.reach(width)
             tip = tip - world.robot.aside(width) * pose[:3, 0]
@@ -62,6 +64,8 @@ class FreeHand(Fingers):
 
     def move(self, shift: Floats, speed: float, limit: float = math.inf) -> float:
         """Move along a straight line on a minimum-jerk path.
+
+        A suction cup stays where its ring lies on an object.
 
         Args:
             shift: (3,) metres, in the world.
@@ -81,6 +85,9 @@ class FreeHand(Fingers):
             if limit < math.inf and self._force() > limit:
                 self._rest()
                 return length - way
+            if self.arrives():
+                self._rest()
+                break
         return 0.0
 
     def _rest(self) -> None:
@@ -97,15 +104,26 @@ class FreeHand(Fingers):
         return forces.hand + forces.blocked
 
     def held(self, *, first: bool = False) -> int | None:
-        """Number of the object that the hand presses on most; None if there is none.
+        """Number of the object that the hand presses on most; None if none, or if it is closed.
 
         Args:
             first: Whether it is the first one that the hand touches instead.
         """
+        if not self.opening() > LEAST_OPENING * self.gripper.opening:
+            return None
         numbers = range(len(self.world.models))
         pressed = np.array([self.world.forces(number).hand for number in numbers])
         chosen = np.argmax(pressed > 0 if first else pressed)
         return int(chosen) if pressed[chosen] > 0 else None
+
+
+class FreeCup(Cup, FreeHand):
+    """A suction cup that moves along straight lines without turning."""
+
+    @override
+    def held(self, *, first: bool = False) -> int | None:
+        del first
+        return self.world.attached
 
 
 class ContactRules(NamedTuple):
@@ -132,6 +150,8 @@ def execute_pose(
 ) -> PoseExecution:
     """Approach from 5 cm away, stop at a contact, close, and retreat by 10 cm.
 
+    A suction cup goes up to 1 cm further to find an object. To close is to switch its vacuum on.
+
     A hand that comes from above, give or take 60 degrees, retreats the way that it came; another
     one moves straight up. An object is held if the hand touches it then and is not closed.
 
@@ -153,23 +173,25 @@ def _executed(world: World, pose: Floats, width: float, rules: ContactRules) -> 
     approach = pose[:3, 2]
     start = pose.copy()
     start[:3, 3] -= STANDOFF * approach
-    hand = FreeHand(world, start, width)
+    cup = world.robot is not None and world.robot.gripper.cup is not None
+    hand = FreeCup(world, start, width) if cup else FreeHand(world, start, width)
     world.step()
     if hand.touches():
         return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
     limit = math.inf if rules.contact == "ignore" else rules.force
-    stopped = hand.move(STANDOFF * approach, APPROACH_SPEED, limit)
+    way = STANDOFF + (SEARCH if cup else 0.0)
+    stopped = hand.move(way * approach, APPROACH_SPEED, limit)
     if stopped and rules.contact == "fail":
         return PoseExecution(Outcome.COLLIDED, stopped=stopped)
     touched, pinched = hand.close(), hand.pinches()
     if pinched or not rules.pinched:
-        way = -approach if -approach[2] >= np.cos(STEEP) else UP
-        hand.move(RETREAT * way, RETREAT_SPEED)
+        back = -approach if -approach[2] >= np.cos(STEEP) else UP
+        hand.move(RETREAT * back, RETREAT_SPEED)
         held = hand.held(first=rules.first)
-        if held is not None and hand.opening() > LEAST_OPENING * hand.gripper.opening:
+        if held is not None:
             return PoseExecution(Outcome.SUCCESS, held, stopped)
     if stopped:
         return PoseExecution(Outcome.COLLIDED, stopped=stopped)
     if pinched:
         return PoseExecution(Outcome.SLIPPED_LIFTING)
-    return PoseExecution(Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED)
+    return PoseExecution(hand.loss(touched))

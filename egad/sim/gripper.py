@@ -6,6 +6,7 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad.grippers import JAW_CLEARANCE
+from egad.outcomes import Outcome
 from egad.sim.arms import Arm, HandPose
 from egad.sim.protocols import COLLISION_FORCE
 from egad.sim.robot import Robot
@@ -54,6 +55,14 @@ class Fingers:
                 break
         return touched
 
+    def arrives(self) -> bool:
+        """Whether the hand need not come any nearer: fingers come as far as they are told."""
+        return False
+
+    def loss(self, touched: bool) -> Outcome:
+        """The outcome if nothing is held after `close`, given what this returned."""
+        return Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED
+
     def pinches(self) -> bool:
         """Whether both fingers press on an object."""
         forces = self.world.forces()
@@ -62,6 +71,11 @@ class Fingers:
     def opening(self) -> float:
         """Distance of the finger pads, metres."""
         return float(self.world.fingers()[0].sum())
+
+    def carries(self) -> bool:
+        """Whether the object touches the hand and not the table."""
+        forces = self.world.forces()
+        return forces.hand > 0 and not forces.support > 0
 
 
 class Hand(Fingers):
@@ -114,6 +128,8 @@ class Hand(Fingers):
     def move(self, height: float, seconds: float, limit: float = COLLISION_FORCE) -> float | None:
         """Move the fingertips to a height on a minimum-jerk path; stop at once at a collision.
 
+        A suction cup stays where its ring lies on an object.
+
         Args:
             height: Metres above the table.
             seconds: How long it takes.
@@ -127,11 +143,14 @@ class Hand(Fingers):
             forces = self.world.forces()
             if forces.hand + forces.blocked > limit:
                 return abs(self.height() - height)
+            if self.arrives():
+                self.yield_to_contact(0.0)
+                break
         return None
 
-    def yield_to_contact(self) -> None:
-        """Go back by `RECOIL` and stay there, instead of pushing on."""
-        height = self.height() + RECOIL
+    def yield_to_contact(self, recoil: float = RECOIL) -> None:
+        """Go back and stay there, instead of pushing on."""
+        height = self.height() + recoil
         for _ in range(2):  # there, and then with no speed
             self._raise_to(height)
 
@@ -147,7 +166,7 @@ class Hand(Fingers):
         Returns:
             Whether they got there: an arm has its reach, and its strength.
         """
-        start = self.height()
+        start = self._lift_from()
         path = minimum_jerk(start, start + height, seconds)
         for number, target in enumerate(path, 1):
             self._raise_to(target)
@@ -155,6 +174,10 @@ class Hand(Fingers):
                 self.path_left = path[number:]
                 return True
         return self.height() > start + height - SAGGING
+
+    def _lift_from(self) -> float:
+        """Height at which a lift begins, metres."""
+        return self.height()
 
     def hold(self, seconds: float, still: Still | None = None) -> None:
         """Stay there; only until the object is held and lies still, if this can be asked."""
@@ -168,11 +191,6 @@ class Hand(Fingers):
         for target in self.path_left:
             self._raise_to(target)
         self.hold(seconds)
-
-    def carries(self) -> bool:
-        """Whether the object touches the hand and not the table."""
-        forces = self.world.forces()
-        return forces.hand > 0 and not forces.support > 0
 
     def height(self) -> float:
         """Height of the fingertips above the table, metres."""

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Floats
 from egad.detectors import Grasp
 from egad.grasps import hand_poses
-from egad.grippers import Gripper, finger_span
+from egad.grippers import Gripper, check_jaws, finger_span
 from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim.arms import ARMS
@@ -73,6 +73,7 @@ def execute_labelled_grasps(
     Returns:
         One row per grasp, columns of `tables.evaluation.AGREEMENT`.
     """
+    check_jaws(settings.gripper, "a labelled grasp that is carried out afloat")
     found = []
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     arm = ARMS[settings.trials.arm](gripper)

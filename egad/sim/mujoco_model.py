@@ -6,7 +6,7 @@ import mujoco
 
 from egad._util.arrays import Floats
 from egad.sim.model import Model
-from egad.sim.robot import LEFT, RIGHT, HullShape, Link, Robot, to_urdf
+from egad.sim.robot import LEFT, PALM, RIGHT, HullShape, Link, Robot, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     OBJECT_FRICTION,
@@ -47,7 +47,8 @@ def scene_spec(
 ) -> mujoco.MjSpec:
     """Table, objects and robot for MuJoCo, with the motors of the robot.
 
-    The first weld constraints hold the objects, one each.
+    The first weld constraints hold the objects, one each. If the robot has a suction cup, as many
+    hold them at it.
 
     Args:
         models: The objects.
@@ -84,6 +85,9 @@ def scene_spec(
         _add_object(spec, model, number)
     if robot is not None:
         _add_robot(spec, robot)
+        if robot.gripper.cup is not None:
+            for number in range(len(models)):
+                _add_weld(spec, ROBOT + PALM, f"{OBJECT}{number}").solimp[:] = IMPEDANCE
     return spec
 
 
@@ -111,15 +115,21 @@ def _add_object(spec: mujoco.MjSpec, model: Model, order: int) -> None:
             **_CONTACT,
         )
     pin = spec.worldbody.add_body(name=f"pin{order}", mocap=True)
+    _add_weld(spec, pin.name, body.name)
+
+
+def _add_weld(spec: mujoco.MjSpec, first: str, second: str) -> mujoco.MjsEquality:
+    """A constraint that can hold two bodies in the same place, turned alike."""
     equality = spec.add_equality(
         type=mujoco.mjtEq.mjEQ_WELD,
         objtype=mujoco.mjtObj.mjOBJ_BODY,
-        name1=pin.name,
-        name2=body.name,
+        name1=first,
+        name2=second,
         active=False,
     )
-    equality.data[:11] = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]  # in the same place, turned alike
+    equality.data[:11] = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]
     equality.solref[:] = [CONTACT_TIME, 1.0]
+    return equality
 
 
 def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
@@ -145,6 +155,8 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     for name, strength in robot.strength.items():
         spec.joint(ROBOT + name).armature = ARMATURE * strength
         _add_servo(spec, name, strength, strength / SLACK, DAMPING_TIME * strength / SLACK, ARM)
+    if not robot.fingers:
+        return
     force, factor = robot.finger_strength, abs(robot.closing)
     stiffness, damping = force / (FINGER_SLACK * factor), force / (CLOSING_SPEED * factor)
     for name in robot.fingers:

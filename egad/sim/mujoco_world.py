@@ -7,6 +7,7 @@ from typing import Self
 
 import mujoco
 import numpy as np
+from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
@@ -85,7 +86,7 @@ class MujocoWorld(World):
             self.data.qpos[self._arm.positions] = self._arm.middles
         self.engine.geom_contype[self._owners == WALLS] = TABLE_BIT
         self.engine.geom_conaffinity[self._owners == WALLS] = OBJECT_BIT
-        self._here = False
+        self._here, self.attached = False, None
         if len(self.models) == 1:
             self.data.qpos[2] = float(self.model.mesh.scale)
             return
@@ -209,13 +210,51 @@ class MujocoWorld(World):
         return numbers[:3], [*numbers[4:], numbers[3]]
 
     def _advance(self) -> float:
-        mujoco.mj_step(self.engine, self.data, SUBSTEPS)
+        if self.attached is None:
+            mujoco.mj_step(self.engine, self.data, SUBSTEPS)
+        else:
+            # Servos jump to a new target once in a time step: only the mean is what acts.
+            pulls = []
+            for _ in range(SUBSTEPS):
+                mujoco.mj_step(self.engine, self.data)
+                pulls.append(self._pull_now(self.attached))
+            self._mean_pull = np.mean(pulls, axis=0)
         warnings = self.data.warning
         if warnings.number.any():
             number = int(np.argmax(warnings.number > 0))
             raise UnstableError(mujoco.mju_warningText(number, int(warnings.lastinfo[number])))
         speeds = [math.hypot(*self.data.qvel[speed : speed + 3]) for speed in self._speeds]
         return sum(speeds) if any(map(math.isnan, speeds)) else max(speeds)
+
+    def _attach(self, pose: Floats, number: int) -> None:
+        weld = len(self.models) + number
+        self._mean_pull = np.zeros((2, 3))
+        self.engine.eq_data[weld, :3] = 0
+        self.engine.eq_data[weld, 3:6] = pose[:3, 3]
+        turn = Rotation.from_matrix(pose[:3, :3]).as_quat()
+        self.engine.eq_data[weld, 6:10] = _scalar_first(turn)
+        self.data.eq_active[weld] = 1
+
+    def _detach(self, number: int) -> None:
+        self.data.eq_active[len(self.models) + number] = 0
+
+    def _pull(self, number: int) -> Floats:
+        del number
+        mean: Floats = self._mean_pull
+        return mean
+
+    def _pull_now(self, number: int) -> Floats:
+        """As `_pull`, of the last of the engine's own steps."""
+        weld = len(self.models) + number
+        data, count = self.data, self.data.nefc
+        rows = (data.efc_type[:count] == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (
+            data.efc_id[:count] == weld
+        )
+        forces = np.zeros(self.engine.nv)
+        mujoco.mj_mulJacTVec(self.engine, data, forces, np.where(rows, data.efc_force[:count], 0.0))
+        speed = self._speeds[number]
+        turn = self.pose(number).matrix[:3, :3]
+        return np.stack([forces[speed : speed + 3], turn @ forces[speed + 3 : speed + 6]])
 
     def _pin(self, pose: Pose, number: int) -> None:
         self.data.mocap_pos[self._pins[number]] = pose.position

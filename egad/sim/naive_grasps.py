@@ -13,7 +13,7 @@ import trimesh
 
 from egad._util.arrays import Flags, Floats
 from egad.grasps import FREE, TABLE, TABLE_CLEARANCE, hand_poses
-from egad.grippers import Gripper, finger_span
+from egad.grippers import Gripper, check_jaws, finger_span
 from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim.arms import Arm, TurningAxis
@@ -124,6 +124,7 @@ def try_naive_grasps(model: Model, object_id: str, settings: NaiveGraspParameter
     Returns:
         One row per grasp, columns of `tables.grasping.NAIVE_GRASPS` but id and label.
     """
+    check_jaws(settings.gripper, "a naive grasp")
     friction = settings.quality.friction
     gripper = settings.gripper.model_copy(update={"friction": friction})
     arm, engine = TurningAxis(gripper), settings.naive_grasp.engine

@@ -9,11 +9,12 @@ from typing import Any, Self
 
 import numpy as np
 import pybullet
+from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
 from egad.sim.model import Model
-from egad.sim.robot import LEFT, RIGHT, Box, hull_files, to_urdf
+from egad.sim.robot import LEFT, PALM, RIGHT, Box, hull_files, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     DOWN,
@@ -32,6 +33,7 @@ SOLVER_ITERATIONS = 150
 # The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
 COLLISION_MARGIN = 1e-4
 URDF_MARGIN = 1e-3  # metres, that it adds around meshes in URDF, too
+WELD_STRENGTH = 1e5  # newtons, and newton metres
 PIN_STRENGTH = 1000.0  # newtons, and newton metres
 POSITION_GAIN = 0.3  # of an error is made good in one step
 # The gear must be stronger than the fingers, or an object off the middle holds one of them up.
@@ -94,6 +96,7 @@ class PyBulletWorld(World):
         self.objects = [self._add_object(number) for number in range(len(self.models))]
         self._constraints: dict[int, int] = {}
         self._robot: int | None = None
+        self.attached = None
         if len(self.models) > 1:
             for number in range(len(self.models)):
                 self.park(number)
@@ -130,6 +133,7 @@ class PyBulletWorld(World):
         count = self.client.getNumJoints(self._robot)
         names = [self.client.getJointInfo(self._robot, joint)[1].decode() for joint in range(count)]
         self._arm = [names.index(name) for name in robot.arm]
+        self._names = names
         self._fingers = tuple(names.index(name) for name in robot.fingers)
         self._sides = {names.index(link): side for link, side in robot.sides.items()}
         self._gears = {
@@ -140,7 +144,8 @@ class PyBulletWorld(World):
             self.client.resetJointState(self._robot, joint, position, 0)
         self.drive(joints, [0.0] * len(self._arm))
         self._set_friction(count)
-        self._hold_fingers(opening)
+        if self._fingers:
+            self._hold_fingers(opening)
         self._couple_followers(opening)
 
     @override
@@ -174,7 +179,7 @@ class PyBulletWorld(World):
 
     @override
     def fingers(self) -> tuple[Floats, Floats]:
-        states = self.client.getJointStates(self._robot, self._fingers)
+        states = self.client.getJointStates(self._robot, self._fingers) if self._fingers else ()
         positions, speeds = (np.array([state[each] for state in states]) for each in (0, 1))
         return self._known_robot().pads(positions, speeds)
 
@@ -228,6 +233,37 @@ class PyBulletWorld(World):
             self._turn_gears()
         self.client.stepSimulation()
         return self.speeds()[0]
+
+    def _attach(self, pose: Floats, number: int) -> None:
+        palm = self._names.index(PALM)
+        turn = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
+        self._weld = self.client.createConstraint(
+            self._robot,
+            palm,
+            self.objects[number],
+            -1,
+            pybullet.JOINT_FIXED,
+            (0, 0, 0),
+            self._in_link(palm, pose[:3, 3]),
+            (0, 0, 0),
+            turn,
+        )
+        self.client.changeConstraint(self._weld, maxForce=WELD_STRENGTH)
+
+    def _in_link(self, link: int, point: Floats) -> list[float]:
+        """A point of the frame of a link in that of its center of mass."""
+        inertial = np.array(self.client.getDynamicsInfo(self._robot, link)[3])
+        place: list[float] = (point - inertial).tolist()
+        return place
+
+    def _detach(self, number: int) -> None:
+        del number
+        self.client.removeConstraint(self._weld)
+
+    def _pull(self, number: int) -> Floats:
+        del number
+        on_palm = np.array(self.client.getConstraintState(self._weld))
+        return -on_palm.reshape(2, 3)
 
     def _pin(self, pose: Pose, number: int) -> None:
         constraint = self.client.createConstraint(

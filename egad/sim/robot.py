@@ -1,4 +1,4 @@
-"""A hand with two jaws as links and joints, and as URDF."""
+"""A hand on an arm as links and joints, and as URDF."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -50,11 +50,19 @@ class HullShape:
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body of a robot; for its inertia, its mass fills the box around its shapes."""
+    """A rigid body of a robot; for its inertia, its mass fills the box around its shapes.
+
+    Attributes:
+        name: What it is called.
+        mass: Kilograms.
+        shapes: What collides.
+        soft: What is only seen, as a suction cup.
+    """
 
     name: str
     mass: float = 0.0
     shapes: tuple[Box | HullShape, ...] = ()
+    soft: tuple[HullShape, ...] = ()
 
     @property
     def box(self) -> Box:
@@ -162,11 +170,12 @@ class JawJoint:
 
 @dataclass(frozen=True)
 class Robot:
-    """An arm, and at its end a palm with two fingers that move as mirror images, or with one jaw.
+    """An arm, and at its end a palm with two fingers that mirror each other, one jaw, or a cup.
 
     The joints LEFT and RIGHT have the distance of a pad from the middle. They move the fingers
     themselves, or carriages without a body that the joints of a linkage follow. A hand with one
-    moving jaw has the joint of this jaw instead; the fixed one is on the right, at negative x.
+    moving jaw has the joint of this jaw instead; the fixed one is on the right, at negative x. The
+    middle of the ring of a suction cup is TIP.
 
     Attributes:
         gripper: Force and pads of the fingers.
@@ -195,7 +204,9 @@ class Robot:
 
     @property
     def fingers(self) -> tuple[str, ...]:
-        """Names of the joints that close the hand."""
+        """Names of the joints that close the hand; none of a suction cup."""
+        if self.gripper.cup is not None:
+            return ()
         return (LEFT, RIGHT) if self.jaw is None else (self.jaw.joint,)
 
     @property

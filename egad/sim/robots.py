@@ -12,6 +12,7 @@ from egad.grippers import (
     Gripper,
     GripperModel,
     HandLink,
+    SuctionCup,
     finger_span,
     model_of,
 )
@@ -31,6 +32,7 @@ from egad.sim.robot import (
 )
 
 PALM_MASS = 0.6
+STEM_SIDES = 16
 FINGER_MASS = 0.1
 STROKE = 2.0  # metres, of the vertical axis, both ways
 TURN = 10.0  # radians, of the axis, both ways
@@ -152,7 +154,25 @@ def _with_hand(
 
 
 def _hand(gripper: Gripper) -> _Hand:
+    if gripper.cup is not None:
+        return _cup_hand(gripper.cup)
     return _box_hand(gripper) if gripper.file is None else _model_hand(gripper)
+
+
+def _cup_hand(cup: SuctionCup) -> _Hand:
+    """A stem that collides, and below it the cup, which is soft."""
+    whole = cup.stem_length + cup.height
+    stem = HullShape(_frustum(cup.stem_radius, cup.stem_radius, 0.0, cup.stem_length))
+    skirt = HullShape(_frustum(cup.stem_radius / 2, cup.radius, cup.stem_length, whole))
+    links = [Link(PALM, PALM_MASS, (stem,), (skirt,)), Link(TIP)]
+    return _Hand(links, [Joint(TIP, PALM, origin=(0, 0, whole))], whole, {})
+
+
+def _frustum(first: float, second: float, low: float, high: float) -> Floats:
+    """The corners of a frustum of a pyramid around z, (2 * STEM_SIDES, 3), metres."""
+    angles = 2 * np.pi * np.arange(STEM_SIDES) / STEM_SIDES
+    around = np.stack([np.cos(angles), np.sin(angles), np.zeros(STEM_SIDES)], axis=1)
+    return np.vstack([first * around + [0, 0, low], second * around + [0, 0, high]])
 
 
 def _box_hand(gripper: Gripper) -> _Hand:

@@ -1,22 +1,30 @@
 """labels: the best labelled grasp of any object in a scene, knowing where all of them are."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
+import trimesh
 from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
 from egad.detectors import PoseGrasp
+from egad.geometry import RayCaster
 from egad.grasps import blocked_turns, hand_poses, vectors
-from egad.grippers import Gripper, body_of
+from egad.grippers import BoxBody, Gripper, ModelBody, SuctionCup, body_of
 from egad.outcomes import Outcome
 from egad.perception import Observation
+from egad.sim.cup import joined
 from egad.sim.free_hand import STANDOFF
 from egad.sim.model import Model
 from egad.sim.scenes import WORKSPACE, RestingObject
+from egad.sim.world import DOWN
+from egad.suction import collision_free, loads_in_frames, resists, seal_cups
 
 TURNS = 2 * np.pi * np.arange(16) / 16  # about the closing axis, from the labelled approach
+TABLE_SLAB = trimesh.creation.box([2 * WORKSPACE, 2 * WORKSPACE, 0.1])
+TABLE_SLAB.apply_translation([0.0, 0.0, -0.05])
 CHUNK = 32  # grasps that are tested at once
 MOST = 640  # grasps that are tested at all
 # The table, metres
@@ -41,8 +49,6 @@ class SceneLabels:
         self._grasps = [table[table["collision_free"]] for table in grasps]
         self._models = models
         self._gripper = gripper
-        self._body = body_of(gripper)
-        self._hand = self._body.parts(STANDOFF)
 
     def __call__(
         self, observation: Observation, present: Sequence[RestingObject], rng: np.random.Generator
@@ -51,12 +57,18 @@ class SceneLabels:
 
         The hand may come from any of 16 directions around the closing axis; it takes the one of
         those without a collision that points down most.
+
+        A suction cup comes as labelled. It takes the best grasp at which, among all that lies there
+        (`egad.suction`), it seals, holds the weight and is free of collisions.
         """
         del observation, rng
         frames, widths, quality = self._candidates(present)
-        opening = self._gripper.opening
-        behind = self._body.reach(widths) - self._body.reach(np.array([opening]))
-        aside = self._body.aside(widths, np.array([opening]))
+        if self._gripper.cup is not None:
+            return self._with_cup(self._gripper.cup, frames, quality, present)
+        opening, body = self._gripper.opening, self._body
+        hand = body.parts(STANDOFF)
+        behind = body.reach(widths) - body.reach(np.array([opening]))
+        aside = body.aside(widths, np.array([opening]))
         frames[:, :3, 3] += aside[:, None] * frames[:, :3, 0]  # the open hand
         scene = np.concatenate([TABLE, *(self._triangles(each) for each in present)])
         best = np.argsort(-quality, kind="stable")[:MOST]
@@ -64,7 +76,7 @@ class SceneLabels:
             numbers = best[first : first + CHUNK]
             chosen, back = frames[numbers], behind[numbers]
             rows = np.ascontiguousarray(chosen[:, :3, :3].transpose(0, 2, 1))
-            blocked = blocked_turns(scene, self._hand, chosen[:, :3, 3], rows, TURNS, behind=back)
+            blocked = blocked_turns(scene, hand, chosen[:, :3, 3], rows, TURNS, behind=back)
             possible = np.flatnonzero(~blocked.all(axis=1))
             if len(possible):
                 number = int(possible[0])
@@ -72,6 +84,37 @@ class SceneLabels:
                 pose[:3, 3] -= back[number] * pose[:3, 2]  # where the open hand is
                 return PoseGrasp(pose, opening, float(quality[numbers[number]]))
         return Outcome.NO_GRASP
+
+    @cached_property
+    def _body(self) -> BoxBody | ModelBody:
+        return body_of(self._gripper)
+
+    def _with_cup(
+        self, cup: SuctionCup, poses: Floats, quality: Floats, present: Sequence[RestingObject]
+    ) -> PoseGrasp | Outcome:
+        """The best grasp of a cup in the scene."""
+        best = np.argsort(-quality, kind="stable")
+        best = best[quality[best] > 0][:MOST]
+        owners = np.repeat([each.number for each in present], self._counts(present))[best]
+        where = {each.number: each.pose.position for each in present}
+        masses = [self._models[number].mass for number in owners]
+        centers = np.array([where[number] for number in owners]).reshape(-1, 3)
+        origins, frames = poses[best, :3, 3], poses[best, :3, :3].transpose(0, 2, 1).copy()
+        meshes = [TABLE_SLAB, *(self._placed(each) for each in present)]
+        scene = RayCaster(joined(meshes))
+        seals = seal_cups(scene, cup, origins, frames)
+        good = seals.sealed & (np.abs(seals.depths) < cup.height)
+        good &= collision_free(scene, cup, origins, frames, seals.depths)
+        weights = np.array(masses)[:, None] * np.array(DOWN)
+        loads = loads_in_frames(origins, frames, weights.reshape(-1, 3), centers)
+        possible = np.flatnonzero(good & resists(cup, loads))
+        if not len(possible):
+            return Outcome.NO_GRASP
+        number = int(best[possible[0]])
+        return PoseGrasp(poses[number], 0.0, float(quality[number]))
+
+    def _counts(self, present: Sequence[RestingObject]) -> list[int]:
+        return [len(self._grasps[each.number]) for each in present]
 
     def _candidates(self, present: Sequence[RestingObject]) -> tuple[Floats, Floats, Floats]:
         """All grasps: poses of the hand in the world, (n, 4, 4), widths and robust qualities."""
@@ -92,6 +135,9 @@ class SceneLabels:
         matrix = placed.pose.matrix
         triangles: Floats = self._models[placed.number].mesh.triangles @ matrix[:3, :3].T
         return triangles + matrix[:3, 3]
+
+    def _placed(self, placed: RestingObject) -> trimesh.Trimesh:
+        return self._models[placed.number].mesh.copy().apply_transform(placed.pose.matrix)
 
 
 def _turned(pose: Floats, blocked: NDArray[np.bool_]) -> Floats:

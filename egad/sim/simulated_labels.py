@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad.grippers import Gripper
+from egad.grippers import Gripper, check_jaws
 from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.sim.arms import Arm, HandPose, TurningAxis
 from egad.sim.engines import open_world
@@ -86,6 +86,7 @@ def simulate_grasps(
             the model was made in.
         settings: Gripper, friction of the labels, engine, lift.
     """
+    check_jaws(settings.gripper, "a simulated label")
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     arm = TurningAxis(gripper)
     with open_world(settings.simulated_label.engine, [model], arm.robot) as world:

@@ -9,13 +9,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
+from egad.geometry import RayCaster
 from egad.sim.model import Model
-from egad.sim.robot import Box, Robot
+from egad.sim.robot import PALM, TIP, Box, Robot
+from egad.suction import resists
 
 GRAVITY = 9.81
 DOWN = (0.0, 0.0, -GRAVITY)
 WEIGHTLESS = (0.0, 0.0, 0.0)
 TIME_STEP = 1 / 240  # of control; an engine may take shorter ones in between
+HANGING_STEPS = 12  # time steps off the table before the load on a suction cup counts
 CLOSING_SPEED = 0.1  # m/s, each finger
 TABLE_FRICTION = 0.5  # plastic on wood or paper
 # Without it a ball rolls or spins for ever. As a length: where the ground pushes ahead of it.
@@ -101,6 +104,7 @@ class World(ABC):
         robot: What may grasp them.
         walls: Inner length and width of a box without a floor, metres; none if None.
         watch: Called after every time step, for films.
+        attached: Number of the object that the suction cup of the robot holds; None if none.
         mass_factor: Masses of the objects / those of their models, from the next reset on.
         friction_factor: Friction of the robot / that of its pads, from the next reset on.
     """
@@ -120,6 +124,9 @@ class World(ABC):
         self.walls = walls
         self.watch: Callable[[World], None] | None = None
         self.mass_factor = self.friction_factor = 1.0
+        self.attached: int | None = None
+        self._contact, self._hanging = 0.0, 0
+        self._casters: dict[int, RayCaster] = {}
 
     def _known_robot(self) -> Robot:
         if self.robot is None:
@@ -215,6 +222,86 @@ class World(ABC):
     def _unpin(self, number: int) -> None:
         """Let it go."""
 
+    @abstractmethod
+    def _attach(self, pose: Floats, number: int) -> None:
+        """Hold an object at a pose, (4, 4), in the frame of the palm, which it has now."""
+
+    @abstractmethod
+    def _detach(self, number: int) -> None:
+        """Let it go."""
+
+    @abstractmethod
+    def _pull(self, number: int) -> Floats:
+        """What the palm does to an object that it holds, the mean over the last time step, (2, 3).
+
+        Force, and torque about the center of mass of the object, in the world.
+        """
+
+    def attach(self, number: int, depth: float = 0.0) -> None:
+        """Let the suction cup of the robot hold an object where it is now.
+
+        Only as long as the cup resists the load of the object, which is asked after every time step
+        (`egad.suction.resists`; the friction is that of the cup times `friction_factor`). A cup
+        gives way, but this one is rigid: so the load does not count before the object has been off
+        the table for 0.05 s.
+
+        Args:
+            number: The object.
+            depth: Of the ring in the frame of the cup, metres: the load is that in its middle.
+        """
+        self._contact, self._hanging = depth, 0
+        palm = self._link_pose(PALM)
+        self._attach(np.linalg.inv(palm) @ self.pose(number).matrix, number)
+        self.attached = number
+
+    def detach(self) -> None:
+        """Let go what the suction cup holds."""
+        if self.attached is not None:
+            self._detach(self.attached)
+            self.attached = None
+
+    def load(self) -> Floats:
+        """Force and torque, (6,), of the object on the suction cup that holds it, N and N m.
+
+        In the frame of the cup, about the middle of its ring; of the last step.
+        """
+        number = self.attached
+        if number is None:
+            return np.zeros(6)
+        force, torque = self._pull(number)
+        tip = self._link_pose(TIP)
+        lever = self.pose(number).position - tip[:3, 3] - self._contact * tip[:3, 2]
+        both = np.stack([force, torque + np.cross(lever, force)])
+        load: Floats = -(both @ tip[:3, :3]).ravel()
+        return load
+
+    def caster(self, number: int) -> RayCaster:
+        """Ray caster of the surface of an object, in its own frame."""
+        if number not in self._casters:
+            self._casters[number] = RayCaster(self.models[number].mesh)
+        return self._casters[number]
+
+    def cup_pose(self) -> Floats:
+        """The frame of the suction cup of the robot (`egad.suction.seal`) in the world, (4, 4)."""
+        return self._link_pose(TIP)
+
+    def _link_pose(self, name: str) -> Floats:
+        links = self.robot.links if self.robot else ()
+        number = [link.name for link in links].index(name)
+        return self.link_poses()[number].matrix
+
+    def _check_load(self, number: int) -> None:
+        """Let go what the cup cannot hold; what still stands on the table may be."""
+        self._hanging = 0 if self.forces(number).support > 0 else self._hanging + 1
+        if self._hanging > HANGING_STEPS and not self._resists():
+            self.detach()
+
+    def _resists(self) -> bool:
+        cup = self.robot.gripper.cup if self.robot else None
+        if cup is None:
+            return False
+        return bool(resists(cup, self.load()[None], self.friction_factor * cup.friction)[0])
+
     @contextmanager
     def pinned(self) -> Iterator[None]:
         """Hold the first object where it is, as long as the `with` block lasts."""
@@ -262,5 +349,7 @@ class World(ABC):
         for _ in range(steps):
             if not self._advance() < FASTEST:  # which a NaN is not, either
                 raise UnstableError("an object was thrown away")
+            if self.attached is not None:
+                self._check_load(self.attached)
             if self.watch is not None:
                 self.watch(self)

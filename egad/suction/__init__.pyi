@@ -7,6 +7,7 @@ from .sampler import suction_poses as suction_poses
 from .seal import HOLE_POINTS as HOLE_POINTS
 from .seal import SealFailure as SealFailure
 from .seal import Seals as Seals
+from .seal import ring_depths as ring_depths
 from .seal import ring_vertices as ring_vertices
 from .seal import seal_cups as seal_cups
 from .seal import spring_lengths as spring_lengths

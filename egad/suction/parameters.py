@@ -36,5 +36,5 @@ class RobustSuction(Parameters):
 class SuctionSampling(Parameters):
     """How many suction grasps of an object, and which."""
 
-    seed: Seed
+    seed: Seed = Field(description="seed of the candidates")
     n: int = Field(100, ge=1, description="candidates, each of them labelled")

@@ -77,7 +77,7 @@ def seal_cups(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Float
         origins: (n, 3) origins of the frames of the cups, metres.
         frames: (n, 3, 3) their unit vectors x, y, z in rows.
     """
-    ring = _depths(caster, cup, origins, frames, ring_vertices(cup))
+    ring = ring_depths(caster, cup, origins, frames)
     met = np.isfinite(ring).all(axis=1)
     ring[~met] = 0.0
     mean = ring.mean(axis=1)
@@ -92,6 +92,14 @@ def seal_cups(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Float
     good = np.flatnonzero(failures == "")
     failures[good] = _failures_within(caster, cup, origins[good], frames[good], ring[good])
     return Seals(failures, np.where(met, strains, np.inf), np.where(met, mean, np.inf))
+
+
+def ring_depths(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats) -> Floats:
+    """Depths at which the vertices of the rings of n cups meet an object, (n, sides), metres.
+
+    Infinite where a vertex misses it. The other arguments are those of `seal_cups`.
+    """
+    return _depths(caster, cup, origins, frames, ring_vertices(cup))
 
 
 def ring_vertices(cup: SuctionCup) -> Floats:

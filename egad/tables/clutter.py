@@ -2,7 +2,13 @@
 
 import pyarrow as pa
 
-from egad.outcomes import POSE_FAILURES, SIMULATION_FAILURES, Outcome, listed
+from egad.outcomes import (
+    POSE_FAILURES,
+    SIMULATION_FAILURES,
+    SUCTION_FAILURES,
+    Outcome,
+    listed,
+)
 from egad.tables.columns import FLOAT, INT, STRING, Result, column
 from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, SUCCESS
 
@@ -14,6 +20,7 @@ CARRIED_OUT = (
     Outcome.MISSED,
     Outcome.SLIPPED_CLOSING,
     Outcome.SLIPPED_LIFTING,
+    *SUCTION_FAILURES,
 )
 
 CLUTTER = pa.schema(

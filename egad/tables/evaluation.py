@@ -2,7 +2,14 @@
 
 import pyarrow as pa
 
-from egad.outcomes import DETECTOR_FAILURES, EXECUTION, NOTED_BY_HAND, SIMULATION_FAILURES, listed
+from egad.outcomes import (
+    DETECTOR_FAILURES,
+    EXECUTION,
+    NOTED_BY_HAND,
+    SIMULATION_FAILURES,
+    SUCTION_FAILURES,
+    listed,
+)
 from egad.tables.columns import (
     BOOL,
     CELLS,
@@ -169,7 +176,7 @@ TRIALS = pa.schema(
         column(
             "outcome",
             STRING,
-            listed((*EXECUTION, *SIMULATION_FAILURES, *DETECTOR_FAILURES)),
+            listed((*EXECUTION, *SUCTION_FAILURES, *SIMULATION_FAILURES, *DETECTOR_FAILURES)),
         ),
         column(
             "initial_pose",

@@ -122,6 +122,14 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
         ({"release": {"dataset": "other"}}, "release.dataset: 'other' is not defined"),
         ({"release": {"gripper": "other"}}, "release.gripper: 'other' is not defined"),
         (
+            {"targets": {"grippers": ["cup_30mm"], "detectors": ["labels", "random"]}},
+            "targets.detectors: with cup_30mm of targets.grippers, the detector random is for jaws",
+        ),
+        (
+            {"targets": {"clutter": ["suction-cloud"]}},
+            "of targets.grippers, the detector suction-cloud is for suction cups",
+        ),
+        (
             {"datasets": {name: {"source": "evolved"} for name in ("egad", "b")}},
             "datasets: at most one can have the source `evolved`, got egad, b",
         ),

@@ -116,7 +116,8 @@ def test_weights_for_a_function_are_a_mistake(file):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"detector": "telepathy"}, "labels, random, vgn, graspgen, FILE.py:CLASS"),
+        ({"detector": "telepathy"}, "labels, random, suction-cloud, suction-depth, vgn, graspgen"),
+        ({"detector": "telepathy"}, "vgn, graspgen, FILE.py:CLASS"),
         ({"detector": "mine.py:"}, "FILE.py:CLASS"),
         ({"detector": "random", "weights": "w.pt"}, "takes no `weights`"),
     ],

@@ -47,9 +47,9 @@ def index_data(
         unattainable: So many of the easiest rows are hatched.
 
     Returns:
-        `finger`: from the contacts back to the palm, metres; `cells` along each axis;
-        `unattainable`: the number of hatched rows; `sheets`:
-        their files; `measures`: key, name, unit, factor and decimals of what can be filtered;
+        `finger`: from the contacts back to the palm, or to the top of the cup, metres; `cells`
+        along each axis; `unattainable`: the number of hatched rows; `sheets`: their files;
+        `measures`: key, name, unit, factor and decimals of what can be filtered;
         `columns`: a list with one entry for each object, by name: label, id, column,
         row, rank, family, place, and each measure.
     """
@@ -71,13 +71,19 @@ def index_data(
         key = str(measure["key"])
         columns[key] = [rounded(value) for value in values[key]]
     return {
-        "finger": 0.0 if gripper is None else -finger_span(gripper)[0],
+        "finger": _finger(gripper),
         "cells": space.cells,
         "unattainable": unattainable,
         "sheets": [sheet_file(rank) for rank in range(int(ranks.max(initial=-1)) + 1)],
         "measures": measures,
         "columns": columns,
     }
+
+
+def _finger(gripper: Gripper | None) -> float:
+    if gripper is None:
+        return 0.0
+    return gripper.cup.height if gripper.cup else -finger_span(gripper)[0]
 
 
 def sheet_file(rank: int) -> str:
