@@ -4,21 +4,26 @@
     python experiments/suction.py table
     python experiments/suction.py trials [--attempts N] [--rounds N]
     python experiments/suction.py film
+    python experiments/suction.py evolved [--archive FILE]
 
 `picture` draws three shapes, colored by the robust quality of a 30 mm cup, into docs/suction.png.
 `table` labels 100 grasps of each object of the released evaluation set, with the bending limit of
 the paper as it stands and with the tolerance, and measures the CPU time beside antipodal grasps.
 `trials` lets detectors try these objects with that cup in both engines, each alone and on tables
-of several. `film` draws a cup that lifts an object into docs/suction_lift.png.
+of several. `film` draws a cup that lifts an object into docs/suction_lift.png. `evolved` draws the
+easiest and the hardest objects of an archive that was evolved for a cup into
+docs/suction-evolved.png.
 """
 
 import argparse
 import time
 from collections import Counter
+from itertools import pairwise
 from pathlib import Path
 
 import imageio.v3 as imageio
 import numpy as np
+import pandas as pd
 import trimesh
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
@@ -52,6 +57,8 @@ MOST_SEEDS, LIFT_FRAMES = 20, 70
 EDGE = 0.003  # metres: longest side of a colored triangle
 DISTANCE, YAW, PITCH = 1.95, 35.0, -32.0  # diagonals of the box; degrees
 FACING = 0.6  # cosine between the view and the approach of the grasp that is drawn
+ARCHIVE = Path("results/egad/archive.parquet")
+PARTS, SHOWN = (0.0, 1.8, 2.8, 6.0), 3  # limits of complexity, and objects of each part
 CROP = (slice(10, -10), slice(20, -20))
 WEIGHT = 9.81 * 400  # of a cubic metre, newtons
 BINS = 26  # the copies of a grasp can hold 0 to 25 times
@@ -65,8 +72,10 @@ def main() -> None:
         "table": lambda _: print_table(),
         "trials": lambda given: print_trials(given.attempts, given.rounds),
         "film": lambda _: draw_lift(),
+        "evolved": lambda given: draw_evolved(given.archive),
     }
     parser.add_argument("command", choices=list(commands))
+    parser.add_argument("--archive", type=Path, default=ARCHIVE, help="of evolved objects")
     parser.add_argument("--attempts", type=int, default=10, help="at each object")
     parser.add_argument("--rounds", type=int, default=20, help="of each kind of scene")
     given = parser.parse_args()
@@ -214,6 +223,30 @@ def print_trials(attempts: int, rounds: int) -> None:
             for each in cleared.rates():
                 rates = f"{each.success} | {each.cleared}"
                 print(f"| {detector} | {engine} | {each.scene} | {rates} |", flush=True)
+
+
+def draw_evolved(archive: Path) -> None:
+    """Draw the easiest and the hardest objects of an archive into docs/suction-evolved.png."""
+    objects = egad.load(archive)
+    table = objects.table.sort_values(["graspability", "label"], ascending=[False, True])
+    chosen = [
+        table[table["complexity"].between(low, high, inclusive="left")]
+        for low, high in pairwise(PARTS)
+    ]
+    columns = (len(PARTS) - 1) * SHOWN
+    figure = Figure(figsize=(1.25 * columns, 3.2), layout="constrained")
+    axes = figure.subplots(2, columns)
+    for row, ends in enumerate(("head", "tail")):
+        picked = pd.concat([getattr(part, ends)(SHOWN) for part in chosen])
+        for each, (label, value) in zip(
+            axes[row], picked[["label", "graspability"]].to_numpy(), strict=True
+        ):
+            each.imshow(egad.render(objects[label].mesh, 160))
+            each.set_title(f"{value:.2f}", fontsize=9)
+            each.axis("off")
+    axes[0, 0].set_title("graspability " + axes[0, 0].get_title(), fontsize=9, loc="left")
+    with atomic_output(DOCS / "suction-evolved.png") as out:
+        figure.savefig(out, format="png", dpi=100)
 
 
 def draw_lift() -> None:
