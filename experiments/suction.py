@@ -244,7 +244,6 @@ def draw_evolved(archive: Path) -> None:
             each.imshow(egad.render(objects[label].mesh, 160))
             each.set_title(f"{value:.2f}", fontsize=9)
             each.axis("off")
-    axes[0, 0].set_title("graspability " + axes[0, 0].get_title(), fontsize=9, loc="left")
     with atomic_output(DOCS / "suction-evolved.png") as out:
         figure.savefig(out, format="png", dpi=100)
 
