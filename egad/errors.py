@@ -24,6 +24,10 @@ class RejectedError(EgadError):
     """One object cannot be used. The message is the reason; the other objects go on."""
 
 
+class NoGraspError(RejectedError):
+    """A sampler found no grasp of an object."""
+
+
 class TableError(EgadError, ValueError):
     """A Parquet file is missing, damaged, or does not have the columns of its schema."""
 

@@ -22,7 +22,7 @@ import trimesh
 
 from egad import plugins as own_code
 from egad._util.arrays import Flags, Floats
-from egad.errors import RejectedError, UserError
+from egad.errors import NoGraspError, RejectedError, UserError
 from egad.geometry import Material, RayCaster, check_solid
 from egad.grasps import (
     RIGID,
@@ -51,7 +51,7 @@ class Sampled(NamedTuple):
 
 
 class LabelledGrasps(NamedTuple):
-    """LabelledGrasps grasps of an object.
+    """Labelled grasps of an object.
 
     Attributes:
         table: Columns of `tables.grasping.GRASPS` without `id` and `label`; none without grasps.
@@ -114,7 +114,8 @@ class Labeller:
             density=settings.density,
         )
         if gripper.cup is not None:
-            table = label_cups(caster, gripper.cup, poses, quality)
+            is_rate = gripper.grasps_with == SUCTION
+            table = label_cups(caster, gripper.cup, poses, quality, is_rate=is_rate)
         elif self._body is not None:
             table = label_poses(caster, poses, widths, quality, self._body, wanted.approach_way)
         return LabelledGrasps(table, SamplingStatistics(tried=wanted.grasps))
@@ -197,18 +198,19 @@ def _own(gripper: Gripper, mesh: trimesh.Trimesh, n: int, rng: np.random.Generat
     except Exception as error:
         what = f"{own_code.place_of(error)}: {type(error).__name__}: {error}"
         raise RejectedError(f"the sampler {name} failed{what}") from error
-    found = _checked(name, given, n)
+    found = _checked(gripper, given, n)
     if not len(found.quality):
-        raise RejectedError(f"the sampler {name} found no grasp")
+        raise NoGraspError(f"the sampler {name} found no grasp")
     return found
 
 
-def _checked(name: str, given: Any, n: int) -> Sampled:  # noqa: ANN401 (whatever it gives)
+def _checked(gripper: Gripper, given: Any, n: int) -> Sampled:  # noqa: ANN401 (whatever it gives)
     """An answer as grasps.
 
     Raises:
         UserError: It is something else.
     """
+    name = gripper.grasps_with
     wanted = f"the sampler {name} must return poses (k, 4, 4), widths (k,) and qualities (k,)"
     try:
         poses, widths, quality = (np.asarray(part, dtype=np.float64) for part in given)
@@ -224,6 +226,7 @@ def _checked(name: str, given: Any, n: int) -> Sampled:  # noqa: ANN401 (whateve
         "a pose that is not finite": ~np.isfinite(poses).all(axis=(1, 2)),
         "a pose that is no rotation with a translation": ~_rigid(poses),
         "a width that is negative or not finite": ~(np.isfinite(widths) & (widths >= 0)),
+        f"a width above the opening of {gripper.opening:g} m": widths > gripper.opening,
         "a quality that is negative or not finite": ~(np.isfinite(quality) & (quality >= 0)),
     }
     for what, where in wrong.items():

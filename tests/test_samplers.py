@@ -106,6 +106,14 @@ def test_a_function_of_the_user_is_a_sampler(bar):
     assert grasps.collision_free.all() == np.all(grasps.to_frame()["fits"])
 
 
+def test_a_quality_of_a_users_sampler_is_no_success_rate_of_a_cup(tmp_path, bar):
+    body = "poses[:, 2, 3] = 0.05\nreturn poses, 0 * widths, 7 * quality"
+    cup = {"opening": 0.08, "cup": egad.SuctionCup(radius=0.01)}
+    table = egad.sample_grasps(bar, own(tmp_path, body, **cup), 3).to_frame()
+    assert (table["robust_quality"] == 7).all()
+    assert table[["robust_quality_std", "robust_success_rate"]].isna().all(axis=None)
+
+
 def test_the_hand_of_a_user_sampler_collides_where_it_would(tmp_path, bar):
     """Along z: the palm of a Panda begins 34 mm behind the contacts, its fingertips 10.5 before."""
     sizes = {key: getattr(egad.gripper("panda"), key) for key in ("finger_length", "finger_width")}
@@ -140,6 +148,7 @@ def test_graspability_and_evolution_take_the_qualities_of_a_user_sampler(tmp_pat
         ("poses[2, 0, 0] = 2\nreturn poses, widths, quality", "no rotation .*: grasp 2"),
         ("poses[2, 0, 0] = -1\nreturn poses, widths, quality", "no rotation .*: grasp 2"),
         ("widths[3] = -1\nreturn poses, widths, quality", "width .*: grasp 3"),
+        ("widths[1] = 0.09\nreturn poses, widths, quality", "width above the opening .*: grasp 1"),
         ("quality[0] = np.inf\nreturn poses, widths, quality", "quality .*: grasp 0"),
         ("return np.tile(poses, (2, 1, 1)), np.ones(10), np.ones(10)", "asked for 5 grasps"),
     ],
@@ -155,6 +164,20 @@ def test_a_sampler_that_fails_or_finds_nothing_rejects_the_object(tmp_path, bar)
     with pytest.raises(RejectedError, match="found no grasp"):
         nothing = "return poses[:0], widths[:0], quality[:0]"
         egad.sample_grasps(bar, own(tmp_path, nothing), 5)
+
+
+def test_a_sampler_that_fails_for_later_candidates_rejects_the_object(tmp_path, bar):
+    count = "sample.calls = getattr(sample, 'calls', 0) + 1\n"
+    fails = count + "if sample.calls > 1:\n    1 / 0\nreturn poses, widths, rng.uniform(0, 1, n)"
+    settings = default_measures(own(tmp_path, fails), 0)
+    unsure = {"confidence": 1.0, "graspability_range": (0.0, 1.0)}
+    space = settings.space.model_copy(update=unsure)
+    settings = settings.model_copy(update={"space": space})
+    with pytest.raises(RejectedError, match="ZeroDivisionError"):
+        graspability(bar, settings, 4096, generator(0, "x"))
+    ends = fails.replace("1 / 0", "n = 0").replace("poses, widths,", "poses[:n], widths[:n],")
+    settings = settings.model_copy(update={"gripper": own(tmp_path, ends)})
+    assert graspability(bar, settings, 4096, generator(0, "x")).grasps == 512
 
 
 def test_samplers_that_do_not_go_with_a_hand_are_refused(tmp_path):

@@ -71,8 +71,10 @@ def _packaged(values: Mapping[str, Any]) -> list[str]:
         used += names if isinstance(names, list) else [names]
     given = values.get("grippers")
     entries = dict(given) if isinstance(given, Mapping) else {}
+    wanted = {name: entries.get(name) or {} for name in PACKAGED if name in used or name in entries}
+    # an entry that is no mapping is refused later
     return [
         name
-        for name in PACKAGED
-        if (name in used or name in entries) and not DESCRIBED & set(entries.get(name) or {})
+        for name, entry in wanted.items()
+        if isinstance(entry, Mapping) and not DESCRIBED & set(entry)
     ]

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from egad.config.settings import Settings
 from egad.detectors import check_gripper
 from egad.errors import UserError
+from egad.grippers import ANTIPODAL
 
 
 def wrong_references(settings: Settings) -> list[str]:
@@ -31,6 +32,7 @@ def wrong_references(settings: Settings) -> list[str]:
         *_unknown_in_release(settings),
         *_wrong_kind("targets.detectors", settings.targets.detectors, settings),
         *_wrong_kind("targets.clutter", settings.targets.clutter, settings),
+        *_impossible_targets(settings),
     ]
     evolved = [name for name, data in settings.datasets.items() if data.source == "evolved"]
     if len(evolved) > 1:
@@ -60,6 +62,26 @@ def _wrong_kind(key: str, detectors: Iterable[str], settings: Settings) -> list[
                 check_gripper(settings.detectors[name].name, settings.grippers[hand])
             except UserError as error:
                 problems.append(f"{key}: with {hand} of targets.grippers, {error}")
+    return problems
+
+
+def _impossible_targets(settings: Settings) -> list[str]:
+    """A line for each target that a gripper with a suction cup, or its own sampler, cannot have."""
+    hands = {name: settings.grippers.get(name) for name in settings.targets.grippers}
+    cups = [name for name, hand in hands.items() if hand and hand.cup]
+    own = [name for name, hand in hands.items() if hand and not hand.cup and hand.sampler]
+    problems = [
+        f"targets.{key}: {cup} of targets.grippers has a suction cup; this is for jaws"
+        for key in ("simulated_labels", "agreement", "render")
+        if getattr(settings.targets, key)
+        for cup in cups
+    ]
+    problems += [
+        f"targets.render: {name} of targets.grippers has a sampler of its own; images have "
+        "antipodal grasps"
+        for name in own
+        if settings.targets.render and settings.grippers[name].grasps_with != ANTIPODAL
+    ]
     return problems
 
 

@@ -58,10 +58,11 @@ class Grasps:
         if not len(self):
             return {}
         widths = 1000 * self.widths
+        of_jaws = {"widths": f"{widths.min():.1f} to {widths.max():.1f} mm"} if widths.any() else {}
         return {
             "collision-free": str(np.count_nonzero(self.collision_free)),
-            "without slip": str(np.count_nonzero(self.quality)),
-            "widths": f"{widths.min():.1f} to {widths.max():.1f} mm",
+            "without slip" if of_jaws else "that hold": str(np.count_nonzero(self.quality)),
+            **of_jaws,
             "best quality": f"{self.quality.max():.3g}",
         }
 

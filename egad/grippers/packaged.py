@@ -52,6 +52,7 @@ def packaged_settings(name: str) -> dict[str, Any]:
     packages = " or ".join(package for package, _, _ in hand.sources)
     raise UserError(
         f"the gripper {name} is read from the Python package {packages}, which is not installed or "
-        f"lacks the file {hand.sources[0][2]}; install it, or give a file of your own: "
+        f"lacks the file {hand.sources[0][2]}: pip install {hand.sources[0][0]}, or give a file of "
+        f"your own: "
         f"grippers: {{{name}: {{file: ...}}}}"
     )

@@ -124,7 +124,7 @@ def _modelled(spec: mujoco.MjSpec, path: Path, choices: Choices) -> tuple[Grippe
         return _with_one_jaw(mechanism, jaw, choices), []
     sides = find_sides(mechanism, chains)
     if choices.closing_axis is not None:
-        sides = _along(sides, np.array(choices.closing_axis))
+        sides = _along(sides, _unit(choices.closing_axis))
     stroke = find_stroke(mechanism, sides, choices.pad_links)
     model = _tabulated(mechanism, sides, stroke, _frame(mechanism, sides, stroke, choices))
     return model, mechanism.joints_beyond_limits(stroke.positions)
@@ -168,10 +168,16 @@ def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperM
     jaws = JawSolids(mechanism, body, static)
     closing, points = jaws.facing.axis, jaws.facing.points
     if choices.closing_axis is not None:
-        closing = np.array(choices.closing_axis) / np.linalg.norm(choices.closing_axis)
+        closing = _unit(choices.closing_axis)
     behind, joint = jaws.middle, mechanism.driven[0]
     if description.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE:
         behind = mechanism.anchor(joint, mechanism.middle())
+        turn = float(np.ptp(mechanism.ranges()[0]))
+        if turn > 2 * np.pi:
+            raise UserError(
+                f"the joint {joint_name(description, joint)} turns by {turn:.3g} rad, more than "
+                "once around; limits of turning joints are in radians"
+            )
     ahead = points.mean(axis=0) - behind
     z = _towards(mechanism, mechanism.middle(), closing, ahead, choices)
     frame = JawFrame(closing, np.cross(z, closing), z)
@@ -207,9 +213,17 @@ def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperM
     )
 
 
+def _unit(axis: Place) -> Floats:
+    """A closing axis that was given, as a unit vector."""
+    vector = np.array(axis, dtype=np.float64)
+    length = float(np.linalg.norm(vector))
+    if not length > SHORT:
+        raise UserError(f"closing_axis {list(axis)} has no direction")
+    return np.asarray(vector / length)
+
+
 def _along(sides: Sides, axis: Floats) -> Sides:
-    """The same fingers with a closing axis that was given."""
-    axis = axis / np.linalg.norm(axis)
+    """The same fingers with a closing axis that was given, a unit vector."""
     if axis @ sides.axis < 0:
         return Sides((sides.links[1], sides.links[0]), axis, sides.signs)
     return sides._replace(axis=axis)

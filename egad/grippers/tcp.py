@@ -52,14 +52,21 @@ def tcp_poses(gripper: Gripper, poses: ArrayLike, widths: ArrayLike, convention:
         convention: Its name.
 
     Raises:
-        UserError: There is no such convention, or both jaws of the hand move.
+        UserError: There is no such convention, the shapes do not fit, or both jaws of the hand
+            move.
     """
     check_name("convention", convention, CONVENTIONS)
     if model_of(gripper).lever is None:
         raise UserError("both fingers of this gripper move: it has no fixed jaw")
+    given, apart = np.asarray(poses, float), np.asarray(widths, float)
+    if apart.ndim != 1 or given.shape != (len(apart), 4, 4):
+        raise UserError(
+            "poses must have the shape (n, 4, 4) and widths (n,); "
+            f"got {given.shape} and {apart.shape}"
+        )
     frames = [
         pose @ _frame(gripper, float(width), convention)
-        for pose, width in zip(np.asarray(poses, float), np.asarray(widths, float), strict=True)
+        for pose, width in zip(given, apart, strict=True)
     ]
     return np.array(frames).reshape(-1, 4, 4)
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
-from egad.errors import RejectedError
+from egad.errors import NoGraspError, RejectedError
 from egad.geometry import RayCaster, bounding_box, box_sides, check_mesh, scale_factor
 from egad.grasps import (
     ContactPairs,
@@ -250,10 +250,10 @@ class _RatedGrasps:
                 robust=settings.robust,
                 density=settings.density,
             ).quality
-        except RejectedError:
+        except NoGraspError:
             if not len(self):
                 raise
-            quality = np.zeros(candidates if settings.gripper.cup else 0)
+            quality = np.zeros(candidates if settings.gripper.grasps_with == SUCTION else 0)
         self._sample.extend(quality, exact=True)
 
     def _add(self, grasps: ContactPairs, tally: SamplingStatistics) -> None:

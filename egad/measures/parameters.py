@@ -213,3 +213,5 @@ class SizeEffectParameters(ParameterGroup):
     size_effect: SizeEffect
     sampling: Sampling
     quality: Quality
+    robust: Robust  # of suction cups
+    density: float = Material().density  # of the object, kg/m3, for suction cups

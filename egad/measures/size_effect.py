@@ -11,12 +11,16 @@ import numpy as np
 import pandas as pd
 import trimesh
 
+from egad._util.arrays import Floats
+from egad.errors import NoGraspError
 from egad.geometry import RayCaster, box_sides
 from egad.grasps import ferrari_canny, sample_contacts
+from egad.grippers import ANTIPODAL
 from egad.measures.graspability import center_of_mass
 from egad.measures.parameters import SizeEffectParameters
 from egad.measures.percentile import percentile
 from egad.random import generator
+from egad.samplers import draw_grasps
 from egad.tables.grasping import SIZE_EFFECT
 
 
@@ -24,7 +28,7 @@ def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters
     """Sample and rate grasps of an object at several sizes.
 
     The object is scaled until the smallest side of its minimum-volume box is the fraction of the
-    opening. Grasps without quality count as zeros.
+    opening. Grasps without quality count as zeros. They are those of the gripper's sampler.
 
     Args:
         mesh: The object, closed, its triangles winding outwards, in any unit: its own size does not
@@ -57,9 +61,24 @@ def _rated(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> Iterator[dict[str, Any]]:
     """What was found at one size, one row per percentile."""
-    wanted = settings.size_effect
+    antipodal = settings.gripper.grasps_with == ANTIPODAL
+    qualities, candidates, possible = (_antipodal if antipodal else _others)(caster, settings, rng)
+    for percent in settings.size_effect.percentiles:
+        yield {
+            "candidates": candidates,
+            "possible": possible,
+            "grasps": len(qualities),
+            "percentile": percent,
+            "quality": percentile(qualities, percent) if len(qualities) else np.nan,
+        }
+
+
+def _antipodal(
+    caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
+) -> tuple[Floats, int, int]:
+    """Qualities of antipodal grasps, the number of candidates, and of those that are possible."""
     grasps, tally = sample_contacts(
-        caster, settings.gripper.opening, wanted.grasps, settings.sampling, rng
+        caster, settings.gripper.opening, settings.size_effect.grasps, settings.sampling, rng
     )
     qualities = ferrari_canny(
         grasps.points,
@@ -68,14 +87,28 @@ def _rated(
         center_of_mass(caster.mesh),
         **settings.quality.model_dump(),
     )
-    for percent in wanted.percentiles:
-        yield {
-            "candidates": tally.tried,
-            "possible": tally.tried - tally.too_wide - tally.not_antipodal - tally.blocked,
-            "grasps": len(grasps),
-            "percentile": percent,
-            "quality": percentile(qualities, percent) if len(grasps) else np.nan,
-        }
+    possible = tally.tried - tally.too_wide - tally.not_antipodal - tally.blocked
+    return qualities, tally.tried, possible
+
+
+def _others(
+    caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
+) -> tuple[Floats, int, int]:
+    """The same of another sampler; a cup that does not seal has the quality 0."""
+    wanted = settings.size_effect.grasps
+    try:
+        quality = draw_grasps(
+            caster.mesh,
+            center_of_mass(caster.mesh),
+            settings.gripper,
+            wanted,
+            rng,
+            robust=settings.robust,
+            density=settings.density,
+        ).quality
+    except NoGraspError:
+        quality = np.empty(0)
+    return quality, wanted, len(quality)
 
 
 def summarize(table: pd.DataFrame) -> pd.DataFrame:

@@ -41,6 +41,8 @@ def cup_facts(cup: SuctionCup) -> dict[str, str]:
 def cup_entry(name: str, gripper: Gripper) -> str:
     """The entry of a configuration for a gripper with a cup, as YAML."""
     entry = gripper.model_dump(mode="json", include={"cup", "opening"})
+    if gripper.sampler:
+        entry["sampler"] = gripper.sampler
     return yaml.safe_dump({"grippers": {name: entry}}, sort_keys=False)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from egad._util.arguments import check_array, check_number
 from egad._util.arrays import Flags, Floats
 from egad._util.parameters import from_arguments
-from egad.errors import RejectedError, UserError, most_common
+from egad.errors import NoGraspError, UserError, most_common
 from egad.geometry import Material, RayCaster, box_sides, check_solid, mass_properties
 from egad.grasps import blocked_turns, hand_poses, swallowed, vectors
 from egad.grippers import Part, SuctionCup
@@ -81,7 +81,7 @@ def sample_suction(
     weights = np.broadcast_to(weights, origins.shape)
     seals = seal_cups(caster, cup, origins, frames)
     if not seals.sealed.any():
-        raise RejectedError(_why_none_seals(mesh, cup, seals))
+        raise NoGraspError(_why_none_seals(mesh, cup, seals))
     quality = robust_suction_quality(
         caster,
         cup,

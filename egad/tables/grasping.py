@@ -193,15 +193,16 @@ SIZE_EFFECT = pa.schema(
         column("name", STRING, "name in the evaluation set, or name of the mesh file"),
         column("fraction", FLOAT, "smallest side of the minimum-volume box over the opening"),
         column("repeat", INT, "number of the repetition, each with other random numbers"),
-        column("candidates", INT, "number of candidate axes sampled"),
+        column("candidates", INT, "number of candidates sampled"),
         column(
             "possible",
             INT,
-            "of these, reached and held by the open fingers, similar ones included",
+            "of these, reached and held by the open fingers, similar ones included; those that "
+            "another sampler gives",
         ),
         column("grasps", INT, "number of grasps that the percentiles were computed from"),
         column("percentile", FLOAT, "percentile of the quality", "%"),
-        column("quality", FLOAT, "Ferrari-Canny quality at this percentile; null without grasps"),
+        column("quality", FLOAT, "quality at this percentile; null without grasps"),
     ]
 )
 

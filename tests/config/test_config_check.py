@@ -98,6 +98,7 @@ def test_every_problem_has_one_line():
             "(widest opening, metres; with a file, that of the hand; with a cup, that of jaws that "
             "objects would be scaled alike for (0.08))",
         ),
+        ({"grippers": {"so101": 5}}, "grippers.so101: 5 is not allowed"),
         ({"grippers": {"a": {"opening": 1, "palm": [1, 2]}}}, "grippers.a.palm.2: is missing"),
         ({"similarity": {"ranges": 100}}, "allowed: 16 or 32 or 64 or 128 or 256"),
         ({"grasps": 3}, "grasps: unknown key; did you mean evolution.grasps?"),
@@ -124,6 +125,17 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
         (
             {"targets": {"grippers": ["cup_30mm"], "detectors": ["labels", "random"]}},
             "targets.detectors: with cup_30mm of targets.grippers, the detector random is for jaws",
+        ),
+        (
+            {
+                "grippers": {"mine": {"opening": 0.05, "sampler": "mine.py:sample"}},
+                "targets": {"grippers": ["mine"], "render": True},
+            },
+            "targets.render: mine of targets.grippers has a sampler of its own; images have",
+        ),
+        (
+            {"targets": {"grippers": ["cup_30mm"], "detectors": [], "render": True}},
+            "targets.render: cup_30mm of targets.grippers has a suction cup; this is for jaws",
         ),
         (
             {"targets": {"clutter": ["suction-cloud"]}},

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from described_hands import jaw_urdf
 from PIL import Image
 
 pxr = pytest.importorskip("pxr")
@@ -17,6 +18,8 @@ from egad.errors import UserError  # noqa: E402
 from egad.exchange import NamedGripper, sources, write_format  # noqa: E402
 from egad.exchange.grasps.simready import write  # noqa: E402
 from egad.exchange.parameters import AllObjects  # noqa: E402
+from egad.grippers import Gripper  # noqa: E402
+from egad.grippers.hand import JAW_CLEARANCE  # noqa: E402
 from egad.tables import parquet  # noqa: E402
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS  # noqa: E402
 
@@ -219,6 +222,23 @@ def test_the_validators_of_usd_have_no_complaint(stages):
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
     for stage in stages.values():
         assert UsdValidation.ValidationContext(validators).Validate(stage) == []
+
+
+def test_a_fixed_jaw_has_its_end_of_a_line_before_the_first_contact(made, labelled, tmp_path):
+    hand = Gripper.from_file(jaw_urdf(tmp_path / "hand.urdf"))
+    rows = labelled[labelled["label"] == "B01_0"].assign(simulated_success=True)
+    write(tmp_path, "ell", made, rows, NamedGripper("hand", hand))
+    rows = rows.set_index("grasp")
+    stage = open_prop(tmp_path, "ell")
+    for curve in lines_of(stage):
+        row = rows.loc[grasp_of(curve)]
+        start, end = ends_of(curve)
+        axis, contact = (
+            row[[f"{name}_{part}" for part in "xyz"]].to_numpy(float)
+            for name in ("axis", "contact0")
+        )
+        np.testing.assert_allclose(start, contact - JAW_CLEARANCE * axis, atol=2e-5)
+        np.testing.assert_allclose(end - start, hand.opening * axis, atol=1e-7)
 
 
 def test_missing_labels_are_no_success(made, labelled, tmp_path):

@@ -217,6 +217,10 @@ BAD = {
         "its jaws never face each other",
     ),
     "no limits": ({'type="revolute"': 'type="continuous"'}, "the joint swing has no limits"),
+    "degrees": (
+        {f'lower="{-0.1745}" upper="{1.7453}"': 'lower="-10" upper="100"'},
+        "the joint swing turns by 110 rad, more than once around; limits .* in radians",
+    ),
     "cannot move": (
         {'lower="-0.1745"': 'lower="2"'},
         "the joint swing cannot move: its lower limit is above its upper one",

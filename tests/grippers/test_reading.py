@@ -291,6 +291,7 @@ def test_three_fingers_are_refused(tmp_path):
         (Choices(pad_links=("left", "no")), "no link 'no'"),
         (Choices(pad_links=("left", "left")), r"links left looks at one of the links \(none\)"),
         (Choices(approach_axis=(1.0, 0.0, 0.0)), "approach is along its closing axis"),
+        (Choices(closing_axis=(0.0, 0.0, 0.0)), r"closing_axis \[0.0, 0.0, 0.0\] has no direction"),
     ],
 )
 def test_wrong_choices_are_named(tmp_path, choices, words):

@@ -72,6 +72,9 @@ def test_no_grasps_have_no_poses(hand):
 def test_what_has_no_such_point_is_told(hand, poses, tmp_path):
     with pytest.raises(UserError, match="convention 'tip' is not known"):
         tcp_poses(hand, poses, WIDTHS, "tip")
+    for wrong in ((poses[0], WIDTHS), (poses, WIDTHS[:1])):
+        with pytest.raises(UserError, match=r"poses must have the shape \(n, 4, 4\)"):
+            tcp_poses(hand, *wrong, "midpoint")
     parallel = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
     with pytest.raises(UserError, match="both fingers of this gripper move"):
         tcp_poses(parallel, poses, WIDTHS, "midpoint")

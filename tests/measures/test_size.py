@@ -30,6 +30,16 @@ def test_there_is_a_row_for_every_size_repetition_and_percentile(brick):
     assert (brick["grasps"] <= np.minimum(brick["possible"], 60)).all()
 
 
+def test_grasps_are_those_of_the_grippers_sampler():
+    """A cup of 30 mm seals nowhere on a face of 24 mm, and holds larger cubes in the middle."""
+    settings = select(Settings(size_effect=WANTED), SizeEffectParameters, "cup_30mm")
+    found = size_effect(trimesh.creation.box([1.0, 1.0, 1.0]), "cube", settings)
+    upper = found[found["percentile"] == 85].groupby("fraction")["quality"]
+    assert upper.max().isna().tolist() == [True, False, False, False]
+    assert 0 < upper.min()[0.9] <= upper.max().max() <= 1
+    assert (found["candidates"] == 60).all()
+
+
 def test_percentiles_ascend(brick):
     for _, group in brick.dropna().groupby(["fraction", "repeat"]):
         assert group.sort_values("percentile")["quality"].is_monotonic_increasing

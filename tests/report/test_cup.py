@@ -4,7 +4,7 @@ from typer.testing import CliRunner
 
 import egad
 from egad.cli.commands import app
-from egad.report.cup import cup_facts, cup_page, spring_shapes
+from egad.report.cup import cup_entry, cup_facts, cup_page, spring_shapes
 from egad.suction import limits, resists
 
 CUP = egad.SuctionCup(radius=0.01, height=0.025, sides=12, vacuum_force=20, friction=0.4)
@@ -33,6 +33,7 @@ def test_facts_and_page_name_the_cup():
     assert facts["pull along the axis"] == "20 N (2.04 kg)"
     assert facts["force across the axis"].startswith("4.62 N")  # 0.4 * 20 / sqrt(3)
     page = cup_page("mine", egad.Gripper(cup=CUP), CUP)
+    assert "sampler: mine.py:f" in cup_entry("mine", egad.Gripper(cup=CUP, sampler="mine.py:f"))
     assert "The suction cup mine" in page
     assert "default-src 'none'" in page
 

@@ -31,6 +31,7 @@ from egad.exchange.poses import write_poses
 from egad.exchange.simulated import COLUMNS, check_simulated
 from egad.exchange.whole_sets import write_all
 from egad.grasps import Grasps
+from egad.grippers import hand_body
 from egad.tables.columns import vector_names
 
 THUMBNAIL = 256  # pixels along each side
@@ -87,12 +88,18 @@ def write_simready(
 
 
 def _add_lines(stage: Usd.Stage, held: pd.DataFrame, hand: NamedGripper) -> None:
-    """A line for each grasp, between the middles of the pads of the open hand."""
+    """A line for each grasp, between the middles of the pads of the open hand.
+
+    A fixed jaw stands before the first contact, so the middle of that hand is aside.
+    """
     if held.empty:
         return
     scope = UsdGeom.Scope.Define(stage, stage.GetDefaultPrim().GetPath().AppendChild("grasps"))
-    poses = Grasps(held).poses
-    reach = np.multiply.outer([-0.5, 0.5], hand.gripper.opening * poses[:, :3, 0])
+    grasps, opening = Grasps(held), hand.gripper.opening
+    poses, widths = grasps.poses, grasps.widths
+    middles = hand_body(hand.gripper).aside(widths, np.full_like(widths, opening))
+    ends = middles + opening * np.array([[-0.5], [0.5]])
+    reach = ends[:, :, None] * poses[:, :3, 0]
     lines = np.swapaxes(poses[:, :3, 3] + reach, 0, 1)
     for number, (line, row) in enumerate(zip(lines, held.to_dict("records"), strict=True), 1):
         path = scope.GetPath().AppendChild(f"grasp_identifier_{number:03d}")
