@@ -1,26 +1,106 @@
 """Grasps of a mesh, labelled."""
 
+from typing import NamedTuple
+
+import numpy as np
 import pandas as pd
 import trimesh
 from numpy.typing import ArrayLike
 
+from egad._util.arrays import Floats
 from egad._util.parameters import check_count
 from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError
-from egad.geometry import check_units
+from egad.geometry import RayCaster, check_solid, check_units
 from egad.grasps import (
     APPROACH_ANGLES,
     CONE,
     FRICTION,
     Grasps,
     LabelParameters,
+    SamplingStatistics,
     label_parameters,
+    label_poses,
+    rate_grasps,
+    sample_for_labels,
 )
-from egad.grippers import Gripper, as_gripper
+from egad.grippers import ANTIPODAL, SUCTION, Gripper, as_gripper, hand_body
 from egad.measures import center_of_mass
 from egad.meshes import center_or_given
 from egad.random import generator
-from egad.samplers import LabelledGrasps, Labeller
+from egad.samplers import check_sampler, draw_grasps
+from egad.suction import label_cups
+
+
+class LabelledGrasps(NamedTuple):
+    """Labelled grasps of an object.
+
+    Attributes:
+        table: Columns of `tables.grasping.GRASPS` without `id` and `label`; none without grasps.
+        tally: What became of the candidates.
+        reason: Why there is no grasp; empty if there is one.
+    """
+
+    table: pd.DataFrame
+    tally: SamplingStatistics
+    reason: str = ""
+
+
+class Labeller:
+    """Samples the grasps of objects and rates them, as the gripper says.
+
+    Attributes:
+        settings: The gripper, how many grasps, and how to rate them.
+    """
+
+    def __init__(self, settings: LabelParameters) -> None:
+        """Read the hand.
+
+        Raises:
+            UserError: A file of the gripper, or its sampler, cannot be used.
+        """
+        self.settings = settings
+        self._body = None if settings.gripper.cup else hand_body(settings.gripper)
+        check_sampler(settings.gripper)
+
+    def __call__(
+        self, mesh: trimesh.Trimesh, com: Floats, rng: np.random.Generator
+    ) -> LabelledGrasps:
+        """The labelled grasps of an object.
+
+        Args:
+            mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
+            com: (3,) center of mass, metres.
+            rng: Where chance comes from.
+
+        Raises:
+            RejectedError: The mesh is open, bounds no volume or is not finite, no cup seals, or the
+                user's sampler fails.
+            UserError: It is not a mesh, or the user's sampler gives something else than grasps.
+        """
+        check_solid(mesh)
+        settings, caster = self.settings, RayCaster(mesh)
+        gripper, wanted = settings.gripper, settings.grasp_label
+        if self._body is not None and gripper.grasps_with == ANTIPODAL:
+            pairs, tally = sample_for_labels(caster, settings, rng)
+            if not len(pairs):
+                return LabelledGrasps(pd.DataFrame(), tally, f"no grasp ({tally})")
+            return LabelledGrasps(rate_grasps(caster, com, pairs, settings, rng, self._body), tally)
+        poses, widths, quality = draw_grasps(
+            mesh,
+            com,
+            gripper,
+            wanted.grasps,
+            rng,
+            robust=settings.robust,
+            density=settings.density,
+        )
+        if gripper.cup is not None:
+            is_rate = gripper.grasps_with == SUCTION
+            table = label_cups(caster, gripper.cup, poses, quality, is_rate=is_rate)
+        elif self._body is not None:
+            table = label_poses(caster, poses, widths, quality, self._body, wanted.approach_way)
+        return LabelledGrasps(table, SamplingStatistics(tried=wanted.grasps))
 
 
 @phase_if_slow("sampling grasps")

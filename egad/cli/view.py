@@ -124,11 +124,11 @@ def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "GraspScene"
         UserError: The file is not a mesh, or the mesh cannot be repaired.
     """
     from egad.geometry import ENLARGED, rescale, units_doubt
+    from egad.grasping import Labeller
     from egad.io import read_mesh
     from egad.measures import center_of_mass
     from egad.random import generator
     from egad.report.viewer import GraspScene
-    from egad.samplers import Labeller
     from egad.tables import parquet
     from egad.tables.grasping import GRASPS
     from egad.workflow.repair import repaired_mesh

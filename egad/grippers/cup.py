@@ -4,6 +4,7 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
+from egad._util.display import facts_html
 from egad._util.parameters import Length, UserParameters
 
 
@@ -53,3 +54,7 @@ class SuctionCup(UserParameters):
         if isinstance(radius, int | float) and radius > 0:
             return {**values, "height": 2 * radius}
         return values
+
+    def _repr_html_(self) -> str:
+        """All fields, for notebooks."""
+        return facts_html("SuctionCup (metres, newtons)", dict(self))

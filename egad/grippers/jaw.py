@@ -64,14 +64,14 @@ class JawStroke(NamedTuple):
         positions: (k, q) of all joints.
         openings: (k,) gap of the inner faces at the pads, ascending, metres.
         angles: (k,) between them, radians; positive if they are farther apart at the tips.
-        pad: (3,) middle of the fixed pad, in the frame of the palm, metres.
+        fixed_pad: (3,) middle of the fixed pad, in the frame of the palm, metres.
         extent: Breadth and length of the pads, metres.
     """
 
     positions: Floats
     openings: Floats
     angles: Floats
-    pad: Floats
+    fixed_pad: Floats
     extent: Floats
 
 
@@ -286,9 +286,9 @@ def gaps_along(
         (d,) depths beyond the pads and (k, d) gaps of what stands out most near the middle of
         their breadth, metres; NaN where one of the faces is not.
     """
-    length = float(stroke.pad @ frame.approach) - root
+    length = float(stroke.fixed_pad @ frame.approach) - root
     depths = -DEPTH_STEP * np.arange(max(int(length / DEPTH_STEP), 0) + 1)
-    middles = stroke.pad + SKIN * frame.closing + depths[:, None] * frame.approach
+    middles = stroke.fixed_pad + SKIN * frame.closing + depths[:, None] * frame.approach
     points = middles + np.array(BREADTH)[:, None, None] * frame.across
     shape = points.shape[:2]
     behind = jaws.fixed_face(points.reshape(-1, 3), frame).reshape(shape)
@@ -308,16 +308,16 @@ def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
     """
     surfaces = np.concatenate([np.asarray(solid.vertices) for solid in jaws.solids])
     lowest = float((surfaces @ frame.approach).min())
-    start = float(stroke.pad @ frame.approach)
+    start = float(stroke.fixed_pad @ frame.approach)
     depths = np.arange(0.0, start - lowest, GRID)
-    line = stroke.pad + PAD_DEPTH * frame.closing - depths[:, None] * frame.approach
+    line = stroke.fixed_pad + PAD_DEPTH * frame.closing - depths[:, None] * frame.approach
     inside = np.isneginf(jaws.fixed_face(line, frame))
     if not inside.any():
         return lowest
     ahead, behind = (float(depths[inside.argmax() - before]) for before in (1, 0))
     while behind - ahead > SKIN / 10:
         middle = (ahead + behind) / 2
-        point = stroke.pad + PAD_DEPTH * frame.closing - middle * frame.approach
+        point = stroke.fixed_pad + PAD_DEPTH * frame.closing - middle * frame.approach
         if np.isneginf(jaws.fixed_face(point[None], frame)[0]):
             behind = middle
         else:
@@ -396,7 +396,7 @@ def lever_of(jaws: JawSolids, stroke: JawStroke, frame: JawFrame) -> float:
 
     The pads stay at one depth, so it is the same at all openings.
     """
-    contact = stroke.pad + stroke.openings[-1] * frame.closing
+    contact = stroke.fixed_pad + stroke.openings[-1] * frame.closing
     velocities, _ = jaws.mechanism.velocities(stroke.positions[-1], jaws.body, contact[None])
     return float(abs(velocities[0] @ frame.closing))
 

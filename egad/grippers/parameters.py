@@ -188,7 +188,9 @@ class Gripper(UserParameters):
 
     def _repr_html_(self) -> str:
         """All fields that are set, for notebooks."""
-        facts = {name: value for name, value in dict(self).items() if value is not None}
+        known = OF_CUP if self.cup else type(self).model_fields.keys()
+        given = {name: value for name, value in dict(self).items() if name in known}
+        facts = {name: value for name, value in given.items() if value not in (None, "")}
         return facts_html("Gripper (metres, newtons)", facts)
 
     @property

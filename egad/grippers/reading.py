@@ -186,7 +186,7 @@ def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperM
     )
     half = stroke.openings / 2
     pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = frame.matrix, stroke.pad + half[0] * closing
+    pose[:3, :3], pose[:3, 3] = frame.matrix, stroke.fixed_pad + half[0] * closing
     root = jaw_root(jaws, frame, stroke)
     links = jaw_links(jaws, frame, root, static)
     depths, gaps = gaps_along(jaws, frame, stroke, root)

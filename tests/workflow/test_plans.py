@@ -110,7 +110,7 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(copy, settings, rules)
         ("map_elites/variation.py", "LEAST = 0.25", "LEAST = 0.5", EVERYTHING),
         # code
         ("evalset/selection.py", "range(restarts)", "range(1)", {"select_eval"} | AFTER_SELECTION),
-        ("geometry/mass.py", "/ size)", "/ (2 * size))", {"postprocess"} | AFTER_POSTPROCESS),
+        ("geometry/mass.py", "/ size)", "/ (2 * size))", EVERYTHING),  # cups bear the weight
         ("measures/size_effect.py", "opening / side", "opening", AFTER_SIZES),
         ("workflow/job.py", "{twice[0]!r} twice", "{twice[0]!r} two times", set()),
         # columns of tables
@@ -476,7 +476,7 @@ def test_a_wrong_configuration_stops_with_every_problem(clean):
     for line in (
         'seed: "3" is not allowed',
         "evolution.poplation: unknown key; did you mean evolution.population?",
-        "targets.grippers: 'yumy' is not defined; known: egad_75mm",
+        "targets.grippers: 'yumy' is not defined; known: cup_15mm",
     ):
         assert line in said
     assert "Traceback" not in said
