@@ -18,7 +18,7 @@ from egad.grasps import LabelParameters, Quality
 from egad.grippers import Gripper
 from egad.learning import Training
 from egad.map_elites import EvolutionParameters
-from egad.measures import MeasureParameters, MeasureSpace, space_of
+from egad.measures import MeasureParameters, MeasureSpace, SizeEffectParameters, space_of
 from egad.perception import RenderParameters
 from egad.reeb import Similarity
 from egad.sim import (
@@ -210,13 +210,15 @@ def select(
     entries = ("gripper", "map_gripper", "camera", "detector", "density")
     names = [name for name in stage.model_fields if name not in entries]
     values = {name: getattr(settings, name) for name in names}
-    if issubclass(stage, MeasureParameters) and settings.graspability.metric == "nominal":
-        values["robust"] = None
     if "gripper" in stage.model_fields:
         chooses = "select_eval" in values
         own = _narrowest(settings) if chooses else settings.graspability.gripper
         values["gripper"] = settings.grippers[gripper or own]
         cup = values["gripper"].cup is not None
+        # settings that change nothing are left out: stages would run again for them
+        robust = issubclass(stage, MeasureParameters) and settings.graspability.metric == "robust"
+        if issubclass(stage, MeasureParameters | SizeEffectParameters) and not (cup or robust):
+            values["robust"] = None
         if "density" in stage.model_fields:
             values["density"] = settings.material.density if cup else Material().density
         if "space" in stage.model_fields:

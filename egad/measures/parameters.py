@@ -164,7 +164,7 @@ class MeasureParameters(ParameterGroup):
     similarity: Annotated[Similarity, Archived(graspability=False)]
     sampling: Sampling
     quality: Quality
-    robust: Robust | None  # none if the metric is nominal: then its settings do not matter
+    robust: Robust | None  # of cups, or if the metric is robust: else its settings do not matter
     density: float = Material().density  # of the object, kg/m3, for suction cups
 
 
@@ -213,5 +213,5 @@ class SizeEffectParameters(ParameterGroup):
     size_effect: SizeEffect
     sampling: Sampling
     quality: Quality
-    robust: Robust  # of suction cups
+    robust: Robust | None = None  # of suction cups
     density: float = Material().density  # of the object, kg/m3, for suction cups

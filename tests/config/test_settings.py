@@ -8,6 +8,7 @@ from egad.config import DatasetSection, Gripper, Parameters, Settings
 from egad.config.stages import RescaleMeshes, StageSettings, select
 from egad.exchange import FORMATS, settings_class
 from egad.map_elites.parameters import EvolutionParameters
+from egad.measures import MeasureParameters, SizeEffectParameters
 
 
 def sections():
@@ -117,6 +118,18 @@ def test_what_a_stage_gets_is_what_the_configuration_says():
     assert (chosen["evolution"]["population"], chosen["seed"]) == (3, 9)
     assert "trials" not in chosen
     assert EvolutionParameters.model_validate(chosen) == select(settings, EvolutionParameters)
+
+
+def test_perturbed_copies_count_for_cups_and_for_the_robust_metric_alone():
+    settings = Settings.model_validate({"robust": {"samples": 7}})
+    by_metric = Settings.model_validate(
+        {"robust": {"samples": 7}, "graspability": {"metric": "robust"}}
+    )
+    for stage in (MeasureParameters, SizeEffectParameters):
+        assert select(settings, stage, "panda").robust is None
+        assert select(settings, stage, "cup_30mm").robust.samples == 7
+    assert select(by_metric, MeasureParameters, "panda").robust.samples == 7
+    assert select(by_metric, SizeEffectParameters, "panda").robust is None
 
 
 def test_models_are_closed():
