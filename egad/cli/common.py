@@ -161,14 +161,15 @@ def _number(text: str) -> float | None:
         return None
 
 
-def named_gripper(settings: Settings, given: str | None) -> str:
-    """The gripper of the option `--gripper` where results of a run have its name in theirs.
+def named_gripper(settings: Settings, given: str | None) -> tuple[Settings, str]:
+    """The settings with the gripper of `--gripper`, where results of a run have its name in theirs.
 
     Raises:
         UserError: The configuration has none of this name.
     """
-    name = given or settings.targets.grippers[0]
-    return check_name("--gripper", name, settings.grippers, " in the configuration (--config)")
+    settings, name = with_packaged(settings, given), given or settings.targets.grippers[0]
+    check_name("--gripper", name, settings.grippers, " in the configuration (--config)")
+    return settings, name
 
 
 def files_in(paths: Sequence[Path], units: str | None) -> list[Path]:

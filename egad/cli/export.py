@@ -69,8 +69,7 @@ def export(
         _check_made(dataset / file for file in last_files(format_name, gripper, chosen))
     for name in reads.keys() & {"grasps", "simulated_grasps"}:
         reads[name] = grasp_table(dataset, gripper)
-    whole = settings_in(config)
-    named_gripper(whole, gripper)
+    whole, _ = named_gripper(settings_in(config), gripper)
     check_opening(dataset, gripper, whole.grippers[gripper].opening)
     settings = select(whole, settings_class(format_name, chosen), gripper)
     arguments = {"gripper": gripper, "format": format_name, "objects": objects}

@@ -46,8 +46,7 @@ def replay(
 
     path = out or Path(f"{label}-{attempt}.gif")
     check_ending(path, ENDINGS)
-    settings = settings_in(config)
-    hand = named_gripper(settings, gripper)
+    settings, hand = named_gripper(settings_in(config), gripper)
     detector = detector or settings.targets.detectors[0]
     check_name("--detector", detector, settings.detectors, " in the configuration (--config)")
     outcome = film_attempt(
@@ -87,8 +86,7 @@ def film(
 
     path = out or Path(f"{scene}-{number}.gif")
     check_ending(path, ENDINGS)
-    settings = settings_in(config)
-    hand = named_gripper(settings, gripper)
+    settings, hand = named_gripper(settings_in(config), gripper)
     if table is None and detector is None and not settings.targets.clutter:
         raise UserError("--detector is missing: the configuration has no targets.clutter")
     detector = detector or next(iter(settings.targets.clutter), None)

@@ -43,8 +43,7 @@ def verify_trials(
     from egad.workflow.bundled import models_in
     from egad.workflow.verification import gaps, groups_of, verify_groups
 
-    settings = settings_in(config)
-    hand = named_gripper(settings, gripper)
+    settings, hand = named_gripper(settings_in(config), gripper)
     is_clutter = "scene" in parquet.columns(table)
     rows = parquet.read(table, CLUTTER if is_clutter else TRIALS)
     groups = groups_of(rows, sample, settings.seed)

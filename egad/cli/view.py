@@ -61,7 +61,7 @@ def view(
                 raise UserError(
                     f"{option} is for mesh files; the grasps of {item} were made for one size"
                 )
-        name = named_gripper(whole, gripper)
+        whole, name = named_gripper(whole, gripper)
         shown = from_dataset(dataset, name, item, whole.grippers[name].opening)
     else:
         check_unit_known([Path(item)], units)

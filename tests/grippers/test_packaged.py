@@ -5,6 +5,8 @@ from commands import egad as command
 from described_hands import jaw_urdf
 
 import egad
+from egad.cli.common import named_gripper
+from egad.config import Settings
 from egad.config.check import check
 from egad.errors import UserError
 from egad.grippers import GRIPPERS, PACKAGED
@@ -80,3 +82,11 @@ def test_the_command_inspects_it_by_name(tmp_path, monkeypatch):
     assert found.returncode == 0, found.stderr
     assert "gripper-fixed-jaw; jaw" in found.stdout
     assert (tmp_path / "so101.html").exists()
+
+
+def test_results_of_a_run_are_found_by_its_name(installed):
+    settings, name = named_gripper(Settings(), "so101")
+    assert (name, settings.grippers["so101"].file) == ("so101", str(installed))
+    assert named_gripper(Settings(), None) == (Settings(), Settings().targets.grippers[0])
+    with pytest.raises(UserError, match="--gripper 'so100' is not known"):
+        named_gripper(Settings(), "so100")
