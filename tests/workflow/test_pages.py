@@ -39,6 +39,7 @@ SKIPPED = {
     r"snakemake --profile|snakemake --cores 2 --configfile my\.yaml": "needs what a user has",
     r"snakemake --cores 2 release$": "takes an hour",
     r"egad train": "needs PyTorch",
+    r"egad trials (compare|validate) .*robot\.csv": "needs a robot",
     r"egad (view|trials replay) C4": "names a cell that the few objects here do not fill",
 }
 BLOCK = re.compile(
