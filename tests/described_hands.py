@@ -41,6 +41,11 @@ def box_urdf(
     <origin xyz="0 0 {-PANDA["palm"][2] / 2}"/><geometry><box size="{sizes}"/></geometry>
   </collision></link>{side["left"]}{side["right"]}
 </robot>"""
+    return _written(path, text, changes)
+
+
+def _written(path: Path, text: str, changes: dict[str, str] | None) -> Path:
+    """A file with a text, in which some parts are replaced."""
     for old, new in (changes or {}).items():
         assert old in text, old
         text = text.replace(old, new)
@@ -204,11 +209,7 @@ def jaw_urdf(
     <limit lower="{low}" upper="{high}" effort="1" velocity="1"/>
   </joint>
 </robot>"""
-    for old, new in (changes or {}).items():
-        assert old in text, old
-        text = text.replace(old, new)
-    path.write_text(text)
-    return path
+    return _written(path, text, changes)
 
 
 def jaw_gap(angle: float, z: float) -> float:

@@ -8,7 +8,7 @@ from egad.grippers import Gripper, SuctionCup
 from egad.report.hand_shape import Colored, hand_shapes, painted
 from egad.report.page import render_template
 from egad.report.viewer import GraspScene, viewer_data
-from egad.suction import limits
+from egad.suction import limits, ring_vertices
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
@@ -69,8 +69,7 @@ def cup_page(name: str, gripper: Gripper, cup: SuctionCup) -> str:
 
 def spring_shapes(cup: SuctionCup) -> list[Colored]:
     """A bar for each spring of a cup on a flat surface, with colors."""
-    turns = 2 * np.pi * np.arange(cup.sides) / cup.sides
-    ring = cup.radius * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    ring = np.pad(ring_vertices(cup), ((0, 0), (0, 1)))
     apex = np.tile([0.0, 0.0, -cup.height], (cup.sides, 1))
     ends = {
         "perimeter": np.roll(ring, -1, axis=0),

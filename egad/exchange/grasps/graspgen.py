@@ -4,8 +4,9 @@ import hashlib
 import json
 import logging
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import pandas as pd
 import trimesh
@@ -29,7 +30,9 @@ ONE_IN = 10  # objects to validate with
 LEAST_POSITIVE = 5  # an object with fewer is left out by GraspGen's reader
 # Depths of hands that GraspGen itself describes, metres, by our names of them.
 DEPTHS = {"panda": 0.10527314, "robotiq_2f_140": 0.195}
-DESCRIPTION = '''"""A hand for GraspGen; the .py, .yaml and .obj files belong in config/grippers."""
+# for `format`: what it is, and the name of its points
+DESCRIPTION = '''\
+"""A {kind} for GraspGen; the .py, .yaml and .obj files belong in config/grippers."""
 
 from pathlib import Path
 
@@ -39,7 +42,7 @@ import trimesh
 from grasp_gen.robot import load_control_points_core, load_default_gripper_config
 
 HERE = Path(__file__)
-CORNERS = np.asarray(load_control_points_core(load_default_gripper_config(HERE.stem)))
+{points} = np.asarray(load_control_points_core(load_default_gripper_config(HERE.stem)))
 
 
 class GripperModel:
@@ -51,7 +54,8 @@ class GripperModel:
 
     def get_gripper_visual_mesh(self):
         return self.mesh.copy()
-
+'''
+OF_HAND = """
 
 def load_control_points():
     points = np.vstack([CORNERS, np.zeros(3)])
@@ -62,7 +66,7 @@ def load_control_points_for_visualization():
     right, left, right_tip, left_tip = CORNERS
     palm = (right + left) / 2
     return [[right_tip, right, palm, np.zeros(3), palm, left, left_tip]]
-'''
+"""
 
 
 class GraspGenHand(NamedTuple):
@@ -156,31 +160,53 @@ def write_graspgen(
             "contact_locations": labelled.contacts.round(9).tolist(),
         },
     }
-    path = folder / "grasp_data" / hand.name / f"{label}.json"
-    path.write_text(json.dumps(written) + "\n")
-    listed = folder / "splits" / hand.name / f"{split or default_split(label)}.txt"
-    listed.write_text(f"{listed.read_text()}{label}.obj\n")
+    add_object(folder, hand.name, label, written, split)
     return int(held.sum())
 
 
 def start_graspgen(folder: Path, hand: GraspGenHand) -> None:
     """Make the folders of a dataset, empty lists, and the description of the gripper."""
-    for name in ("grasp_data", "splits"):
-        (folder / name / hand.name).mkdir(parents=True)
-    (folder / "objects").mkdir()
-    for split in SPLITS:
-        (folder / "splits" / hand.name / f"{split}.txt").touch()
     about = {
         "width": hand.gripper.opening,
         "depth": hand.depth,
         "transform_offset_from_asset_to_graspgen_convention": [[0.0] * 3, [0.0] * 3 + [1.0]],
         "symmetric_antipodal": not _has_one_jaw(hand.gripper),
     }
+    program = DESCRIPTION.format(kind="hand", points="CORNERS") + OF_HAND
+    start_dataset(folder, hand.name, about, program, _mesh(hand))
+
+
+def start_dataset(
+    folder: Path, name: str, about: Mapping[str, Any], program: str, mesh: trimesh.Trimesh
+) -> None:
+    """Make the folders of a dataset and empty lists, and write what describes a gripper.
+
+    Args:
+        folder: Folder of the dataset.
+        name: Name of the gripper.
+        about: What is known of it, for its YAML file.
+        program: Python that GraspGen runs for it.
+        mesh: Its shape in the frame of the poses, metres.
+    """
+    for each in ("grasp_data", "splits"):
+        (folder / each / name).mkdir(parents=True)
+    (folder / "objects").mkdir()
+    for split in SPLITS:
+        (folder / "splits" / name / f"{split}.txt").touch()
     described = folder / "gripper"
     described.mkdir()
-    (described / f"{hand.name}.yaml").write_text(yaml.safe_dump(about, sort_keys=False))
-    (described / f"{hand.name}.py").write_text(DESCRIPTION)
-    write_obj(_mesh(hand), described / f"{hand.name}.obj")
+    (described / f"{name}.yaml").write_text(yaml.safe_dump(about, sort_keys=False))
+    (described / f"{name}.py").write_text(program)
+    write_obj(mesh, described / f"{name}.obj")
+
+
+def add_object(
+    folder: Path, name: str, label: str, written: Mapping[str, Any], split: Split | None = None
+) -> None:
+    """Write the file of an object, and its name to the list of a split."""
+    (folder / "grasp_data" / name / f"{label}.json").write_text(json.dumps(written) + "\n")
+    listed = folder / "splits" / name / f"{split or default_split(label)}.txt"
+    listed.write_text(f"{listed.read_text()}{label}.obj\n")
 
 
 def _has_one_jaw(gripper: Gripper) -> bool:

@@ -1,6 +1,5 @@
 """GraspGen datasets for suction cups: JSON files of grasps, lists of objects, and the cup."""
 
-import json
 import shutil
 from pathlib import Path
 from typing import Any
@@ -8,14 +7,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import trimesh
-import yaml
 
 from egad._util.arrays import Floats
 from egad._util.files import new_folder
 from egad._util.progress import progress
 from egad.evalset import SimulationObject
 from egad.exchange.grasp_tables import by_object
-from egad.exchange.grasps.graspgen import SPLITS, default_split
+from egad.exchange.grasps.graspgen import DESCRIPTION, add_object, start_dataset
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.geometry import RayCaster
@@ -30,29 +28,7 @@ FOR_CUPS = True
 STANDOFF = 0.001  # metres that GraspGen's cup stays above the surface
 OUTWARDS = np.diag([1.0, -1.0, -1.0, 1.0])  # our z is the approach, theirs the outward normal
 COLUMNS = [name for name in GRASPS.names if name not in ("id", "label")]
-DESCRIPTION = '''"""A cup for GraspGen; the .py, .yaml and .obj files belong in config/grippers."""
-
-from pathlib import Path
-
-import numpy as np
-import torch
-import trimesh
-from grasp_gen.robot import load_control_points_core, load_default_gripper_config
-
-HERE = Path(__file__)
-LINE = np.asarray(load_control_points_core(load_default_gripper_config(HERE.stem)))
-
-
-class GripperModel:
-    def __init__(self, data_root_dir=None):
-        self.mesh = trimesh.load(HERE.with_suffix(".obj"), force="mesh")
-
-    def get_gripper_collision_mesh(self):
-        return self.mesh.copy()
-
-    def get_gripper_visual_mesh(self):
-        return self.mesh.copy()
-
+OF_CUP = """
 
 def load_control_points():
     return torch.from_numpy(np.column_stack([LINE, np.ones(len(LINE))]).T).float()
@@ -60,7 +36,7 @@ def load_control_points():
 
 def load_control_points_for_visualization():
     return [LINE]
-'''
+"""
 
 
 def suction_transforms(grasps: Grasps) -> Floats:
@@ -88,21 +64,13 @@ def described_cup(name: str, cup: SuctionCup) -> dict[str, Any]:
     }
 
 
-def start_dataset(folder: Path, name: str, cup: SuctionCup) -> None:
+def start_suction(folder: Path, name: str, cup: SuctionCup) -> None:
     """Make the folders of a dataset, empty lists, and the description of the cup."""
-    for each in ("grasp_data", "splits"):
-        (folder / each / name).mkdir(parents=True)
-    (folder / "objects").mkdir()
-    for split in SPLITS:
-        (folder / "splits" / name / f"{split}.txt").touch()
-    described = folder / "gripper"
-    described.mkdir()
     top = cup.height + cup.stem_length
     line = [[0.0, 0.0, height] for height in (0.0, cup.height, top)]
     about = described_cup(name, cup) | {"depth": top, "control_points": line}
-    (described / f"{name}.yaml").write_text(yaml.safe_dump(about, sort_keys=False))
-    (described / f"{name}.py").write_text(DESCRIPTION)
-    write_obj(_cup_mesh(cup), described / f"{name}.obj")
+    program = DESCRIPTION.format(kind="cup", points="LINE") + OF_CUP
+    start_dataset(folder, name, about, program, _cup_mesh(cup))
 
 
 def write_suction(
@@ -114,7 +82,7 @@ def write_suction(
     share of perturbed copies that seal and hold.
 
     Args:
-        folder: Folder of the dataset, made by `start_dataset`.
+        folder: Folder of the dataset, made by `start_suction`.
         name: Name of the gripper.
         cup: Its cup.
         label: Label of the object.
@@ -137,9 +105,7 @@ def write_suction(
             "score": grasps.quality.tolist(),
         },
     }
-    (folder / "grasp_data" / name / f"{label}.json").write_text(json.dumps(written) + "\n")
-    listed = folder / "splits" / name / f"{default_split(label)}.txt"
-    listed.write_text(f"{listed.read_text()}{label}.obj\n")
+    add_object(folder, name, label, written)
 
 
 def write(
@@ -149,7 +115,7 @@ def write(
     if (cup := hand.gripper.cup) is None:
         raise ValueError("the gripper has no cup")
     if not (folder / "objects").exists():
-        start_dataset(folder, hand.name, cup)
+        start_suction(folder, hand.name, cup)
     write_obj(made.mesh, folder / "objects" / f"{label}.obj")
     write_suction(folder, hand.name, cup, label, made.mesh, grasps)
 
@@ -172,7 +138,7 @@ def run(settings: GripperFormat, gripper: str, meshes: Path, grasps: Path, out: 
         raise ValueError("the gripper has no cup")
     name = check_key(gripper, "gripper")
     with new_folder(out) as folder:
-        start_dataset(folder, name, cup)
+        start_suction(folder, name, cup)
         labels = {label for rows in parquet.batches(grasps, ["label"]) for label in rows["label"]}
         found = progress(by_object(grasps, COLUMNS), "writing grasps", len(labels))
         for label, rows in found:
