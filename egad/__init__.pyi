@@ -11,6 +11,8 @@ from .evalset.parts import PartsWarning as PartsWarning
 from .exchange.grasp_tables import load_grasps as load_grasps
 from .export import Exported as Exported
 from .export import export as export
+from .failures.atlas import FailureAtlas as FailureAtlas
+from .failures.finding import find_failures as find_failures
 from .geometry.checks import DroppedBodiesWarning as DroppedBodiesWarning
 from .geometry.checks import ScaleWarning as ScaleWarning
 from .geometry.checks import UnitsWarning as UnitsWarning

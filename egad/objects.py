@@ -228,6 +228,17 @@ class Dataset:
         table = self.table.iloc[positions].reset_index(drop=True)
         return Dataset(table, self._archive, self.shape, self._meshes, self._ancestry)
 
+    @property
+    def archive(self) -> pd.DataFrame:
+        """Genomes, voxels and measures of the objects: columns of `tables.evolution.ARCHIVE`.
+
+        Raises:
+            UserError: The objects come from meshes.
+        """
+        if self._archive is None:
+            raise UserError("these objects come from meshes: they have no voxels and no genomes")
+        return self._archive.loc[self.table["id"]].reset_index(drop=True)
+
     @cached_property
     def lineage(self) -> Lineage:
         """Parents, children and families of the objects, by their ids.
@@ -341,6 +352,16 @@ def _ancestry(folder: Path) -> Path:
     """The ancestors of the objects of a folder: its own table, or that of the released objects."""
     path = folder / "ancestry.parquet"
     return path if path.is_file() else released_ancestry()
+
+
+def dataset_of(elites: pd.DataFrame, shape: Shape) -> Dataset:
+    """The objects of a table with the columns of `tables.evolution.ARCHIVE`, and perhaps others.
+
+    Args:
+        elites: One row per object.
+        shape: How their voxels become meshes.
+    """
+    return _from_archive(elites, shape, None)
 
 
 def _from_archive(elites: pd.DataFrame, shape: Shape, ancestry: Path | None) -> Dataset:

@@ -37,6 +37,7 @@ LAYERS = [
         "trials",
         "clearing",
         "benchmark",
+        "failures",
         "export",
     ),
     *("config", "provenance", "workflow", "cli"),

@@ -9,6 +9,9 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import repeat
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Self, TypeVar
 
 T = TypeVar("T")
@@ -25,6 +28,7 @@ MARKS = "EGAD_MARKS"  # set in the environment of the jobs of the workflow
 SLOW = 3.0  # seconds
 BAR_WIDTH, FULL, EMPTY = 20, "\N{FULL BLOCK}", "\N{LIGHT SHADE}"
 WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
+POLLING = 0.5  # seconds between two looks at what other processes have done
 BURST = 0.05  # seconds; what comes within them was done together
 
 
@@ -112,6 +116,47 @@ def progress(
         yield from _lines(items, what, total, scale, state, write, SHORTEST)
     else:
         yield from _lines(items, what, total, scale, state, _write, LONGEST)
+
+
+@contextmanager
+def shared_progress(what: str, total: int) -> Iterator[Path]:
+    """Show how far some work is that is done in other processes, or in calls that take long.
+
+    Args:
+        what: What the work is, e.g. `"attempts"`.
+        total: How much there is to do.
+
+    Yields:
+        The file that `count_done` is given, wherever something is done.
+    """
+    stop = threading.Event()
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "done"
+        file.touch()
+        shown = progress(_counted(file, total, stop), what, total)
+        thread = threading.Thread(target=deque, args=(shown, 0), daemon=True)
+        thread.start()
+        try:
+            yield file
+        finally:
+            stop.set()
+            thread.join()
+
+
+def count_done(file: Path, number: int) -> None:
+    """Add to what is done; several processes may do so at once."""
+    with file.open("ab") as out:
+        out.write(bytes(number))
+
+
+def _counted(file: Path, total: int, stop: threading.Event) -> Iterator[None]:
+    """As many items as the file has bytes, as soon as they are there."""
+    shown, ended = 0, False
+    while shown < total and not ended:
+        ended = stop.wait(POLLING)
+        done = min(file.stat().st_size, total)
+        yield from repeat(None, done - shown)
+        shown = done
 
 
 def phase(what: str) -> None:

@@ -1,7 +1,5 @@
 """The standard benchmark: a detector clears tables."""
 
-import re
-import shlex
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -11,10 +9,14 @@ import typer
 
 from egad.cli.common import (
     CORES,
+    Command,
     Config,
+    DetectorName,
     Jobs,
     Rule,
     Units,
+    Weights,
+    detector_in,
     files_in,
     gripper_in,
     gripper_option,
@@ -28,30 +30,14 @@ FOLDER = Path("benchmark")
 
 if TYPE_CHECKING:
     from egad.benchmark import Benchmark
-    from egad.config import Settings
     from egad.config.stages import ClearedTables
-    from egad.detectors import DetectorConfig
     from egad.named_meshes import NamedMesh
 
 
 def benchmark(
-    detector: Annotated[
-        str,
-        typer.Argument(
-            help="FILE.py, FILE.py:NAME or package.module:NAME; or one of the configuration, such "
-            "as antipodal-cloud"
-        ),
-    ],
-    weights: Annotated[
-        Path | None, typer.Option(help="file of weights that the detector is made with")
-    ] = None,
-    command: Annotated[
-        str | None,
-        typer.Option(
-            help="command of a detector in its own environment, in quotes; DETECTOR is then its "
-            "name in the table"
-        ),
-    ] = None,
+    detector: DetectorName,
+    weights: Weights = None,
+    command: Command = None,
     objects: Annotated[
         str,
         typer.Option(help="evaluation-set, the folder of a dataset, or a folder of mesh files"),
@@ -98,15 +84,14 @@ def benchmark(
     settings = with_option(settings, "--rule", "rescale.rule", rule)
     settings, gripper = gripper_in(settings, gripper)
     check_engine(settings.clutter.engine)
-    name, found = _detector(detector, weights, command, settings)
+    settings, name = detector_in(settings, detector, weights, command)
     path = out or FOLDER / f"{name}.parquet"
     for folder in [films, None if out else FOLDER]:
         if folder is not None:
             folder.mkdir(exist_ok=True)
     check_ending(path, (".parquet",))
     targets, files = _objects(objects, units)
-    whole = settings.model_copy(update={"detectors": {**settings.detectors, name: found}})
-    chosen = select(whole, ClearedTables, gripper, name)
+    chosen = select(settings, ClearedTables, gripper, name)
     arguments = {"objects": Path(objects).name, "rule": settings.rescale.rule}
     with recorded("benchmark", settings=chosen, inputs=files, arguments=arguments):
         result = write_benchmark(chosen, settings.rescale.rule, targets, path, jobs)
@@ -149,23 +134,6 @@ def write_benchmark(
         found = clear_tables(settings.detector, known, settings, jobs)
     parquet.write(found.table, CLUTTER, out)
     return found
-
-
-def _detector(
-    text: str, weights: Path | None, command: str | None, settings: "Settings"
-) -> tuple[str, "DetectorConfig"]:
-    """The detector of a command line, and what it is called."""
-    from egad._util.parameters import from_arguments
-    from egad.detectors import DetectorConfig
-    from egad.plugins import named
-
-    name = re.sub("[^a-z0-9_-]+", "_", Path(text.partition(":")[0]).stem.lower()).strip("_-")
-    given = None if weights is None else str(weights)
-    if command is not None:
-        return name, from_arguments(DetectorConfig, command=shlex.split(command), weights=given)
-    if known := settings.detectors.get(text):
-        return text, known if given is None else known.model_copy(update={"weights": given})
-    return name, from_arguments(DetectorConfig, detector=named(text), weights=given)
 
 
 def _objects(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Path]]:

@@ -12,11 +12,13 @@ from egad.cli.check_config import check_config
 from egad.cli.collage import collage
 from egad.cli.export import export
 from egad.cli.export_meshes import export_meshes
+from egad.cli.failures import failures
 from egad.cli.genome import genome
 from egad.cli.gripper import gripper
 from egad.cli.heatmap import heatmap
 from egad.cli.locate import locate
 from egad.cli.log_sheet import log_sheet
+from egad.cli.matched_set import matched_set
 from egad.cli.measure import measure
 from egad.cli.provenance import provenance, verify
 from egad.cli.rescale import rescale
@@ -32,7 +34,7 @@ GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
         *(genome, export_meshes, bundle, collage, heatmap),
     ),
     "Grasps and grippers": (rescale, view, size_effect, gripper),
-    "Detectors": (benchmark, train, trials, log_sheet),
+    "Detectors": (benchmark, failures, matched_set, train, trials, log_sheet),
     "Files and runs": (export, check_config, provenance, verify),
 }
 

@@ -1,6 +1,8 @@
 """Options that several commands have, and how they are read."""
 
 import os
+import re
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -63,6 +65,24 @@ Jobs = Annotated[
     int, typer.Option("--jobs", min=1, help="cores to use; results do not depend on it")
 ]
 OutFolder = Annotated[Path, out_option("folder to write")]
+DetectorName = Annotated[
+    str,
+    typer.Argument(
+        metavar="DETECTOR",
+        help="FILE.py, FILE.py:NAME or package.module:NAME; or one of the configuration, such as "
+        "antipodal-cloud",
+    ),
+]
+Weights = Annotated[
+    Path | None, typer.Option("--weights", help="file of weights that the detector is made with")
+]
+Command = Annotated[
+    str | None,
+    typer.Option(
+        "--command",
+        help="command of a detector in its own environment, in quotes; DETECTOR is then its name",
+    ),
+]
 TableFile = Annotated[Path | None, out_option("table to write: .parquet or .csv")]
 Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
 ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or `released`")]
@@ -141,6 +161,36 @@ def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:
         raise UserError(f"--gripper {given}: {error}") from error
     name = f"{opening:g} m"
     return settings.model_copy(update={"grippers": {**settings.grippers, name: added}}), name
+
+
+def detector_in(
+    settings: Settings, text: str, weights: Path | None, command: str | None
+) -> tuple[Settings, str]:
+    """The settings with the detector of a command line, and what it is called there.
+
+    Args:
+        settings: The whole configuration.
+        text: As of `DetectorName`.
+        weights: Of `--weights`.
+        command: Of `--command`.
+
+    Raises:
+        UserError: It cannot be found, or takes no weights.
+    """
+    from egad._util.parameters import from_arguments
+    from egad.detectors import DetectorConfig
+    from egad.plugins import named
+
+    name = re.sub("[^a-z0-9_-]+", "_", Path(text.partition(":")[0]).stem.lower()).strip("_-")
+    given = None if weights is None else str(weights)
+    if command is not None:
+        found = from_arguments(DetectorConfig, command=shlex.split(command), weights=given)
+    elif known := settings.detectors.get(text):
+        changed = {} if given is None else {"weights": given}
+        name, found = text, from_arguments(DetectorConfig, **known.model_dump() | changed)
+    else:
+        found = from_arguments(DetectorConfig, detector=named(text), weights=given)
+    return settings.model_copy(update={"detectors": {**settings.detectors, name: found}}), name
 
 
 def with_packaged(settings: Settings, name: str | None) -> Settings:

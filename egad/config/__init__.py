@@ -10,7 +10,6 @@ from egad.config.sections import (
     DatasetSection,
     Postprocess,
     Release,
-    Rescale,
     Schedule,
     Targets,
 )
@@ -19,7 +18,7 @@ from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Region, Shape, Sy
 from egad.detectors import DETECTORS, DetectorConfig
 from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange import Acronym, DexNet
-from egad.geometry import Material
+from egad.geometry import Material, Rescale
 from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training

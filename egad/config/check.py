@@ -67,6 +67,8 @@ def check_engines(settings: Settings) -> Settings:
     simulated = settings.simulated_label, settings.naive_grasp
     for section in (settings.trials, settings.clutter, *simulated):
         check_engine(section.engine)
+    for engine in settings.failures.engines if settings.targets.failures else ():
+        check_engine(engine)
     return settings
 
 

@@ -47,7 +47,8 @@ def _checks(settings: Settings) -> Iterator[tuple[str, Callable[[], object]]]:
             yield f"{key}.mesh", partial(check_readable, [Path(file)])
     for measure in settings.measures.functions().values():
         yield "", partial(source_hash, measure)
-    for name in dict.fromkeys([*settings.targets.detectors, *settings.targets.clutter]):
+    targets = settings.targets
+    for name in dict.fromkeys([*targets.detectors, *targets.clutter, *targets.failures]):
         detector = settings.detectors[name]
         made = detector.weights and is_result(detector.weights)
         if not made or Path(str(detector.weights)).is_file():

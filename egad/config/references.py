@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Mapping
 
 from egad.config.settings import Settings
-from egad.detectors import check_gripper
+from egad.detectors import IN_ANY_DIRECTION, check_gripper
 from egad.errors import UserError
+from egad.failures import check_searchable
 from egad.grippers import ANTIPODAL
 
 
@@ -22,6 +23,7 @@ def wrong_references(settings: Settings) -> list[str]:
         *unknown_names("targets.grippers", settings.targets.grippers, settings.grippers),
         *unknown_names("targets.detectors", settings.targets.detectors, settings.detectors),
         *unknown_names("targets.clutter", settings.targets.clutter, settings.detectors),
+        *unknown_names("targets.failures", settings.targets.failures, settings.detectors),
         *unknown_names("render.camera", [settings.render.camera], settings.cameras),
         *unknown_names("graspability.gripper", [settings.graspability.gripper], settings.grippers),
         *unknown_names(
@@ -33,6 +35,7 @@ def wrong_references(settings: Settings) -> list[str]:
         *_wrong_kind("targets.detectors", settings.targets.detectors, settings),
         *_wrong_kind("targets.clutter", settings.targets.clutter, settings),
         *_impossible_targets(settings),
+        *_impossible_searches(settings),
     ]
     evolved = [name for name, data in settings.datasets.items() if data.source == "evolved"]
     if len(evolved) > 1:
@@ -82,6 +85,37 @@ def _impossible_targets(settings: Settings) -> list[str]:
         for name in own
         if settings.targets.render and settings.grippers[name].grasps_with != ANTIPODAL
     ]
+    return problems
+
+
+def _impossible_searches(settings: Settings) -> list[str]:
+    """A line for each target of a search for failures that there cannot be."""
+    targets = settings.targets
+    if not targets.failures:
+        return []
+    sources = {name: settings.datasets.get(name) for name in targets.datasets}
+    problems = [
+        f"targets.failures: {name} of targets.datasets has the source `{data.source}`, without "
+        "genomes; failures are searched for among evolved objects (`evolved` or `archive`)"
+        for name, data in sources.items()
+        if data and data.source not in ("evolved", "archive")
+    ]
+    hands = {name: settings.grippers.get(name) for name in targets.grippers}
+    for name in targets.failures:
+        detector = settings.detectors.get(name)
+        if detector is None:
+            continue
+        if settings.failures.approach == "above" and detector.detector in IN_ANY_DIRECTION:
+            problems.append(
+                f"targets.failures: {name} asks for more than a view from above, and "
+                "failures.approach is above"
+            )
+        for gripper, hand in hands.items():
+            try:
+                if hand:
+                    check_searchable(detector, hand)
+            except UserError as error:
+                problems.append(f"targets.failures: with {gripper} of targets.grippers, {error}")
     return problems
 
 

@@ -9,12 +9,10 @@ from egad._util.parameters import (
     Length,
     Name,
     Parameters,
-    PositiveFraction,
-    ScaleRule,
     UserPath,
 )
 from egad.exchange import EVALUATION_SET, Format, ObjectFormat, ObjectSet
-from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, OpenSurfaces
+from egad.geometry import SHELL_THICKNESS, OpenSurfaces
 from egad.measures import MAX_CANDIDATES
 
 
@@ -50,20 +48,6 @@ class Postprocess(Parameters):
         SHELL_THICKNESS,
         description="wall thickness of these shells, metres, half on each side of the surface "
         "(open_surfaces: thicken)",
-    )
-
-
-class Rescale(Parameters):
-    """Scaling of objects to a gripper."""
-
-    rule: ScaleRule = Field(
-        "paper",
-        description="paper: smallest side at most `side_fraction` of the opening; egad-script: "
-        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of it; "
-        "none: objects stay as they are",
-    )
-    side_fraction: PositiveFraction = Field(
-        SIDE_FRACTION, description="fraction of the opening that the rule uses"
     )
 
 
@@ -143,6 +127,11 @@ class Targets(Parameters):
     clutter: list[Name] = Field(
         [],
         description="grasp detectors to let clear tables of several objects, from the table below",
+    )
+    failures: list[Name] = Field(
+        [],
+        description="grasp detectors to search failures of: objects of the datasets, or children "
+        "of these, that can be grasped and that the detector does not grasp; from the table below",
     )
     exports: list[Format] = Field(
         [],

@@ -7,7 +7,6 @@ from egad.config.sections import (
     DatasetSection,
     Postprocess,
     Release,
-    Rescale,
     Schedule,
     Targets,
 )
@@ -15,7 +14,8 @@ from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.detectors import DETECTORS, DetectorConfig
 from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange import Acronym, DexNet
-from egad.geometry import Material
+from egad.failures import FailureSearch
+from egad.geometry import Material, Rescale
 from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training
@@ -70,6 +70,7 @@ class Settings(Parameters):
     acronym: Acronym = Acronym()
     trials: TrialProtocol = TrialProtocol()
     clutter: Clutter = Clutter()
+    failures: FailureSearch = FailureSearch()
     simulated_label: SimulatedLabel = SimulatedLabel()
     naive_grasp: NaiveGrasp = NaiveGrasp()
     agreement: LabelAgreement = LabelAgreement()

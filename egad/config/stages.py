@@ -7,13 +7,14 @@ stages that read it and no others.
 from typing import TypeVar
 
 from egad._util.parameters import ParameterGroup
-from egad.config.sections import Postprocess, Release, Rescale
+from egad.config.sections import Postprocess, Release
 from egad.config.settings import Settings
 from egad.cppn import Shape
 from egad.detectors import DetectorConfig
 from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange import DexNet
-from egad.geometry import Material
+from egad.failures import FailureParameters
+from egad.geometry import Material, Rescale
 from egad.grasps import LabelParameters, Quality
 from egad.grippers import Gripper
 from egad.learning import Training
@@ -124,6 +125,12 @@ class ClearedTables(ClutterParameters):
     detector: DetectorConfig
 
 
+class DetectorFailures(FailureParameters):
+    """Search for failures of a grasp detector."""
+
+    detector: DetectorConfig
+
+
 class SimulatedLabels(SimulatedLabelParameters):
     """Simulated labels of the grasps of a gripper."""
 
@@ -207,7 +214,7 @@ def select(
         gripper: Name of the gripper, for stages that read one.
         detector: Name of the grasp detector, for the stage that tries one.
     """
-    entries = ("gripper", "map_gripper", "camera", "detector", "density")
+    entries = ("gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding")
     names = [name for name in stage.model_fields if name not in entries]
     values = {name: getattr(settings, name) for name in names}
     if "gripper" in stage.model_fields:
@@ -227,6 +234,10 @@ def select(
         values["map_gripper"] = settings.grippers[settings.graspability.gripper]
     if "camera" in stage.model_fields:
         values["camera"] = settings.cameras[settings.render.camera]
+    if "labels" in stage.model_fields:
+        values["labels"] = select(settings, LabelParameters, gripper)
+    if "breeding" in stage.model_fields:
+        values["breeding"] = select(settings, EvolutionParameters)
     if "detector" in stage.model_fields:
         values["detector"] = settings.detectors[detector or settings.targets.detectors[0]]
     return stage(**values)

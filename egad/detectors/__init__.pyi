@@ -2,6 +2,7 @@ from .asking import INPUTS as INPUTS
 from .asking import check_views_will_do as check_views_will_do
 from .asking import choose as choose
 from .asking import from_above as from_above
+from .asking import ranked as ranked
 from .asking import seen_by as seen_by
 from .asking import wanted_input as wanted_input
 from .base import SEARCH as SEARCH
@@ -11,12 +12,14 @@ from .base import Grasp as Grasp
 from .base import best_grasp as best_grasp
 from .failures import Failure as Failure
 from .failures import FailureMonitor as FailureMonitor
+from .failures import OnlyFailuresError as OnlyFailuresError
 from .failures import keep_failure as keep_failure
 from .failures import try_to_plan as try_to_plan
 from .ggcnn import GGCNN as GGCNN
 from .labels import Labels as Labels
 from .parameters import DETECTORS as DETECTORS
 from .parameters import FOR_CUPS as FOR_CUPS
+from .parameters import IN_ANY_DIRECTION as IN_ANY_DIRECTION
 from .parameters import SHIPPED_NETWORKS as SHIPPED_NETWORKS
 from .parameters import SHIPPED_WEIGHTS as SHIPPED_WEIGHTS
 from .parameters import DetectorConfig as DetectorConfig
@@ -24,6 +27,8 @@ from .parameters import check_gripper as check_gripper
 from .poses import Detector as Detector
 from .poses import GraspPoses as GraspPoses
 from .poses import PoseGrasp as PoseGrasp
+from .poses import infeasibility as infeasibility
+from .poses import pose_of as pose_of
 from .registry import IN_SCENES as IN_SCENES
 from .registry import QUICK as QUICK
 from .registry import fingerprint as fingerprint
@@ -31,5 +36,6 @@ from .registry import make_detector as make_detector
 from .registry import with_checked_answers as with_checked_answers
 from .subprocess import STARTING_TIME as STARTING_TIME
 from .subprocess import Child as Child
+from .subprocess import asked_for as asked_for
 from .subprocess import opened as opened
 from .vgn import Vgn as Vgn

@@ -3,13 +3,21 @@
 import inspect
 import math
 from collections.abc import Callable
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from egad._util.arrays import Floats, Ints
 from egad.detectors.base import DetectorError, Grasp, first_possible
-from egad.detectors.poses import GraspPoses, PoseGrasp, best_pose, by_score, pose_of
+from egad.detectors.poses import (
+    GraspPoses,
+    PoseGrasp,
+    best_pose,
+    by_score,
+    infeasibility,
+    pose_of,
+)
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
@@ -84,6 +92,36 @@ def choose(
     order = _order(np.array([each.quality for each in answer]), threshold, shuffled)
     best = first_possible((answer[number] for number in order.tolist()), gripper)
     return best if isinstance(best, Outcome) else pose_of(best, gripper)
+
+
+def ranked(
+    answer: list[Grasp] | GraspPoses, gripper: Gripper, most: int
+) -> list[PoseGrasp] | Outcome:
+    """The grasps of an answer that the hand can do, as poses, best first.
+
+    Args:
+        answer: Of a detector.
+        gripper: The hand.
+        most: How many are given, at most.
+
+    Returns:
+        The grasps; or why there is none, as of `best_pose`.
+    """
+    if not isinstance(answer, GraspPoses):
+        chosen = [pose_of(each, gripper) for each in answer]
+        answer = GraspPoses(
+            np.array([each.pose for each in chosen]).reshape(-1, 4, 4),
+            np.array([each.width for each in chosen]),
+            np.array([each.score for each in chosen]),
+        )
+    first = best_pose(answer, gripper)
+    if isinstance(first, Outcome):
+        return first
+    order = by_score(answer.scores).tolist()
+    grasps = (
+        PoseGrasp(answer.poses[i], float(answer.widths[i]), float(answer.scores[i])) for i in order
+    )
+    return list(islice((each for each in grasps if infeasibility(each, gripper) is None), most))
 
 
 def _order(scores: Floats, threshold: float, shuffled: np.random.Generator | None) -> Ints:

@@ -61,6 +61,7 @@ def keep_failure(out: Path) -> Iterator[None]:
     try:
         yield
     except OnlyFailuresError as error:
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(f"{error.failure}\n", encoding="utf-8")
         raise UserError(f"{error}\nThe first failure is kept in {path}") from error
 
@@ -102,7 +103,13 @@ class FailureMonitor:
     """Tells the first failure of a detector, and ends a run in which it does nothing else."""
 
     def __init__(
-        self, total: int, keep_going: bool, what: str = "objects", *, quiet: bool = False
+        self,
+        total: int,
+        keep_going: bool,
+        what: str = "objects",
+        *,
+        quiet: bool = False,
+        remedy: str = "; to go on nevertheless, set keep_going",
     ) -> None:
         """Begin a run.
 
@@ -111,7 +118,9 @@ class FailureMonitor:
             keep_going: Whether the run goes on in any case.
             what: Objects or rounds, for messages.
             quiet: Whether the first failure is told by someone else.
+            remedy: End of the sentence that ends the run.
         """
+        self._remedy = remedy
         self._left, self._keep_going, self._what, self._quiet = total, keep_going, what, quiet
         self._objects = self._attempts = 0  # at which the detector did nothing but fail
         self._worked = False
@@ -140,8 +149,8 @@ class FailureMonitor:
         if self._is_hopeless():
             told = f". Its first failure:\n{self._first}" if self._quiet else ""
             raise OnlyFailuresError(
-                f"the detector failed in all {self._attempts} attempts of {self._asked()}; to go "
-                f"on nevertheless, set keep_going{told}",
+                f"the detector failed in all {self._attempts} attempts of {self._asked()}"
+                f"{self._remedy}{told}",
                 self._first,
             )
 

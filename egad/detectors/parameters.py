@@ -29,6 +29,7 @@ SHIPPED = (
     "vgn",
 )
 FOR_CUPS = ("suction-cloud", "suction-depth")
+IN_ANY_DIRECTION = ("antipodal-cloud", "graspgen", "suction-cloud", "vgn")
 GRASPGEN = "graspgen"  # shipped, but without an address it is nothing
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 

@@ -79,6 +79,13 @@ class Program:
         except (ValueError, TypeError) as error:
             raise DetectorError(f"{self._name}: {error}") from error
 
+    @property
+    def wants(self) -> str:
+        """What the program wants to see: one of `INPUTS`."""
+        if self._process is None:
+            self._start()
+        return self._wants
+
     def _start(self) -> None:
         """Start; if that has worked before, it is no mistake of the user that it fails now."""
         try:

@@ -71,6 +71,14 @@ class Child:
             raise answer
         return answer
 
+    @property
+    def wants(self) -> str:
+        """What the detector wants to see: one of `INPUTS`."""
+        if not self._worker.running:
+            self._start()
+        answer = self._worker(None)
+        return str(answer)
+
     def _start(self) -> None:
         """Start; if that has worked before, it is no mistake of the user that it fails now."""
         try:
@@ -104,15 +112,23 @@ def opened(config: DetectorConfig, limit: float) -> Iterator[Detector]:
         yield child
 
 
+def asked_for(detect: Detector) -> str:
+    """What a detector wants to see, one of `INPUTS`: also one in a process of its own."""
+    return detect.wants if isinstance(detect, Child | Program) else wanted_input(detect)
+
+
 @contextmanager
-def _answering(config: DetectorConfig) -> Iterator[Callable[[Question], Answer]]:
+def _answering(config: DetectorConfig) -> Iterator[Callable[[Question | None], Answer]]:
     """Make the detector, in its own process."""
     detect = make_detector(config)
     wanted_input(detect)
     yield partial(_answer, detect)
 
 
-def _answer(detect: Detector, question: Question) -> Answer:
+def _answer(detect: Detector, question: Question | None) -> Answer:
+    """The answer to a question; to none, what the detector wants to see."""
+    if question is None:
+        return wanted_input(detect)
     seen, gripper, rng = question
     if not isinstance(seen, Observation):
         check_views_will_do(detect)

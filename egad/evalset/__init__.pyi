@@ -21,6 +21,7 @@ from .parameters import Engraving as Engraving
 from .parameters import PrintCheck as PrintCheck
 from .parameters import PrintExport as PrintExport
 from .parameters import SelectEval as SelectEval
+from .parts import PartsWarning as PartsWarning
 from .parts import make_parts as make_parts
 from .parts import measure_parts as measure_parts
 from .parts import warn_if_beyond as warn_if_beyond

@@ -29,7 +29,8 @@ INTRODUCTION = """# Evaluation set of {dataset}
 
 {count} of {cells} cells of the grid are filled. Rows A, B, ... go from easy to hard to grasp,
 columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects on one page.
-{missing}
+{missing}"""
+OBJECTS = """
 | label | object | row | column | complexity, bit | graspability, 1e-3 | distance to the nearest |
 | --- | --- | --- | --- | --- | --- | --- |
 """
@@ -58,6 +59,7 @@ def page(
     empty: list[str],
     grippers: Mapping[str, ForGripper],
     export: PrintExport,
+    introduction: str = "",
 ) -> str:
     """The datasheet as Markdown.
 
@@ -67,17 +69,9 @@ def page(
         empty: Labels of the cells without an object.
         grippers: What is known of the set for each gripper.
         export: How it is printed.
+        introduction: What stands above the tables; by default, what the rows and columns are.
     """
-    borrowed = chosen.loc[chosen["borrowed"].astype(bool), "label"]
-    missing = f"\nNo printable object lies in {' '.join(empty)}.\n" if empty else ""
-    if len(borrowed):
-        missing += (
-            f"\nNone lies in {' '.join(borrowed)} itself: one from a cell beside it stands there.\n"
-        )
-    count = len(chosen)
-    head = INTRODUCTION.format(
-        dataset=dataset, count=count, cells=count + len(empty), missing=missing
-    )
+    head = (introduction or _introduction(dataset, chosen, empty)) + OBJECTS
     rows = [
         f"| {row['label']} | {row['object_label']} | {row['row']} | {row['column']} "
         f"| {row['complexity']:.2f} | {1000 * row['graspability']:.2f} "
@@ -88,6 +82,19 @@ def page(
     tables = [_gripper_section(name, each, names) for name, each in grippers.items()]
     return head + "\n".join(
         [*rows, *tables, REPORTING.format(settings=print_settings(export), attempts=ATTEMPTS)]
+    )
+
+
+def _introduction(dataset: str, chosen: pd.DataFrame, empty: list[str]) -> str:
+    borrowed = chosen.loc[chosen["borrowed"].astype(bool), "label"]
+    missing = f"\nNo printable object lies in {' '.join(empty)}.\n" if empty else ""
+    if len(borrowed):
+        missing += (
+            f"\nNone lies in {' '.join(borrowed)} itself: one from a cell beside it stands there.\n"
+        )
+    count = len(chosen)
+    return INTRODUCTION.format(
+        dataset=dataset, count=count, cells=count + len(empty), missing=missing
     )
 
 

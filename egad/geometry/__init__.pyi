@@ -32,6 +32,7 @@ from .parameters import SIDE_FRACTION as SIDE_FRACTION
 from .parameters import VOLUME_ERROR as VOLUME_ERROR
 from .parameters import Material as Material
 from .parameters import OpenSurfaces as OpenSurfaces
+from .parameters import Rescale as Rescale
 from .precision import in_single_precision as in_single_precision
 from .precision import is_single as is_single
 from .precision import to_single as to_single

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Parameters
+from egad._util.parameters import Parameters, PositiveFraction, ScaleRule
 
 OpenSurfaces = Literal["reject", "thicken"]
 SIDE_FRACTION = 0.8  # of a gripper's opening: the smallest side that scale rules aim at
@@ -19,3 +19,17 @@ class Material(Parameters):
     """Material of the objects."""
 
     density: float = Field(400.0, gt=0, description="kg/m3; printed PLA at 20 % infill: 350-450")
+
+
+class Rescale(Parameters):
+    """Scaling of objects to a gripper."""
+
+    rule: ScaleRule = Field(
+        "paper",
+        description="paper: smallest side at most `side_fraction` of the opening; egad-script: "
+        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of it; "
+        "none: objects stay as they are",
+    )
+    side_fraction: PositiveFraction = Field(
+        SIDE_FRACTION, description="fraction of the opening that the rule uses"
+    )

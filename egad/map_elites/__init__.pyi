@@ -5,8 +5,15 @@ from .archive import Elite as Elite
 from .archive import elites_of as elites_of
 from .archive import merge as merge
 from .archive import ribs_frame as ribs_frame
+from .evaluation import GenomeVoxels as GenomeVoxels
+from .evaluation import Measured as Measured
+from .evaluation import express as express
+from .evolver import evolution_parameters as evolution_parameters
 from .island import Watch as Watch
 from .island import evolve as evolve
 from .parameters import Evolution as Evolution
 from .parameters import EvolutionParameters as EvolutionParameters
 from .rules import rules_of as rules_of
+from .variation import Offspring as Offspring
+from .variation import Parent as Parent
+from .variation import breed as breed

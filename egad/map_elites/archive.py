@@ -26,7 +26,12 @@ from egad.tables.evolution import EPOCH, GENOME
 
 @dataclass(frozen=True, repr=False)
 class Elite:
-    """An object of the archive."""
+    """An object of the archive.
+
+    Attributes:
+        objective: What elites of a cell compete by; of equals the more diverse ones stay. Always 0
+            when objects are evolved for their diversity alone.
+    """
 
     id: str
     genome: Row
@@ -38,6 +43,7 @@ class Elite:
     epoch: int
     graspability_std: float = math.nan
     cell_confidence: float = math.nan
+    objective: float = 0.0
 
     def __repr__(self) -> str:
         measures = f"complexity {self.complexity:.4g}, graspability {self.graspability:.4g}"
@@ -159,8 +165,8 @@ class Archive:
         """Insert objects, then remove elites until every cell fits.
 
         Objects that are already here are passed over. In an overfull cell uncertain elites go
-        first, then the least diverse ones. After each removal the diversities of those that are
-        left in overfull cells are computed again.
+        first, then those of the lowest objective, then the least diverse ones. After each removal
+        the diversities of those that are left in overfull cells are computed again.
 
         Args:
             candidates: The objects.
@@ -214,12 +220,12 @@ class Archive:
         queue = self._crowded(counts)
         heapq.heapify(queue)
         while queue:
-            certain, value, name, index = heapq.heappop(queue)
+            certain, objective, value, name, index = heapq.heappop(queue)
             if counts[self._cells[index]] <= limit:
                 continue
             now = self._neighborhood.diversity(index)
             if now != value:
-                heapq.heappush(queue, (certain, now, name, index))
+                heapq.heappush(queue, (certain, objective, now, name, index))
                 continue
             counts[self._cells[index]] -= 1
             self._remove(index)
@@ -227,15 +233,16 @@ class Archive:
                 queue = self._crowded(counts)
                 heapq.heapify(queue)
 
-    def _crowded(self, counts: Counter[Cell]) -> list[tuple[bool, float, str, int]]:
+    def _crowded(self, counts: Counter[Cell]) -> list[tuple[bool, float, float, str, int]]:
         """Elites of overfull cells with what they are sorted by: the first ones go first."""
         limit, confidence = self.space.elites_per_cell, self.space.confidence
         crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
         values = self._neighborhood.diversities(crowded)
         elites = [self._elites[index] for index in crowded]
         certain = [elite.is_certain(confidence) for elite in elites]
+        objectives = [elite.objective for elite in elites]
         names = [elite.id for elite in elites]
-        return list(zip(certain, values, names, crowded, strict=True))
+        return list(zip(certain, objectives, values, names, crowded, strict=True))
 
     def _remove(self, index: int) -> None:
         del self._ids[self._elites.pop(index).id]

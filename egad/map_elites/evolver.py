@@ -61,7 +61,7 @@ class Evolver:
         Raises:
             UserError: A number is out of bounds; the message says which.
         """
-        settings = _parameters(seed, population, ranges, cells, elites_per_cell)
+        settings = evolution_parameters(seed, population, ranges, cells, elites_per_cell)
         self.archive = Archive(settings.space, settings.similarity)
         self._settings = settings
         self._island = Island(self.archive, settings, 0, 0)
@@ -149,7 +149,7 @@ def evolve(
     """
     if not (measures is None or callable(measures)):
         raise UserError(f"measures is {measures!r}; allowed: a function from a mesh to two numbers")
-    settings = _parameters(seed, population, ranges, cells, elites_per_cell)
+    settings = evolution_parameters(seed, population, ranges, cells, elites_per_cell)
     size, threads = settings.evolution.population, check_count("jobs", jobs)
     steps = -(-check_count("evaluations", evaluations) // size)
     archive = Archive(settings.space, settings.similarity, threads)
@@ -164,8 +164,12 @@ def evolve(
     return archive
 
 
-def _parameters(
-    seed: int, population: int, ranges: tuple[Range, Range], cells: int, elites_per_cell: int
+def evolution_parameters(
+    seed: int,
+    population: int = POPULATION,
+    ranges: tuple[Range, Range] = RANGES,
+    cells: int = SPACE.cells,
+    elites_per_cell: int = SPACE.elites_per_cell,
 ) -> EvolutionParameters:
     """The default parameters of evolution, with those that were given.
 

@@ -2,18 +2,38 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import convolve
 
 from egad.cppn import Row, child, neat_config, random_genome
-from egad.map_elites.archive import Elite
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import MeasureSpace, complexity_cells, difficulty_cells
 from egad.random import entropy, generator
 
 LEAST = 0.25  # weight of a parent that has no empty place around it: it may still be drawn
+
+
+class Parent(Protocol):
+    """What may have children: an elite of an archive."""
+
+    @property
+    def id(self) -> str:
+        """Its name."""
+
+    @property
+    def genome(self) -> Row:
+        """Columns of `tables.evolution.GENOME`."""
+
+    @property
+    def complexity(self) -> float:
+        """Its first measure."""
+
+    @property
+    def graspability(self) -> float:
+        """Its second measure."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +44,7 @@ class Offspring:
     parents: tuple[str, ...]
 
 
-def breed(elites: Sequence[Elite], settings: EvolutionParameters, *index: int) -> list[Offspring]:
+def breed(elites: Sequence[Parent], settings: EvolutionParameters, *index: int) -> list[Offspring]:
     """The offspring of one step.
 
     Parents are sampled from the whole archive, a second one with the crossover probability. If
@@ -52,8 +72,8 @@ def breed(elites: Sequence[Elite], settings: EvolutionParameters, *index: int) -
 
 
 def _parents(
-    elites: Sequence[Elite], settings: EvolutionParameters, rng: np.random.Generator
-) -> list[list[Elite]]:
+    elites: Sequence[Parent], settings: EvolutionParameters, rng: np.random.Generator
+) -> list[list[Parent]]:
     """The parents of each child; none for a random genome."""
     evolution = settings.evolution
     if not elites:
@@ -61,7 +81,7 @@ def _parents(
     chances = (
         _running(parent_odds(elites, settings.space)) if evolution.parents == "sparse" else None
     )
-    drawn: list[list[Elite]] = []
+    drawn: list[list[Parent]] = []
     while len(drawn) < evolution.population:
         parents = [elites[_draw(rng, len(elites), chances)]]
         if rng.random() < evolution.crossover_probability:
@@ -85,7 +105,7 @@ def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | N
     return int(np.searchsorted(chances, rng.random(), side="right"))
 
 
-def parent_odds(elites: Sequence[Elite], space: MeasureSpace) -> NDArray[np.float64]:
+def parent_odds(elites: Sequence[Parent], space: MeasureSpace) -> NDArray[np.float64]:
     """The probability of each of n elites to be a parent, (n,), by the empty slots near it (ours).
 
     The weight of an elite is the number of empty slots in its cell and the eight cells around it,

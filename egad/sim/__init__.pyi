@@ -6,7 +6,9 @@ from .attempts import columns_of as columns_of
 from .attempts import failed_attempts as failed_attempts
 from .attempts import read_attempt as read_attempt
 from .attempts import run_attempts as run_attempts
+from .clutter import ClutterRunner as ClutterRunner
 from .clutter import Propose as Propose
+from .clutter import camera_poses as camera_poses
 from .clutter import proposed_by as proposed_by
 from .clutter import timed as timed
 from .engines import open_world as open_world
@@ -25,6 +27,7 @@ from .labelled_trials import shares as shares
 from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of
+from .model import principal_frame as principal_frame
 from .naive_grasps import naive_outcomes as naive_outcomes
 from .naive_grasps import try_naive_grasps as try_naive_grasps
 from .parameters import ENGINES as ENGINES
@@ -43,10 +46,12 @@ from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import TrialParameters as TrialParameters
 from .parameters import TrialProtocol as TrialProtocol
 from .parameters import check_engine as check_engine
+from .pose_execution import execute_pose as execute_pose
 from .protocols import CUSTOM as CUSTOM
 from .protocols import NAMED_PROTOCOLS as NAMED_PROTOCOLS
 from .protocols import ClutterProtocol as ClutterProtocol
 from .protocols import SceneCameras as SceneCameras
+from .robots import free_hand as free_hand
 from .rounds import Models as Models
 from .rounds import Round as Round
 from .rounds import failed_round as failed_round
@@ -57,6 +62,9 @@ from .rounds import round_name as round_name
 from .rounds import rounds_of as rounds_of
 from .rounds import run_round as run_round
 from .scene_labels import SceneLabels as SceneLabels
+from .scenes import RestingObject as RestingObject
+from .scenes import make_scene as make_scene
+from .scenes import put as put
 from .simulated_labels import SimulatedGrasp as SimulatedGrasp
 from .simulated_labels import chosen_grasps as chosen_grasps
 from .simulated_labels import simulate_labels as simulate_labels
@@ -70,4 +78,5 @@ from .verification import verify_attempts as verify_attempts
 from .verification import verify_rounds as verify_rounds
 from .world import TIME_STEP as TIME_STEP
 from .world import Pose as Pose
+from .world import UnstableError as UnstableError
 from .world import World as World

@@ -26,9 +26,9 @@ from egad.perception import (
 )
 from egad.random import entropy, generator
 from egad.sim.cell_errors import EXACT, Deviation, draw
-from egad.sim.free_hand import ContactRules, execute_pose
 from egad.sim.gripper import Fingers
 from egad.sim.parameters import Clutter
+from egad.sim.pose_execution import ContactRules, execute_pose
 from egad.sim.protocols import ClutterProtocol, SceneCameras
 from egad.sim.scenes import EGAD, WORKSPACE, RestingObject, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World

@@ -74,21 +74,35 @@ def model_of(
         physics: Mass properties of the solid within the surface.
         volume_error: Volume of the parts / volume of the mesh - 1.
     """
+    moments, to_principal = principal_frame(physics)
+    return Model(
+        mesh=mesh.copy().apply_transform(to_principal),
+        parts=tuple(part.copy().apply_transform(to_principal) for part in parts),
+        mass=max(physics.mass, MIN_MASS),
+        solid_mass=physics.mass,
+        inertia=moments,
+        volume_error=volume_error,
+        to_principal=to_principal,
+    )
+
+
+def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
+    """The principal moments of an object of at least 50 g, and where its principal frame lies.
+
+    Args:
+        physics: Mass properties of the solid.
+
+    Returns:
+        Moments about the center of mass, (3,), kg m2; and the transform to the principal frame,
+        (4, 4), as `Model.to_principal`.
+    """
     mass = max(physics.mass, MIN_MASS)
     moments, axes = np.linalg.eigh(physics.inertia * (mass / physics.mass))
     axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])  # right-handed
     to_principal = np.eye(4)
     to_principal[:3, :3] = axes.T
     to_principal[:3, 3] = -axes.T @ physics.com
-    return Model(
-        mesh=mesh.copy().apply_transform(to_principal),
-        parts=tuple(part.copy().apply_transform(to_principal) for part in parts),
-        mass=mass,
-        solid_mass=physics.mass,
-        inertia=moments,
-        volume_error=volume_error,
-        to_principal=to_principal,
-    )
+    return moments, to_principal
 
 
 def build(mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh") -> Model:

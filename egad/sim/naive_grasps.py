@@ -19,11 +19,11 @@ from egad.random import generator
 from egad.sim.arms import Arm, TurningAxis
 from egad.sim.engines import open_world
 from egad.sim.execution import execute
-from egad.sim.free_hand import STEEP, ContactRules, execute_pose
 from egad.sim.gripper import Fingers
 from egad.sim.labelled_trials import float_before_hand
 from egad.sim.model import Model
 from egad.sim.parameters import Lifting, NaiveGraspParameters
+from egad.sim.pose_execution import STEEP, ContactRules, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.scenes import make_scene, put
 from egad.sim.world import UnstableError, World

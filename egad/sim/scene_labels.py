@@ -1,6 +1,6 @@
 """labels: the best labelled grasp of any object in a scene, knowing where all of them are."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -16,8 +16,8 @@ from egad.grippers import BoxBody, Gripper, ModelBody, SuctionCup, body_of
 from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.sim.cup import joined
-from egad.sim.free_hand import STANDOFF
 from egad.sim.model import Model
+from egad.sim.pose_execution import STANDOFF
 from egad.sim.scenes import WORKSPACE, RestingObject
 from egad.sim.world import DOWN
 from egad.suction import collision_free, loads_in_frames, resists, seal_cups
@@ -62,9 +62,14 @@ class SceneLabels:
         (`egad.suction`), it seals, holds the weight and is free of collisions.
         """
         del observation, rng
+        return next(self.possible(present), Outcome.NO_GRASP)
+
+    def possible(self, present: Sequence[RestingObject]) -> Iterator[PoseGrasp]:
+        """The grasps that `__call__` chooses from, best first, found as they are asked for."""
         frames, widths, quality = self._candidates(present)
         if self._gripper.cup is not None:
-            return self._with_cup(self._gripper.cup, frames, quality, present)
+            yield from self._with_cup(self._gripper.cup, frames, quality, present)
+            return
         opening, body = self._gripper.opening, self._body
         hand = body.parts(STANDOFF)
         behind = body.reach(widths) - body.reach(np.array([opening]))
@@ -77,13 +82,10 @@ class SceneLabels:
             chosen, back = frames[numbers], behind[numbers]
             rows = np.ascontiguousarray(chosen[:, :3, :3].transpose(0, 2, 1))
             blocked = blocked_turns(scene, hand, chosen[:, :3, 3], rows, TURNS, behind=back)
-            possible = np.flatnonzero(~blocked.all(axis=1))
-            if len(possible):
-                number = int(possible[0])
+            for number in np.flatnonzero(~blocked.all(axis=1)).tolist():
                 pose = _turned(chosen[number], blocked[number])
                 pose[:3, 3] -= back[number] * pose[:3, 2]  # where the open hand is
-                return PoseGrasp(pose, opening, float(quality[numbers[number]]))
-        return Outcome.NO_GRASP
+                yield PoseGrasp(pose, opening, float(quality[numbers[number]]))
 
     @cached_property
     def _body(self) -> BoxBody | ModelBody:
@@ -91,8 +93,8 @@ class SceneLabels:
 
     def _with_cup(
         self, cup: SuctionCup, poses: Floats, quality: Floats, present: Sequence[RestingObject]
-    ) -> PoseGrasp | Outcome:
-        """The best grasp of a cup in the scene."""
+    ) -> Iterator[PoseGrasp]:
+        """The grasps of a cup in the scene, best first."""
         best = np.argsort(-quality, kind="stable")
         best = best[quality[best] > 0][:MOST]
         owners = np.repeat([each.number for each in present], self._counts(present))[best]
@@ -107,11 +109,8 @@ class SceneLabels:
         good &= collision_free(scene, cup, origins, frames, seals.depths)
         weights = np.array(masses)[:, None] * np.array(DOWN)
         loads = loads_in_frames(origins, frames, weights.reshape(-1, 3), centers)
-        possible = np.flatnonzero(good & resists(cup, loads))
-        if not len(possible):
-            return Outcome.NO_GRASP
-        number = int(best[possible[0]])
-        return PoseGrasp(poses[number], 0.0, float(quality[number]))
+        for number in best[good & resists(cup, loads)].tolist():
+            yield PoseGrasp(poses[number], 0.0, float(quality[number]))
 
     def _counts(self, present: Sequence[RestingObject]) -> list[int]:
         return [len(self._grasps[each.number]) for each in present]

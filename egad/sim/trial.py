@@ -184,15 +184,10 @@ class TrialRunner:
         """
         self._vary(deviation)
         drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
-        ready = self._begin(drop_rng, before)
+        ready = self.begin(drop_rng, before)
         if ready is None:
             return Attempt(Outcome.FAILED)
-        view = self.render_view()
-        if self.trials.depth_noise > 0:
-            view = add_sensor_noise(
-                view, ImageNoise(disparity=self.trials.depth_noise, holes=True), camera_rng
-            )
-        grasp = self._plan(detect, view, detector_rng)
+        grasp = self._plan(detect, self.noisy_view(camera_rng), detector_rng)
         if isinstance(grasp, Failure):
             return Attempt(grasp.outcome, *ready, end=ready.rest, failure=grasp.text)
         if isinstance(grasp, Outcome):
@@ -236,6 +231,15 @@ class TrialRunner:
         """A depth image of the object where it is now."""
         return self.eye.render(self.world.pose().matrix, self.intrinsics, self.camera)
 
+    def noisy_view(self, rng: np.random.Generator) -> View:
+        """The same as the camera of the trials sees it, with its noise."""
+        view = self.render_view()
+        if self.trials.depth_noise == 0:
+            return view
+        return add_sensor_noise(
+            view, ImageNoise(disparity=self.trials.depth_noise, holes=True), rng
+        )
+
     def _vary(self, deviation: Deviation) -> None:
         self.world.mass_factor = deviation.mass
         self.world.friction_factor = deviation.friction
@@ -266,8 +270,16 @@ class TrialRunner:
             lambda: best_grasp(from_above(detect(view, self.gripper, rng)), self.gripper)
         )
 
-    def _begin(self, rng: np.random.Generator, before: Attempt | None) -> Ready | None:
-        """Drop the object, or leave it, until it lies still in the workspace."""
+    def begin(self, rng: np.random.Generator, before: Attempt | None = None) -> Ready | None:
+        """Drop the object, or leave it, until it lies still in the workspace.
+
+        Args:
+            rng: Source of chance.
+            before: The attempt before, if the object goes on from there.
+
+        Returns:
+            None if it never lies still there.
+        """
         mesh = self.world.model.mesh
         left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
         for start in initial_poses(mesh, self.trials.drop_height, left, rng):

@@ -117,6 +117,28 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
         ({"targets": {"datasets": ["other"]}}, "targets.datasets: 'other' is not defined"),
         ({"targets": {"grippers": ["other"]}}, "targets.grippers: 'other' is not defined"),
         ({"targets": {"clutter": ["other"]}}, "targets.clutter: 'other' is not defined"),
+        ({"targets": {"failures": ["other"]}}, "targets.failures: 'other' is not defined"),
+        (
+            {"targets": {"failures": ["labels"]}},
+            "targets.failures: with egad_75mm of targets.grippers, labels knows where objects lie",
+        ),
+        (
+            {"targets": {"failures": ["suction-depth"]}},
+            "targets.failures: with egad_75mm of targets.grippers, the detector suction-depth is "
+            "for suction cups; the gripper has jaws",
+        ),
+        (
+            {"targets": {"failures": ["antipodal-cloud"]}, "failures": {"approach": "above"}},
+            "targets.failures: antipodal-cloud asks for more than a view from above, and "
+            "failures.approach is above",
+        ),
+        (
+            {
+                "datasets": {"shapes": {"source": "primitives", "objects": 9}},
+                "targets": {"datasets": ["shapes"], "failures": ["random"]},
+            },
+            "targets.failures: shapes of targets.datasets has the source `primitives`, without",
+        ),
         ({"graspability": {"gripper": "other"}}, "graspability.gripper: 'other' is not defined"),
         ({"select_eval": {"gripper": "other"}}, "select_eval.gripper: 'other' is not defined"),
         ({"render": {"camera": "other"}}, "render.camera: 'other' is not defined"),
@@ -212,3 +234,8 @@ def test_an_engine_that_is_not_installed_is_named(section, monkeypatch):
     with pytest.raises(UserError, match="pybullet is not installed"):
         check_engines(chosen)
     assert check_engines(check({})) == check({})
+    searched = {"targets": {"failures": ["random"]}}
+    with pytest.raises(UserError, match="pybullet is not installed"):
+        check_engines(check(searched))
+    alone = check({**searched, "failures": {"engines": ["mujoco"]}})
+    assert check_engines(alone) == alone

@@ -94,7 +94,7 @@ def test_every_section_is_read_by_some_stage():
     read = {name for model in ours for name in model.model_fields}
     of_the_workflow = {"shards", "datasets", "targets", "schedule"}
     tables = {"grippers", "cameras", "detectors"}
-    entries = {"gripper", "map_gripper", "camera", "detector", "density"}
+    entries = {"gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding"}
     assert set(Settings.model_fields) - of_the_workflow - tables == read - entries
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from test_clutter import MODELS, from_above, in_turn, knowing, nowhere
-from test_free_hand import CUBE, DOWN, SIDE, UPRIGHT, grasp, stand
+from test_pose_execution import CUBE, DOWN, SIDE, UPRIGHT, grasp, stand
 from worlds import EACH_ENGINE, HAND
 
 from egad.config import GRIPPERS, Bundle
@@ -26,9 +26,9 @@ from egad.sim.clutter import (
     proposed_by,
 )
 from egad.sim.engines import open_world
-from egad.sim.free_hand import ContactRules, execute_pose
 from egad.sim.model import build
 from egad.sim.parameters import Clutter, ClutterParameters, EngineName
+from egad.sim.pose_execution import ContactRules, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.scenes import RestingObject, make_scene
 from egad.sim.world import Pose

@@ -14,8 +14,8 @@ from egad.grasps import label_parameters
 from egad.grippers import BoxBody
 from egad.outcomes import Outcome
 from egad.perception import Observation
-from egad.sim.free_hand import STANDOFF
 from egad.sim.model import Model, build
+from egad.sim.pose_execution import STANDOFF
 from egad.sim.scene_labels import SceneLabels
 from egad.sim.scenes import RestingObject
 from egad.sim.world import Pose

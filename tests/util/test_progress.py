@@ -8,7 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from egad._util import progress as module
-from egad._util.progress import Status, duration, parse_phase, phase, progress, rate_text
+from egad._util.progress import (
+    Status,
+    count_done,
+    duration,
+    parse_phase,
+    phase,
+    progress,
+    rate_text,
+    shared_progress,
+)
 
 
 class Clock:
@@ -74,6 +83,29 @@ def test_the_rate_is_that_of_the_last_minute(clock, capsys):
     list(progress(clock.work([1] * 100 + [4] * 30), "working", 130))
     *_, last = told(capsys)
     assert last.rate == pytest.approx(1 / 4, rel=0.1)
+
+
+def test_work_of_several_is_counted_together(monkeypatch, capsys):
+    monkeypatch.setattr(module, "POLLING", 0.01)
+    with shared_progress("attempts", 30) as file:
+        threads = [threading.Thread(target=count_done, args=(file, 10)) for _ in range(3)]
+        for each in threads:
+            each.start()
+        for each in threads:
+            each.join()
+    first, *_, last = told(capsys)
+    assert (first.what, first.done, last.done, last.total) == ("attempts", 0, 30, 30)
+    assert not file.exists()
+
+
+def test_work_that_does_more_than_was_planned_or_fails_ends_the_display(capsys):
+    with shared_progress("attempts", 5) as file:
+        count_done(file, 7)
+    assert told(capsys)[-1].done == 5
+    with pytest.raises(ValueError, match="broken"), shared_progress("attempts", 5) as file:
+        raise ValueError("broken")
+    assert [each.done for each in told(capsys)] == [0]
+    assert not [each for each in threading.enumerate() if each is not threading.main_thread()]
 
 
 def test_nothing_is_told_of_no_items(capsys):

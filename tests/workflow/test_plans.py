@@ -1,22 +1,26 @@
 """What Snakemake would do: dry runs of a clean checkout and of a finished run."""
 
 import os
+import shutil
 from ast import literal_eval
 
 import pandas as pd
 import pytest
 import trimesh
 from described_hands import PANDA, box_urdf
+from failure_searches import FEW, QUICK
 
 from egad.config import Settings
 from egad.perception.image_shards import read
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
+from egad.tables.failures import EXAMINED
 from egad.tables.grasping import SCALES, SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
 from egad.workflow.shards import shard_of
 
+GRIPPER = "egad_75mm"
 TRIED = {"simulated_trial", "join_trials"}
 AFTER_TRIALS = {"join_trials", "report", "all"}
 AFTER_PRINTS = {"datasheet", "report", "all"}
@@ -542,6 +546,87 @@ def test_tables_are_cleared_if_that_is_asked_for(copy):
     assert 'id="clutter"' in (copy.results / "report.html").read_text(encoding="utf-8")
     changed = copy.overlay("changed.yaml", {"clutter": {"rounds": 3}})
     assert copy.planned(configs=[*configs, changed]) == made
+
+
+SEARCHED = {
+    "search_failures": 2,
+    "join_failures": 1,
+    "explain_failures": 1,
+    "report": 1,
+    "all": 1,
+}
+
+
+def few_failures(checkout, detector="own.py:beside", **changes):
+    """A configuration that asks for failures of a detector of the user's own."""
+    (checkout.folder / "own.py").write_text(
+        "from egad.detectors import Grasp\n\n"
+        "def beside(view, gripper, rng):\n"
+        "    return [Grasp((0.1, 0.1, 0.03), 0.0, gripper.opening, 0.0, 1.0)]\n"
+    )
+    asked = {
+        "targets": {"failures": ["own"]},
+        "failures": FEW | {"attempts": 8} | changes,
+        "detectors": {"own": {"detector": detector}},
+        "bundle": QUICK["bundle"],
+    }
+    return ["config/test.yaml", checkout.overlay("failures.yaml", asked)]
+
+
+def test_failures_are_searched_again_for_what_decides_them(copy):
+    target = f"results/egad/failures/{GRIPPER}/own.parquet"
+    jobs = {"search_failures": 2, "join_failures": 1}
+    assert copy.planned(target, configs=few_failures(copy)) == jobs
+    assert copy.planned(target, configs=few_failures(copy, shards=3)) == jobs | {
+        "search_failures": 3
+    }
+    told = copy.told(target, configs=few_failures(copy))
+    (code,) = {job.params["detector"] for job in told}
+    own = copy.folder / "own.py"
+    configs = few_failures(copy)
+    own.write_text(own.read_text().replace("0.03", "0.02"))
+    (other,) = {job.params["detector"] for job in copy.told(target, configs=configs)}
+    assert code != other
+    given = {job.params["settings"] for job in copy.told(target, configs=few_failures(copy))}
+    assert len(given) == 1
+    assert given != {
+        job.params["settings"]
+        for job in copy.told(target, configs=few_failures(copy, depth_noise=0.2))
+    }
+
+
+@pytest.mark.slow
+def test_failures_are_searched_if_that_is_asked_for(copy):
+    """The same bytes on one core; again once the detector changes."""
+    configs = few_failures(copy)
+    own = copy.folder / "own.py"
+    # the bundle is another one, too
+    assert SEARCHED.items() <= copy.planned(configs=configs).items()
+    copy.make("--cores", 2, configs=configs)
+    assert copy.planned(configs=configs) == {}
+    folder = copy.results / f"egad/failures/{GRIPPER}"
+    tables = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert set(tables) == {f"own{end}.parquet" for end in ("", ".examined", ".attempts")}
+    examined = parquet.read(folder / "own.examined.parquet", EXAMINED)
+    assert set(examined["shard"]) == {0, 1}
+    assert examined["attempts"].sum() >= 8
+    for path in folder.iterdir():
+        path.unlink()
+    shutil.rmtree(copy.results / "egad/parts")
+    target = f"results/egad/failures/{GRIPPER}/own.parquet"
+    copy.make("--cores", 1, target, configs=configs)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == tables
+    own.write_text(own.read_text().replace("0.03", "0.02"))
+    assert copy.planned(target, configs=configs) == {"search_failures": 2, "join_failures": 1}
+
+
+def test_failures_of_meshes_are_no_target(clean):
+    shapes = {"datasets": {"shapes": {"source": "primitives", "objects": 20}}}
+    configs = [clean.overlay("shapes.yaml", shapes)]
+    target = f"results/shapes/failures/{GRIPPER}/random.parquet"
+    status, said = clean.snakemake("--dry-run", "--cores", 2, target, configs=configs)
+    assert status != 0
+    assert "MissingRuleException" in said
 
 
 @pytest.mark.slow

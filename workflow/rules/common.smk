@@ -62,6 +62,7 @@ SHARDS = range(SETTINGS.shards)
 CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
 EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
 IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
+FAILURE_SHARDS = range(SETTINGS.failures.shards)
 ISLANDS = range(SETTINGS.schedule.islands)
 # Some formats need them, e.g. ACRONYM: they say whether a grasp succeeded.
 SIMULATES_LABELS = SETTINGS.targets.simulated_labels or any(

@@ -20,6 +20,7 @@ def published():
     if targets.agreement:
         of_gripper.append("agreement/{gripper}.parquet")
     trials, clutter = (f"{name}/{{gripper}}/{{detector}}.parquet" for name in ("trials", "clutter"))
+    failures = "failures/{gripper}/{detector}.html"
     of_target = [
         "eval49.parquet",
         "eval49.rejected.parquet",
@@ -29,6 +30,7 @@ def published():
         *expand(of_gripper, gripper=targets.grippers),
         *expand(trials, gripper=targets.grippers, detector=targets.detectors),
         *expand(clutter, gripper=targets.grippers, detector=targets.clutter),
+        *expand(failures, gripper=targets.grippers, detector=targets.failures),
     ]
     return [
         "results/comparison.parquet",

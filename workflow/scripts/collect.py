@@ -1,29 +1,18 @@
 """collect: combine the objects of all shards into a dataset with cells, labels, diversities."""
 
 import logging
-from collections import Counter, deque
-from collections.abc import Iterator
-from functools import partial
+from collections import Counter
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
-import trimesh
-from numpy.typing import NDArray
 
-from egad._util.files import atomic_output
-from egad._util.progress import progress
-from egad._util.workers import workers
 from egad.config.stages import CellsAndDiversities
 from egad.errors import UserError, most_common
 from egad.geometry import units_doubt
-from egad.io import write_obj
-from egad.measures import complexity_cells, difficulty_cells, labels
-from egad.reeb import diversities
-from egad.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
 from egad.workflow.job import run_job
+from egad.workflow.objects import arrange, write_meshes
 from egad.workflow.repair import warn_of_shapes
 from egad.workflow.shards import join
 
@@ -62,11 +51,7 @@ def run(
         reasons = most_common(Counter(left_out["reason"]))
         raise UserError(f"{name}: none of {len(left_out)} objects could be used: {reasons}")
     frame = arrange(found, settings, source in ("evolved", "archive"), jobs)
-    with workers(jobs) as mapper, atomic_output(meshes) as folder:
-        folder.mkdir()
-        columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
-        written = mapper(partial(_write, folder), columns)
-        deque(progress(written, "writing meshes", len(frame)), maxlen=0)
+    write_meshes(frame, meshes, jobs)
     if source == "meshes":
         _warn(name, frame, left_out)
     parquet.write(left_out, REJECTED, rejected)
@@ -92,41 +77,6 @@ def _warn(name: str, frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
             *(name, len(left_out), len(frame) + len(left_out), first["id"], first["reason"]),
         )
     warn_of_shapes(frame, f"{name}: ")
-
-
-def arrange(
-    frame: pd.DataFrame, settings: CellsAndDiversities, evolved: bool, threads: int = 1
-) -> pd.DataFrame:
-    """Add cells, diversities and labels; sort by label."""
-    graphs = [reeb.unpack(data) for data in frame["graph"]]
-    space = settings.space
-    frame = frame.assign(
-        complexity_cell=complexity_cells(frame["complexity"], space),
-        difficulty_cell=difficulty_cells(frame["graspability"], space),
-        diversity=diversities(graphs, settings.similarity.weight, space.neighbors, threads, _shown),
-    )
-    if not evolved:
-        return frame.assign(label=frame["id"]).sort_values("label", ignore_index=True)
-    frame = frame.sort_values(
-        ["difficulty_cell", "complexity_cell", "diversity", "id"],
-        ascending=[True, True, False, True],
-        ignore_index=True,
-    )
-    return frame.assign(label=labels(frame["complexity_cell"], frame["difficulty_cell"]))
-
-
-def _shown(batches: list[NDArray[np.int64]]) -> Iterator[NDArray[np.int64]]:
-    return progress(batches, "comparing objects, batches", len(batches))
-
-
-def _write(folder: Path, row: tuple[str, np.ndarray, np.ndarray]) -> None:
-    label, vertices, faces = row
-    write_obj(mesh_of(vertices, faces), folder / f"{label}.obj")
-
-
-def mesh_of(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
-    """The mesh of the flat arrays of a row of `tables.objects.SOLIDS`."""
-    return trimesh.Trimesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), process=False)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ import logging
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,16 +22,13 @@ from egad.cppn import packed_surface
 from egad.errors import RejectedError
 from egad.geometry import joined_primitives
 from egad.io import EVERY_FILE, objects_in, read_mesh
-from egad.measures import measure_repeatably
 from egad.random import generator
-from egad.reeb import graph as reeb
 from egad.tables import parquet
-from egad.tables.columns import inertia_columns
 from egad.tables.evolution import ARCHIVE
 from egad.tables.objects import REJECTED, SOLIDS
 from egad.workflow.job import run_job
-from egad.workflow.repair import repaired_body
 from egad.workflow.shards import in_shard, rejection
+from egad.workflow.solids import solid_row
 
 log = logging.getLogger(__name__)
 PAPER_ESTIMATES = (
@@ -159,35 +155,6 @@ def from_primitives(
 
 def _primitives(seed: int, number: int, longest_side: float) -> trimesh.Trimesh:
     return joined_primitives(generator(seed, "primitives", number), longest_side)
-
-
-def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids) -> dict[str, Any]:
-    """The row of `tables.objects.SOLIDS` of one object.
-
-    Raises:
-        RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
-    """
-    repaired, mass = repaired_body(mesh, settings.postprocess, settings.material.density)
-    solid = repaired.mesh
-    place = measure_repeatably(solid, settings, settings.postprocess.max_candidates)
-    return {
-        "id": object_id,
-        **place._asdict(),
-        "volume": mass.volume,
-        "area": mass.area,
-        "watertight": bool(solid.is_watertight),
-        "repaired": repaired.changed,
-        "shell_thickness": repaired.shell_thickness,
-        "dropped_bodies": repaired.dropped_bodies,
-        "dropped_volume": repaired.dropped_volume,
-        **dict(zip(("extents_x", "extents_y", "extents_z"), solid.extents, strict=True)),
-        **dict(zip(("com_x", "com_y", "com_z"), mass.com, strict=True)),
-        "mass": mass.mass,
-        **inertia_columns(mass.inertia),
-        "vertices": solid.vertices.ravel(),
-        "faces": solid.faces.ravel(),
-        "graph": reeb.pack(reeb.extract(solid, settings.similarity)),
-    }
 
 
 if __name__ == "__main__":

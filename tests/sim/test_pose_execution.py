@@ -11,9 +11,9 @@ from egad.grasps import hand_poses
 from egad.grippers import finger_span
 from egad.outcomes import Outcome
 from egad.sim.engines import open_world
-from egad.sim.free_hand import RETREAT, STANDOFF, ContactRules, FreeHand, execute_pose
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
+from egad.sim.pose_execution import RETREAT, STANDOFF, ContactRules, FreeHand, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.world import Pose, World
 

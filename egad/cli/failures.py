@@ -1,0 +1,167 @@
+"""Failures of a detector: objects that can be grasped, and that it does not grasp."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from egad.cli.common import (
+    CORES,
+    Command,
+    Config,
+    DetectorName,
+    Jobs,
+    Rule,
+    Weights,
+    detector_in,
+    gripper_in,
+    gripper_option,
+    out_option,
+    settings_in,
+    with_option,
+)
+from egad.errors import UserError
+
+if TYPE_CHECKING:
+    from egad.failures import FailureAtlas
+    from egad.objects import Dataset
+
+FILMS = 20
+PAGE = "index.html"
+TABLES = {
+    "failures": "the failures; egad.load reads them as a dataset",
+    "examined": "all objects that were looked at",
+    "attempts": "the attempts",
+}
+
+
+def failures(
+    detector: DetectorName,
+    weights: Weights = None,
+    command: Command = None,
+    gripper: Annotated[str, gripper_option()] = "panda",
+    objects: Annotated[
+        str,
+        typer.Option(help="released, the folder of a dataset of evolved objects, or an archive"),
+    ] = "released",
+    attempts: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="simulated grasps in all, of 0.15 s each; default: failures.attempts"
+        ),
+    ] = None,
+    strategy: Annotated[
+        Literal["evolution", "screening", "mutation", "random"] | None,
+        typer.Option(help="where objects come from; default: failures.strategy"),
+    ] = None,
+    approach: Annotated[
+        Literal["above", "any"] | None,
+        typer.Option(
+            help="grasps straight from above or in any direction; default: failures.approach, or "
+            "what the detector asks for"
+        ),
+    ] = None,
+    depth_noise: Annotated[
+        float | None,
+        typer.Option(help="noise of depth images, pixels; default: failures.depth_noise"),
+    ] = None,
+    engines: Annotated[
+        str | None,
+        typer.Option(
+            help="physics engines, separated by commas, in all of which an object must be a "
+            "failure; default: failures.engines"
+        ),
+    ] = None,
+    rule: Rule = None,
+    films: Annotated[
+        int, typer.Option(min=0, help="of the worst failures, how many the page shows films of")
+    ] = FILMS,
+    out: Annotated[
+        Path | None,
+        out_option(
+            "folder to write, where a search that was cut off goes on; default: failures/DETECTOR"
+        ),
+    ] = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Search for objects at which a grasp detector fails although they can be grasped."""
+    from egad.config.stages import DetectorFailures, select
+    from egad.detectors import keep_failure
+    from egad.failures import check_searchable, search_failures
+    from egad.provenance.record import recorded
+
+    settings = settings_in(config)
+    for key, value in {
+        "attempts": attempts,
+        "strategy": strategy,
+        "approach": approach,
+        "depth_noise": depth_noise,
+        "engines": engines.split(",") if engines else None,
+    }.items():
+        settings = with_option(settings, f"--{key.replace('_', '-')}", f"failures.{key}", value)
+    settings = with_option(settings, "--rule", "rescale.rule", rule)
+    settings, gripper = gripper_in(settings, gripper)
+    settings, name = detector_in(settings, detector, weights, command)
+    check_searchable(settings.detectors[name], settings.grippers[gripper])
+    chosen, files = _objects(objects)
+    settings = settings.model_copy(update={"shape": chosen.shape})
+    found = select(settings, DetectorFailures, gripper, name)
+    folder = out or Path("failures") / name
+    arguments = {"objects": Path(objects).name}
+    with (
+        recorded("failures", settings=found, inputs=files, arguments=arguments),
+        keep_failure(folder / "failures.parquet"),
+    ):
+        atlas = search_failures(chosen.archive, found.detector, found, jobs, folder)
+    if len(atlas):
+        atlas.page(folder / PAGE, films, objects=chosen, jobs=jobs)
+    _tell(atlas, name, folder)
+
+
+def _objects(text: str) -> tuple["Dataset", list[Path]]:
+    """The objects of a command line, and the files that they come from.
+
+    Raises:
+        UserError: There are no such objects, or they come from meshes.
+    """
+    from egad.objects import EVALUATION_SET, RELEASED, load
+
+    try:
+        found = load(text)
+        found.archive  # noqa: B018 (there may be none)
+    except UserError as error:
+        raise UserError(f"--objects {text}: {error}") from error
+    path = Path(text)
+    if text in (RELEASED, EVALUATION_SET):
+        return found, []
+    tables = [path / name for name in ("objects.parquet", "archive.parquet")]
+    return found, tables if path.is_dir() else [path]
+
+
+def _tell(atlas: "FailureAtlas", name: str, folder: Path) -> None:
+    """Print what a search has found, and where it is."""
+    from egad.failures import ObjectVerdict
+
+    words = {
+        ObjectVerdict.DETECTOR_SUCCEEDS: f"{name} succeeds",
+        ObjectVerdict.NOT_GRASPABLE: "not graspable: the reference fails, too",
+        ObjectVerdict.NOT_CONFIRMED: "too little evidence",
+        ObjectVerdict.NOT_PRINTABLE: "not printable",
+        ObjectVerdict.NOT_SIMULATED: "cannot be simulated",
+        ObjectVerdict.NOT_MEASURED: "cannot be measured",
+        ObjectVerdict.CELL_FULL: "not tried: its cell is full of failures",
+        ObjectVerdict.FAILURE: f"graspable, and {name} fails",
+    }
+    counts = atlas.examined["verdict"].value_counts()
+    typer.echo(f"failures of {name}: {len(atlas)}, in {atlas.cells} cells")
+    tried = int((atlas.examined["attempts"] > 0).sum())
+    typer.echo(f"attempts: {int(atlas.examined['attempts'].sum())}, at {tried} objects")
+    typer.echo(f"objects: {len(atlas.examined)}")
+    for verdict, text in words.items():
+        if verdict in counts:
+            typer.echo(f"{counts[verdict]:6} {text}")
+    for table, text in TABLES.items():
+        typer.echo(f"{folder / table}.parquet: {text}")
+    if len(atlas):
+        typer.echo(f"{folder / PAGE}: the same to look at, with films of the worst failures")

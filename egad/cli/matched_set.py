@@ -1,0 +1,95 @@
+"""Failures of a detector with similar objects that it grasps, ready to print."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from egad.cli.common import (
+    CORES,
+    Config,
+    Jobs,
+    OutFolder,
+    check_spare,
+    detector_in,
+    gripper_in,
+    gripper_option,
+    settings_in,
+)
+from egad.cli.log_sheet import log_sheet
+from egad.errors import UserError
+
+if TYPE_CHECKING:
+    from egad.config import Settings
+    from egad.failures import FailureAtlas
+
+
+def matched_set(
+    atlas: Annotated[
+        Path, typer.Argument(help="folder of an atlas of failures, see `egad.find_failures`")
+    ],
+    detector: Annotated[
+        str,
+        typer.Option(help="the detector of the atlas, as in `egad benchmark`"),
+    ],
+    out: OutFolder,
+    weights: Annotated[
+        Path | None, typer.Option(help="file of weights that the detector is made with")
+    ] = None,
+    command: Annotated[
+        str | None,
+        typer.Option(help="command of a detector in its own environment, in quotes"),
+    ] = None,
+    gripper: Annotated[str, gripper_option(opening=False)] = "panda",
+    pairs: Annotated[
+        int, typer.Option(min=1, max=10, help="failures, each with an object that is grasped")
+    ] = 5,
+    attempts: Annotated[
+        int, typer.Option(min=1, help="simulated attempts at each object in each physics engine")
+    ] = 20,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Pair failures with similar objects that are grasped: plates, bundle, datasheet, log sheet."""
+    from egad.failures import FailureAtlas, match_failures
+    from egad.provenance.record import recorded
+    from egad.workflow.matched_set import write_matched_set
+
+    check_spare(out, [atlas / "failures.parquet"], "pairs.parquet")
+    known = FailureAtlas.load(atlas)
+    settings = settings_in(config)
+    settings, hand, name = _of_atlas(known, settings, gripper, detector, weights, command)
+    found = match_failures(
+        known, settings.detectors[name], pairs=pairs, attempts=attempts, jobs=jobs
+    )
+    inputs = [atlas / f"{table}.parquet" for table in ("failures", "examined", "attempts")]
+    arguments = {"gripper": hand, "detector": name, "pairs": pairs, "attempts": attempts}
+    with recorded("matched-set", settings=settings, inputs=inputs, arguments=arguments):
+        write_matched_set(settings, hand, found, name, out, jobs)
+    typer.echo(str(found))
+    if len(found) < pairs:
+        typer.echo(f"fewer pairs than {pairs}: {found.unmatched} failures have no partner")
+    typer.echo(f"what was chosen, and how often each is held: {out / 'eval49/README.md'}")
+    log_sheet(out, name, out=[out / "log.html"], seed=settings.seed, rounds=True)
+
+
+def _of_atlas(
+    atlas: "FailureAtlas",
+    settings: "Settings",
+    gripper: str,
+    detector: str,
+    weights: Path | None,
+    command: str | None,
+) -> tuple["Settings", str, str]:
+    """The settings as the search of an atlas had them, and the names of hand and detector there.
+
+    Raises:
+        UserError: The gripper is another one than that of the search.
+    """
+    settings, hand = gripper_in(settings, gripper)
+    settings, name = detector_in(settings, detector, weights, command)
+    searched = atlas.searched_with()
+    if settings.grippers[hand] != searched.gripper:
+        raise UserError(f"--gripper {gripper}: the failures were found with another gripper")
+    kept = {"seed": searched.seed, "rescale": searched.rescale, "shape": atlas.shape}
+    return settings.model_copy(update=kept), hand, name

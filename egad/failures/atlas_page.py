@@ -1,0 +1,255 @@
+"""The page of an atlas: what its tables say, shapes measured, and attempts filmed again."""
+
+import io
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import trimesh
+from PIL import Image
+
+from egad._util.arrays import RgbImage
+from egad._util.files import as_path, write_text
+from egad._util.parameters import check_count
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.cppn import Shape, packed_surface
+from egad.errors import UserError
+from egad.failures.atlas import FailureAtlas
+from egad.failures.examine import ObjectVerdict, failed_drops
+from egad.failures.features import SHAPE_FEATURES, shape_features, shares
+from egad.failures.parameters import FailureParameters
+from egad.failures.replay import film_attempts
+from egad.failures.search import scaled_to
+from egad.geometry.repair import repair_for_files
+from egad.objects import Dataset, load
+from egad.random import generator
+from egad.report.axes import axis_pair
+from egad.report.failures import AttemptFilm, Example, FeatureShare, SearchText, page, worst
+from egad.report.pictures import png_bytes, render
+from egad.tables import parquet
+
+MOST_SOLVED = 200  # objects that failures are compared with
+EVERY = 2  # frames of the simulation, of which one is kept: 10 a second
+FRAME_TIME, LAST_TIME = 100, 1200  # milliseconds
+QUALITY = 55  # of WebP
+PICTURE = 192  # pixels
+
+
+def write_page(
+    atlas: FailureAtlas,
+    path: str | Path,
+    films: int = 20,
+    *,
+    objects: Dataset | None = None,
+    jobs: int = 1,
+) -> None:
+    """Write an HTML page that explains the failures of a detector; it needs no other file.
+
+    It shows the map of the regret beside that of the dataset, why the detector fails, the outcomes,
+    the features of shape that tell failures from solved objects, and the worst failures with films
+    of the detector and of the reference at the same drop.
+
+    Args:
+        atlas: As `egad.find_failures` returns it, or `FailureAtlas.load`.
+        path: HTML file to write.
+        films: How many of the 20 worst failures have films; about 10 s each.
+        objects: The dataset that the search began with; by default the released objects if it
+            began with some of these, else those that it looked at.
+        jobs: Processes; the page does not depend on them.
+
+    Raises:
+        UserError: The atlas does not say how it was made, or `films` or `jobs` is not allowed.
+    """
+    file = as_path("path", path)
+    if films:
+        check_count("films", films)
+    settings = atlas.settings
+    if settings is None:
+        raise UserError("the atlas does not say with which gripper it was made; load a saved one")
+    chosen = parquet.records(worst(atlas.table, max(films, 20)))
+    attempts = {str(name): rows for name, rows in atlas.attempts.groupby("id", sort=False)}
+    solved = solved_objects(atlas.examined, settings.seed)
+    show = partial(_example, attempts=attempts, settings=settings, shape=atlas.shape)
+    measure = partial(_features, attempts=attempts, settings=settings, shape=atlas.shape)
+    with workers(jobs) as mapper:
+        measured = [
+            pd.DataFrame(
+                progress(mapper(measure, parquet.records(table)), f"measuring {what}", len(table)),
+                columns=list(SHAPE_FEATURES),
+            )
+            for what, table in (("failures", atlas.table), ("solved objects", solved))
+        ]
+        filmed = [(row, number < films) for number, row in enumerate(chosen)]
+        examples = list(progress(mapper(show, filmed), "filming", len(filmed)))
+    text = page(
+        atlas.table,
+        atlas.examined,
+        atlas.attempts,
+        search=_search_text(atlas.detector, settings),
+        dataset=_dataset(atlas.examined, objects),
+        features=_feature_shares(*measured),
+        examples={row["id"]: each for row, each in zip(chosen, examples, strict=True)},
+        space=settings.breeding.space,
+        axes=axis_pair(settings.breeding.measures),
+    )
+    write_text(file, text)
+
+
+def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
+    """At most 200 of the objects at which the detector succeeds, drawn at random.
+
+    Args:
+        examined: Columns of `tables.failures.EXAMINED`.
+        seed: Decides which.
+    """
+    found = examined[examined["verdict"] == ObjectVerdict.DETECTOR_SUCCEEDS]
+    found = found[found["voxels"].map(len) > 0].drop_duplicates("id")
+    order = generator(seed, "solved objects").permutation(len(found))[:MOST_SOLVED]
+    return found.iloc[np.sort(order)]
+
+
+def scaled_mesh(voxels: bytes, settings: FailureParameters, shape: Shape) -> trimesh.Trimesh:
+    """An object as the search tried it, metres.
+
+    Args:
+        voxels: As archives keep them.
+        settings: Gripper and scale rule.
+        shape: How voxels become meshes.
+    """
+    mesh = repair_for_files(packed_surface(voxels, shape)).mesh
+    return scaled_to(mesh, settings)
+
+
+def film_rows(attempts: pd.DataFrame, engine: str) -> pd.DataFrame:
+    """The attempts of detector and reference at the drop that shows a failure best.
+
+    Of the fresh drops at which the reference alone succeeds, it is the first one at which the
+    detector fails by its most frequent outcome there.
+
+    Args:
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
+        engine: The physics engine.
+
+    Returns:
+        The row of the detector, then that of the reference; none without such a drop.
+    """
+    fresh = attempts[(attempts["purpose"] == "confirm") & (attempts["engine"] == engine)]
+    drops = failed_drops(attempts, engine)
+    lost = fresh[(fresh["who"] == "detector") & fresh["drop"].isin(drops)]
+    if lost.empty:
+        return lost
+    usual = lost["outcome"].mode().iloc[0]
+    drop = lost.loc[lost["outcome"] == usual, "drop"].min()
+    pair: pd.DataFrame = fresh[fresh["drop"] == drop]
+    return pair.sort_values("who")
+
+
+def _features(
+    row: dict[str, Any],
+    attempts: Mapping[str, pd.DataFrame],
+    settings: FailureParameters,
+    shape: Shape,
+) -> dict[str, float]:
+    mesh = scaled_mesh(row["voxels"], settings, shape)
+    found = shape_features(mesh, attempts[row["id"]], settings.gripper)
+    return found | {name: row[name] for name in ("complexity", "graspability")}
+
+
+def _example(
+    item: tuple[dict[str, Any], bool],
+    attempts: Mapping[str, pd.DataFrame],
+    settings: FailureParameters,
+    shape: Shape,
+) -> Example:
+    """Picture and films of a failure; films are left out where they are not wanted."""
+    row, with_films = item
+    mesh = scaled_mesh(row["voxels"], settings, shape)
+    picture = png_bytes(render(mesh, PICTURE))
+    rows = film_rows(attempts[row["id"]], settings.failures.engines[0])
+    if rows.empty or not with_films:
+        return Example(picture)
+    tried = rows[rows["pose"].map(len) > 0]
+    try:
+        films = map(animation, film_attempts(mesh, tried, settings))
+    except UserError as reason:
+        return Example(picture, note=f"No films: {reason}.")
+    contents = dict(zip(tried["who"], films, strict=True))
+    return Example(
+        picture,
+        {
+            who: AttemptFilm(outcome, contents.get(who, b""))
+            for who, outcome in zip(rows["who"], rows["outcome"], strict=True)
+        },
+    )
+
+
+def animation(frames: list[RgbImage]) -> bytes:
+    """An animated WebP file of a film, in real time, that shows its end for a while.
+
+    Args:
+        frames: 20 a second.
+    """
+    *kept, last = [Image.fromarray(frame) for frame in [*frames[:-1:EVERY], frames[-1]]]
+    buffer = io.BytesIO()
+    (kept or [last])[0].save(
+        buffer,
+        "webp",
+        save_all=True,
+        append_images=[*kept[1:], last],
+        duration=[*[FRAME_TIME] * max(len(kept), 1), LAST_TIME],
+        loop=0,
+        quality=QUALITY,
+    )
+    return buffer.getvalue()
+
+
+def _feature_shares(failures: pd.DataFrame, solved: pd.DataFrame) -> list[FeatureShare]:
+    """Features as the page shows them; those that explain most come first."""
+    found = []
+    for name, share in shares(failures, solved).items():
+        title, unit, factor, meaning = SHAPE_FEATURES[name]
+        found.append(
+            FeatureShare(
+                title,
+                unit,
+                meaning,
+                factor * share.low,
+                factor * share.high,
+                factor * solved[name].dropna().to_numpy(float),
+                factor * failures[name].dropna().to_numpy(float),
+                share.below,
+                share.above,
+                share.value,
+                (share.ci_low, share.ci_high),
+            )
+        )
+    return sorted(found, key=lambda each: -each.share)
+
+
+def _dataset(examined: pd.DataFrame, objects: Dataset | None) -> pd.DataFrame:
+    """The objects that a search began with, as far as they are known."""
+    looked = examined[examined["source"] == "archive"].dropna(subset=["graspability"])
+    if objects is None:
+        released = load()
+        if not looked["id"].isin(released.table["id"]).any() and len(looked):
+            return looked
+        objects = released
+    return objects.table
+
+
+def _search_text(detector: str, settings: FailureParameters) -> SearchText:
+    hand, search = settings.gripper, settings.failures
+    size = f"{1000 * hand.opening:g} mm"
+    return SearchText(
+        detector,
+        f"jaws that open {size}" if hand.cup is None else f"a suction cup, objects as for {size}",
+        search.approach or "",
+        search.engines,
+        search.least_reference,
+        search.least_regret,
+        search.confidence,
+    )

@@ -1,0 +1,274 @@
+"""A table with one object to try grasps on: dropped, seen by a detector, and grasped.
+
+Grasps from above need a hand on a vertical axis and a camera above (`TrialRunner`); grasps from any
+direction a hand without an arm and six cameras (`ClutterRunner`). Both are used in the same words.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import islice
+from typing import TypeAlias
+
+import numpy as np
+import pandas as pd
+from typing_extensions import override
+
+from egad.detectors import (
+    SEARCH,
+    Detector,
+    Failure,
+    Grasp,
+    GraspPoses,
+    Labels,
+    PoseGrasp,
+    from_above,
+    infeasibility,
+    ranked,
+    seen_by,
+    try_to_plan,
+)
+from egad.grippers import Gripper, tip_reach
+from egad.outcomes import Outcome
+from egad.perception import NoiseName
+from egad.sim import (
+    ARMS,
+    Clutter,
+    ClutterRunner,
+    EngineName,
+    Film,
+    Model,
+    Pose,
+    RestingObject,
+    SceneCameras,
+    SceneLabels,
+    TrialProtocol,
+    TrialRunner,
+    UnstableError,
+    World,
+    camera_poses,
+    execute_pose,
+    free_hand,
+    make_scene,
+    open_world,
+    put,
+)
+
+LEAST_DOWN = np.cos(np.radians(10))  # of the approach of a grasp that is carried out from above
+MOST_PROPOSALS = 10
+Proposals: TypeAlias = list[Grasp] | GraspPoses
+
+
+class Bench(ABC):
+    """A table with one object; what a method gives depends on its arguments alone.
+
+    Attributes:
+        engine: What computes the physics.
+        gripper: The hand.
+    """
+
+    engine: EngineName
+    gripper: Gripper
+
+    @abstractmethod
+    def drop(self, rng: np.random.Generator) -> Pose | None:
+        """Drop the object in a random orientation.
+
+        Returns:
+            Where it lies; None if it never lies still where the cameras see it.
+        """
+
+    def propose(
+        self, detect: Detector, rest: Pose, rng: np.random.Generator
+    ) -> list[PoseGrasp] | Outcome | Failure:
+        """What a detector proposes for an object that lies somewhere.
+
+        Returns:
+            At most ten grasps that the hand can do, best first; or why there is none.
+        """
+        camera_rng, detector_rng = rng.spawn(2)
+
+        def plan() -> list[PoseGrasp] | Outcome:
+            answer = self._ask(detect, rest, camera_rng, detector_rng)
+            return ranked(answer, self.gripper, MOST_PROPOSALS)
+
+        return try_to_plan(plan)
+
+    @abstractmethod
+    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+        """Labelled grasps that are possible where the object lies, best first."""
+
+    @abstractmethod
+    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
+        """Carry a grasp out."""
+
+    @abstractmethod
+    def film(self) -> Film:
+        """Film the table from now on."""
+
+    def can_do(self, grasp: PoseGrasp) -> bool:
+        """Whether the hand can come to a grasp."""
+        return infeasibility(grasp, self.gripper) is None
+
+    @abstractmethod
+    def _ask(
+        self,
+        detect: Detector,
+        rest: Pose,
+        camera_rng: np.random.Generator,
+        detector_rng: np.random.Generator,
+    ) -> Proposals:
+        """The answer of a detector, which may fail as it likes."""
+
+
+class BenchFromAbove(Bench):
+    """Grasps straight from above."""
+
+    def __init__(self, runner: TrialRunner, grasps: pd.DataFrame) -> None:
+        """Set up.
+
+        Args:
+            runner: With a world of the object.
+            grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
+        """
+        self.engine, self.gripper = runner.trials.engine, runner.gripper
+        self._runner, self._labels = runner, Labels(grasps)
+
+    @override
+    def drop(self, rng: np.random.Generator) -> Pose | None:
+        ready = self._runner.begin(rng)
+        return None if ready is None else ready.rest
+
+    @override
+    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+        self._place(rest)
+        matrix = rest.matrix @ self._runner.world.model.to_principal
+        found = self._labels.propose(matrix, self._runner.render_view(), self.gripper)
+        grasps = ranked(found, self.gripper, MOST_PROPOSALS)
+        return [] if isinstance(grasps, Outcome) else grasps
+
+    @override
+    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
+        outcome = self._runner.carry_out(rest, _upright(grasp, self.gripper)).outcome
+        return outcome or Outcome.FAILED
+
+    @override
+    def film(self) -> Film:
+        return Film(self._runner.world)
+
+    @override
+    def can_do(self, grasp: PoseGrasp) -> bool:
+        return -grasp.pose[2, 2] >= LEAST_DOWN and super().can_do(grasp)
+
+    @override
+    def _ask(
+        self,
+        detect: Detector,
+        rest: Pose,
+        camera_rng: np.random.Generator,
+        detector_rng: np.random.Generator,
+    ) -> Proposals:
+        self._place(rest)
+        return from_above(detect(self._runner.noisy_view(camera_rng), self.gripper, detector_rng))
+
+    def _place(self, rest: Pose) -> None:
+        self._runner.world.reset()
+        self._runner.world.place(rest)
+
+
+def _upright(grasp: PoseGrasp, gripper: Gripper) -> Grasp:
+    """The grasp straight from above at the same place: the inverse of `pose_of`."""
+    (x, y, z), axis = grasp.pose[:3, 3].tolist(), grasp.pose[:3, 0]
+    depth = min(SEARCH, z) if gripper.cup else 0.0
+    height = z if gripper.cup else z - tip_reach(gripper)
+    angle = float(np.arctan2(axis[1], axis[0]))
+    return Grasp((x, y, height), angle, grasp.width, depth, grasp.score)
+
+
+class BenchFromAnywhere(Bench):
+    """Grasps from any direction."""
+
+    def __init__(
+        self,
+        engine: EngineName,
+        world: World,
+        grasps: pd.DataFrame,
+        gripper: Gripper,
+        *,
+        noise: bool,
+    ) -> None:
+        """Set up.
+
+        Args:
+            engine: That of the world.
+            world: With the object and the robot `egad.sim.free_hand`.
+            grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
+            gripper: The hand.
+            noise: Whether depth images have the noise of a stereo camera.
+        """
+        self.engine, self.gripper, self._world = engine, gripper, world
+        self._noise: NoiseName = "stereo" if noise else "none"
+        self._runner = ClutterRunner(world, Clutter())
+        self._labels = SceneLabels([grasps], world.models, gripper)
+
+    @override
+    def drop(self, rng: np.random.Generator) -> Pose | None:
+        try:
+            return make_scene(self._world, "single", rng)[0].pose
+        except UnstableError:
+            return None
+
+    @override
+    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+        return list(islice(self._labels.possible([RestingObject(0, rest)]), MOST_PROPOSALS))
+
+    @override
+    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
+        put(self._world, [RestingObject(0, rest)])
+        return execute_pose(self._world, grasp.pose, grasp.width).outcome
+
+    @override
+    def film(self) -> Film:
+        return Film(self._world)
+
+    @override
+    def _ask(
+        self,
+        detect: Detector,
+        rest: Pose,
+        camera_rng: np.random.Generator,
+        detector_rng: np.random.Generator,
+    ) -> Proposals:
+        cameras = camera_poses(SceneCameras(), camera_rng)
+        seen = self._runner.observe([RestingObject(0, rest)], self._noise, cameras, camera_rng)
+        return detect(seen_by(detect, seen), self.gripper, detector_rng)
+
+
+@contextmanager
+def open_bench(
+    engine: EngineName,
+    model: Model,
+    grasps: pd.DataFrame,
+    gripper: Gripper,
+    *,
+    from_above: bool,
+    depth_noise: float,
+) -> Iterator[Bench]:
+    """A bench, for as long as the block lasts.
+
+    Args:
+        engine: What computes the physics.
+        model: The object.
+        grasps: Its labelled grasps, columns of `tables.grasping.GRASPS`.
+        gripper: The hand.
+        from_above: Whether grasps come straight from above, or from any direction.
+        depth_noise: Noise of the depth images, pixels; from any direction, any noise is 0.1.
+    """
+    if from_above:
+        arm = ARMS["axis"](gripper)
+        with open_world(engine, [model], arm.robot) as world:
+            trials = TrialProtocol(engine=engine, depth_noise=depth_noise)
+            yield BenchFromAbove(TrialRunner(world, arm, trials), grasps)
+        return
+    with open_world(engine, [model], free_hand(gripper)) as world:
+        yield BenchFromAnywhere(engine, world, grasps, gripper, noise=depth_noise > 0)

@@ -1,0 +1,43 @@
+"""The settings of a search for failures, without a configuration."""
+
+from egad._util.parameters import from_arguments
+from egad.cppn import Shape
+from egad.evalset import Bundle, PrintCheck
+from egad.failures.parameters import FailureParameters, FailureSearch
+from egad.geometry import Material, Rescale
+from egad.grasps import GraspLabel, label_parameters
+from egad.grippers import Gripper
+from egad.map_elites import evolution_parameters
+
+
+def failure_parameters(
+    gripper: Gripper,
+    search: FailureSearch,
+    *,
+    seed: int = 0,
+    rule: str = "paper",
+    shape: Shape | None = None,
+) -> FailureParameters:
+    """The settings of a search with defaults for all that is not given.
+
+    Args:
+        gripper: What objects are scaled to and grasped with.
+        search: The search.
+        seed: Decides all that is random.
+        rule: How objects are scaled, see `egad.rescale`.
+        shape: How voxels become meshes.
+
+    Raises:
+        UserError: There is no such rule.
+    """
+    return FailureParameters(
+        seed=seed,
+        gripper=gripper,
+        rescale=from_arguments(Rescale, rule=rule),
+        failures=search,
+        material=Material(),
+        bundle=Bundle(),
+        print_check=PrintCheck(),
+        labels=label_parameters(gripper, GraspLabel().grasps, seed),
+        breeding=evolution_parameters(seed).model_copy(update={"shape": shape or Shape()}),
+    )

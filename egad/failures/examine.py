@@ -1,0 +1,508 @@
+"""Whether an object is a failure: screened with few attempts, confirmed with fresh ones.
+
+An object is a failure of a detector if it can be grasped, and the detector does not: the reference
+holds it in at least 80 % of the attempts, and in at least 50 points more than the detector from the
+same poses, both with 95 % confidence, in every physics engine, on drops that nothing was chosen by.
+"""
+
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad.detectors import Detector, Failure, PoseGrasp, asked_for
+from egad.errors import RejectedError, UserError
+from egad.evalset import PartsWarning, print_problems
+from egad.failures.bench import Bench, open_bench
+from egad.failures.evidence import Claim, PairedDrop
+from egad.failures.parameters import FailureParameters, FailureSearch
+from egad.failures.reference import REST, ReferencePolicy
+from egad.grasping import dataset_grasps
+from egad.outcomes import Outcome
+from egad.random import generator
+from egad.sim import ENGINES, Model, Pose, build
+from egad.tables.failures import FAILURE_ATTEMPTS
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
+
+ON_ROUGH = ("screen", "choose")  # purposes of attempts on few convex parts
+ROUGH = 0.002  # metres: deviation of convex parts while it is not certain that they matter
+SOLVED = 0.5  # of the success rate that a failure may have: more is not looked at further
+TRIES = 3  # grasps of the reference at a drop, while it is chosen
+HOPELESS = 0.3  # of the drops: if none of these held at more of them, the choice ends
+PATIENCE = 2  # drops for each one that is wanted, as some do not come to rest
+
+
+class ObjectVerdict(StrEnum):
+    """What an object is to a detector."""
+
+    FAILURE = "failure"
+    DETECTOR_SUCCEEDS = "detector_succeeds"
+    NOT_GRASPABLE = "not_graspable"
+    NOT_PRINTABLE = "not_printable"
+    NOT_CONFIRMED = "not_confirmed"
+    NOT_SIMULATED = "not_simulated"
+    NOT_MEASURED = "not_measured"
+    CELL_FULL = "cell_full"
+
+
+GRASPABLE = (
+    ObjectVerdict.FAILURE,
+    ObjectVerdict.DETECTOR_SUCCEEDS,
+    ObjectVerdict.NOT_CONFIRMED,
+)
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What became of an object.
+
+    Attributes:
+        verdict: What it is.
+        reason: Why, if the counts do not say it.
+        attempts: One row per simulated grasp, columns of `tables.failures.FAILURE_ATTEMPTS`.
+    """
+
+    verdict: ObjectVerdict
+    reason: str
+    attempts: pd.DataFrame
+
+    def pairs(self, engine: str) -> list[PairedDrop]:
+        """The fresh drops in an engine, as of `pairs_of`."""
+        return pairs_of(self.attempts, engine)
+
+    @property
+    def objective(self) -> float:
+        """An estimate of the regret, shrunk towards 0, in steps of 0.1, for the search to climb.
+
+        The lowest of all engines with fresh drops; without any, that of all attempts of the
+        detector.
+        """
+        if self.verdict not in (
+            ObjectVerdict.FAILURE,
+            ObjectVerdict.NOT_CONFIRMED,
+            ObjectVerdict.DETECTOR_SUCCEEDS,
+        ):
+            return 0.0
+        table = self.attempts
+        fresh = [pairs for engine in table["engine"].unique() if (pairs := self.pairs(engine))]
+        if not fresh:
+            detector = table[table["who"] == "detector"]
+            fresh = [[PairedDrop(True, bool(each)) for each in detector["success"]]]
+        return min(_shrunk(pairs) for pairs in fresh)
+
+
+def _shrunk(pairs: Sequence[PairedDrop]) -> float:
+    regret = sum(pair.reference - pair.detector for pair in pairs) / (len(pairs) + 2)
+    return round(max(regret, 0.0), 1)
+
+
+def pairs_of(attempts: pd.DataFrame, engine: str, purpose: str = "confirm") -> list[PairedDrop]:
+    """What came of the reference and of the detector at the fresh drops, in their order.
+
+    Args:
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
+        engine: The physics engine.
+        purpose: Of the drops.
+    """
+    fresh = attempts[(attempts["purpose"] == purpose) & (attempts["engine"] == engine)]
+    by_who = fresh.pivot_table(index="drop", columns="who", values="success", aggfunc="first")
+    if by_who.empty:
+        return []
+    columns = (by_who[who].astype(bool) for who in ("reference", "detector"))
+    return [PairedDrop(*pair) for pair in zip(*columns, strict=True)]
+
+
+def counts_of(attempts: pd.DataFrame, purpose: str = "confirm") -> dict[str, float]:
+    """What came of the fresh drops, by engine: columns of `tables.failures.EXAMINED`.
+
+    Args:
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
+        purpose: Of the drops.
+    """
+    values: dict[str, float] = {}
+    for engine in ENGINES:
+        pairs = pairs_of(attempts, engine, purpose)
+        regret = sum(pair.reference - pair.detector for pair in pairs)
+        values |= {
+            f"n_pairs_{engine}": len(pairs),
+            f"reference_successes_{engine}": sum(pair.reference for pair in pairs),
+            f"detector_successes_{engine}": sum(pair.detector for pair in pairs),
+            f"only_reference_{engine}": sum(pair.reference > pair.detector for pair in pairs),
+            f"only_detector_{engine}": sum(pair.detector > pair.reference for pair in pairs),
+            f"regret_{engine}": regret / len(pairs) if pairs else np.nan,
+        }
+    return values
+
+
+def failed_drops(attempts: pd.DataFrame, engine: str) -> list[int]:
+    """Numbers of the fresh drops in an engine at which the reference alone succeeded.
+
+    Args:
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
+        engine: The physics engine.
+    """
+    fresh = attempts[(attempts["purpose"] == "confirm") & (attempts["engine"] == engine)]
+    won = {who: set(rows.loc[rows["success"], "drop"]) for who, rows in fresh.groupby("who")}
+    return sorted(won.get("reference", set()) - won.get("detector", set()))
+
+
+def explanation(attempts: pd.DataFrame, engine: str, most: int) -> dict[str, int]:
+    """Why a detector fails at an object: columns of `tables.failures.EXPLAINED`.
+
+    Args:
+        attempts: Of one object, those of `Examination.explain` among them.
+        engine: In which that tried other proposals.
+        most: At how many drops it did.
+    """
+    drops = failed_drops(attempts, engine)[:most]
+    chosen = attempts[(attempts["who"] == "detector") & attempts["drop"].isin(drops)]
+    first = chosen[(chosen["purpose"] == "confirm") & (chosen["engine"] == engine)]
+    others = chosen[chosen["purpose"] == "explain"]
+    nothing = int((first["pose"].map(len) == 0).sum())
+    better = int(others.groupby("drop")["success"].any().sum())
+    return {
+        "n_explained": len(drops),
+        "n_nothing": nothing,
+        "n_not_chosen": better,
+        "n_none_good": len(drops) - nothing - better,
+    }
+
+
+def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
+    """From where a detector grasps: as the settings say, or else by what it wants to see.
+
+    Raises:
+        UserError: It grasps from above and wants to see more than what a camera there sees.
+    """
+    sees = asked_for(detect)
+    if search.approach == "above" and sees != "view":
+        raise UserError(
+            f"the detector asks for `{sees}`, and for grasps from above it gets a view from above; "
+            "with the approach `any` it gets what it asks for"
+        )
+    return search.approach or ("above" if sees == "view" else "any")
+
+
+def model_of_attempts(
+    mesh: trimesh.Trimesh, purpose: str, settings: FailureParameters, name: str = "the mesh"
+) -> Model:
+    """An object as it is simulated for a purpose: with few convex parts until it may be a failure.
+
+    Args:
+        mesh: A closed surface, scaled to the gripper, metres.
+        purpose: As in `tables.failures.FAILURE_ATTEMPTS`.
+        settings: Density and convex parts.
+        name: What warnings call it.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or has no convex parts.
+    """
+    bundle = settings.bundle
+    if purpose not in ON_ROUGH:
+        return build(mesh, settings.material.density, bundle, name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PartsWarning)
+        rough = bundle.model_copy(update={"deviation": ROUGH})
+        return build(mesh, settings.material.density, rough, name)
+
+
+class Examination:
+    """Examines one object with one detector."""
+
+    def __init__(
+        self,
+        mesh: trimesh.Trimesh,
+        object_id: str,
+        detect: Detector,
+        settings: FailureParameters,
+        report: Callable[[int], object] = int,
+    ) -> None:
+        """Prepare; nothing is simulated yet.
+
+        Args:
+            mesh: A closed surface wound outwards, scaled to the gripper, metres.
+            object_id: With the seed of the settings it decides all drops.
+            detect: The detector.
+            settings: Gripper, engines, numbers of attempts.
+            report: Is told 1 after every attempt.
+        """
+        self._mesh, self._id, self._detect, self._report = mesh, object_id, detect, report
+        self._settings, self._search = settings, settings.failures
+        self._from_above = approach_of(detect, settings.failures) == "above"
+        self._reference = ReferencePolicy()
+        self._rows: list[dict[str, Any]] = []
+        self._purpose, self._number = "", 0
+        self._solved = 0  # attempts in which the detector succeeded, before fresh ones
+
+    def run(self) -> Examined:
+        """Screen, choose the reference, and confirm, as far as it is necessary."""
+        try:
+            verdict, reason = self._verdict()
+        except RejectedError as problem:
+            verdict, reason = ObjectVerdict.NOT_SIMULATED, str(problem)
+        return Examined(verdict, reason, self._table())
+
+    def _verdict(self) -> tuple[ObjectVerdict, str]:
+        rough = model_of_attempts(self._mesh, "screen", self._settings, self._id)
+        with self._benches(rough, empty(GRASPS)) as benches:
+            if (found := self._screen(benches)) is not None:
+                return found
+        grasps = self._labelled()
+        with self._benches(rough, grasps) as benches:
+            if (verdict := self._choose(benches)) is not None:
+                return verdict, ""
+        if problems := print_problems(self._mesh, self._settings.print_check):
+            return ObjectVerdict.NOT_PRINTABLE, ", ".join(problems)
+        exact = model_of_attempts(self._mesh, "confirm", self._settings, self._id)
+        with self._benches(exact, grasps) as benches:
+            is_failure = self._confirm(benches)
+        return ObjectVerdict.FAILURE if is_failure else ObjectVerdict.NOT_CONFIRMED, ""
+
+    def explain(self, attempts: pd.DataFrame) -> pd.DataFrame:
+        """Try the other proposals of the detector where it failed and the reference did not.
+
+        Args:
+            attempts: Of this object, columns of `tables.failures.FAILURE_ATTEMPTS`.
+
+        Returns:
+            The further attempts, one by one until one succeeds; none where nothing was proposed.
+        """
+        engine = self._search.engines[0]
+        exact = model_of_attempts(self._mesh, "explain", self._settings, self._id)
+        failed = failed_drops(attempts, engine)[: self._search.explain]
+        with self._benches(exact, empty(GRASPS)) as (bench, *_):
+            for number in failed:
+                rest = self._drop(bench, "confirm", number)
+                if rest is None:
+                    continue
+                proposed = bench.propose(self._detect, rest, self._rng(f"detector {engine}"))
+                self._purpose = "explain"
+                for rank, grasp in enumerate(proposed if isinstance(proposed, list) else []):
+                    if rank and self._execute(bench, rest, "detector", grasp, rank):
+                        break
+        return self._table()
+
+    def paired(
+        self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
+    ) -> pd.DataFrame:
+        """Try both from a fixed number of drops in each engine.
+
+        The reference knows what it learnt before. If its choice was cut short, it is completed
+        first.
+
+        Args:
+            purpose: Of the drops, which it decides: none that this object was tried for already.
+            count: Drops in each engine.
+            before: All attempts at this object so far, in their order, columns of
+                `tables.failures.FAILURE_ATTEMPTS`.
+            least: Both must succeed so often in each engine; once one cannot, no more is tried. By
+                default all are, whatever comes of them.
+
+        Returns:
+            The further attempts, with the same columns.
+
+        Raises:
+            RejectedError: The object cannot be simulated, or does not come to rest.
+        """
+        self._reference = ReferencePolicy.of(before)
+        grasps = self._labelled()
+        chosen = before.loc[before["purpose"] == "choose", "drop"]
+        left = range(int(chosen.max()) + 1 if len(chosen) else 0, self._search.choose)
+        if left:
+            rough = model_of_attempts(self._mesh, "choose", self._settings, self._id)
+            with self._benches(rough, grasps) as benches:
+                for number in left:
+                    self._choose_at(benches, number)
+        exact = model_of_attempts(self._mesh, purpose, self._settings, self._id)
+        with self._benches(exact, grasps) as benches:
+            for bench in benches:
+                if not self._try_pairs(bench, purpose, count, least):
+                    break
+        return self._table()
+
+    def _try_pairs(self, bench: Bench, purpose: str, count: int, least: int) -> bool:
+        """Try both from so many drops; False once one of them cannot succeed often enough."""
+        pairs: list[PairedDrop] = []
+        for number in range(PATIENCE * count):
+            pair = self._paired(bench, purpose, number)
+            if pair is None:
+                continue
+            pairs.append(pair)
+            lost = max(len(pairs) - sum(won) for won in zip(*pairs, strict=True))
+            if count - lost < least:
+                return False
+            if len(pairs) == count:
+                return True
+        raise RejectedError(f"it comes to rest in {len(pairs)} of {PATIENCE * count} drops")
+
+    def _table(self) -> pd.DataFrame:
+        rows = [{"id": self._id} | row for row in self._rows]
+        return pd.DataFrame(rows, columns=FAILURE_ATTEMPTS.names)
+
+    @contextmanager
+    def _benches(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[Bench]]:
+        """A bench in each engine, for as long as the block lasts."""
+        with ExitStack() as stack:
+            yield [
+                stack.enter_context(
+                    open_bench(
+                        engine,
+                        model,
+                        grasps,
+                        self._settings.gripper,
+                        from_above=self._from_above,
+                        depth_noise=self._search.depth_noise,
+                    )
+                )
+                for engine in self._search.engines
+            ]
+
+    def _labelled(self) -> pd.DataFrame:
+        try:
+            return dataset_grasps(self._mesh, self._id, self._settings.labels)
+        except RejectedError:
+            return empty(GRASPS)
+
+    def _screen(self, benches: Sequence[Bench]) -> tuple[ObjectVerdict, str] | None:
+        """Few attempts of the detector alone; None if it is worth looking further."""
+        drops = 0
+        for number in range(self._search.screen):
+            bench = benches[number % len(benches)]
+            rest = self._drop(bench, "screen", number)
+            if rest is None:
+                continue
+            drops += 1
+            self._solved += self._ask_detector(bench, rest, learn=True)
+            if self._is_solved(self._search.screen):
+                return ObjectVerdict.DETECTOR_SUCCEEDS, ""
+        return None if drops else (ObjectVerdict.NOT_SIMULATED, "it does not come to rest")
+
+    def _is_solved(self, planned: int) -> bool:
+        """Whether the detector is too good for a failure, of so many attempts that are planned."""
+        return self._solved > SOLVED * (1 - self._search.least_regret) * planned
+
+    def _choose(self, benches: Sequence[Bench]) -> ObjectVerdict | None:
+        """Let the reference try grasps, then the detector; None if the object is still open."""
+        lost, planned = 0, self._search.screen + self._search.choose
+        for number in range(self._search.choose):
+            lost += not self._choose_at(benches, number)
+            if lost > HOPELESS * self._search.choose:
+                return ObjectVerdict.NOT_GRASPABLE
+            if self._is_solved(planned):
+                return ObjectVerdict.DETECTOR_SUCCEEDS
+        return None
+
+    def _choose_at(self, benches: Sequence[Bench], number: int) -> bool:
+        """Whether the reference holds the object at a drop; if so, the detector tries, too."""
+        bench = benches[number % len(benches)]
+        rest = self._drop(bench, "choose", number)
+        if rest is None or not self._try_reference(bench, rest):
+            return False
+        self._solved += self._ask_detector(bench, rest, learn=True)
+        return True
+
+    def _try_reference(self, bench: Bench, rest: Pose) -> bool:
+        """Whether one of the best grasps of the reference holds; it learns from all of them."""
+        for rank in range(TRIES):
+            known = self._reference.ranked(bench, rest)
+            if not known:
+                return False
+            success = self._execute(bench, rest, "reference", known[0], rank)
+            self._reference.remember(rest, known[0], success)
+            if success:
+                return True
+        return False
+
+    def _confirm(self, benches: Sequence[Bench]) -> bool:
+        """Try both from fresh drops until it is clear whether the object is a failure.
+
+        The engines take turns, so that one in which it is none ends all soon.
+        """
+        search = self._search
+        claim = Claim(search.least_reference, search.least_regret, search.confidence)
+        open_ones = {bench: list[PairedDrop]() for bench in benches}
+        for number in range(search.confirm):
+            for bench, pairs in list(open_ones.items()):
+                pair = self._paired(bench, "confirm", number)
+                if pair is None:
+                    return False
+                pairs.append(pair)
+                if claim.is_shown(pairs):
+                    del open_ones[bench]
+                elif claim.is_hopeless(pairs, search.confirm):
+                    return False
+        return not open_ones
+
+    def _paired(self, bench: Bench, purpose: str, number: int) -> PairedDrop | None:
+        """A fresh drop at which both try; None if the object does not come to rest."""
+        rest = self._drop(bench, purpose, number)
+        if rest is None:
+            return None
+        known = self._reference.ranked(bench, rest)
+        if known:
+            won = self._execute(bench, rest, "reference", known[0])
+        else:
+            won = self._note(bench, rest, "reference", Outcome.NO_GRASP)
+        return PairedDrop(won, self._ask_detector(bench, rest))
+
+    def _drop(self, bench: Bench, purpose: str, number: int) -> Pose | None:
+        self._purpose, self._number = purpose, number
+        return bench.drop(self._rng("drop"))
+
+    def _rng(self, what: str) -> np.random.Generator:
+        return generator(
+            self._settings.seed, f"failure {what}", self._purpose, self._id, self._number
+        )
+
+    def _ask_detector(self, bench: Bench, rest: Pose, *, learn: bool = False) -> bool:
+        """Whether the first proposal of the detector holds."""
+        proposed = bench.propose(self._detect, rest, self._rng(f"detector {bench.engine}"))
+        if isinstance(proposed, Failure):
+            return self._note(bench, rest, "detector", proposed.outcome, failure=proposed.text)
+        if isinstance(proposed, Outcome):
+            return self._note(bench, rest, "detector", proposed)
+        success = self._execute(bench, rest, "detector", proposed[0])
+        if learn:
+            self._reference.remember(rest, proposed[0], success)
+        return success
+
+    def _execute(self, bench: Bench, rest: Pose, who: str, grasp: PoseGrasp, rank: int = 0) -> bool:
+        return self._note(bench, rest, who, bench.execute(rest, grasp), grasp, rank)
+
+    def _note(
+        self,
+        bench: Bench,
+        rest: Pose,
+        who: str,
+        outcome: Outcome,
+        grasp: PoseGrasp | None = None,
+        rank: int = 0,
+        failure: str = "",
+    ) -> bool:
+        """Keep a row of what came of an attempt; whether it succeeded."""
+        lies = [*rest.position.tolist(), *rest.quaternion.tolist()]
+        self._rows.append(
+            {
+                "engine": bench.engine,
+                "purpose": self._purpose,
+                "drop": self._number,
+                "who": who,
+                "rank": rank,
+                "success": outcome == Outcome.SUCCESS,
+                "outcome": outcome.value,
+                **dict(zip(REST, lies, strict=True)),
+                "pose": [] if grasp is None else grasp.pose[:3].ravel().tolist(),
+                "width": np.nan if grasp is None else grasp.width,
+                "score": np.nan if grasp is None else grasp.score,
+                "failure": failure,
+            }
+        )
+        self._report(1)
+        return outcome == Outcome.SUCCESS

@@ -1,0 +1,354 @@
+"""The shape of objects where a detector fails and where it succeeds: few numbers, each measured.
+
+The features of an object are read from its surface, and from the grasps that held it in the search:
+where and how the hand touched it, whoever proposed them.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.arrays import Floats, Ints
+from egad.detectors import PoseGrasp
+from egad.failures.replay import read_attempt
+from egad.geometry import Material, RayCaster, mass_properties
+from egad.grippers import Gripper, tip_reach
+from egad.random import generator
+from egad.sim import principal_frame
+from egad.stats import Interval, bootstrap, wilson
+
+POINTS = 20_000  # on a surface, or in a box
+THIN = 0.1  # quantile of the thickness over the surface
+NEAR = 0.005  # metres: surface around a contact
+MOST_GRASPS = 12  # of an object, those that held it first
+LINES = 7  # rays along each side of a finger pad
+OPPOSITE = -0.5  # cosine: surface turned further away is the other side of a wall
+SKIN = 1e-6  # metres under the surface, where rays begin
+ABOVE = 0.02  # metres from a suction cup to where rays begin
+TAIL = 0.05  # of the objects that the detector solves lie beyond either end of their range
+
+
+class ShapeFeature(NamedTuple):
+    """A feature, in words.
+
+    Attributes:
+        title: What it is called.
+        unit: Of the number as it is shown; empty if it has none.
+        factor: From the number in tables to the one that is shown.
+        meaning: How it is defined.
+    """
+
+    title: str
+    unit: str
+    factor: float
+    meaning: str
+
+
+SHAPE_FEATURES = {
+    "grasp_size": ShapeFeature(
+        "size in the hand",
+        "% of the opening",
+        100,
+        "distance of the two contacts, as a share of the opening of the hand",
+    ),
+    "wall_thickness": ShapeFeature(
+        "wall thickness",
+        "mm",
+        1000,
+        "thickness that 90 % of the surface exceeds, along the inward normal",
+    ),
+    "contact_curvature": ShapeFeature(
+        "curvature at the grasp",
+        "1/cm",
+        0.01,
+        "1 / radius of the ball on which normals within 5 mm of a contact spread as much",
+    ),
+    "concavity": ShapeFeature(
+        "concavity", "%", 100, "share of the convex hull that the object does not fill"
+    ),
+    "asymmetry": ShapeFeature(
+        "asymmetry",
+        "%",
+        100,
+        "share of the volume whose mirror image lies outside, in the best of the three planes "
+        "through the principal axes",
+    ),
+    "complexity": ShapeFeature(
+        "shape complexity", "bit", 1, "entropy of the angular deficits, as on the map"
+    ),
+    "graspability": ShapeFeature(
+        "graspability",
+        "\N{MULTIPLICATION SIGN}10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT THREE}",
+        1000,
+        "grasp quality that a quarter of the sampled grasps exceed, as on the map; high is easy",
+    ),
+}
+
+
+def shape_features(
+    mesh: trimesh.Trimesh, attempts: pd.DataFrame, gripper: Gripper
+) -> dict[str, float]:
+    """The features of an object, but for those of the map.
+
+    Args:
+        mesh: A closed surface wound outwards, scaled as in the search, metres.
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object. The median of the
+            first twelve grasps that held counts; NaN without any.
+        gripper: The hand. A suction cup has one contact, and so no size in the hand.
+
+    Returns:
+        `grasp_size`, `wall_thickness` (m), `contact_curvature` (1/m), `concavity` and `asymmetry`
+        as defined in `SHAPE_FEATURES`.
+    """
+    caster = RayCaster(mesh)
+    points, faces = trimesh.sample.sample_surface(mesh, POINTS, seed=0)
+    normals = caster.normals[faces]
+    sizes, curvatures = [], []
+    for grasp in held_grasps(mesh, attempts):
+        contacts = contact_points(caster, grasp, gripper)
+        if len(contacts) == 2:
+            sizes.append(math.dist(*contacts) / gripper.opening)
+        curvatures += [patch_curvature(points, normals, contact) for contact in contacts]
+    return {
+        "grasp_size": _median(sizes),
+        "wall_thickness": wall_thickness(caster, points, normals),
+        "contact_curvature": _median(curvatures),
+        "concavity": concavity(mesh),
+        "asymmetry": asymmetry(mesh),
+    }
+
+
+def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[PoseGrasp]:
+    """The first grasps that held an object, in the frame of its mesh.
+
+    Args:
+        mesh: As of `shape_features`.
+        attempts: As of `shape_features`.
+    """
+    to_mesh = np.linalg.inv(principal_frame(mass_properties(mesh, Material().density))[1])
+    found = []
+    for _, row in attempts[attempts["success"]].head(MOST_GRASPS).iterrows():
+        rest, grasp = read_attempt(row)
+        pose = to_mesh @ np.linalg.inv(rest.matrix) @ grasp.pose
+        found.append(grasp._replace(pose=pose))
+    return found
+
+
+def contact_points(caster: RayCaster, grasp: PoseGrasp, gripper: Gripper) -> Floats:
+    """Where the fingers, or the cup, first meet an object.
+
+    Args:
+        caster: Of the object.
+        grasp: In the frame of the object.
+        gripper: The hand.
+
+    Returns:
+        (2, 3) metres; (1, 3) of a suction cup; (0, 3) if one of them meets nothing.
+    """
+    if gripper.cup is not None:
+        starts = np.array([[0.0, 0.0, -ABOVE]])
+        sides = [_first_contact(caster, grasp.pose, starts, np.array([0.0, 0.0, 1.0]))]
+    else:
+        half, reach = gripper.finger_width / 2, tip_reach(gripper)
+        across = np.linspace(-half, half, LINES)
+        along = np.linspace(-reach, reach, LINES)
+        y, z = (grid.ravel() for grid in np.meshgrid(across, along))
+        sides = [
+            _first_contact(
+                caster,
+                grasp.pose,
+                np.stack([np.full_like(y, side * grasp.width / 2), y, z], axis=1),
+                np.array([-side, 0.0, 0.0]),
+            )
+            for side in (-1.0, 1.0)
+        ]
+    met = [side for side in sides if side is not None]
+    return np.array(met if len(met) == len(sides) else []).reshape(-1, 3)
+
+
+def _first_contact(
+    caster: RayCaster, pose: Floats, starts: Floats, direction: Floats
+) -> Floats | None:
+    """The nearest point that parallel rays meet, (3,); all are in the frame of the hand."""
+    origins = starts @ pose[:3, :3].T + pose[:3, 3]
+    along = pose[:3, :3] @ direction
+    distances = caster.first_hits(origins, np.broadcast_to(along, origins.shape)).distances
+    first = int(distances.argmin())
+    if not np.isfinite(distances[first]):
+        return None
+    met: Floats = origins[first] + distances[first] * along
+    return met
+
+
+def patch_curvature(points: Floats, normals: Floats, contact: Floats) -> float:
+    """How much a surface curves around a contact, 1/m.
+
+    The mean angle between the normals within 5 mm and their mean is 2/3 of 5 mm over the radius on
+    a large ball. Surface turned by more than 120 degrees from the nearest point, such as the other
+    side of a wall, does not count.
+
+    Args:
+        points: Spread evenly over the surface, (n, 3), metres.
+        normals: Outward unit normals there, (n, 3).
+        contact: (3,) metres.
+
+    Returns:
+        1 / radius of that ball, so 0 on a plane; NaN if no point is near.
+    """
+    away = np.linalg.norm(points - contact, axis=1)
+    closest = int(away.argmin())
+    patch = normals[(away <= NEAR) & (normals @ normals[closest] > OPPOSITE)]
+    if not len(patch):
+        return float("nan")
+    mean = patch.mean(axis=0)
+    angles = np.arccos(np.clip(patch @ (mean / np.linalg.norm(mean)), -1, 1))
+    return float(1.5 * angles.mean() / NEAR)
+
+
+def wall_thickness(caster: RayCaster, points: Floats, normals: Floats) -> float:
+    """Thickness along the inward normal that 90 % of a surface exceeds, metres.
+
+    Args:
+        caster: Of the solid.
+        points: Spread evenly over its surface, (n, 3), metres.
+        normals: Outward unit normals there, (n, 3).
+    """
+    hits = caster.first_hits(points - SKIN * normals, -normals)
+    found = hits.distances[np.isfinite(hits.distances)] + SKIN
+    return float(np.quantile(found, THIN)) if len(found) else float("nan")
+
+
+def concavity(mesh: trimesh.Trimesh) -> float:
+    """Share of the convex hull of a solid that it does not fill, 0 to 1."""
+    return float(max(1 - mesh.volume / mesh.convex_hull.volume, 0.0))
+
+
+def asymmetry(mesh: trimesh.Trimesh) -> float:
+    """Share of a solid whose mirror image lies outside of it, 0 to 1.
+
+    The least of the three planes through the center of mass at right angles to a principal axis; a
+    plane of symmetry is one of these, unless two principal moments are equal.
+
+    Args:
+        mesh: A closed surface wound outwards, metres.
+    """
+    _, to_principal = principal_frame(mass_properties(mesh, Material().density))
+    caster = RayCaster(mesh.copy().apply_transform(to_principal))
+    low, high = np.asarray(caster.mesh.bounds)
+    points = generator(0, "asymmetry").uniform(low, high, size=(POINTS, 3))
+    inside = points[caster.contains(points)]
+    if not len(inside):
+        return float("nan")
+    mirrors = np.ones((3, 3)) - 2 * np.eye(3)
+    return float(min(1 - caster.contains(inside * mirror).mean() for mirror in mirrors))
+
+
+def _median(values: Sequence[float]) -> float:
+    known = np.asarray(values)[~np.isnan(values)] if len(values) else np.empty(0)
+    return float(np.median(known)) if len(known) else float("nan")
+
+
+class ExplainedShare(NamedTuple):
+    """How a feature tells failures from objects that the detector solves.
+
+    Attributes:
+        low: Quantile 5 % of the feature over the solved objects.
+        high: Quantile 95 %.
+        solved: Its median over these.
+        failures: Its median over the failures.
+        below: Share of the failures below the range from low to high.
+        above: Share of the failures above.
+        value: Share of the failures that the feature explains: those outside the range, minus the
+            10 % of solved objects that lie there, too. It may be negative.
+        ci_low: Lower end of its 95 % interval, were other objects of their kind taken.
+        ci_high: Upper end.
+    """
+
+    low: float
+    high: float
+    solved: float
+    failures: float
+    below: float
+    above: float
+    value: float
+    ci_low: float
+    ci_high: float
+
+
+def shares(failures: pd.DataFrame, solved: pd.DataFrame) -> dict[str, ExplainedShare]:
+    """For each feature, the share of the failures that it explains.
+
+    A feature explains a failure if hardly any object that the detector solves has such a value.
+    The shares overlap, as a thin object may be concave, too: they do not add up. They are
+    associations, not causes.
+
+    Args:
+        failures: The features of the failures, a column each; NaN where unknown.
+        solved: The same of objects that the detector solves.
+
+    Returns:
+        By the names of the columns that at least one failure and two solved objects have.
+    """
+    found = {}
+    for name in failures:
+        inner, outer = (table[name].dropna().to_numpy(float) for table in (solved, failures))
+        if len(outer) and len(inner) > 1:
+            found[str(name)] = _share(outer, inner)
+    return found
+
+
+def _share(failures: Floats, solved: Floats) -> ExplainedShare:
+    low, high = np.quantile(solved, [TAIL, 1 - TAIL])
+    below, above = (failures < low).mean(), (failures > high).mean()
+    outside = int(((failures < low) | (failures > high)).sum())
+    ci_low, ci_high = _interval(failures, solved, outside)
+    return ExplainedShare(
+        float(low),
+        float(high),
+        float(np.median(solved)),
+        float(np.median(failures)),
+        float(below),
+        float(above),
+        float(below + above - 2 * TAIL),
+        ci_low,
+        ci_high,
+    )
+
+
+def _interval(failures: Floats, solved: Floats, outside: int) -> Interval:
+    """The interval of a share, by bootstrap over all objects.
+
+    It is never narrower than Wilson's of the failures outside: few may agree by chance.
+    """
+    values = np.concatenate([failures, solved])
+    is_failure = np.arange(len(values)) < len(failures)
+
+    def statistic(drawn: Ints) -> Floats:
+        of_failure, value = is_failure[drawn], values[drawn]
+        inner = np.sort(np.where(of_failure, np.inf, value), axis=1)
+        count = (~of_failure).sum(axis=1)
+        low, high = (_quantile(inner, count, share) for share in (TAIL, 1 - TAIL))
+        beyond = of_failure & ((value < low[:, None]) | (value > high[:, None]))
+        with np.errstate(invalid="ignore"):  # a draw may have no failures
+            found: Floats = beyond.sum(axis=1) / of_failure.sum(axis=1) - 2 * TAIL
+        return np.where(count > 0, found, np.nan)
+
+    low, high = bootstrap(statistic, len(values))
+    least, most = wilson(outside, len(failures))
+    return float(np.fmin(low, least - 2 * TAIL)), float(np.fmax(high, most - 2 * TAIL))
+
+
+def _quantile(ordered: Floats, count: Ints, share: float) -> Floats:
+    """A quantile of the first values of each ordered row, (n,), as `numpy.quantile` has it."""
+    place = share * np.maximum(count - 1, 0)
+    floor = place.astype(np.int64)
+    rows = np.arange(len(ordered))
+    first = ordered[rows, floor]
+    after = ordered[rows, np.minimum(floor + 1, np.maximum(count - 1, 0))]
+    with np.errstate(invalid="ignore"):  # infinite without values
+        found: Floats = first + (place - floor) * (after - first)
+    return found

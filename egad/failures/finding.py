@@ -1,0 +1,284 @@
+"""Find the failures of a detector: shards of a search, in processes, that can be resumed."""
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Literal
+
+import pandas as pd
+
+from egad._util.files import as_path
+from egad._util.parameters import from_arguments
+from egad._util.progress import count_done, progress, shared_progress
+from egad._util.workers import workers
+from egad.cppn import packed_surface
+from egad.detectors import (
+    IN_SCENES,
+    SHIPPED_NETWORKS,
+    Detector,
+    DetectorConfig,
+    check_gripper,
+    opened,
+    with_checked_answers,
+)
+from egad.errors import UserError, check_name
+from egad.failures.atlas import FailureAtlas, merge
+from egad.failures.defaults import failure_parameters
+from egad.failures.examine import Examination, approach_of, explanation
+from egad.failures.parameters import (
+    FailureParameters,
+    FailureSearch,
+    Strategy,
+)
+from egad.failures.search import NOTHING, Found, Search, joined, scaled_to
+from egad.failures.store import Detect, Store
+from egad.geometry.repair import repair_for_files
+from egad.grippers import Gripper, as_gripper
+from egad.objects import Dataset, load
+from egad.sim import ENGINES, EngineName, check_engine
+from egad.tables import parquet
+from egad.tables.failures import FAILURES
+
+WRITING = 10.0  # seconds between two times that a search is written
+
+
+def find_failures(
+    detector: Detect | str,
+    gripper: Gripper | str = "panda",
+    *,
+    objects: Dataset | None = None,
+    attempts: int = 6000,
+    strategy: Strategy = "evolution",
+    approach: Literal["above", "any"] | None = None,
+    depth_noise: float = 0.1,
+    engines: Sequence[EngineName] | None = None,
+    seed: int = 0,
+    rule: str = "paper",
+    shards: int = 2,
+    jobs: int = 1,
+    out: str | Path | None = None,
+) -> FailureAtlas:
+    """Find objects at which a detector fails although they can be grasped.
+
+    An object is a failure if a reference, which knows where it lies and was chosen on other drops,
+    holds it in at least 80 % of the attempts and in at least 50 points more than the detector, from
+    the same poses, with 95 % confidence each, in every engine. Objects come from the released
+    archive, from random genomes, and from children of the failures (MAP-Elites with the regret as
+    objective).
+
+    Args:
+        detector: A function or object as of `egad.run_trials` or `egad.run_benchmark`; a
+            `egad.detectors.DetectorConfig`, such as of a command; or a name.
+        gripper: The gripper, or its name.
+        objects: Objects with genomes to begin with; by default the released ones.
+        attempts: Simulated grasps in all; those of the reference count. About 0.15 s each.
+        strategy: screening: the objects; random: random genomes; mutation: children of the
+            objects; evolution: the objects, random genomes and children of failures, most from the
+            one that gives most failures per attempt.
+        approach: `above`: grasps straight from above, as in `egad.run_trials`; `any`: in any
+            direction, as in `egad.run_benchmark`. By default what the input of the detector says.
+        depth_noise: Noise of the depth images, pixels, as of `egad.run_trials`.
+        engines: Physics engines in all of which an object must be a failure; by default those that
+            are installed.
+        seed: The same arguments give the same atlas.
+        rule: How objects are scaled to the gripper: see `egad.rescale`.
+        shards: Independent searches that share the attempts; at most so many run at once.
+        jobs: Processes; the result does not depend on them.
+        out: Folder where all is written, and where a search that was cut off goes on.
+
+    Raises:
+        UserError: The detector does nothing but fail at the first three objects, cannot be found
+            or made, or is for another kind of gripper; the folder holds another search; an engine
+            is not installed, or a number is out of bounds.
+
+    Source: ours; regret as in PAIRED (Dennis et al. 2020), computed instead of learnt.
+    """
+    hand = as_gripper(gripper)
+    used = tuple(filter(find_spec, ENGINES)) if engines is None else tuple(engines)
+    detect = _found(detector, hand)
+    search = from_arguments(
+        FailureSearch,
+        attempts=attempts,
+        shards=shards,
+        strategy=strategy,
+        approach=approach,
+        depth_noise=depth_noise,
+        engines=used,
+    )
+    chosen = load() if objects is None else objects
+    if not isinstance(chosen, Dataset):
+        raise UserError("a search begins with a dataset of objects with genomes, not with meshes")
+    settings = failure_parameters(hand, search, seed=seed, rule=rule, shape=chosen.shape)
+    folder = None if out is None else as_path("out", out)
+    return search_failures(chosen.archive, detect, settings, jobs, folder)
+
+
+def search_failures(
+    archive: pd.DataFrame,
+    detect: Detect,
+    settings: FailureParameters,
+    jobs: int = 1,
+    folder: Path | None = None,
+) -> FailureAtlas:
+    """Run all shards of a search and join what they find.
+
+    Args:
+        archive: Objects to begin with, columns of `tables.evolution.ARCHIVE`.
+        detect: The detector.
+        settings: Everything else.
+        jobs: Processes; the result does not depend on them.
+        folder: Where all is written, and where a search that was cut off goes on.
+
+    Raises:
+        UserError: As of `find_failures`; the text says where the results so far are.
+    """
+    search = settings.failures
+    for engine in search.engines:
+        check_engine(engine)
+    store = None if folder is None else Store(folder, archive, detect, settings)
+    with (
+        nullcontext() if store is None else store.named_in_errors(),
+        shared_progress("attempts", search.attempts) as done,
+        workers(jobs) as mapper,
+    ):
+        work = partial(
+            run_shard, archive=archive, detect=detect, settings=settings, store=store, done=done
+        )
+        found = list(mapper(work, range(search.shards)))
+    atlas = join(found, detect, settings, jobs)
+    if folder is not None:
+        atlas.save(folder)
+    return atlas
+
+
+def run_shard(
+    shard: int,
+    archive: pd.DataFrame,
+    detect: Detect,
+    settings: FailureParameters,
+    store: Store | None = None,
+    done: Path | None = None,
+) -> Found:
+    """One shard of a search, from where it was cut off.
+
+    Args:
+        shard: Its number.
+        archive: Objects to begin with, columns of `tables.evolution.ARCHIVE`.
+        detect: The detector.
+        settings: Everything else.
+        store: Where it is written from time to time.
+        done: File of `shared_progress`, which counts the attempts.
+
+    Raises:
+        UserError: The detector does nothing but fail at the first three objects, or cannot be made.
+    """
+    found = [NOTHING if store is None else store.read(shard)]
+    report = int if done is None else partial(count_done, done)
+    written = time.monotonic()
+    with open_detector(detect, settings) as asked:
+        search = Search(archive, asked, settings, shard, found[0], report)
+        report(search.spent)
+        try:
+            for step in search.steps():
+                found.append(step)
+                if store is not None and time.monotonic() - written > WRITING:
+                    store.write(shard, joined(found))
+                    written = time.monotonic()
+        finally:
+            if store is not None:
+                store.write(shard, joined(found))
+    return joined(found)
+
+
+def join(
+    shards: Sequence[Found], detect: Detect, settings: FailureParameters, jobs: int = 1
+) -> FailureAtlas:
+    """The atlas of all shards; the detector is asked again why it failed.
+
+    Args:
+        shards: What each has found.
+        detect: The detector.
+        settings: Those of the search.
+        jobs: Processes; the result does not depend on them.
+    """
+    table, search = merge(shards, settings), settings.failures
+    whole = joined(shards)
+    known = _by_object(whole.attempts)
+    work = partial(_explained, known=known, detect=detect, settings=settings)
+    with workers(jobs) as mapper:
+        rows = parquet.records(table[["id", "voxels"]])
+        further = list(progress(mapper(work, rows), "explaining", len(table)))
+    attempts = pd.concat([whole.attempts, *further], ignore_index=True)
+    known, engine = _by_object(attempts), search.engines[0]
+    reasons = [explanation(known[name], engine, search.explain) for name in table["id"]]
+    explained = pd.DataFrame(reasons, index=table.index)
+    failures = table.join(explained)[FAILURES.names] if len(table) else parquet.empty(FAILURES)
+    with open_detector(detect, settings) as asked:
+        approach = approach_of(asked, search)
+    search = search.model_copy(update={"approach": approach})
+    kept = {name: getattr(settings, name) for name in FailureParameters.model_fields}
+    settings = FailureParameters(**kept | {"failures": search})
+    shape, name = settings.breeding.shape, name_of(detect)
+    return FailureAtlas(failures, whole.examined, attempts, shape, settings, name)
+
+
+def _explained(
+    row: dict[str, Any],
+    known: dict[str, pd.DataFrame],
+    detect: Detect,
+    settings: FailureParameters,
+) -> pd.DataFrame:
+    mesh = repair_for_files(packed_surface(row["voxels"], settings.breeding.shape)).mesh
+    with open_detector(detect, settings) as asked:
+        examination = Examination(scaled_to(mesh, settings), row["id"], asked, settings)
+        return examination.explain(known[row["id"]])
+
+
+def name_of(detect: Detect) -> str:
+    """What a detector is called: its name, or that of its function or class."""
+    if isinstance(detect, DetectorConfig):
+        return detect.name
+    return str(getattr(detect, "__name__", type(detect).__name__))
+
+
+@contextmanager
+def open_detector(detect: Detect, settings: FailureParameters) -> Iterator[Detector]:
+    """A detector, for as long as the block lasts."""
+    if isinstance(detect, DetectorConfig):
+        with opened(detect, settings.failures.planning_time) as found:
+            yield found
+    else:
+        yield with_checked_answers(detect)
+
+
+def check_searchable(detector: DetectorConfig, gripper: Gripper) -> None:
+    """Make sure that failures of a detector can be searched for.
+
+    Raises:
+        UserError: It is for another kind of gripper, or knows where objects lie.
+    """
+    if detector.detector == "labels":
+        raise UserError(
+            "labels knows where objects lie, as the reference does: failures are those of a "
+            "detector that has to see them"
+        )
+    check_gripper(detector.name, gripper)
+
+
+def _found(detector: Detect | str, gripper: Gripper) -> Detect:
+    """The detector, if it is one, and for the gripper."""
+    if isinstance(detector, str):
+        name = check_name("detector", detector, (*SHIPPED_NETWORKS, *IN_SCENES))
+        detector = DetectorConfig(detector=name)
+    if isinstance(detector, DetectorConfig):
+        check_searchable(detector, gripper)
+    elif not callable(detector):
+        raise UserError(f"a detector is a function or the name of one, got {detector!r}")
+    return detector
+
+
+def _by_object(attempts: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    return {str(name): rows for name, rows in attempts.groupby("id", sort=False)}

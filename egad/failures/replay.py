@@ -1,0 +1,99 @@
+"""Attempts of a search again, from their rows alone: without the detector, and filmed."""
+
+from collections import defaultdict
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.arrays import RgbImage
+from egad.detectors import PoseGrasp
+from egad.errors import UserError
+from egad.failures.bench import Bench, open_bench
+from egad.failures.examine import ON_ROUGH, model_of_attempts
+from egad.failures.parameters import FailureParameters
+from egad.failures.reference import REST
+from egad.outcomes import Outcome
+from egad.sim import EngineName, Film, Pose
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
+
+
+def repeat_attempts(
+    mesh: trimesh.Trimesh,
+    attempts: pd.DataFrame,
+    settings: FailureParameters,
+    watch: Callable[[int, Bench], object] = lambda *_: None,
+) -> list[Outcome]:
+    """What comes of grasps of an object when they are carried out again.
+
+    Args:
+        mesh: The object, scaled as in the search.
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object.
+        settings: Those of the search.
+        watch: Called before each attempt, with its number in the table and where it takes place.
+
+    Returns:
+        The outcomes, in the order of the table.
+
+    Raises:
+        UserError: Nothing was tried in one of the attempts.
+    """
+    if (attempts["pose"].map(len) == 0).any():
+        raise UserError("there is no grasp to repeat: the detector proposed nothing")
+    groups = defaultdict[tuple[str, EngineName], list[int]](list)
+    for number, (purpose, engine) in enumerate(attempts[["purpose", "engine"]].to_numpy()):
+        groups["screen" if purpose in ON_ROUGH else "confirm", engine].append(number)
+    models = {
+        purpose: model_of_attempts(mesh, purpose, settings)
+        for purpose in dict.fromkeys(purpose for purpose, _ in groups)
+    }
+    outcomes = {}
+    for (purpose, engine), numbers in groups.items():
+        with open_bench(
+            engine,
+            models[purpose],
+            empty(GRASPS),
+            settings.gripper,
+            from_above=settings.failures.approach == "above",
+            depth_noise=settings.failures.depth_noise,
+        ) as bench:
+            for number in numbers:
+                watch(number, bench)
+                outcomes[number] = bench.execute(*read_attempt(attempts.iloc[number]))
+    return [outcomes[number] for number in range(len(attempts))]
+
+
+def film_attempts(
+    mesh: trimesh.Trimesh, attempts: pd.DataFrame, settings: FailureParameters
+) -> list[list[RgbImage]]:
+    """The frames of grasps of an object that are carried out again, 20 a second.
+
+    Args:
+        mesh: The object, scaled as in the search.
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object.
+        settings: Those of the search.
+
+    Raises:
+        UserError: Nothing was tried in one of the attempts, or it ends differently.
+    """
+    films: dict[int, Film] = {}
+    again = repeat_attempts(
+        mesh, attempts, settings, lambda number, bench: films.update({number: bench.film()})
+    )
+    for row, outcome in zip(attempts.to_dict("records"), again, strict=True):
+        if row["outcome"] != outcome:
+            raise UserError(
+                f"{row['id']}, drop {row['drop']} in {row['engine']}: {row['outcome']} became "
+                f"{outcome}; machine, settings or the version of the engine must differ"
+            )
+    return [films[number].frames for number in range(len(attempts))]
+
+
+def read_attempt(row: pd.Series) -> tuple[Pose, PoseGrasp]:
+    """Where the object lay, and the grasp, of a row of `tables.failures.FAILURE_ATTEMPTS`."""
+    pose = np.eye(4)
+    pose[:3] = np.reshape(np.asarray(row["pose"], dtype=np.float64), (3, 4))
+    rest = Pose.of([float(row[name]) for name in REST])
+    return rest, PoseGrasp(pose, float(row["width"]), float(row["score"]))

@@ -1,0 +1,178 @@
+"""Maps of a search for failures: the regret of the detector, and the dataset beside it."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from egad.measures import MeasureSpace, cell_name, complexity_cells, difficulty_cells
+from egad.report.axes import USUAL, AxisPair
+from egad.report.live_map import MARGIN, UNIT, map_values, picture_of
+from egad.report.page import DASH, render_template
+
+REGRETS = ("regret_mujoco", "regret_pybullet")
+REGRET_STEPS = (0.6, 0.7, 0.8, 0.9)
+REGRET_COLORS = ("#ffeda0", "#fec44f", "#fe9929", "#d95f0e", "#993404")  # ColorBrewer YlOrBr
+COUNT_STEPS = (2, 3, 4)
+COUNT_COLORS = ("#c6dbef", "#9ecae1", "#4292c6", "#08519c")  # ColorBrewer Blues
+NO_FAILURE = "#d5d9df"
+AT_LEAST = "\N{GREATER-THAN OR EQUAL TO}"
+
+
+class MapCell(NamedTuple):
+    """What a map shows of a cell.
+
+    Attributes:
+        color: Of its ground.
+        title: What is written when one points at it.
+        picture: Address of a picture, or empty.
+        number: Written in the corner; nothing below 2.
+    """
+
+    color: str
+    title: str
+    picture: str = ""
+    number: int = 0
+
+
+class LegendEntry(NamedTuple):
+    """A color of a map, and what it means."""
+
+    color: str
+    text: str
+
+
+def lowest_regret(table: pd.DataFrame) -> pd.Series:
+    """The regret of each failure in the engine in which it is lowest.
+
+    Args:
+        table: Columns of `tables.failures.FAILURES`.
+    """
+    return table[list(REGRETS)].min(axis=1)
+
+
+def failure_map(
+    table: pd.DataFrame,
+    examined: pd.DataFrame,
+    space: MeasureSpace | None = None,
+    axes: AxisPair = USUAL,
+) -> str:
+    """The map of the regret: complexity to the right, difficulty upwards.
+
+    The color of a cell is the highest regret of its failures, in the engine in which it is lowest,
+    and the picture is that failure. Cells are grey if objects were tried and none is a failure.
+
+    Args:
+        table: Columns of `tables.failures.FAILURES`.
+        examined: Columns of `tables.failures.EXAMINED`.
+        space: The cells; by default those of the released objects.
+        axes: What the axes are called.
+
+    Returns:
+        SVG text.
+    """
+    tried = examined[examined["attempts"] > 0]
+    cells = {
+        name: MapCell(NO_FAILURE, f"{name}: {_objects(len(rows))} tried, no failure")
+        for name, rows in _by_cell(tried)
+    }
+    for name, rows in _by_cell(table.assign(regret=lowest_regret(table))):
+        worst = rows.iloc[int(rows["regret"].to_numpy().argmax())]
+        cells[name] = MapCell(
+            _color(worst["regret"], REGRET_STEPS, REGRET_COLORS),
+            f"{name}: {_failures(len(rows))}, regret {worst['regret']:.2f}",
+            _picture(worst["voxels"]),
+            len(rows),
+        )
+    words = ["< 60", *(f"{a}{DASH}{a + 10}" for a in (60, 70, 80)), f"{AT_LEAST} 90"]
+    legend = [LegendEntry(*each) for each in zip(REGRET_COLORS, words, strict=True)]
+    found = len(_names(table))
+    return _draw(
+        cells,
+        f"Regret, points: {_failures(len(table))} in {_cells(found)}",
+        [*legend, LegendEntry(NO_FAILURE, "no failure")],
+        space,
+        axes,
+    )
+
+
+def dataset_map(
+    objects: pd.DataFrame, space: MeasureSpace | None = None, axes: AxisPair = USUAL
+) -> str:
+    """The map of the objects that a search may begin with: how many each cell holds.
+
+    Args:
+        objects: Columns complexity and graspability.
+        space: The cells; by default those of the released objects.
+        axes: What the axes are called.
+
+    Returns:
+        SVG text.
+    """
+    known = space or MeasureSpace()
+    placed = pd.DataFrame(
+        {
+            "complexity_cell": complexity_cells(objects["complexity"], known),
+            "difficulty_cell": difficulty_cells(objects["graspability"], known),
+        }
+    )
+    cells = {
+        name: MapCell(
+            _color(len(rows), COUNT_STEPS, COUNT_COLORS), f"{name}: {_objects(len(rows))}"
+        )
+        for name, rows in _by_cell(placed)
+    }
+    words = ("1", "2", "3", f"{AT_LEAST} 4")
+    legend = [LegendEntry(*each) for each in zip(COUNT_COLORS, words, strict=True)]
+    title = f"Dataset: {_objects(len(objects))} in {_cells(len(cells))}"
+    return _draw(cells, title, legend, known, axes)
+
+
+def _draw(
+    cells: dict[str, MapCell],
+    title: str,
+    legend: Sequence[LegendEntry],
+    space: MeasureSpace | None,
+    axes: AxisPair,
+) -> str:
+    return render_template(
+        "failure_map.svg.j2",
+        **map_values({}, space or MeasureSpace(), axes) | {"cells": cells},
+        unit=UNIT,
+        title=title,
+        legend=legend,
+    )
+
+
+def _by_cell(table: pd.DataFrame) -> Iterable[tuple[str, pd.DataFrame]]:
+    """The rows of each cell, by its name."""
+    cells = zip(table["complexity_cell"], table["difficulty_cell"], strict=True)
+    names = np.array([cell_name(column, row) for column, row in cells], dtype=object)
+    for name, rows in table.groupby(names):
+        yield str(name), rows
+
+
+def _names(table: pd.DataFrame) -> set[str]:
+    return {name for name, _ in _by_cell(table)}
+
+
+def _color(value: float, steps: Sequence[float], colors: Sequence[str]) -> str:
+    return colors[sum(value >= step for step in steps)]
+
+
+def _picture(voxels: bytes) -> str:
+    resolution = round((8 * len(voxels)) ** (1 / 3))
+    return picture_of(voxels, resolution, 2 * (UNIT - MARGIN))
+
+
+def _objects(count: int) -> str:
+    return "1 object" if count == 1 else f"{count} objects"
+
+
+def _failures(count: int) -> str:
+    return "1 failure" if count == 1 else f"{count} failures"
+
+
+def _cells(count: int) -> str:
+    return "1 cell" if count == 1 else f"{count} cells"

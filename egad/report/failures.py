@@ -1,0 +1,394 @@
+"""A page that explains the failures of a detector: where, why, of which shape, and films."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from egad._util.arrays import Floats
+from egad.measures import MeasureSpace, cell_name, labels
+from egad.report.axes import USUAL, AxisPair
+from egad.report.colors import FAINT, INK, LINES, SOFT, UNKNOWN
+from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
+from egad.report.failure_map import dataset_map, failure_map, lowest_regret
+from egad.report.page import render_template
+from egad.report.trial_charts import outcome_chart
+from egad.stats import Rate
+
+MOST_OF_CELL = 2  # failures of a cell among the worst
+BEYOND = 0.6  # of the range of solved objects, that charts of features show on either side
+VERDICTS = {
+    "failure": "the reference holds it, the detector does not",
+    "detector_succeeds": "the detector holds it too often for a failure",
+    "not_graspable": "rejected: the reference does not hold it, either",
+    "not_printable": "rejected: it cannot be printed, for its walls or its parts",
+    "not_confirmed": "rejected: fresh drops did not show a failure in every engine",
+    "not_simulated": "rejected: it has no convex parts, or does not come to rest",
+    "not_measured": "not tried: complexity or graspability could not be measured",
+    "cell_full": "not tried: its cell was full of failures",
+}
+GUARDS = {
+    "detector_succeeds": "are held by the detector too often",
+    "not_graspable": "are not held by the reference either",
+    "not_printable": "cannot be printed",
+    "not_confirmed": "were not confirmed on fresh drops",
+    "not_simulated": "cannot be simulated",
+    "not_measured": "cannot be measured",
+    "cell_full": "were not tried because their cell is full of failures",
+}
+REASONS = {
+    "n_nothing": ("nothing was proposed", LINES[3]),
+    "n_not_chosen": ("another of its first ten proposals holds", LINES[5]),
+    "n_none_good": ("none of its first ten proposals holds", LINES[1]),
+}
+WHO = ("detector", "reference")
+
+
+class FeatureShare(NamedTuple):
+    """A feature of shape, and how it tells failures from objects that the detector solves.
+
+    Attributes:
+        title: What it is called.
+        unit: Of the numbers; empty if they have none.
+        meaning: Its definition.
+        low: Quantile 5 % over the solved objects.
+        high: Quantile 95 %.
+        solved: Its value at each of these.
+        failures: Its value at each failure.
+        below: Share of the failures below the range.
+        above: Share of those above.
+        share: Share of the failures that it explains, with its interval of 95 %.
+        interval: The ends of that.
+    """
+
+    title: str
+    unit: str
+    meaning: str
+    low: float
+    high: float
+    solved: Floats
+    failures: Floats
+    below: float
+    above: float
+    share: float
+    interval: tuple[float, float]
+
+    @property
+    def medians(self) -> tuple[float, float]:
+        """Of the solved objects, and of the failures."""
+        return float(np.median(self.solved)), float(np.median(self.failures))
+
+
+@dataclass(frozen=True)
+class AttemptFilm:
+    """A film of an attempt.
+
+    Attributes:
+        outcome: What came of it.
+        content: An animated WebP file; empty if there is none.
+    """
+
+    outcome: str
+    content: bytes = b""
+
+
+@dataclass(frozen=True)
+class Example:
+    """What is shown of one of the worst failures beside its numbers.
+
+    Attributes:
+        picture: A PNG file.
+        films: By `detector` and `reference`, of the same drop.
+        note: Why a film is missing, if it should be there.
+    """
+
+    picture: bytes
+    films: Mapping[str, AttemptFilm] = field(default_factory=dict)
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class SearchText:
+    """What a page says of the search.
+
+    Attributes:
+        detector: Its name; empty if unknown.
+        hand: The hand, in words.
+        approach: above or any.
+        engines: Physics engines.
+        reference: Success rate of the reference at a failure, at least.
+        regret: Difference to that of the detector, at least.
+        confidence: Of both.
+    """
+
+    detector: str
+    hand: str
+    approach: str
+    engines: Sequence[str]
+    reference: float
+    regret: float
+    confidence: float
+
+
+class EngineRates(NamedTuple):
+    """What came of the fresh drops of a failure in an engine."""
+
+    engine: str
+    reference: Rate
+    detector: Rate
+    regret: float
+
+
+class Reason(NamedTuple):
+    """Why a detector fails, how often, and the color of that."""
+
+    text: str
+    color: str
+    drops: int
+    share: float
+
+
+def page(
+    table: pd.DataFrame,
+    examined: pd.DataFrame,
+    attempts: pd.DataFrame,
+    *,
+    search: SearchText,
+    dataset: pd.DataFrame,
+    features: Sequence[FeatureShare],
+    examples: Mapping[str, Example],
+    space: MeasureSpace | None = None,
+    axes: AxisPair = USUAL,
+) -> str:
+    """Explain the failures of a detector.
+
+    Args:
+        table: Columns of `tables.failures.FAILURES`.
+        examined: Columns of `tables.failures.EXAMINED`.
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`.
+        search: What was searched.
+        dataset: Columns complexity and graspability of the objects that the search began with.
+        features: Of shape; none if nothing is known.
+        examples: The worst failures, by id, in the order of the page.
+        space: The cells; by default those of the released objects.
+        axes: What the axes of the map are called.
+
+    Returns:
+        An HTML page that needs no other file.
+    """
+    fresh = attempts[(attempts["purpose"] == "confirm") & attempts["id"].isin(set(table["id"]))]
+    labelled = table.assign(label=failure_labels(table))
+    rows = {str(row["id"]): row for _, row in labelled.iterrows()}
+    return render_template(
+        "failures_page.html.j2",
+        search=search,
+        count=len(table),
+        cells=len(table[["complexity_cell", "difficulty_cell"]].drop_duplicates()),
+        attempts=int(examined["attempts"].sum()),
+        tried=int((examined["attempts"] > 0).sum()),
+        guards=_guards(examined),
+        verdicts=_verdicts(examined),
+        examined=len(examined),
+        sources=_sources(examined),
+        regret_map=svg_uri(failure_map(table, examined, space, axes)),
+        dataset_map=svg_uri(dataset_map(dataset, space, axes)),
+        reasons=reasons_of(table),
+        outcome_figure=svg_uri(outcome_chart(_by_who(fresh))) if len(fresh) else "",
+        outcomes=lost_outcomes(fresh),
+        features=features,
+        feature_figure=svg_uri(feature_chart(features)) if features else "",
+        share_figure=svg_uri(share_chart(features)) if features else "",
+        examples=[_example(rows[name], fresh, each) for name, each in examples.items()],
+    )
+
+
+def worst(table: pd.DataFrame, count: int) -> pd.DataFrame:
+    """The failures of the highest regret in the engine in which it is lowest, worst first.
+
+    Args:
+        table: Columns of `tables.failures.FAILURES`.
+        count: How many, at most; of each cell, at most two.
+    """
+    pairs = table[["n_pairs_mujoco", "n_pairs_pybullet"]].sum(axis=1)
+    order = table.assign(regret=lowest_regret(table), pairs=pairs)
+    order = order.sort_values(["regret", "pairs", "id"], ascending=[False, False, True])
+    rank = order.groupby(["complexity_cell", "difficulty_cell"]).cumcount()
+    return table.loc[order.index[rank < MOST_OF_CELL][:count]]
+
+
+def failure_labels(table: pd.DataFrame) -> pd.Series:
+    """The label of each failure, as `egad.load` gives it."""
+    ordered = table.sort_values(["difficulty_cell", "complexity_cell", "slot"])
+    names = labels(ordered["complexity_cell"], ordered["difficulty_cell"])
+    return pd.Series(names, index=ordered.index, dtype=object).reindex(table.index)
+
+
+def reasons_of(table: pd.DataFrame) -> list[Reason]:
+    """Why the detector failed at the drops where its other proposals were tried, too."""
+    total = int(table["n_explained"].sum())
+    counts = {name: int(table[name].sum()) for name in REASONS}
+    return [Reason(*REASONS[name], count, count / total) for name, count in counts.items() if total]
+
+
+def lost_outcomes(fresh: pd.DataFrame) -> dict[str, tuple[int, int]]:
+    """How often the detector lost an object by each outcome, and at how many it is the usual one.
+
+    Args:
+        fresh: Attempts to confirm failures, columns of `tables.failures.FAILURE_ATTEMPTS`.
+
+    Returns:
+        By outcome, most frequent first: attempts, and failures at which no outcome of a lost
+        attempt is more frequent.
+    """
+    lost = fresh[(fresh["who"] == "detector") & ~fresh["success"].astype(bool)]
+    counts = lost["outcome"].value_counts()
+    usual = lost.groupby("id")["outcome"].agg(_most_frequent).value_counts()
+    order = sorted(counts.index, key=lambda name: (-counts[name], name))
+    return {str(name): (int(counts[name]), int(usual.get(name, 0))) for name in order}
+
+
+def _most_frequent(outcomes: pd.Series) -> str:
+    counts = outcomes.value_counts()
+    return str(min(counts.index, key=lambda name: (-counts[name], name)))
+
+
+def _verdicts(examined: pd.DataFrame) -> list[tuple[str, int, str]]:
+    """Objects of each verdict, and its meaning."""
+    counts = examined["verdict"].value_counts()
+    return [
+        (name.replace("_", " "), int(counts[name]), meaning)
+        for name, meaning in VERDICTS.items()
+        if name in counts
+    ]
+
+
+def _guards(examined: pd.DataFrame) -> str:
+    """In words, how many objects are no failures, and why."""
+    counts = examined["verdict"].value_counts()
+    parts = [f"{counts[name]} {text}" for name, text in GUARDS.items() if name in counts]
+    if not parts:
+        return ""
+    *first, last = parts
+    listed = f"{', '.join(first)}, and {last}" if first else last
+    return f"Of the others that were looked at, {listed}."
+
+
+def _sources(examined: pd.DataFrame) -> list[tuple[str, Rate]]:
+    """Failures among the objects tried, by where they came from."""
+    tried = examined[examined["attempts"] > 0]
+    return [
+        (str(name), Rate(int((rows["verdict"] == "failure").sum()), len(rows)))
+        for name, rows in tried.groupby("source")
+    ]
+
+
+def _by_who(fresh: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    return {
+        f"{who}, {engine}": rows
+        for who in WHO
+        for engine, rows in fresh[fresh["who"] == who].groupby("engine")
+    }
+
+
+def _example(row: pd.Series, fresh: pd.DataFrame, example: Example) -> dict[str, object]:
+    """What the template shows of a failure."""
+    outcomes = lost_outcomes(fresh[fresh["id"] == row["id"]])
+    return {
+        "label": row["label"],
+        "cell": cell_name(row["complexity_cell"], row["difficulty_cell"]),
+        "complexity": row["complexity"],
+        "graspability": row["graspability"],
+        "picture": data_uri(example.picture),
+        "engines": list(_engine_rates(row)),
+        "outcomes": {name.replace("_", " "): count for name, (count, _) in outcomes.items()},
+        "reasons": reasons_of(row.to_frame().T),
+        "explained": row["n_explained"],
+        "films": [
+            (who, film.outcome.replace("_", " "), data_uri(film.content, "image/webp"))
+            for who in WHO
+            if (film := example.films.get(who)) is not None
+        ],
+        "note": example.note,
+    }
+
+
+def _engine_rates(row: pd.Series) -> Iterable[EngineRates]:
+    for engine in ("mujoco", "pybullet"):
+        if count := int(row[f"n_pairs_{engine}"]):
+            won = {who: Rate(int(row[f"{who}_successes_{engine}"]), count) for who in WHO}
+            yield EngineRates(
+                engine, won["reference"], won["detector"], float(row[f"regret_{engine}"])
+            )
+
+
+def feature_chart(features: Sequence[FeatureShare]) -> str:
+    """Failures and solved objects along each feature, in units of the range of the solved ones.
+
+    Args:
+        features: At least one.
+
+    Returns:
+        SVG text: a row for each feature; what lies further out is drawn at the edge.
+    """
+    with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
+        axes = drawing.figure.add_subplot()
+        axes.axvspan(0, 1, color=FAINT, lw=0)
+        for number, each in enumerate(features):
+            width = max(each.high - each.low, np.finfo(float).tiny)
+            for values, y, color, label, size in (
+                (each.solved, 0.17, SOFT, "solved", 3.0),
+                (each.failures, -0.17, LINES[1], "failures", 4.5),
+            ):
+                x = np.clip((values - each.low) / width, -BEYOND, 1 + BEYOND)
+                jitter = np.linspace(-0.09, 0.09, max(len(x), 1))[: len(x)]
+                axes.plot(
+                    x,
+                    -number + y + jitter,
+                    "o",
+                    color=color,
+                    ms=size,
+                    mew=0,
+                    alpha=0.55,
+                    label="" if number else label,
+                )
+        _name_rows(axes, features)
+        axes.set_xticks([0, 1], ["5 %", "95 %"])
+        axes.set(xlim=(-BEYOND - 0.05, 1 + BEYOND + 0.05))
+        axes.set_xlabel("quantile of the objects that the detector solves")
+        drawing.figure.legend(loc="outside upper right", ncols=2, fontsize=9)
+    return drawing.svg
+
+
+def share_chart(features: Sequence[FeatureShare]) -> str:
+    """The share of the failures that each feature explains, with intervals of 95 %.
+
+    Args:
+        features: At least one.
+
+    Returns:
+        SVG text.
+    """
+    with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
+        axes = drawing.figure.add_subplot()
+        y = -np.arange(len(features))
+        axes.barh(y, [each.share for each in features], height=0.5, color=LINES[1])
+        for place, each in zip(y, features, strict=True):
+            if not np.isnan(each.interval[0]):
+                axes.hlines(place, *each.interval, color=INK, lw=1.2)
+        axes.axvline(0, color=UNKNOWN, lw=1)
+        _name_rows(axes, features)
+        axes.set(xlim=(min(-0.12, *(each.interval[0] for each in features)), 1))
+        show_percent(axes.xaxis)
+        axes.grid(axis="x")
+        axes.set_xlabel("share of the failures that it explains")
+    return drawing.svg
+
+
+def _name_rows(axes: Axes, features: Sequence[FeatureShare]) -> None:
+    axes.set_yticks(-np.arange(len(features)), [each.title for each in features])
+    axes.set(ylim=(-len(features) + 0.5, 0.5))
+    axes.tick_params(axis="y", length=0)
+    axes.spines[["left"]].set_visible(False)

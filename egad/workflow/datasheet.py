@@ -1,0 +1,90 @@
+"""The folder of the datasheet of an evaluation set: a page, a contact sheet, an empty table."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.files import atomic_output, write_text
+from egad._util.progress import phase
+from egad.config.stages import DataSheets
+from egad.evalset import ATTEMPTS, ForGripper, empty_cells
+from egad.evalset.datasheet import page
+from egad.io import read_mesh
+from egad.report.evaluation import contact_sheet
+from egad.stats import template
+from egad.tables import parquet
+from egad.tables.evaluation import EVAL49, MANIFEST
+
+
+def write_datasheet(
+    settings: DataSheets,
+    dataset: str,
+    evaluation: Path,
+    grippers: list[str],
+    manifests: list[Path],
+    grasps: list[Path],
+    out: Path,
+    introduction: str = "",
+) -> None:
+    """Write the datasheet of an evaluation set.
+
+    Args:
+        settings: Grid and printing.
+        dataset: Name of the dataset.
+        evaluation: Evaluation set.
+        grippers: Names of the grippers; pictures show the first.
+        manifests: Tables of print files for these grippers.
+        grasps: Labelled grasps for these grippers.
+        out: Folder with the datasheet of the evaluation set (objects, sizes, how to report
+            results), a contact sheet of its objects with names and sizes, and an empty table for
+            attempts with a real robot.
+        introduction: What stands above the tables; by default, what the rows and columns are.
+    """
+    chosen = parquet.read(evaluation, EVAL49)
+    known = {
+        gripper: ForGripper(parquet.read(manifest, MANIFEST), _best(labelled))
+        for gripper, manifest, labelled in zip(grippers, manifests, grasps, strict=True)
+    }
+    empty = empty_cells(chosen, settings.select_eval)
+    text = page(dataset, chosen, empty, known, settings.print_export, introduction)
+    first = grippers[0]
+    picture = _sheet(
+        settings,
+        f"{dataset}, scaled for {first}",
+        chosen,
+        known[first].manifest,
+        manifests[0].parent,
+    )
+    write_text(out / "README.md", text)
+    empty_results = template(chosen["label"].tolist(), ATTEMPTS, "")
+    write_text(out / "trials.csv", empty_results.to_csv(index=False))
+    with atomic_output(out / "contact-sheet.pdf") as temporary:
+        temporary.write_bytes(picture)
+
+
+def _best(path: Path) -> dict[str, float]:
+    """Quality of the best grasp that the hand reaches, by the name of the object."""
+    best: dict[str, float] = {}
+    for batch in parquet.batches(path, ["label", "collision_free", "quality"]):
+        found = batch[batch["collision_free"]].groupby("label")["quality"].max()
+        for label, quality in found.items():
+            best[str(label)] = max(float(quality), best.get(str(label), quality))
+    return best
+
+
+def _sheet(
+    settings: DataSheets, title: str, chosen: pd.DataFrame, manifest: pd.DataFrame, prints: Path
+) -> bytes:
+    rows = manifest.set_index("label")
+    meshes, captions = {}, {}
+    for each in parquet.records(chosen):
+        place, row = (each["row"], each["column"]), rows.loc[each["label"]]
+        if not row["file"]:
+            captions[place] = (each["label"], "no mesh")
+            continue
+        meshes[place] = read_mesh(prints / row["file"], "mm")
+        sides = " x ".join(f"{row[f'extents_{axis}']:.0f}" for axis in "xyz")
+        captions[place] = (each["label"], f"{sides} mm\n{row['filament']:.0f} g")
+    grid = settings.select_eval
+    phase("drawing the contact sheet")
+    return contact_sheet(title, grid.rows, grid.columns, meshes, captions)

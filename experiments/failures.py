@@ -1,0 +1,124 @@
+"""How many failures a search finds with the same attempts, by where objects come from.
+
+    python experiments/failures.py FOLDER --weights GGCNN2.pt [--detectors ...] [--seeds 5]
+        [--attempts 3000] [--jobs 2] [--show]
+
+FOLDER keeps an atlas of each detector, strategy and seed (`egad.find_failures`); a second call goes
+on where the first was cut off. Printed are confirmed failures and cells with one per 1000 attempts,
+with 95 % intervals over seeds (Student), and CPU minutes. `--show` prints what there is so far.
+docs/studies/failures.md has the tables.
+"""
+
+import argparse
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import scipy.stats
+
+import egad
+from egad.detectors import DetectorConfig
+from egad.failures import FailureAtlas
+
+STRATEGIES = ("random", "mutation", "screening", "evolution")
+SHIPPED = ("ggcnn2-evolved", "antipodal-depth", "antipodal-cloud")
+
+
+def detectors(weights: Path | None) -> dict[str, DetectorConfig]:
+    """The detectors of the study by name."""
+    known = {name: DetectorConfig(detector=name) for name in SHIPPED}
+    if weights is None:
+        return known
+    given = {"detector": "ggcnn", "weights": str(weights)}
+    return {
+        "ggcnn2-published": DetectorConfig(**given, execution="published"),
+        "ggcnn2": DetectorConfig(**given),
+        **known,
+    }
+
+
+def search(folder: Path, config: DetectorConfig, strategy: str, seed: int, attempts: int) -> None:
+    """One search, unless it has been made; its CPU time is kept beside it."""
+    done = folder / "cpu.txt"
+    if done.exists():
+        return
+    start = cpu_time()
+    egad.find_failures(
+        config, attempts=attempts, strategy=strategy, seed=seed, shards=1, out=folder
+    )
+    done.write_text(f"{cpu_time() - start:.0f}\n", encoding="utf-8")
+
+
+def cpu_time() -> float:
+    """Seconds of this process and of those that it has ended, such as of a detector."""
+    used = os.times()
+    return used.user + used.system + used.children_user + used.children_system
+
+
+def row_of(folder: Path) -> dict[str, float]:
+    """What a search has found."""
+    atlas = FailureAtlas.load(folder)
+    spent = int(atlas.examined["attempts"].sum())
+    found = atlas.examined[atlas.examined["verdict"] == "failure"]
+    cells = len(found[["complexity_cell", "difficulty_cell"]].drop_duplicates())
+    tried = atlas.examined[atlas.examined["attempts"] > 0]
+    return {
+        "failures": 1000 * len(found) / spent,
+        "cells": 1000 * cells / spent,
+        "objects": len(tried),
+        "graspable": 1 - float((tried["verdict"] == "not_graspable").mean()),
+        "cpu": float((folder / "cpu.txt").read_text()) / 60,
+    }
+
+
+def interval(values: pd.Series) -> str:
+    """A mean with its 95 % interval, if there are several values."""
+    mean = values.mean()
+    if len(values) < 2:
+        return f"{mean:.1f}"
+    half = scipy.stats.t.ppf(0.975, len(values) - 1) * values.std() / np.sqrt(len(values))
+    return f"{mean:.1f} ({mean - half:.1f} to {mean + half:.1f})"
+
+
+def show(folder: Path) -> None:
+    """Print a table for each detector."""
+    for place in sorted(path for path in folder.iterdir() if path.is_dir()):
+        print(
+            f"\n{place.name}\n\n| strategy | seeds | failures | cells | objects | graspable | CPU |"
+        )
+        print("| --- | --- | --- | --- | --- | --- | --- |")
+        for strategy in STRATEGIES:
+            done = sorted(place.glob(f"{strategy}-*/cpu.txt"))
+            if not done:
+                continue
+            rows = pd.DataFrame([row_of(path.parent) for path in done])
+            print(
+                f"| {strategy} | {len(rows)} | {interval(rows['failures'])} "
+                f"| {interval(rows['cells'])} | {rows['objects'].mean():.0f} "
+                f"| {100 * rows['graspable'].mean():.0f} % | {rows['cpu'].mean():.0f} min |"
+            )
+
+
+def main() -> None:
+    """Search, and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--weights", type=Path, help="published weights of GG-CNN2")
+    parser.add_argument("--detectors", nargs="+", help="some of those of the study")
+    parser.add_argument("--strategies", nargs="+", default=STRATEGIES, choices=STRATEGIES)
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--attempts", type=int, default=3000)
+    parser.add_argument("--show", action="store_true")
+    given = parser.parse_args()
+    known = detectors(given.weights)
+    for seed in range(0 if given.show else given.seeds):
+        for name in given.detectors or known:
+            for strategy in given.strategies:
+                place = given.folder / name / f"{strategy}-{seed}"
+                search(place, known[name], strategy, seed, given.attempts)
+    show(given.folder)
+
+
+if __name__ == "__main__":
+    main()

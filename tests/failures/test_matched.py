@@ -1,0 +1,253 @@
+"""Failures matched with similar objects that the detector grasps."""
+
+from itertools import permutations
+
+import numpy as np
+import pandas as pd
+import pytest
+from bars import examined, mesh_of, name_of, settings, thick_only
+from partial_tables import fill_columns
+from scipy.spatial.transform import Rotation
+
+import egad
+from egad.detectors import PoseGrasp
+from egad.errors import RejectedError, UserError
+from egad.failures import Examination, FailureAtlas, MatchedSet, match_failures
+from egad.failures.examine import pairs_of
+from egad.failures.finding import open_detector
+from egad.failures.matched import assign, spread
+from egad.failures.reference import REST, ReferencePolicy
+from egad.sim import Pose
+from egad.tables import parquet
+from egad.tables.failures import FAILURE_ATTEMPTS
+
+POSE = ["rest_x", "rest_qw", "pose", "width", "score", "outcome"]
+
+
+def test_failures_are_spread_over_the_map_and_the_worst_one_is_first():
+    cells = np.array([[0, 0], [0, 1], [9, 9], [9, 0], [0, 9]], dtype=float)
+    assert spread(cells, np.array([0.5, 0.9, 0.6, 0.7, 0.7])) == [1, 2, 3, 4, 0]
+    assert spread(np.zeros((3, 2)), np.array([0.5, 0.9, 0.9])) == [1, 2, 0]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_partners_are_those_of_the_largest_sum_among_all_ways(seed):
+    rng = np.random.default_rng(seed)
+    similarity, allowed = rng.random((3, 4)), rng.random((3, 4)) < 0.6
+    ways = [
+        [each if allowed[row, each] else -1 for row, each in enumerate(way)]
+        for way in permutations(range(4), 3)
+    ]
+
+    def worth(way):
+        used = [(row, each) for row, each in enumerate(way) if each >= 0]
+        return len(used), sum(similarity[each] for each in used)
+
+    partners = assign(np.where(allowed, similarity, np.nan), allowed)
+    assert worth(partners) == pytest.approx(max(map(worth, ways)))
+    assert all(each < 0 or allowed[row, each] for row, each in enumerate(partners))
+
+
+@pytest.fixture(scope="module")
+def thin(failing, tmp_path_factory):
+    """The attempts at a failure, as a saved atlas has them."""
+    folder = tmp_path_factory.mktemp("atlas")
+    failing.save(folder)
+    attempts = FailureAtlas.load(folder).attempts
+    return attempts[attempts["id"] == name_of("thin")].reset_index(drop=True)
+
+
+def again(bar, purpose, count, before, least=0, detect=thick_only):
+    with open_detector(detect, settings()) as asked:
+        examination = Examination(mesh_of(bar), name_of(bar), asked, settings())
+        return examination.paired(purpose, count, before, least)
+
+
+def test_a_reference_made_of_attempts_gives_the_grasps_of_the_first_one(thin):
+    """On the drops that confirmed the failure, to the last digit."""
+    first = thin[thin["purpose"] == "confirm"].reset_index(drop=True)
+    found = again("thin", "confirm", len(pairs_of(first, "mujoco")), thin)
+    assert len(first) > 20
+    pd.testing.assert_frame_equal(found[POSE].map(tuple_of), first[POSE].map(tuple_of))
+
+
+def tuple_of(value):
+    return tuple(value) if isinstance(value, list | np.ndarray) else value
+
+
+class Shelf:
+    """What a reference asks of a bench."""
+
+    def __init__(self, labelled):
+        self._labelled = labelled
+
+    def labelled(self, rest):
+        return [grasp._replace(pose=rest.matrix @ grasp.pose) for grasp in self._labelled]
+
+    def can_do(self, _):
+        return True
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_reference_made_of_attempts_expects_the_same_of_all_grasps(seed):
+    """However they were tried; what was learnt changes the order."""
+    rng = np.random.default_rng(seed)
+
+    def grasp(score):
+        pose = np.eye(4)
+        pose[:3, :3] = Rotation.random(random_state=rng).as_matrix()
+        return PoseGrasp(pose, 0.05, score)
+
+    def rest():
+        return Pose(rng.normal(size=3), Rotation.random(random_state=rng).as_quat())
+
+    labelled = [grasp(score) for score in (0.9, 0.5, 0.3)]
+    learnt, rows = ReferencePolicy(), []
+    for number in range(12):
+        where = rest()
+        chosen = labelled[rng.integers(3)] if rng.random() < 0.6 else grasp(0.1)
+        tried = chosen._replace(pose=where.matrix @ chosen.pose)
+        success, purpose = bool(rng.random() < 0.5), ["screen", "choose", "confirm"][number % 3]
+        if purpose != "confirm":
+            learnt.remember(where, tried, success)
+        lies = dict(zip(REST, [*where.position, *where.quaternion], strict=True))
+        rows.append({"purpose": purpose, "success": success, "pose": tried.pose[:3].ravel()} | lies)
+        rows[-1] |= {"width": tried.width, "score": tried.score}
+    rows.append({"purpose": "screen", "pose": [], "success": False})  # nothing was proposed
+    again = ReferencePolicy.of(fill_columns(FAILURE_ATTEMPTS, rows))
+    where, shelf = rest(), Shelf(labelled)
+    first, second = (policy.ranked(shelf, where) for policy in (learnt, again))
+    assert [(each.width, each.score) for each in first] == [
+        (each.width, each.score) for each in second
+    ]
+    np.testing.assert_array_equal([each.pose for each in first], [each.pose for each in second])
+    assert len(first) > len(labelled)
+
+
+def test_a_choice_that_was_cut_short_is_completed_as_if_it_had_not_been(thin):
+    is_late = (thin["purpose"] == "choose") & (thin["drop"] >= 2)
+    cut = thin[~is_late & (thin["purpose"] != "confirm")]
+    found = again("thin", "matched", 2, cut)
+    made = found[found["purpose"] == "choose"].reset_index(drop=True)
+    expected = thin[is_late].reset_index(drop=True)
+    pd.testing.assert_frame_equal(made[POSE].map(tuple_of), expected[POSE].map(tuple_of))
+
+
+def test_pairs_are_as_many_as_asked_for_from_the_same_poses_on_drops_of_their_own(thin):
+    found = again("thin", "matched", 3, thin)
+    assert pairs_of(found, "mujoco", "matched") == [(True, False)] * 3
+    rests = found.groupby("who")["rest_x"].apply(list)
+    assert rests["detector"] == rests["reference"]
+    assert not set(found["rest_x"]) & set(thin["rest_x"])
+
+
+def test_trials_that_cannot_come_to_enough_successes_end_early(thin):
+    assert len(again("thin", "qualify", 10, thin, least=8)) == 2 * 3
+
+
+def test_an_object_that_never_comes_to_rest_is_rejected(thin, monkeypatch):
+    monkeypatch.setattr("egad.failures.bench.BenchFromAbove.drop", lambda *_: None)
+    with pytest.raises(RejectedError, match="it comes to rest in 0 of 6 drops"):
+        again("thin", "matched", 3, thin)
+
+
+def test_every_failure_has_a_partner_that_is_grasped(matched):
+    rows = matched.table.set_index("label")
+    assert rows.index.tolist() == ["A0", "A1", "B0", "B1"]
+    assert rows["id"]["A0"] == name_of("thin")
+    assert rows["id"]["A1"] == name_of("flat")
+    assert set(rows["id"][["B0", "B1"]]) == {name_of("thick"), name_of("broad")}
+    assert rows["is_failure"].tolist() == [True, True, False, False]
+    assert (rows["n_pairs_mujoco"] == 5).all()
+    assert (rows["n_pairs_pybullet"] == 0).all()
+    assert rows["detector_successes_mujoco"].tolist() == [0, 0, 5, 5]
+    assert rows["reference_successes_mujoco"].tolist() == [5, 5, 5, 5]
+    assert "detector 0 % at failures and 100 % at their partners" in repr(matched)
+
+
+def test_the_similarity_of_a_pair_is_that_of_its_meshes(matched):
+    rows, objects = matched.table.set_index("label"), matched.objects
+    for first, second in (("A0", "B0"), ("A1", "B1")):
+        meshes = [objects[rows["id"][label]].mesh for label in (first, second)]
+        expected = egad.similarity_matrix(meshes)[0, 1]
+        assert rows["similarity"][first] == rows["similarity"][second] == pytest.approx(expected)
+
+
+def test_an_object_that_the_detector_does_not_grasp_again_is_replaced(failing, matched):
+    """It is the most similar one; it was found to be grasped by chance."""
+    meshes = [mesh_of(bar) for bar in ("thin", "liar", "thick", "broad")]
+    assert egad.similarity_matrix(meshes)[0].argsort()[-2] == 1
+    assert matched.replaced == {"the detector succeeds in less than 80 %": 1}
+    tried = matched.attempts.groupby("id")["purpose"].unique().map(set)
+    assert tried[name_of("liar")] == {"qualify"}
+    assert tried[name_of("thin")] == {"matched"}
+    assert tried[name_of("thick")] == {"choose", "qualify", "matched"}
+    assert not failing.attempts["purpose"].isin(["qualify", "matched"]).any()
+
+
+def test_the_counts_are_those_of_drops_that_nothing_was_chosen_by(matched):
+    for row in parquet.records(matched.table):
+        rows = matched.attempts[matched.attempts["id"] == row["id"]]
+        fresh = rows[rows["purpose"] == "matched"]
+        won = fresh[fresh["success"]].groupby("who").size()
+        assert row["detector_successes_mujoco"] == won.get("detector", 0)
+        assert row["reference_successes_mujoco"] == won.get("reference", 0)
+        assert not set(fresh["rest_x"]) & set(rows.loc[rows["purpose"] == "qualify", "rest_x"])
+
+
+def test_processes_change_nothing(failing, matched):
+    found = match_failures(failing, thick_only, pairs=2, attempts=5, jobs=2)
+    pd.testing.assert_frame_equal(found.table, matched.table)
+    pd.testing.assert_frame_equal(found.attempts, matched.attempts)
+
+
+def without(atlas, *bars):
+    """The atlas without some of the objects that the detector succeeds at."""
+    gone = atlas.examined["id"].isin(list(map(name_of, bars)))
+    return FailureAtlas(
+        atlas.table, atlas.examined[~gone], atlas.attempts, atlas.shape, atlas.settings
+    )
+
+
+def test_a_failure_without_a_partner_is_left_out(failing):
+    found = match_failures(without(failing, "liar", "broad"), thick_only, attempts=1)
+    assert found.table["id"].tolist() == [name_of("thin"), name_of("thick")]
+    assert (len(found), found.unmatched) == (1, 1)
+
+
+def test_an_atlas_without_any_pair_says_so(failing):
+    few = without(failing, "thick", "broad")
+    with pytest.raises(UserError, match=r"none of 2 failures .* of 1 that were tried again, none"):
+        match_failures(few, thick_only, attempts=5)
+    with pytest.raises(UserError, match="none of 2 failures has an object within 2 cells"):
+        match_failures(without(few, "liar"), thick_only)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"pairs": 11}, "pairs is 11; allowed: 1 to 10"),
+        ({"pairs": 0}, "pairs is 0"),
+        ({"attempts": 0}, "attempts is 0"),
+    ],
+)
+def test_wrong_arguments_are_refused(failing, arguments, words):
+    with pytest.raises(UserError, match=words):
+        match_failures(failing, thick_only, **arguments)
+
+
+def test_a_set_is_read_as_it_was_saved(matched, tmp_path):
+    matched.save(tmp_path)
+    found = MatchedSet.load(tmp_path)
+    assert repr(found) == repr(matched)
+    assert found.table["id"].tolist() == matched.table["id"].tolist()
+    assert (found.replaced, found.unmatched) == (matched.replaced, matched.unmatched)
+    assert found.attempts["pose"].map(len).tolist() == matched.attempts["pose"].map(len).tolist()
+    assert set(egad.load(tmp_path / "pairs.parquet").table["id"]) == set(matched.table["id"])
+
+
+def test_an_object_that_is_grasped_at_once_was_screened_alone():
+    """So a partner needs its reference to be chosen first."""
+    found = examined("thick")
+    assert set(found.attempts["purpose"]) == {"screen"}
+    assert found.attempts.columns.tolist() == FAILURE_ATTEMPTS.names

@@ -1,0 +1,43 @@
+"""join_failures: the failures that all shards of a search have found, in one archive."""
+
+import logging
+from pathlib import Path
+
+from egad.config.stages import DetectorFailures
+from egad.failures import Found, join
+from egad.tables import parquet
+from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
+from egad.workflow.job import run_job
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: DetectorFailures,
+    examined: list[Path],
+    attempts: list[Path],
+    failures: Path,
+    jobs: int,
+) -> None:
+    """Join the failures of a grasp detector, and ask it again why it failed.
+
+    Args:
+        settings: Settings of this stage.
+        examined: Objects that each shard looked at.
+        attempts: Simulated grasps of each shard.
+        failures: Objects that detector P fails at though gripper G can grasp them, one per row.
+            What was examined and the attempts are written beside it. Made for the detectors in
+            `targets.failures`.
+        jobs: Processes.
+    """
+    shards = [
+        Found(parquet.read(each, EXAMINED), parquet.read(other, FAILURE_ATTEMPTS))
+        for each, other in zip(examined, attempts, strict=True)
+    ]
+    atlas = join(shards, settings.detector, settings, jobs)
+    atlas.save(failures)
+    log.info("%s", atlas)
+
+
+if __name__ == "__main__":
+    run_job(run)
