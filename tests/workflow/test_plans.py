@@ -606,18 +606,20 @@ def test_failures_are_searched_if_that_is_asked_for(copy):
     assert copy.planned(configs=configs) == {}
     folder = copy.results / f"egad/failures/{GRIPPER}"
     tables = {path.name: path.read_bytes() for path in folder.iterdir()}
-    assert set(tables) == {f"own{end}.parquet" for end in ("", ".examined", ".attempts")}
+    ends = (".parquet", ".examined.parquet", ".attempts.parquet", ".html", ".html.sha256")
+    assert set(tables) == {f"own{end}" for end in ends}
     examined = parquet.read(folder / "own.examined.parquet", EXAMINED)
     assert set(examined["shard"]) == {0, 1}
     assert examined["attempts"].sum() >= 8
     for path in folder.iterdir():
         path.unlink()
     shutil.rmtree(copy.results / "egad/parts")
-    target = f"results/egad/failures/{GRIPPER}/own.parquet"
+    target = f"results/egad/failures/{GRIPPER}/own.html"
     copy.make("--cores", 1, target, configs=configs)
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == tables
     own.write_text(own.read_text().replace("0.03", "0.02"))
-    assert copy.planned(target, configs=configs) == {"search_failures": 2, "join_failures": 1}
+    again = {"search_failures": 2, "join_failures": 1, "explain_failures": 1}
+    assert copy.planned(target, configs=configs) == again
 
 
 def test_failures_of_meshes_are_no_target(clean):
