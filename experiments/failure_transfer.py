@@ -22,14 +22,13 @@ import trimesh
 from failures import detectors
 
 from egad._util.files import atomic_output
-from egad.cppn import packed_surface
 from egad.detectors import DetectorConfig
 from egad.errors import RejectedError
 from egad.failures import Examination, FailureAtlas, FailureParameters, open_detector
 from egad.failures.examine import pairs_of
-from egad.failures.search import scaled_to
+from egad.failures.search import scaled_surface
 from egad.geometry import to_mesh, to_solid
-from egad.geometry.repair import repair, repair_for_files
+from egad.geometry.repair import repair
 from egad.random import generator
 from egad.stats import Rate
 
@@ -77,13 +76,13 @@ def tried(
     drops: int,
 ) -> dict[str, int]:
     """Counts of fresh drops in each engine; none if the object cannot be tried."""
-    mesh = repair_for_files(packed_surface(row["voxels"], settings.breeding.shape)).mesh
+    mesh = scaled_surface(row["voxels"], settings)
     past = row["past"] if change == "none" else row["past"].iloc[:0]
     approach = settings.failures.model_copy(update={"approach": None})
     own = settings.model_copy(update={"failures": approach})
     counts = {}
     try:
-        solid = changed(scaled_to(mesh, settings), change, row["id"])
+        solid = changed(mesh, change, row["id"])
         with open_detector(config, own) as asked:
             attempts = Examination(solid, row["id"], asked, own).paired("again", drops, past)
     except RejectedError:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import trimesh
 from PIL import Image
 
 from egad._util.arrays import RgbImage
@@ -16,15 +15,13 @@ from egad._util.files import as_path, write_text
 from egad._util.parameters import check_count
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cppn import Shape, packed_surface
 from egad.errors import UserError
 from egad.failures.atlas import FailureAtlas
-from egad.failures.examine import ObjectVerdict, failed_drops
+from egad.failures.examine import ObjectVerdict, by_object, failed_drops
 from egad.failures.features import SHAPE_FEATURES, shape_features, shares
 from egad.failures.parameters import FailureParameters
 from egad.failures.replay import film_attempts
-from egad.failures.search import scaled_to
-from egad.geometry.repair import repair_for_files
+from egad.failures.search import scaled_surface
 from egad.objects import Dataset, load
 from egad.random import generator
 from egad.report.axes import axis_pair
@@ -71,10 +68,10 @@ def write_page(
     if settings is None:
         raise UserError("the atlas does not say with which gripper it was made; load a saved one")
     chosen = parquet.records(worst(atlas.table, max(films, 20)))
-    attempts = {str(name): rows for name, rows in atlas.attempts.groupby("id", sort=False)}
+    attempts = by_object(atlas.attempts)
     solved = solved_objects(atlas.examined, settings.seed)
-    show = partial(_example, attempts=attempts, settings=settings, shape=atlas.shape)
-    measure = partial(_features, attempts=attempts, settings=settings, shape=atlas.shape)
+    show = partial(_example, attempts=attempts, settings=settings)
+    measure = partial(_features, attempts=attempts, settings=settings)
     with workers(jobs) as mapper:
         measured = [
             pd.DataFrame(
@@ -112,18 +109,6 @@ def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
     return found.iloc[np.sort(order)]
 
 
-def scaled_mesh(voxels: bytes, settings: FailureParameters, shape: Shape) -> trimesh.Trimesh:
-    """An object as the search tried it, metres.
-
-    Args:
-        voxels: As archives keep them.
-        settings: Gripper and scale rule.
-        shape: How voxels become meshes.
-    """
-    mesh = repair_for_files(packed_surface(voxels, shape)).mesh
-    return scaled_to(mesh, settings)
-
-
 def film_rows(attempts: pd.DataFrame, engine: str) -> pd.DataFrame:
     """The attempts of detector and reference at the drop that shows a failure best.
 
@@ -152,9 +137,8 @@ def _features(
     row: dict[str, Any],
     attempts: Mapping[str, pd.DataFrame],
     settings: FailureParameters,
-    shape: Shape,
 ) -> dict[str, float]:
-    mesh = scaled_mesh(row["voxels"], settings, shape)
+    mesh = scaled_surface(row["voxels"], settings)
     found = shape_features(mesh, attempts[row["id"]], settings.gripper)
     return found | {name: row[name] for name in ("complexity", "graspability")}
 
@@ -163,11 +147,10 @@ def _example(
     item: tuple[dict[str, Any], bool],
     attempts: Mapping[str, pd.DataFrame],
     settings: FailureParameters,
-    shape: Shape,
 ) -> Example:
     """Picture and films of a failure; films are left out where they are not wanted."""
     row, with_films = item
-    mesh = scaled_mesh(row["voxels"], settings, shape)
+    mesh = scaled_surface(row["voxels"], settings)
     picture = png_bytes(render(mesh, PICTURE))
     rows = film_rows(attempts[row["id"]], settings.failures.engines[0])
     if rows.empty or not with_films:

@@ -84,11 +84,7 @@ class Examined:
         The lowest of all engines with fresh drops; without any, that of all attempts of the
         detector.
         """
-        if self.verdict not in (
-            ObjectVerdict.FAILURE,
-            ObjectVerdict.NOT_CONFIRMED,
-            ObjectVerdict.DETECTOR_SUCCEEDS,
-        ):
+        if self.verdict not in GRASPABLE:
             return 0.0
         table = self.attempts
         fresh = [pairs for engine in table["engine"].unique() if (pairs := self.pairs(engine))]
@@ -101,6 +97,11 @@ class Examined:
 def _shrunk(pairs: Sequence[PairedDrop]) -> float:
     regret = sum(pair.reference - pair.detector for pair in pairs) / (len(pairs) + 2)
     return round(max(regret, 0.0), 1)
+
+
+def by_object(attempts: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """The attempts at each object, by its id, in the order in which the objects first occur."""
+    return {str(name): rows for name, rows in attempts.groupby("id", sort=False)}
 
 
 def pairs_of(attempts: pd.DataFrame, engine: str, purpose: str = "confirm") -> list[PairedDrop]:
@@ -328,7 +329,7 @@ class Examination:
         return self._table()
 
     def _try_pairs(self, bench: Bench, purpose: str, count: int, least: int) -> bool:
-        """Try both from so many drops; False once one of them cannot succeed often enough."""
+        """Try both from `count` drops; False once one of them cannot succeed often enough."""
         pairs: list[PairedDrop] = []
         for number in range(PATIENCE * count):
             pair = self._paired(bench, purpose, number)
@@ -385,7 +386,7 @@ class Examination:
         return None if drops else (ObjectVerdict.NOT_SIMULATED, "it does not come to rest")
 
     def _is_solved(self, planned: int) -> bool:
-        """Whether the detector is too good for a failure, of so many attempts that are planned."""
+        """Whether the detector is too good for a failure, given how many attempts are planned."""
         return self._solved > SOLVED * (1 - self._search.least_regret) * planned
 
     def _choose(self, benches: Sequence[Bench]) -> ObjectVerdict | None:

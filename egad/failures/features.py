@@ -92,7 +92,7 @@ SHAPE_FEATURES = {
 def shape_features(
     mesh: trimesh.Trimesh, attempts: pd.DataFrame, gripper: Gripper
 ) -> dict[str, float]:
-    """The features of an object, but for those of the map.
+    """The features of an object, without those of the map.
 
     Args:
         mesh: A closed surface wound outwards, scaled as in the search, metres.

@@ -14,7 +14,6 @@ from egad._util.files import as_path
 from egad._util.parameters import from_arguments
 from egad._util.progress import count_done, progress, shared_progress
 from egad._util.workers import workers
-from egad.cppn import packed_surface
 from egad.detectors import (
     IN_SCENES,
     SHIPPED_NETWORKS,
@@ -27,15 +26,14 @@ from egad.detectors import (
 from egad.errors import UserError, check_name
 from egad.failures.atlas import FailureAtlas, merge
 from egad.failures.defaults import failure_parameters
-from egad.failures.examine import Examination, approach_of, explanation
+from egad.failures.examine import Examination, approach_of, by_object, explanation
 from egad.failures.parameters import (
     FailureParameters,
     FailureSearch,
     Strategy,
 )
-from egad.failures.search import NOTHING, Found, Search, joined, scaled_to
+from egad.failures.search import NOTHING, Found, Search, joined, scaled_surface
 from egad.failures.store import Detect, Store
-from egad.geometry.repair import repair_for_files
 from egad.grippers import Gripper, as_gripper
 from egad.objects import Dataset, load
 from egad.sim import ENGINES, EngineName, check_engine
@@ -206,13 +204,13 @@ def join(
     """
     table, search = merge(shards, settings), settings.failures
     whole = joined(shards)
-    known = _by_object(whole.attempts)
+    known = by_object(whole.attempts)
     work = partial(_explained, known=known, detect=detect, settings=settings)
     with workers(jobs) as mapper:
         rows = parquet.records(table[["id", "voxels"]])
         further = list(progress(mapper(work, rows), "explaining", len(table)))
     attempts = pd.concat([whole.attempts, *further], ignore_index=True)
-    known, engine = _by_object(attempts), search.engines[0]
+    known, engine = by_object(attempts), search.engines[0]
     reasons = [explanation(known[name], engine, search.explain) for name in table["id"]]
     explained = pd.DataFrame(reasons, index=table.index)
     failures = table.join(explained)[FAILURES.names] if len(table) else parquet.empty(FAILURES)
@@ -231,10 +229,9 @@ def _explained(
     detect: Detect,
     settings: FailureParameters,
 ) -> pd.DataFrame:
-    mesh = repair_for_files(packed_surface(row["voxels"], settings.breeding.shape)).mesh
+    mesh = scaled_surface(row["voxels"], settings)
     with open_detector(detect, settings) as asked:
-        examination = Examination(scaled_to(mesh, settings), row["id"], asked, settings)
-        return examination.explain(known[row["id"]])
+        return Examination(mesh, row["id"], asked, settings).explain(known[row["id"]])
 
 
 def name_of(detect: Detect) -> str:
@@ -278,7 +275,3 @@ def _found(detector: Detect | str, gripper: Gripper) -> Detect:
     elif not callable(detector):
         raise UserError(f"a detector is a function or the name of one, got {detector!r}")
     return detector
-
-
-def _by_object(attempts: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    return {str(name): rows for name, rows in attempts.groupby("id", sort=False)}

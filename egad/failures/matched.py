@@ -14,26 +14,24 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
-import trimesh
 from scipy.optimize import linear_sum_assignment
 
 from egad._util.arrays import Flags, Floats
 from egad._util.parameters import check_count
 from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
-from egad.cppn import Shape, packed_surface
+from egad.cppn import Shape
 from egad.errors import RejectedError, UserError, most_common
 from egad.evalset import label_at, print_problems
 from egad.failures.atlas import CELL, FailureAtlas
-from egad.failures.examine import Examination, ObjectVerdict, counts_of, pairs_of
+from egad.failures.examine import Examination, ObjectVerdict, by_object, counts_of, pairs_of
 from egad.failures.finding import open_detector
 from egad.failures.parameters import FailureParameters
-from egad.failures.search import elite_of, scaled_to
+from egad.failures.search import elite_of, scaled_surface, surface_of
 from egad.failures.store import Detect
-from egad.geometry.repair import repair_for_files
 from egad.map_elites import Archive
 from egad.objects import Dataset, dataset_of
-from egad.reeb import Forest, Similarity, similarities
+from egad.reeb import Forest, similarities
 from egad.reeb import graph as reeb
 from egad.sim import ENGINES, EngineName
 from egad.stats import Rate
@@ -191,7 +189,7 @@ def match_failures(
     if check_count("pairs", pairs) > MOST_PAIRS:
         raise UserError(f"pairs is {pairs}; allowed: 1 to {MOST_PAIRS}, a digit of the labels each")
     check_count("attempts", attempts)
-    known = {str(name): rows for name, rows in atlas.attempts.groupby("id", sort=False)}
+    known = by_object(atlas.attempts)
     with workers(jobs) as mapper:
         matching = _Matching(atlas, known, attempts, detect, settings, mapper)
         chosen = matching.best(pairs)
@@ -354,8 +352,7 @@ class _Matching:
 
     def _read_graphs(self, names: Iterable[str]) -> None:
         missing = [self.rows[name] for name in names if name not in self.graphs]
-        evolution = self._settings.breeding
-        work = partial(_graph, shape=evolution.shape, similarity=evolution.similarity)
+        work = partial(_graph, settings=self._settings)
         packed = progress(self._mapper(work, missing), "comparing objects", len(missing))
         for row, graph in zip(missing, packed, strict=True):
             self.graphs[row["id"]] = reeb.unpack(graph)
@@ -379,17 +376,9 @@ def _as_examined(row: Row) -> Row:
     return row | {"verdict": ObjectVerdict.FAILURE.value, "step": row["epoch"]}
 
 
-def _surface(row: Row, shape: Shape) -> trimesh.Trimesh:
-    return repair_for_files(packed_surface(row["voxels"], shape)).mesh
-
-
-def _graph(row: Row, shape: Shape, similarity: Similarity) -> bytes:
-    return reeb.pack(reeb.extract(_surface(row, shape), similarity))
-
-
-def _scaled(row: Row, settings: FailureParameters) -> trimesh.Trimesh:
-    mesh = _surface(row, settings.breeding.shape)
-    return scaled_to(mesh, settings)
+def _graph(row: Row, settings: FailureParameters) -> bytes:
+    surface = surface_of(row["voxels"], settings)
+    return reeb.pack(reeb.extract(surface, settings.breeding.similarity))
 
 
 def _qualify(
@@ -397,7 +386,7 @@ def _qualify(
 ) -> CandidateTrial:
     """Try a candidate; whether it may be a partner."""
     row, past = item
-    mesh, name = _scaled(row, settings), row["id"]
+    mesh, name = scaled_surface(row["voxels"], settings), row["id"]
     nothing = parquet.empty(FAILURE_ATTEMPTS)
     if print_problems(mesh, settings.print_check):
         return CandidateTrial(nothing, "it cannot be printed")
@@ -424,7 +413,9 @@ def _try_fresh(
     """The attempts at an object that nothing is chosen by."""
     row, past = item
     with open_detector(detect, settings) as asked:
-        examination = Examination(_scaled(row, settings), row["id"], asked, settings)
+        examination = Examination(
+            scaled_surface(row["voxels"], settings), row["id"], asked, settings
+        )
         return examination.paired("matched", count, past)
 
 

@@ -208,9 +208,8 @@ class Search:
     def _consider(self, target: Target) -> tuple[dict[str, Any], pd.DataFrame]:
         """Measure an object and examine it, if a failure of its cell is wanted."""
         nothing = NOTHING.attempts
-        shape = self._settings.breeding.shape
         try:
-            mesh = repair_for_files(packed_surface(target.voxels, shape)).mesh
+            mesh = surface_of(target.voxels, self._settings)
             complexity, value = self._measures(target, mesh)
         except RejectedError as problem:
             found = Examined(ObjectVerdict.NOT_MEASURED, str(problem), nothing)
@@ -308,6 +307,20 @@ def empty_archive(settings: FailureParameters) -> Archive:
     update = {"elites_per_cell": settings.failures.elites_per_cell}
     space = settings.breeding.space.model_copy(update=update)
     return Archive(space, settings.breeding.similarity)
+
+
+def surface_of(voxels: bytes, settings: FailureParameters) -> trimesh.Trimesh:
+    """The closed surface of an object, metres, before it is scaled.
+
+    Raises:
+        RejectedError: None of the voxels is solid, or the surface cannot be repaired.
+    """
+    return repair_for_files(packed_surface(voxels, settings.breeding.shape)).mesh
+
+
+def scaled_surface(voxels: bytes, settings: FailureParameters) -> trimesh.Trimesh:
+    """The surface of an object as the search tries it, metres; see `surface_of`."""
+    return scaled_to(surface_of(voxels, settings), settings)
 
 
 def scaled_to(mesh: trimesh.Trimesh, settings: FailureParameters) -> trimesh.Trimesh:

@@ -14,12 +14,12 @@ from egad.cppn.voxels import pack
 from egad.detectors import DetectorConfig, Grasp
 from egad.errors import UserError
 from egad.failures.atlas import FailureAtlas
-from egad.failures.atlas_page import animation, film_rows, scaled_mesh, solved_objects, write_page
+from egad.failures.atlas_page import animation, film_rows, solved_objects, write_page
 from egad.failures.defaults import failure_parameters
 from egad.failures.examine import Examination
 from egad.failures.finding import join, name_of
 from egad.failures.parameters import FailureSearch
-from egad.failures.search import Found
+from egad.failures.search import Found, scaled_surface
 from egad.map_elites import evolution_parameters
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
 
@@ -39,7 +39,7 @@ def atlas():
     for number, sides in enumerate([(8, 10, 14), (9, 9, 16)]):
         solid = np.zeros((25, 25, 25), bool)
         solid[tuple(slice(4, 4 + side) for side in sides)] = True
-        mesh = scaled_mesh(pack(solid), settings, settings.breeding.shape)
+        mesh = scaled_surface(pack(solid), settings)
         found = Examination(mesh, f"box-{number}", beside, settings).run()
         attempts.append(found.attempts)
         verdict = "detector_succeeds" if number else "failure"
