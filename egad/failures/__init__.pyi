@@ -6,7 +6,6 @@ from .examine import ObjectVerdict as ObjectVerdict
 from .features import SHAPE_FEATURES as SHAPE_FEATURES
 from .features import shape_features as shape_features
 from .features import shares as shares
-from .finding import check_searchable as check_searchable
 from .finding import find_failures as find_failures
 from .finding import join as join
 from .finding import open_detector as open_detector
@@ -16,6 +15,7 @@ from .matched import MatchedSet as MatchedSet
 from .matched import match_failures as match_failures
 from .parameters import FailureParameters as FailureParameters
 from .parameters import FailureSearch as FailureSearch
+from .parameters import check_searchable as check_searchable
 from .replay import film_attempts as film_attempts
 from .replay import repeat_attempts as repeat_attempts
 from .search import Found as Found

@@ -19,7 +19,6 @@ from egad.detectors import (
     SHIPPED_NETWORKS,
     Detector,
     DetectorConfig,
-    check_gripper,
     opened,
     with_checked_answers,
 )
@@ -31,6 +30,7 @@ from egad.failures.parameters import (
     FailureParameters,
     FailureSearch,
     Strategy,
+    check_searchable,
 )
 from egad.failures.search import NOTHING, Found, Search, joined, scaled_surface
 from egad.failures.store import Detect, Store
@@ -249,20 +249,6 @@ def open_detector(detect: Detect, settings: FailureParameters) -> Iterator[Detec
             yield found
     else:
         yield with_checked_answers(detect)
-
-
-def check_searchable(detector: DetectorConfig, gripper: Gripper) -> None:
-    """Make sure that failures of a detector can be searched for.
-
-    Raises:
-        UserError: It is for another kind of gripper, or knows where objects lie.
-    """
-    if detector.detector == "labels":
-        raise UserError(
-            "labels knows where objects lie, as the reference does: failures are those of a "
-            "detector that has to see them"
-        )
-    check_gripper(detector.name, gripper)
 
 
 def _found(detector: Detect | str, gripper: Gripper) -> Detect:

@@ -11,6 +11,8 @@ from egad._util.parameters import (
     PositiveFraction,
     Seed,
 )
+from egad.detectors import DetectorConfig, check_gripper
+from egad.errors import UserError
 from egad.evalset import Bundle, PrintCheck
 from egad.geometry import Material, Rescale
 from egad.grasps import LabelParameters
@@ -104,3 +106,17 @@ class FailureParameters(ParameterGroup):
     print_check: PrintCheck
     labels: LabelParameters
     breeding: EvolutionParameters
+
+
+def check_searchable(detector: DetectorConfig, gripper: Gripper) -> None:
+    """Make sure that failures of a detector can be searched for.
+
+    Raises:
+        UserError: It is for another kind of gripper, or knows where objects lie.
+    """
+    if detector.detector == "labels":
+        raise UserError(
+            "labels knows where objects lie, as the reference does: failures are those of a "
+            "detector that has to see them"
+        )
+    check_gripper(detector.name, gripper)

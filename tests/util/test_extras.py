@@ -3,8 +3,9 @@ import subprocess
 import sys
 
 import pytest
+import trimesh
 
-from egad._util.extras import check_installed, needed_for
+from egad._util.extras import PACKAGES, check_installed, needed_for
 from egad.errors import MissingPackageError, UserError
 
 HIDDEN = """
@@ -60,3 +61,13 @@ def test_functions_say_which_extra_they_need(code, said):
     last = done.stderr.splitlines()[-1]
     assert said in last
     assert "pip install 'egad[sim]'" in last
+
+
+def test_meshes_are_measured_without_any_extra(tmp_path):
+    trimesh.creation.box((40, 60, 80)).export(tmp_path / "box.stl")
+    names = tuple(set(PACKAGES) - {"collada"})  # trimesh only asks whether that is there
+    hidden = HIDDEN.replace('("collada", "h5py", "mujoco")', repr(names))
+    argv = ["egad", "measure", "box.stl", "--units", "mm", "--out", "measured.csv"]
+    code = f"{hidden}\nsys.argv = {argv}\nfrom egad.cli import main\nmain()"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
+    assert (tmp_path / "measured.csv").exists()
