@@ -25,7 +25,7 @@ from egad._util.files import atomic_output
 from egad.detectors import DetectorConfig
 from egad.errors import RejectedError
 from egad.failures import Examination, FailureAtlas, FailureParameters, open_detector
-from egad.failures.examine import pairs_of
+from egad.failures.attempts import pairs_of
 from egad.failures.search import scaled_surface
 from egad.geometry import to_mesh, to_solid
 from egad.geometry.repair import repair

@@ -17,7 +17,8 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import UserError
 from egad.failures.atlas import FailureAtlas
-from egad.failures.examine import ObjectVerdict, by_object, failed_drops
+from egad.failures.attempts import by_object, failed_drops
+from egad.failures.examine import ObjectVerdict
 from egad.failures.features import SHAPE_FEATURES, shape_features, shares
 from egad.failures.parameters import FailureParameters
 from egad.failures.replay import film_attempts

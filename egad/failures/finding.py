@@ -24,8 +24,9 @@ from egad.detectors import (
 )
 from egad.errors import UserError, check_name
 from egad.failures.atlas import FailureAtlas, merge
+from egad.failures.attempts import by_object, explanation
 from egad.failures.defaults import failure_parameters
-from egad.failures.examine import Examination, approach_of, by_object, explanation
+from egad.failures.examine import Examination, approach_of
 from egad.failures.parameters import (
     FailureParameters,
     FailureSearch,

@@ -3,7 +3,8 @@
 from typing import Any
 
 from egad.evalset import label_at
-from egad.failures.matched import ROW, SUCCEEDS, WITHIN, MatchedSet, percent
+from egad.failures.matched import ROW, MatchedSet, percent
+from egad.failures.matching import SUCCEEDS, WITHIN
 from egad.tables import parquet
 
 PAGE = """# Matched set of {name}

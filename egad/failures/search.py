@@ -20,7 +20,8 @@ import trimesh
 from egad.cppn import UNBOUND, Row, packed_surface
 from egad.detectors import Detector, FailureMonitor
 from egad.errors import RejectedError
-from egad.failures.examine import Examination, Examined, ObjectVerdict, counts_of
+from egad.failures.attempts import counts_of
+from egad.failures.examine import Examination, Examined, ObjectVerdict
 from egad.failures.parameters import FailureParameters, FailureSearch
 from egad.geometry import rescale
 from egad.geometry.repair import repair_for_files

@@ -1,6 +1,6 @@
 """Depth images by ray casting: exact, metric, and without a window."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple, Self
 
@@ -77,11 +77,14 @@ class View:
         depth: Metres along the optical axis, (height, width); not a number where it is missing.
         intrinsics: The camera.
         pose: (4, 4) transform from the camera (x right, y down, z forward) to the world.
+        mask: k for pixels that see the k-th object of a scene, from 1; else 0, (height, width).
+            Empty, (0, 0), if that is not known.
     """
 
     depth: Depth
     intrinsics: Intrinsics
     pose: Floats
+    mask: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 0), np.uint8))
 
     def points(self, window: Window = WHOLE) -> Floats:
         """What each pixel sees, in the world, (height, width, 3).
@@ -172,5 +175,5 @@ def _known_table(intrinsics: Intrinsics, pose: bytes) -> Depth:
 
 def object_mask(view: View) -> Flags:
     """Which pixels of a camera's view see the object, (height, width)."""
-    table = table_depth(view.intrinsics, view.pose)
+    table = _known_table(view.intrinsics, view.pose.tobytes())
     return np.asarray(np.isfinite(view.depth) & ~(view.depth >= table))

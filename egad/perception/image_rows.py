@@ -102,8 +102,12 @@ def decoded(row: Mapping[str, Any]) -> RenderedImage:
                 row["objects"], row["factors"], row["poses"], placements, strict=True
             )
         ),
-        view=View(depth_of(row), intrinsics, _pose_matrix("camera", row)),
-        mask=pixels(row, "mask", "L").astype(np.uint8),
+        view=View(
+            depth_of(row),
+            intrinsics,
+            _pose_matrix("camera", row),
+            pixels(row, "mask", "L").astype(np.uint8),
+        ),
         grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
     )
 

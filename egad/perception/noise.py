@@ -1,5 +1,7 @@
 """Sensor noise of depth cameras."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -56,7 +58,7 @@ def add_gamma_noise(view: View, rng: np.random.Generator, rate: float = 1.0) -> 
         coarse = rng.normal(0, GAMMA_SIGMA, (height // GAMMA_GRID, width // GAMMA_GRID))
         zoom = (height / coarse.shape[0], width / coarse.shape[1])
         depth = depth + ndimage.zoom(coarse, zoom, order=1)
-    return View(depth.astype(np.float32), view.intrinsics, view.pose)
+    return replace(view, depth=depth.astype(np.float32))
 
 
 def add_sensor_noise(view: View, noise: ImageNoise, rng: np.random.Generator) -> View:
@@ -81,7 +83,7 @@ def add_sensor_noise(view: View, noise: ImageNoise, rng: np.random.Generator) ->
         found[stereo_shadow(view) | grazing(view)] = np.nan
     if noise.missing > 0:
         found[_spots(found.shape, noise.missing, rng)] = np.nan
-    return View(found, view.intrinsics, view.pose)
+    return replace(view, depth=found)
 
 
 def _with_disparity_noise(view: View, sigma: float, rng: np.random.Generator) -> Depth:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from egad._util.arrays import Floats
-from egad.perception.camera import DepthCamera, Intrinsics, View
+from egad.perception.camera import DepthCamera, Intrinsics, View, object_mask
 from egad.perception.tsdf import Tsdf, fuse
 
 BELOW = 0.05  # metres; the cube of a TSDF begins this far below the table
@@ -120,4 +120,8 @@ def render_scene(
 
 def overlaid(views: Sequence[View]) -> View:
     """What a camera sees of all objects, given its views of each one: the nearest depths."""
-    return replace(views[0], depth=np.fmin.reduce([view.depth for view in views]))
+    whole = replace(views[0], depth=np.fmin.reduce([view.depth for view in views]))
+    seen, mask = object_mask(whole), np.zeros(whole.depth.shape, dtype=np.uint8)
+    for number, view in enumerate(views, start=1):
+        mask[seen & (view.depth == whole.depth)] = number
+    return replace(whole, mask=mask)

@@ -23,7 +23,7 @@ from egad.perception.arrangement import (
     sample_factor,
     table_grasps,
 )
-from egad.perception.camera import DepthCamera, View, object_mask
+from egad.perception.camera import DepthCamera, View
 from egad.perception.noise import add_sensor_noise
 from egad.perception.observation import overlaid
 from egad.perception.parameters import RenderParameters, SceneKind
@@ -67,8 +67,7 @@ class RenderedImage:
         split: `train`, `validation` or `test`.
         draws: How many times poses and sizes were drawn for it.
         objects: The objects.
-        view: Depth in metres, not a number where it is missing; the camera and its pose.
-        mask: (height, width) k for pixels that see the k-th object, from 1; else 0.
+        view: Depth, camera, and which object each pixel sees.
         grasps: The grasps that can be reached from above, in the image.
     """
 
@@ -80,13 +79,17 @@ class RenderedImage:
     draws: int
     objects: tuple[ImagedObject, ...]
     view: View
-    mask: NDArray[np.uint8]
     grasps: ImageGrasps
 
     @property
     def depth(self) -> NDArray[np.float32]:
         """Metres along the optical axis, (height, width); not a number where it is missing."""
         return self.view.depth
+
+    @property
+    def mask(self) -> NDArray[np.uint8]:
+        """(height, width) k for pixels that see the k-th object, from 1; else 0."""
+        return self.view.mask
 
 
 class Labelled(NamedTuple):
@@ -203,7 +206,6 @@ def views_of(
                 for each, matrix in zip(labelled.objects, matrices, strict=True)
             ),
             view=add_sensor_noise(ideal, settings.image_noise, rng),
-            mask=_numbers(each_alone, ideal),
             grasps=project_grasps(scene, labelled.grasps, settings.gripper),
         )
 
@@ -251,11 +253,3 @@ class _LyingAlone:
             return ()
         resting[:3, 3] *= factor
         return (place(self.name, self.mesh, self.com, factor, resting, pose),)
-
-
-def _numbers(each_alone: Sequence[View], ideal: View) -> NDArray[np.uint8]:
-    """Which object each pixel sees, counted from 1; 0 is the table."""
-    numbers = np.zeros(ideal.depth.shape, dtype=np.uint8)
-    for number, view in enumerate(each_alone, start=1):
-        numbers[object_mask(view) & (view.depth <= ideal.depth)] = number
-    return numbers

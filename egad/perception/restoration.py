@@ -1,5 +1,7 @@
 """Depth images without holes and noise, as far as the images themselves tell (ours)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import skimage  # its parts are loaded when they are used
@@ -38,7 +40,7 @@ def restore(view: View) -> View:
     """
     if not np.isfinite(view.depth).any():
         return view
-    whole = View(fill_missing(view.depth), view.intrinsics, view.pose)
+    whole = replace(view, depth=fill_missing(view.depth))
     heights = whole.heights()
     noise = noise_of(heights)
     if noise <= LEAST_NOISE:
@@ -50,7 +52,7 @@ def restore(view: View) -> View:
 def _denoised(view: View, window: Window, noise: float) -> View:
     """What stands in a window of a view, filtered, and nothing but table elsewhere."""
     depth = table_depth(view.intrinsics, view.pose)
-    found = View(depth.copy(), view.intrinsics, view.pose)
+    found = replace(view, depth=depth.copy())
     part = view.depth[window].astype(np.float64)
     if part.size > 0:
         found.depth[window] = skimage.restoration.denoise_bilateral(

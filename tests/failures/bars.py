@@ -10,8 +10,8 @@ from egad.cppn import packed_surface
 from egad.cppn.voxels import identity, pack
 from egad.detectors import Grasp
 from egad.failures import Examination, FailureAtlas, FailureSearch
+from egad.failures.attempts import counts_of
 from egad.failures.defaults import failure_parameters
-from egad.failures.examine import counts_of
 from egad.failures.finding import open_detector
 from egad.failures.search import scaled_to
 from egad.geometry.repair import repair_for_files

@@ -7,7 +7,8 @@ from failing import CUBE, beside, both, broken, nothing, parameters
 
 import egad
 from egad.detectors.antipodal import antipodal_depth
-from egad.failures.examine import Examination, ObjectVerdict, explanation, failed_drops, pairs_of
+from egad.failures.attempts import explanation, failed_drops, pairs_of
+from egad.failures.examine import Examination, ObjectVerdict
 from egad.outcomes import Outcome
 
 SETTINGS = parameters()

@@ -13,9 +13,9 @@ import egad
 from egad.detectors import PoseGrasp
 from egad.errors import RejectedError, UserError
 from egad.failures import Examination, FailureAtlas, MatchedSet, match_failures
-from egad.failures.examine import pairs_of
+from egad.failures.attempts import pairs_of
 from egad.failures.finding import open_detector
-from egad.failures.matched import assign, spread
+from egad.failures.matching import assign, spread
 from egad.failures.reference import REST, ReferencePolicy
 from egad.sim import Pose
 from egad.tables import parquet

@@ -7,6 +7,7 @@ from egad.perception import (
     DepthCamera,
     Intrinsics,
     Observation,
+    add_noise,
     camera_above,
     cameras_around,
     render_scene,
@@ -46,6 +47,21 @@ def test_a_scene_looks_like_one_mesh_of_all_objects():
         found = render_scene(cameras, places, CAMERA, pose)
         expected = DepthCamera(together).render(np.eye(4), CAMERA, pose)
         np.testing.assert_allclose(found.depth, expected.depth, atol=1e-5)
+
+
+def test_a_mask_says_which_object_each_pixel_sees():
+    """A point that a pixel sees lies on its object, or else on the table; noise changes nothing."""
+    places = [at(-0.03, 0, 0.025), at(0.04, 0.01, 0.03)]
+    cameras = [DepthCamera(BOX), DepthCamera(BALL)]
+    for pose in cameras_around(np.zeros(3), 3, 0.5, 1.0):
+        view = render_scene(cameras, places, CAMERA, pose)
+        points = view.points() - places[0][:3, 3]
+        on_box = (np.abs(points) <= BOX.extents / 2 + 1e-5).all(axis=2)
+        from_ball = np.linalg.norm(view.points() - places[1][:3, 3], axis=2)
+        np.testing.assert_array_equal(view.mask == 1, on_box & (view.points()[..., 2] > 1e-5))
+        np.testing.assert_array_equal(view.mask == 2, np.abs(from_ball - 0.03) < 1e-3)
+        noisy = add_noise("stereo", view, np.random.default_rng(0))
+        np.testing.assert_array_equal(noisy.mask, view.mask)
 
 
 def test_the_cloud_lies_on_the_objects_and_not_on_the_table():

@@ -1,0 +1,254 @@
+"""Choose failures of an atlas and the object that is matched to each."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import linear_sum_assignment
+
+from egad._util.arrays import Flags, Floats
+from egad._util.progress import progress
+from egad._util.workers import Mapper
+from egad.errors import RejectedError, UserError, most_common
+from egad.evalset import print_problems
+from egad.failures.atlas import CELL, FailureAtlas
+from egad.failures.attempts import pairs_of
+from egad.failures.examine import Examination, ObjectVerdict
+from egad.failures.finding import open_detector
+from egad.failures.parameters import FailureParameters
+from egad.failures.search import scaled_surface, surface_of
+from egad.failures.store import Detect
+from egad.reeb import Forest, similarities
+from egad.reeb import graph as reeb
+from egad.sim import ENGINES
+from egad.tables import parquet
+from egad.tables.failures import FAILURE_ATTEMPTS
+
+WITHIN = 2  # cells, in complexity and in difficulty
+SUCCEEDS = 0.8  # success rate of the detector and of the reference at a partner, at least
+FORBIDDEN = 1e3  # cost of a pair that is none
+Row = dict[str, Any]
+
+
+class CandidateTrial(NamedTuple):
+    """Further attempts at an object.
+
+    Attributes:
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`.
+        reason: Why the object is no partner of a failure; empty if it is.
+    """
+
+    attempts: pd.DataFrame
+    reason: str = ""
+
+
+def spread(cells: Floats, regret: Floats) -> list[int]:
+    """All objects, those first that are spread over the map.
+
+    The first one has the highest regret; each further one lies farthest, in cells, from the nearest
+    one before it, and of those that lie as far it has the highest regret.
+
+    Args:
+        cells: (n, 2) cells of the objects.
+        regret: (n,) what decides between equals; of equals in this, too, the first one is taken.
+    """
+    away = np.full(len(cells), np.inf)
+    order: list[int] = []
+    for _ in range(len(cells)):
+        away[order] = -1
+        farthest = np.flatnonzero(away == away.max())
+        order.append(int(farthest[regret[farthest].argmax()]))
+        away = np.minimum(away, np.linalg.norm(cells - cells[order[-1]], axis=1))
+    return order
+
+
+def assign(similarity: Floats, allowed: Flags) -> list[int]:
+    """The partner of each row, a column of its own; -1 if none is left for it.
+
+    As many as possible get one; of all ways to do so, the sum of the similarities is the largest.
+
+    Args:
+        similarity: (n, m), 0 to 1.
+        allowed: (n, m) whether the two may be partners.
+    """
+    rows, columns = linear_sum_assignment(np.where(allowed, 1 - similarity, FORBIDDEN))
+    partners = np.full(len(similarity), -1)
+    partners[rows] = np.where(allowed[rows, columns], columns, -1)
+    return [int(each) for each in partners]
+
+
+class Matching:
+    """Looks for pairs; what it has computed and tried is kept.
+
+    Attributes:
+        rows: What is known of each failure and of each candidate, by id.
+        graphs: Reeb graphs of those that were compared, by id.
+        unmatched: How many failures have no partner.
+    """
+
+    def __init__(
+        self,
+        atlas: FailureAtlas,
+        known: dict[str, pd.DataFrame],
+        count: int,
+        detect: Detect,
+        settings: FailureParameters,
+        mapper: Mapper,
+    ) -> None:
+        """Find out which objects may be partners; nothing is simulated yet.
+
+        Args:
+            atlas: Failures, and objects that the detector succeeds at.
+            known: All attempts of the search at each object, by id.
+            count: Attempts in each engine by which an object becomes a partner.
+            detect: The detector.
+            settings: Those of the search.
+            mapper: Of `workers`.
+        """
+        solved = atlas.examined["verdict"] == ObjectVerdict.DETECTOR_SUCCEEDS
+        candidates = atlas.examined[solved].drop_duplicates("id").sort_values("id")
+        self._failures = atlas.table.sort_values("id", ignore_index=True)
+        self._candidates = candidates.reset_index(drop=True)
+        self.rows = {
+            row["id"]: row for row in map(_as_examined, parquet.records(self._failures))
+        } | {row["id"]: row for row in parquet.records(self._candidates)}
+        self._settings, self._mapper = settings, mapper
+        self._known = known
+        self._qualify = partial(_qualify, count=count, detect=detect, settings=settings)
+        self.graphs: dict[str, reeb.ReebGraph] = {}
+        self._similar: dict[int, Floats] = {}
+        self._tried: dict[str, CandidateTrial] = {}
+        self.unmatched = 0
+        apart = _cells(self._failures)[:, None] - _cells(self._candidates)[None]
+        self._near: Flags = np.asarray((np.abs(apart) <= WITHIN).all(axis=2))
+
+    @property
+    def replaced(self) -> dict[str, int]:
+        """How many objects were chosen as partners and turned out to be none, by the reason."""
+        reasons = Counter(each.reason for each in self._tried.values() if each.reason)
+        return dict(sorted(reasons.items()))
+
+    @property
+    def attempts(self) -> list[pd.DataFrame]:
+        """Those by which candidates became partners or did not."""
+        return [each.attempts for each in self._tried.values()]
+
+    def further(self, name: str) -> list[pd.DataFrame]:
+        """The attempts that were made at a candidate."""
+        return [self._tried[name].attempts] if name in self._tried else []
+
+    def similarity(self, pair: tuple[str, str]) -> float:
+        """Of the shapes of two objects that were compared."""
+        graphs = [self.graphs[name] for name in pair]
+        weight = self._settings.breeding.similarity.weight
+        return float(similarities(Forest(weight, graphs), np.array([[0, 1]]))[0])
+
+    def best(self, most: int) -> list[tuple[str, str]]:
+        """Ids of failures and of their partners.
+
+        Raises:
+            UserError: There is no pair.
+        """
+        some = np.flatnonzero(self._near.any(axis=1))
+        self.unmatched = len(self._near) - len(some)
+        regret = self._failures[[f"regret_{engine}" for engine in ENGINES]].min(axis=1).fillna(0)
+        order = some[spread(_cells(self._failures)[some], regret.to_numpy()[some])].tolist()
+        chosen, waiting = order[:most], order[most:]
+        while chosen:
+            alike = np.array([self._similarities(each) for each in chosen])
+            partners = assign(alike, self._near[chosen])
+            alone = [each for each, partner in zip(chosen, partners, strict=True) if partner < 0]
+            if alone:
+                chosen.remove(alone[-1])
+                self.unmatched += 1
+                chosen += waiting[:1]
+                waiting = waiting[1:]
+                continue
+            bad = self._unqualified(partners)
+            if not bad:
+                names, others = (
+                    table.loc[places, "id"].tolist()
+                    for table, places in ((self._failures, chosen), (self._candidates, partners))
+                )
+                return list(zip(names, others, strict=True))
+            self._near[:, bad] = False
+        raise UserError(self._nothing())
+
+    def _nothing(self) -> str:
+        reasons = most_common(Counter(self.replaced))
+        tried = f"; of {len(self._tried)} that were tried again, none is: {reasons}"
+        return (
+            f"none of {len(self._failures)} failures has an object within {WITHIN} cells that the "
+            f"detector succeeds at{tried if self._tried else ''}; give an atlas of more attempts"
+        )
+
+    def _similarities(self, failure: int) -> Floats:
+        """Similarities of a failure and all candidates, (m,); NaN for those that are not near."""
+        if failure not in self._similar:
+            near = np.flatnonzero(self._near[failure])
+            name = str(self._failures.loc[failure, "id"])
+            names = [name, *self._candidates.loc[near, "id"].tolist()]
+            self._read_graphs(names)
+            self._similar[failure] = np.full(len(self._candidates), np.nan)
+            self._similar[failure][near] = [self.similarity((name, each)) for each in names[1:]]
+        return self._similar[failure]
+
+    def _read_graphs(self, names: Iterable[str]) -> None:
+        missing = [self.rows[name] for name in names if name not in self.graphs]
+        work = partial(_graph, settings=self._settings)
+        packed = progress(self._mapper(work, missing), "comparing objects", len(missing))
+        for row, graph in zip(missing, packed, strict=True):
+            self.graphs[row["id"]] = reeb.unpack(graph)
+
+    def _unqualified(self, partners: Sequence[int]) -> list[int]:
+        """Those partners that turn out to be none; they are tried if they have not been."""
+        names = {each: str(self._candidates.loc[each, "id"]) for each in partners}
+        fresh = [name for name in names.values() if name not in self._tried]
+        items = [(self.rows[name], self._known[name]) for name in fresh]
+        found = progress(self._mapper(self._qualify, items), "trying partners", len(items))
+        self._tried |= dict(zip(fresh, found, strict=True))
+        return [each for each, name in names.items() if self._tried[name].reason]
+
+
+def _cells(table: pd.DataFrame) -> Floats:
+    return table[CELL].to_numpy(dtype=np.float64)
+
+
+def _as_examined(row: Row) -> Row:
+    """A failure with what an examined object has besides."""
+    return row | {"verdict": ObjectVerdict.FAILURE.value, "step": row["epoch"]}
+
+
+def _graph(row: Row, settings: FailureParameters) -> bytes:
+    surface = surface_of(row["voxels"], settings)
+    return reeb.pack(reeb.extract(surface, settings.breeding.similarity))
+
+
+def _qualify(
+    item: tuple[Row, pd.DataFrame], count: int, detect: Detect, settings: FailureParameters
+) -> CandidateTrial:
+    """Try a candidate; whether it may be a partner."""
+    row, past = item
+    mesh, name = scaled_surface(row["voxels"], settings), row["id"]
+    nothing = parquet.empty(FAILURE_ATTEMPTS)
+    if print_problems(mesh, settings.print_check):
+        return CandidateTrial(nothing, "it cannot be printed")
+    least = math.ceil(SUCCEEDS * count)
+    with open_detector(detect, settings) as asked:
+        examination = Examination(mesh, name, asked, settings)
+        try:
+            attempts = examination.paired("qualify", count, past, least)
+        except RejectedError as problem:
+            return CandidateTrial(nothing, str(problem))
+    for engine in settings.failures.engines:
+        pairs = pairs_of(attempts, engine, "qualify")
+        for who in ("detector", "reference"):
+            if sum(getattr(pair, who) for pair in pairs) < least:
+                return CandidateTrial(
+                    attempts, f"the {who} succeeds in less than {100 * SUCCEEDS:.0f} %"
+                )
+    return CandidateTrial(attempts)
