@@ -19,7 +19,7 @@ from egad.cppn import Shape
 from egad.errors import UserError
 from egad.evalset import label_at
 from egad.failures.atlas import FailureAtlas
-from egad.failures.attempts import by_object, counts_of
+from egad.failures.attempts import counts_of
 from egad.failures.examine import Examination
 from egad.failures.finding import open_detector
 from egad.failures.matching import Matching, Row
@@ -27,7 +27,7 @@ from egad.failures.parameters import FailureParameters
 from egad.failures.search import elite_of, scaled_surface
 from egad.failures.store import Detect
 from egad.map_elites import Archive
-from egad.objects import Dataset, dataset_of
+from egad.objects import Dataset, dataset_of, load
 from egad.reeb import graph as reeb
 from egad.sim import ENGINES, EngineName
 from egad.stats import Rate
@@ -144,37 +144,43 @@ def match_failures(
     *,
     pairs: int = 5,
     attempts: int = 20,
+    objects: Dataset | None = None,
     jobs: int = 1,
 ) -> MatchedSet:
     """Choose failures of an atlas, match objects to them, and try both on fresh drops.
 
     The failures are spread over the map. Each gets the object that is most similar in shape among
-    those that the search found the detector to succeed at, and that lie at most two cells away in
-    complexity and in graspability; no object is used twice, and the sum of the similarities is the
-    largest. An object becomes a partner only if it can be printed, and if detector and reference
-    hold it in 80 % of as many attempts as are asked for. Then all are tried on other drops.
+    those that lie at most two cells away in complexity and in graspability, and that the search
+    found the detector to succeed at, or did not try; no object is used twice, and the sum of the
+    similarities is the largest. An object becomes a partner only if it can be printed, and if
+    detector and reference hold it in 80 % of as many attempts as are asked for; a failure is left
+    out after 12 objects that do not become its partner. Then all are tried on other drops.
 
     Args:
         atlas: What `egad.find_failures` returned.
         detect: The detector of the search.
         pairs: At most so many, 1 to 10; fewer if too few failures have a partner.
         attempts: Of the detector and of the reference each, at each object and in each engine.
+        objects: Objects with genomes that may become partners besides those of the atlas; by
+            default the released ones.
         jobs: Processes; the result does not depend on them.
 
     Raises:
         UserError: No failure has a partner, a number is out of bounds, or the atlas was not made by
-            a search.
+            a search; objects have other voxels than those of the atlas.
     """
     settings = atlas.searched_with()
     if check_count("pairs", pairs) > MOST_PAIRS:
         raise UserError(f"pairs is {pairs}; allowed: 1 to {MOST_PAIRS}, a digit of the labels each")
     check_count("attempts", attempts)
-    known = by_object(atlas.attempts)
+    further = load() if objects is None else objects
+    if further.shape != atlas.shape:
+        raise UserError("the voxels of the objects become meshes in another way than the atlas's")
     with workers(jobs) as mapper:
-        matching = Matching(atlas, known, attempts, detect, settings, mapper)
+        matching = Matching(atlas, further.archive, attempts, detect, settings, mapper)
         chosen = matching.best(pairs)
         both = [name for pair in chosen for name in pair]
-        past = {name: pd.concat([known[name], *matching.further(name)]) for name in both}
+        past = {name: matching.past(name) for name in both}
         work = partial(_try_fresh, count=attempts, detect=detect, settings=settings)
         items = [(matching.rows[name], past[name]) for name in both]
         fresh = list(progress(mapper(work, items), "trying pairs", len(items)))

@@ -16,12 +16,13 @@ from egad._util.workers import Mapper
 from egad.errors import RejectedError, UserError, most_common
 from egad.evalset import print_problems
 from egad.failures.atlas import CELL, FailureAtlas
-from egad.failures.attempts import pairs_of
+from egad.failures.attempts import by_object, pairs_of
 from egad.failures.examine import Examination, ObjectVerdict
 from egad.failures.finding import open_detector
 from egad.failures.parameters import FailureParameters
 from egad.failures.search import scaled_surface, surface_of
 from egad.failures.store import Detect
+from egad.measures import cell_of
 from egad.reeb import Forest, similarities
 from egad.reeb import graph as reeb
 from egad.sim import ENGINES
@@ -31,6 +32,7 @@ from egad.tables.failures import FAILURE_ATTEMPTS
 WITHIN = 2  # cells, in complexity and in difficulty
 SUCCEEDS = 0.8  # success rate of the detector and of the reference at a partner, at least
 FORBIDDEN = 1e3  # cost of a pair that is none
+PATIENCE = 12  # objects that are tried as the partner of a failure
 Row = dict[str, Any]
 
 
@@ -93,7 +95,7 @@ class Matching:
     def __init__(
         self,
         atlas: FailureAtlas,
-        known: dict[str, pd.DataFrame],
+        archive: pd.DataFrame,
         count: int,
         detect: Detect,
         settings: FailureParameters,
@@ -103,25 +105,24 @@ class Matching:
 
         Args:
             atlas: Failures, and objects that the detector succeeds at.
-            known: All attempts of the search at each object, by id.
+            archive: Further objects, columns of `tables.evolution.ARCHIVE`.
             count: Attempts in each engine by which an object becomes a partner.
             detect: The detector.
             settings: Those of the search.
             mapper: Of `workers`.
         """
-        solved = atlas.examined["verdict"] == ObjectVerdict.DETECTOR_SUCCEEDS
-        candidates = atlas.examined[solved].drop_duplicates("id").sort_values("id")
         self._failures = atlas.table.sort_values("id", ignore_index=True)
-        self._candidates = candidates.reset_index(drop=True)
+        self._candidates = _candidates(atlas, archive, settings)
         self.rows = {
             row["id"]: row for row in map(_as_examined, parquet.records(self._failures))
         } | {row["id"]: row for row in parquet.records(self._candidates)}
         self._settings, self._mapper = settings, mapper
-        self._known = known
+        self._known = by_object(atlas.attempts)
         self._qualify = partial(_qualify, count=count, detect=detect, settings=settings)
         self.graphs: dict[str, reeb.ReebGraph] = {}
         self._similar: dict[int, Floats] = {}
         self._tried: dict[str, CandidateTrial] = {}
+        self._in_vain: Counter[int] = Counter()  # partners that turned out to be none
         self.unmatched = 0
         apart = _cells(self._failures)[:, None] - _cells(self._candidates)[None]
         self._near: Flags = np.asarray((np.abs(apart) <= WITHIN).all(axis=2))
@@ -137,9 +138,13 @@ class Matching:
         """Those by which candidates became partners or did not."""
         return [each.attempts for each in self._tried.values()]
 
-    def further(self, name: str) -> list[pd.DataFrame]:
-        """The attempts that were made at a candidate."""
-        return [self._tried[name].attempts] if name in self._tried else []
+    def past(self, name: str) -> pd.DataFrame:
+        """All attempts at an object, those of the search first."""
+        made = [self._tried[name].attempts] if name in self._tried else []
+        return pd.concat([self._of_search(name), *made])
+
+    def _of_search(self, name: str) -> pd.DataFrame:
+        return self._known.get(name, parquet.empty(FAILURE_ATTEMPTS))
 
     def similarity(self, pair: tuple[str, str]) -> float:
         """Of the shapes of two objects that were compared."""
@@ -169,6 +174,9 @@ class Matching:
                 waiting = waiting[1:]
                 continue
             bad = self._unqualified(partners)
+            self._in_vain.update(
+                each for each, partner in zip(chosen, partners, strict=True) if partner in bad
+            )
             if not bad:
                 names, others = (
                     table.loc[places, "id"].tolist()
@@ -176,6 +184,7 @@ class Matching:
                 )
                 return list(zip(names, others, strict=True))
             self._near[:, bad] = False
+            self._near[[each for each, times in self._in_vain.items() if times >= PATIENCE]] = False
         raise UserError(self._nothing())
 
     def _nothing(self) -> str:
@@ -183,7 +192,8 @@ class Matching:
         tried = f"; of {len(self._tried)} that were tried again, none is: {reasons}"
         return (
             f"none of {len(self._failures)} failures has an object within {WITHIN} cells that the "
-            f"detector succeeds at{tried if self._tried else ''}; give an atlas of more attempts"
+            f"detector succeeds at{tried if self._tried else ''}; give an atlas of more attempts, "
+            "or more objects to choose from"
         )
 
     def _similarities(self, failure: int) -> Floats:
@@ -208,10 +218,26 @@ class Matching:
         """Those partners that turn out to be none; they are tried if they have not been."""
         names = {each: str(self._candidates.loc[each, "id"]) for each in partners}
         fresh = [name for name in names.values() if name not in self._tried]
-        items = [(self.rows[name], self._known[name]) for name in fresh]
+        items = [(self.rows[name], self._of_search(name)) for name in fresh]
         found = progress(self._mapper(self._qualify, items), "trying partners", len(items))
         self._tried |= dict(zip(fresh, found, strict=True))
         return [each for each, name in names.items() if self._tried[name].reason]
+
+
+def _candidates(
+    atlas: FailureAtlas, archive: pd.DataFrame, settings: FailureParameters
+) -> pd.DataFrame:
+    """Objects that the detector succeeds at, and those that it has not been tried at."""
+    solved = atlas.examined["verdict"] == ObjectVerdict.DETECTOR_SUCCEEDS
+    tried = set(atlas.attempts["id"])
+    cells = [
+        cell_of(*values, settings.breeding.space)
+        for values in zip(archive["complexity"], archive["graspability"], strict=True)
+    ]
+    others = archive.assign(**dict(zip(CELL, np.array(cells).reshape(-1, 2).T, strict=True)))
+    others = others.assign(verdict="", step=archive["epoch"], objective=0.0)
+    found = pd.concat([atlas.examined[solved], others[~others["id"].isin(tried)]])
+    return found.drop_duplicates("id").sort_values("id", ignore_index=True)
 
 
 def _cells(table: pd.DataFrame) -> Floats:

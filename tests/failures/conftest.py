@@ -1,5 +1,5 @@
 import pytest
-from bars import atlas, thick_only
+from bars import NONE, atlas, thick_only
 
 from egad.failures import match_failures
 
@@ -15,4 +15,4 @@ def failing():
 @pytest.fixture(scope="session")
 def matched(failing):
     """Both failures of it, with their partners."""
-    return match_failures(failing, thick_only, pairs=2, attempts=ATTEMPTS)
+    return match_failures(failing, thick_only, pairs=2, attempts=ATTEMPTS, objects=NONE)

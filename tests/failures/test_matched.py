@@ -5,11 +5,12 @@ from itertools import permutations
 import numpy as np
 import pandas as pd
 import pytest
-from bars import examined, mesh_of, name_of, settings, thick_only
+from bars import NONE, examined, mesh_of, name_of, settings, thick_only
 from partial_tables import fill_columns
 from scipy.spatial.transform import Rotation
 
 import egad
+from egad.cppn import Shape
 from egad.detectors import PoseGrasp
 from egad.errors import RejectedError, UserError
 from egad.failures import Examination, FailureAtlas, MatchedSet, match_failures
@@ -17,8 +18,11 @@ from egad.failures.attempts import pairs_of
 from egad.failures.finding import open_detector
 from egad.failures.matching import assign, spread
 from egad.failures.reference import REST, ReferencePolicy
+from egad.measures import cell_of
+from egad.objects import dataset_of
 from egad.sim import Pose
 from egad.tables import parquet
+from egad.tables.evolution import ARCHIVE
 from egad.tables.failures import FAILURE_ATTEMPTS
 
 POSE = ["rest_x", "rest_qw", "pose", "width", "score", "outcome"]
@@ -196,7 +200,7 @@ def test_the_counts_are_those_of_drops_that_nothing_was_chosen_by(matched):
 
 
 def test_processes_change_nothing(failing, matched):
-    found = match_failures(failing, thick_only, pairs=2, attempts=5, jobs=2)
+    found = match_failures(failing, thick_only, pairs=2, attempts=5, objects=NONE, jobs=2)
     pd.testing.assert_frame_equal(found.table, matched.table)
     pd.testing.assert_frame_equal(found.attempts, matched.attempts)
 
@@ -210,17 +214,46 @@ def without(atlas, *bars):
 
 
 def test_a_failure_without_a_partner_is_left_out(failing):
-    found = match_failures(without(failing, "liar", "broad"), thick_only, attempts=1)
+    found = match_failures(without(failing, "liar", "broad"), thick_only, attempts=1, objects=NONE)
     assert found.table["id"].tolist() == [name_of("thin"), name_of("thick")]
     assert (len(found), found.unmatched) == (1, 1)
+
+
+def test_objects_that_the_search_did_not_try_may_become_partners(failing):
+    """They are put into cells by their measures."""
+    space = settings().breeding.space
+    values = [(c, g) for c in np.linspace(0, 4, 80) for g in np.linspace(0, 0.006, 80)]
+    near = next(pair for pair in values if cell_of(*pair, space) == (5, 5))
+    row = parquet.records(failing.examined[failing.examined["id"] == name_of("broad")])[0]
+    row |= dict(zip(("complexity", "graspability"), near, strict=True)) | {"epoch": 0}
+    objects = dataset_of(
+        fill_columns(ARCHIVE, [{k: row[k] for k in ARCHIVE.names if k in row}]), Shape()
+    )
+    few = without(failing, "thick", "broad", "liar")
+    few.attempts = few.attempts[few.attempts["id"] != name_of("broad")]
+    found = match_failures(few, thick_only, attempts=3, objects=objects)
+    assert found.table["id"].tolist()[1:] == [name_of("broad")]
+    assert found.table["detector_successes_mujoco"].tolist() == [0, 3]
+
+
+def test_a_failure_is_left_out_after_some_objects_that_are_no_partners(failing, monkeypatch):
+    monkeypatch.setattr("egad.failures.matching.PATIENCE", 1)
+    found = match_failures(failing, thick_only, attempts=3, objects=NONE)
+    assert (found.table["id"][0], found.unmatched) == (name_of("flat"), 1)
+
+
+def test_objects_whose_voxels_are_other_meshes_are_refused(failing):
+    objects = dataset_of(egad.load().archive[:1], Shape(smoothing_iterations=1))
+    with pytest.raises(UserError, match="become meshes in another way"):
+        match_failures(failing, thick_only, objects=objects)
 
 
 def test_an_atlas_without_any_pair_says_so(failing):
     few = without(failing, "thick", "broad")
     with pytest.raises(UserError, match=r"none of 2 failures .* of 1 that were tried again, none"):
-        match_failures(few, thick_only, attempts=5)
+        match_failures(few, thick_only, attempts=5, objects=NONE)
     with pytest.raises(UserError, match="none of 2 failures has an object within 2 cells"):
-        match_failures(without(few, "liar"), thick_only)
+        match_failures(without(few, "liar"), thick_only, objects=NONE)
 
 
 @pytest.mark.parametrize(
