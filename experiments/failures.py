@@ -1,27 +1,36 @@
 """How many failures a search finds with the same attempts, by where objects come from.
 
-    python experiments/failures.py FOLDER --weights GGCNN2.pt [--detectors ...] [--seeds 5]
-        [--attempts 3000] [--jobs 2] [--show]
+    python experiments/failures.py FOLDER --weights GGCNN2.pt [--detectors ...]
+        [--strategies ...] [--seeds 5] [--attempts 2000] [--least-regret 0.5] [--show]
+        [--chart FILE.svg]
 
 FOLDER keeps an atlas of each detector, strategy and seed (`egad.find_failures`); a second call goes
 on where the first was cut off. Printed are confirmed failures and cells with one per 1000 attempts,
-with 95 % intervals over seeds (Student), and CPU minutes. `--show` prints what there is so far.
-docs/studies/failures.md has the tables.
+with 95 % intervals over seeds (Student); the attempts by which a failure is confirmed, and those
+that are made at other objects for each failure; and CPU minutes. `--show` prints what there is so
+far. docs/studies/failures.md has the tables.
 """
 
 import argparse
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import scipy.stats
 
 import egad
+from egad._util.arrays import Floats
+from egad._util.files import write_text
 from egad.detectors import DetectorConfig
 from egad.failures import FailureAtlas
+from egad.failures.atlas import CELL
+from egad.failures.parameters import Strategy
+from egad.report.colors import line_color
+from egad.report.drawing import new_figure
 
-STRATEGIES = ("random", "mutation", "screening", "evolution")
+STRATEGIES: tuple[Strategy, ...] = ("random", "mutation", "screening", "evolution")
 SHIPPED = ("ggcnn2-evolved", "antipodal-depth", "antipodal-cloud")
 
 
@@ -38,15 +47,15 @@ def detectors(weights: Path | None) -> dict[str, DetectorConfig]:
     }
 
 
-def search(folder: Path, config: DetectorConfig, strategy: str, seed: int, attempts: int) -> None:
+def search(
+    folder: Path, config: DetectorConfig, strategy: Strategy, seed: int, **given: Any
+) -> None:
     """One search, unless it has been made; its CPU time is kept beside it."""
     done = folder / "cpu.txt"
     if done.exists():
         return
     start = cpu_time()
-    egad.find_failures(
-        config, attempts=attempts, strategy=strategy, seed=seed, shards=1, out=folder
-    )
+    egad.find_failures(config, strategy=strategy, seed=seed, shards=1, out=folder, **given)
     done.write_text(f"{cpu_time() - start:.0f}\n", encoding="utf-8")
 
 
@@ -61,11 +70,15 @@ def row_of(folder: Path) -> dict[str, float]:
     atlas = FailureAtlas.load(folder)
     spent = int(atlas.examined["attempts"].sum())
     found = atlas.examined[atlas.examined["verdict"] == "failure"]
-    cells = len(found[["complexity_cell", "difficulty_cell"]].drop_duplicates())
+    cells = len(found[CELL].drop_duplicates())
     tried = atlas.examined[atlas.examined["attempts"] > 0]
+    confirming = int(found["attempts"].sum())
     return {
         "failures": 1000 * len(found) / spent,
         "cells": 1000 * cells / spent,
+        "confirming": confirming,
+        "elsewhere": spent - confirming,
+        "found": len(found),
         "objects": len(tried),
         "graspable": 1 - float((tried["verdict"] == "not_graspable").mean()),
         "cpu": float((folder / "cpu.txt").read_text()) / 60,
@@ -81,13 +94,20 @@ def interval(values: pd.Series) -> str:
     return f"{mean:.1f} ({mean - half:.1f} to {mean + half:.1f})"
 
 
+def per_failure(rows: pd.DataFrame, what: str) -> str:
+    """Attempts for each failure of all seeds."""
+    failures = rows["found"].sum()
+    return f"{rows[what].sum() / failures:.0f}" if failures else "-"
+
+
 def show(folder: Path) -> None:
     """Print a table for each detector."""
     for place in sorted(path for path in folder.iterdir() if path.is_dir()):
         print(
-            f"\n{place.name}\n\n| strategy | seeds | failures | cells | objects | graspable | CPU |"
+            f"\n{place.name}\n\n| strategy | seeds | failures | cells | attempts at a failure "
+            "| elsewhere, per failure | objects | graspable | CPU |"
         )
-        print("| --- | --- | --- | --- | --- | --- | --- |")
+        print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
         for strategy in STRATEGIES:
             done = sorted(place.glob(f"{strategy}-*/cpu.txt"))
             if not done:
@@ -95,9 +115,38 @@ def show(folder: Path) -> None:
             rows = pd.DataFrame([row_of(path.parent) for path in done])
             print(
                 f"| {strategy} | {len(rows)} | {interval(rows['failures'])} "
-                f"| {interval(rows['cells'])} | {rows['objects'].mean():.0f} "
+                f"| {interval(rows['cells'])} | {per_failure(rows, 'confirming')} "
+                f"| {per_failure(rows, 'elsewhere')} | {rows['objects'].mean():.0f} "
                 f"| {100 * rows['graspable'].mean():.0f} % | {rows['cpu'].mean():.0f} min |"
             )
+
+
+def found_by(folder: Path, steps: Floats) -> Floats:
+    """Cells with a failure after so many attempts of a search."""
+    examined = FailureAtlas.load(folder).examined
+    found = examined.assign(spent=examined["attempts"].cumsum())
+    found = found[found["verdict"] == "failure"].drop_duplicates(CELL)
+    return np.searchsorted(found["spent"], steps, side="right").astype(float)
+
+
+def chart(folder: Path, attempts: int) -> str:
+    """Cells with a failure over the attempts, the mean over seeds; SVG."""
+    places = sorted(path for path in folder.iterdir() if path.is_dir())
+    steps = np.linspace(0, attempts, 101)
+    with new_figure(9.6, 3.2) as drawing:
+        grid = np.atleast_1d(drawing.figure.subplots(1, len(places), sharey=True))
+        for axes, place in zip(grid, places, strict=True):
+            for number, strategy in enumerate(STRATEGIES):
+                done = [path.parent for path in place.glob(f"{strategy}-*/cpu.txt")]
+                if done:
+                    mean = np.mean([found_by(path, steps) for path in done], axis=0)
+                    axes.plot(steps, mean, color=line_color(number), label=strategy)
+            axes.set_title(place.name, size=10, loc="left")
+            axes.set(xlabel="simulated grasps", xlim=(0, attempts), ylim=(0, None))
+            axes.grid(axis="y")
+        grid[0].set_ylabel("cells with a failure")
+        grid[0].legend()
+    return drawing.svg
 
 
 def main() -> None:
@@ -108,16 +157,21 @@ def main() -> None:
     parser.add_argument("--detectors", nargs="+", help="some of those of the study")
     parser.add_argument("--strategies", nargs="+", default=STRATEGIES, choices=STRATEGIES)
     parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--attempts", type=int, default=3000)
-    parser.add_argument("--show", action="store_true")
+    parser.add_argument("--attempts", type=int, default=2000)
+    parser.add_argument("--least-regret", type=float, default=0.5)
+    parser.add_argument("--show", action="store_true", help="search no further")
+    parser.add_argument("--chart", type=Path, help="SVG file to write")
     given = parser.parse_args()
     known = detectors(given.weights)
+    limits = {"attempts": given.attempts, "least_regret": given.least_regret}
     for seed in range(0 if given.show else given.seeds):
         for name in given.detectors or known:
             for strategy in given.strategies:
                 place = given.folder / name / f"{strategy}-{seed}"
-                search(place, known[name], strategy, seed, given.attempts)
+                search(place, known[name], strategy, seed, **limits)
     show(given.folder)
+    if given.chart:
+        write_text(given.chart, chart(given.folder, given.attempts))
 
 
 if __name__ == "__main__":

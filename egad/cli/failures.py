@@ -65,6 +65,13 @@ def failures(
         float | None,
         typer.Option(help="noise of depth images, pixels; default: failures.depth_noise"),
     ] = None,
+    least_regret: Annotated[
+        float | None,
+        typer.Option(
+            help="success rate of the reference minus that of the detector at a failure, at least; "
+            "default: failures.least_regret"
+        ),
+    ] = None,
     engines: Annotated[
         str | None,
         typer.Option(
@@ -97,6 +104,7 @@ def failures(
         "strategy": strategy,
         "approach": approach,
         "depth_noise": depth_noise,
+        "least_regret": least_regret,
         "engines": engines.split(",") if engines else None,
     }.items():
         settings = with_option(settings, f"--{key.replace('_', '-')}", f"failures.{key}", value)

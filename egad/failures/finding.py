@@ -53,6 +53,7 @@ def find_failures(
     strategy: Strategy = "evolution",
     approach: Literal["above", "any"] | None = None,
     depth_noise: float = 0.1,
+    least_regret: float = 0.5,
     engines: Sequence[EngineName] | None = None,
     seed: int = 0,
     rule: str = "paper",
@@ -63,10 +64,10 @@ def find_failures(
     """Find objects at which a detector fails although they can be grasped.
 
     An object is a failure if a reference, which knows where it lies and was chosen on other drops,
-    holds it in at least 80 % of the attempts and in at least 50 points more than the detector, from
-    the same poses, with 95 % confidence each, in every engine. Objects come from the released
-    archive, from random genomes, and from children of the failures (MAP-Elites with the regret as
-    objective).
+    holds it in at least 80 % of the attempts and in at least 50 points more than the detector
+    (`least_regret`), from the same poses, with 95 % confidence each, in every engine. Objects come
+    from the released archive, from random genomes, and from children of the failures (MAP-Elites
+    with the regret as objective).
 
     Args:
         detector: A function or object as of `egad.run_trials` or `egad.run_benchmark`; a
@@ -80,6 +81,8 @@ def find_failures(
         approach: `above`: grasps straight from above, as in `egad.run_trials`; `any`: in any
             direction, as in `egad.run_benchmark`. By default what the input of the detector says.
         depth_noise: Noise of the depth images, pixels, as of `egad.run_trials`.
+        least_regret: Success rate of the reference minus that of the detector at a failure, at
+            least, 0 to 1; lower for a detector that hardly ever fails.
         engines: Physics engines in all of which an object must be a failure; by default those that
             are installed.
         seed: The same arguments give the same atlas.
@@ -105,6 +108,7 @@ def find_failures(
         strategy=strategy,
         approach=approach,
         depth_noise=depth_noise,
+        least_regret=least_regret,
         engines=used,
     )
     chosen = load() if objects is None else objects

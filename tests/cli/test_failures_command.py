@@ -75,6 +75,7 @@ def test_options_are_settings(folder):
         "--strategy": "screening",
         "--approach": "above",
         "--depth-noise": 0.5,
+        "--least-regret": 0.4,
         "--engines": "pybullet,mujoco",
         "--rule": "exact",
         "--gripper": 0.07,
@@ -83,9 +84,9 @@ def test_options_are_settings(folder):
     done = search("beside.py", *words, "--out", "atlas")
     assert done.returncode == 0, done.stderr
     settings = parquet.notes(folder / "atlas/shard-0/examined.parquet")["settings"]
-    named = ("attempts", "strategy", "approach", "depth_noise", "engines")
+    named = ("attempts", "strategy", "approach", "depth_noise", "least_regret", "engines")
     values = [settings["failures"][name] for name in named]
-    assert values == [1, "screening", "above", 0.5, ["pybullet", "mujoco"]]
+    assert values == [1, "screening", "above", 0.5, 0.4, ["pybullet", "mujoco"]]
     assert settings["gripper"]["opening"] == 0.07
     assert settings["rescale"]["rule"] == "exact"
     assert settings["failures"]["confirm"] == FEW["confirm"]
