@@ -14,7 +14,6 @@ far. docs/studies/failures.md has the tables.
 import argparse
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -48,14 +47,27 @@ def detectors(weights: Path | None) -> dict[str, DetectorConfig]:
 
 
 def search(
-    folder: Path, config: DetectorConfig, strategy: Strategy, seed: int, **given: Any
+    folder: Path,
+    config: DetectorConfig,
+    strategy: Strategy,
+    seed: int,
+    attempts: int,
+    least_regret: float,
 ) -> None:
     """One search, unless it has been made; its CPU time is kept beside it."""
     done = folder / "cpu.txt"
     if done.exists():
         return
     start = cpu_time()
-    egad.find_failures(config, strategy=strategy, seed=seed, shards=1, out=folder, **given)
+    egad.find_failures(
+        config,
+        attempts=attempts,
+        strategy=strategy,
+        least_regret=least_regret,
+        seed=seed,
+        shards=1,
+        out=folder,
+    )
     done.write_text(f"{cpu_time() - start:.0f}\n", encoding="utf-8")
 
 
@@ -163,12 +175,11 @@ def main() -> None:
     parser.add_argument("--chart", type=Path, help="SVG file to write")
     given = parser.parse_args()
     known = detectors(given.weights)
-    limits = {"attempts": given.attempts, "least_regret": given.least_regret}
     for seed in range(0 if given.show else given.seeds):
         for name in given.detectors or known:
             for strategy in given.strategies:
                 place = given.folder / name / f"{strategy}-{seed}"
-                search(place, known[name], strategy, seed, **limits)
+                search(place, known[name], strategy, seed, given.attempts, given.least_regret)
     show(given.folder)
     if given.chart:
         write_text(given.chart, chart(given.folder, given.attempts))
