@@ -13,7 +13,7 @@ import traceback
 import msgpack
 import numpy as np
 
-OBSERVES = "cloud"  # view, views, tsdf, cloud or observation
+OBSERVES = "cloud"  # view, views, tsdf, cloud, object_clouds or observation
 
 
 def detect(observation, gripper, rng):

@@ -23,9 +23,9 @@ from egad.grippers import Gripper
 from egad.outcomes import Outcome
 from egad.perception import Observation, PointCloud, Tsdf, View
 
-Seen = View | tuple[View, ...] | PointCloud | Tsdf | Observation
+Seen = View | tuple[View, ...] | PointCloud | tuple[PointCloud, ...] | Tsdf | Observation
 
-INPUTS = ("view", "views", "cloud", "tsdf", "observation")
+INPUTS = ("view", "views", "cloud", "object_clouds", "tsdf", "observation")
 
 
 def wanted_input(detect: Callable[..., Any]) -> str:

@@ -1,9 +1,11 @@
 """graspgen: grasps from a server of GraspGen (Murali et al. 2025), asked over ZeroMQ."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from egad._util.arrays import Floats
 from egad._util.extras import needed_for
 from egad.detectors.base import WHERE
 from egad.detectors.messages import packed, unpacked
@@ -13,7 +15,8 @@ from egad.grippers import Gripper
 from egad.perception import PointCloud
 
 GREETING_TIME = 60_000  # milliseconds; it may still be busy with an earlier question
-GRASPS = 200
+GRASPS = 200  # of each object
+LEAST_POINTS = 21  # of an object: the server compares each point with its 20 nearest
 # From the base of its grippers to where their pads touch, along the approach, metres; from the
 # gripper descriptions of GraspGen.
 DEPTHS = {"franka_panda": 0.1053, "robotiq_2f_140": 0.195, "robotiq_2f_85": 0.1303}
@@ -22,8 +25,8 @@ DEPTHS = {"franka_panda": 0.1053, "robotiq_2f_140": 0.195, "robotiq_2f_85": 0.13
 class GraspGen:
     """A server of GraspGen as a grasp detector.
 
-    It gets the whole cloud of what stands on the table, while GraspGen was trained with clouds of
-    single objects.
+    It is asked about one object after the other, as GraspGen was trained with single objects. Its
+    scores are compared across objects.
     """
 
     def __init__(self, address: str) -> None:
@@ -53,19 +56,22 @@ class GraspGen:
         self._socket.setsockopt(zmq.RCVTIMEO, -1)  # from now on, the caller has a limit
 
     def __call__(
-        self, cloud: PointCloud, gripper: Gripper, _rng: np.random.Generator
+        self, object_clouds: Sequence[PointCloud], gripper: Gripper, _rng: np.random.Generator
     ) -> GraspPoses:
-        """Grasps of what stands on the table; the hand opens as wide as it can.
+        """Grasps of all objects; the hand opens as wide as it can.
 
         Args:
-            cloud: The points.
+            object_clouds: The points of each object. One with fewer than 21 is left out.
             gripper: The hand.
             _rng: Not used: the server has its own chance.
         """
-        if len(cloud.points) == 0:
-            return poses_of(([], [], []))
-        points = cloud.points.astype(np.float32)
-        asked = {"action": "infer", "point_cloud": points, "num_grasps": GRASPS}
+        clouds = [points for points, _ in object_clouds if len(points) >= LEAST_POINTS]
+        found = [self._grasps(points, gripper) for points in clouds]
+        return GraspPoses(*map(np.concatenate, zip(poses_of(([], [], [])), *found, strict=True)))
+
+    def _grasps(self, points: Floats, gripper: Gripper) -> GraspPoses:
+        """Grasps of the object to which points (n, 3) belong."""
+        asked = {"action": "infer", "point_cloud": points.astype(np.float32), "num_grasps": GRASPS}
         answer = self._ask(asked | {"topk_num_grasps": GRASPS})
         poses = np.asarray(answer["grasps"], dtype=np.float64)
         scores = np.asarray(answer["confidences"], dtype=np.float64)

@@ -14,6 +14,7 @@ from egad.grippers import Gripper
 from egad.perception import Intrinsics, Observation, PointCloud, Tsdf, View
 
 PROTOCOL = 1
+PARTS = ("view", "views", "tsdf", "cloud", "object_clouds")  # of an observation
 KINDS = "biuf"  # of arrays: truth values, integers, real numbers
 GRASP = ("center", "angle", "width", "depth", "quality")
 
@@ -74,20 +75,22 @@ def question(
     if isinstance(seen, View):
         parts = {"view": _view(seen)}
     elif observes == "observation":
-        parts = {name: _part(getattr(seen, name)) for name in ("view", "views", "tsdf", "cloud")}
+        parts = {name: _part(getattr(seen, name)) for name in PARTS}
     else:
         parts = {observes: _part(getattr(seen, observes))}
     return {"observation": parts, "gripper": gripper.model_dump(mode="json"), "seed": seed}
 
 
-def _part(part: View | tuple[View, ...] | PointCloud | Tsdf) -> Any:  # noqa: ANN401 (plain values)
+def _part(
+    part: View | PointCloud | Tsdf | tuple[View | PointCloud, ...],
+) -> Any:  # noqa: ANN401 (plain values)
     if isinstance(part, View):
         return _view(part)
     if isinstance(part, PointCloud):
         return part._asdict()
     if isinstance(part, Tsdf):
         return dict(part.__dict__)
-    return [_view(view) for view in part]
+    return [_part(each) for each in part]
 
 
 def _view(view: View) -> dict[str, Any]:

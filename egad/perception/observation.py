@@ -6,6 +6,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from egad._util.arrays import Floats
 from egad.perception.camera import DepthCamera, Intrinsics, View, object_mask
@@ -59,6 +61,37 @@ class Observation:
             points = points + rng.normal(0.0, self.point_sigma, points.shape)
         standing = points[:, 2] > TABLE_NOISE
         return PointCloud(points[standing], normals[standing])
+
+    @cached_property
+    def point_objects(self) -> NDArray[np.uint8]:
+        """The object that each point of `cloud` belongs to, numbered from 1 as in masks, (n,).
+
+        A point belongs to what the views see nearest to it, among all that they measure higher than
+        4 mm. That is 0 for the table, which only noise lifts as high.
+
+        Raises:
+            ValueError: It is not known which objects the views see.
+        """
+        if not all(view.mask.size for view in self.views):
+            raise ValueError("views without masks do not tell objects apart")
+        standing = [view.heights() > TABLE_NOISE for view in self.views]
+        pairs = list(zip(self.views, standing, strict=True))
+        seen = np.concatenate([view.points()[high] for view, high in pairs])
+        # Without any points, the tree answers 0, where that last number is.
+        objects = np.append(np.concatenate([view.mask[high] for view, high in pairs]), np.uint8(0))
+        nearest: NDArray[np.uint8] = objects[KDTree(seen).query(self.cloud.points)[1]]
+        return nearest
+
+    @cached_property
+    def object_clouds(self) -> tuple[PointCloud, ...]:
+        """The points of `cloud` that belong to each object, for all objects that have any.
+
+        Raises:
+            ValueError: It is not known which objects the views see.
+        """
+        points, normals = self.cloud
+        each = (self.point_objects == k for k in np.unique(self.point_objects) if k)
+        return tuple(PointCloud(points[own], normals[own]) for own in each)
 
     def fuse_views(self, resolution: int) -> Tsdf:
         """The views fused into a cube of as many voxels along a side."""

@@ -4,7 +4,6 @@ import functools
 
 import numpy as np
 import pytest
-import trimesh
 
 from egad.detectors import (
     DetectorError,
@@ -16,18 +15,6 @@ from egad.detectors import (
 )
 from egad.detectors.base import Grasp
 from egad.errors import UserError
-from egad.perception import DepthCamera, Intrinsics, Observation, camera_above, cameras_around
-
-CAMERA = Intrinsics(80, 60, 52.0, (39.5, 29.5))
-
-
-@pytest.fixture(scope="module")
-def observation():
-    eye = DepthCamera(trimesh.creation.box((0.05, 0.05, 0.05)))
-    matrix = trimesh.transformations.translation_matrix((0, 0, 0.025))
-    poses = cameras_around(np.zeros(3), 3, 0.5, 0.5)
-    views = tuple(eye.render(matrix, CAMERA, pose) for pose in poses)
-    return Observation(eye.render(matrix, CAMERA, camera_above(0.6)), views, 0.3)
 
 
 def of_view(view, _gripper, _rng):
@@ -36,6 +23,10 @@ def of_view(view, _gripper, _rng):
 
 def of_tsdf(tsdf, _gripper, _rng):
     return tsdf
+
+
+def of_object_clouds(object_clouds, _gripper, _rng):
+    return object_clouds
 
 
 class OfCloud:
@@ -73,6 +64,7 @@ class Misnamed:
         (of_view, "view"),
         (of_tsdf, "tsdf"),
         (OfCloud(), "cloud"),
+        (of_object_clouds, "object_clouds"),
         (Declared(), "views"),
         (of_anything, "view"),
         (of_several, "view"),
@@ -104,7 +96,7 @@ def test_an_unknown_input_is_named():
     ],
 )
 def test_a_first_parameter_of_another_name_is_refused_with_those_that_are_allowed(detect, name):
-    with pytest.raises(UserError, match=rf"'{name}' is none of view, views, cloud, tsdf, obs"):
+    with pytest.raises(UserError, match=rf"'{name}' is none of view, views, cloud, object_"):
         wanted_input(detect)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from egad.config import GRIPPERS
-from egad.detectors import DetectorConfig, DetectorError, opened
+from egad.detectors import DetectorConfig, DetectorError, choose, opened
 from egad.detectors import graspgen as module
 from egad.detectors.graspgen import GraspGen
 from egad.errors import UserError
@@ -26,9 +26,10 @@ def encoded(array):
 class Server(threading.Thread):
     """Answers as GraspGen's server does: grasps around the mean of the points it got."""
 
-    def __init__(self, gripper="franka_panda", count=3, fails=False):
+    def __init__(self, gripper="franka_panda", count=3, fails=False, rising=False):
         super().__init__(daemon=True)
         self.gripper, self.count, self.fails, self.requests = gripper, count, fails, []
+        self.rising = rising  # whether later answers have higher scores
         self.socket = zmq.Context.instance().socket(zmq.REP)
         port = self.socket.bind_to_random_port("tcp://127.0.0.1")
         self.address = f"tcp://127.0.0.1:{port}"
@@ -53,6 +54,7 @@ class Server(threading.Thread):
         grasps = np.tile(np.diag([1, -1, -1, 1]).astype(np.float32), (self.count, 1, 1))
         grasps[:, :3, 3] = points.mean(axis=0)
         scores = np.linspace(0.1, 0.9, self.count, dtype=np.float32)
+        scores += self.rising * (len(self.requests) - 2)
         found = {"grasps": encoded(grasps), "confidences": encoded(scores)}
         return found | {"num_grasps": self.count, "timing": {"infer_ms": 1.0}}
 
@@ -77,14 +79,14 @@ def serve():
         server.join()
 
 
-def cloud_of(count):
-    points = np.random.default_rng(0).normal((0.1, 0.2, 0.3), 0.01, (count, 3))
+def cloud_of(count, center=(0.1, 0.2, 0.3)):
+    points = np.random.default_rng(0).normal(center, 0.01, (count, 3))
     return PointCloud(points, np.zeros_like(points))
 
 
 def test_grasps_are_moved_from_the_base_of_the_gripper_to_between_its_pads(serve):
     server, cloud = serve(), cloud_of(500)
-    found = GraspGen(server.address)(cloud, HAND, np.random.default_rng(0))
+    found = GraspGen(server.address)([cloud], HAND, np.random.default_rng(0))
     assert found.poses.shape == (3, 4, 4)
     np.testing.assert_allclose(found.widths, HAND.opening)
     np.testing.assert_allclose(found.scores, [0.1, 0.5, 0.9], rtol=1e-6)
@@ -98,14 +100,30 @@ def test_grasps_are_moved_from_the_base_of_the_gripper_to_between_its_pads(serve
     assert asked["point_cloud"][b"shape"] == [500, 3]
 
 
-def test_an_empty_cloud_is_not_sent(serve):
+def test_each_object_is_asked_about_alone_and_the_grasps_of_all_are_given(serve):
+    """The second object gets higher scores, so the best grasp is on it."""
+    server, clouds = serve(rising=True), [cloud_of(500), cloud_of(300, (0.0, -0.1, 0.2))]
+    found = GraspGen(server.address)(clouds, HAND, None)
+    sent = [each["point_cloud"][b"shape"] for each in server.requests[1:]]
+    assert sent == [[500, 3], [300, 3]]
+    np.testing.assert_allclose(found.scores, [0.1, 0.5, 0.9, 1.1, 1.5, 1.9], rtol=1e-6)
+    best = choose(found, HAND)
+    mean = clouds[1].points.mean(axis=0)
+    np.testing.assert_allclose(best.pose[:3, 3], mean - [0, 0, 0.1053], atol=1e-6)
+
+
+def test_clouds_that_are_too_small_for_the_server_are_not_sent(serve):
     server = serve()
-    assert len(GraspGen(server.address)(cloud_of(0), HAND, None).poses) == 0
+    detect = GraspGen(server.address)
+    assert len(detect([cloud_of(0), cloud_of(20)], HAND, None).poses) == 0
+    assert len(detect([], HAND, None).poses) == 0
     assert [each["action"] for each in server.requests] == ["metadata"]
+    assert len(detect([cloud_of(20), cloud_of(21)], HAND, None).poses) == 3
+    assert len(server.requests) == 2
 
 
 def test_no_grasps_are_no_error(serve):
-    assert len(GraspGen(serve(count=0).address)(cloud_of(9), HAND, None).poses) == 0
+    assert len(GraspGen(serve(count=0).address)([cloud_of(30)], HAND, None).poses) == 0
 
 
 def test_an_error_of_the_server_is_one_of_the_attempt(serve, observation):

@@ -103,6 +103,20 @@ def test_a_program_that_only_fails_stops_the_run_with_what_it_says(program, capl
     assert found["failure"].str.endswith("it says: Traceback: line 7 of mine.py").all()
 
 
+def test_a_program_may_ask_for_the_cloud_of_each_object(observation, program):
+    """It gives the number of points of each as a width."""
+    command = program("""
+        send(HELLO | {"observes": "object_clouds"})
+        while True:
+            asked = msgpack.unpackb(ask())["observation"]
+            counts = [each["points"][b"shape"][0] for each in asked["object_clouds"]]
+            poses = [np.eye(4).tolist() for _ in counts]
+            send({"poses": poses, "widths": counts, "scores": counts})
+    """)
+    with Program(command, PATIENT, PATIENT) as detect:
+        assert ask(detect, observation).widths.tolist() == [len(observation.cloud.points)]
+
+
 def test_the_seed_is_from_the_generator(observation, program):
     command = program("""
         send(HELLO)

@@ -69,7 +69,7 @@ def test_what_cannot_be_sent_is_refused():
 
 def test_a_question_has_what_the_detector_observes_and_nothing_else(observation):
     gripper = GRIPPERS["panda"]
-    for name in ("view", "views", "tsdf", "cloud"):
+    for name in ("view", "views", "tsdf", "cloud", "object_clouds"):
         asked = unpacked(packed(question(observation, name, gripper, 7)))
         assert list(asked["observation"]) == [name]
         assert asked["seed"] == 7
@@ -80,6 +80,9 @@ def test_a_question_has_what_the_detector_observes_and_nothing_else(observation)
         assert sent["depth"].tobytes() == view.depth.tobytes()
         assert sent["pose"].tolist() == view.pose.tolist()
     assert everything["cloud"]["points"].tolist() == observation.cloud.points.tolist()
+    (own,) = everything["object_clouds"]
+    assert own["points"].tolist() == observation.object_clouds[0].points.tolist()
+    assert own["normals"].tolist() == observation.object_clouds[0].normals.tolist()
     assert everything["tsdf"]["distances"].shape == (40, 40, 40)
     assert everything["tsdf"]["voxel"] == observation.tsdf.voxel
 

@@ -1,6 +1,9 @@
 """Observations show the scene: all objects, from all around."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 import trimesh
 
 from egad.perception import (
@@ -14,6 +17,7 @@ from egad.perception import (
 )
 
 CAMERA = Intrinsics(160, 120, 104.0, (79.5, 59.5))
+FINE = Intrinsics(320, 240, 208.0, (159.5, 119.5))
 BOX = trimesh.creation.box((0.04, 0.06, 0.05))
 BALL = trimesh.creation.icosphere(4, 0.03)
 
@@ -81,3 +85,76 @@ def test_the_cloud_lies_on_the_objects_and_not_on_the_table():
     assert np.median(away) < 0.0025
     top = cloud.points[:, 2] > 0.049
     assert (cloud.normals[top, 2] > 0.9).mean() > 0.8
+
+
+def observation_of(meshes, places, sigma=0.0):
+    cameras = [DepthCamera(mesh) for mesh in meshes]
+    views = [
+        render_scene(cameras, places, FINE, pose)
+        for pose in [*cameras_around(np.zeros(3), 6, 0.5, np.radians(30)), camera_above(0.6)]
+    ]
+    return Observation(views[-1], tuple(views[:-1]), 0.3, sigma)
+
+
+def surfaces_of_box_and_ball(points, box_at, ball_at):
+    """Distances from both surfaces, (2, n)."""
+    beyond = np.abs(points - box_at) - BOX.extents / 2
+    box = np.linalg.norm(np.maximum(beyond, 0), axis=1) + np.minimum(beyond.max(axis=1), 0)
+    return np.abs([box, np.linalg.norm(points - ball_at, axis=1) - 0.03])
+
+
+BESIDE = [at(-0.02, 0, 0.025), at(0.0301, 0.01, 0.03)]  # 0.1 mm apart
+
+
+@pytest.mark.parametrize("sigma", [0.0, 0.0008])
+def test_every_point_belongs_to_the_object_on_whose_surface_it_lies(sigma):
+    found = observation_of([BOX, BALL], BESIDE, sigma)
+    box, ball = surfaces_of_box_and_ball(found.cloud.points, *(each[:3, 3] for each in BESIDE))
+    assert set(found.point_objects.tolist()) == {1, 2}
+    own = np.where(found.point_objects == 1, box, ball)
+    assert np.median(own) < 0.002
+    excess = own - np.minimum(box, ball)
+    assert (excess > 0.001).mean() < 0.01
+    assert excess.max() < 0.005 + 4 * sigma  # two voxels
+    for number, cloud in enumerate(found.object_clouds, start=1):
+        chosen = found.point_objects == number
+        np.testing.assert_array_equal(cloud.points, found.cloud.points[chosen])
+        np.testing.assert_array_equal(cloud.normals, found.cloud.normals[chosen])
+
+
+def test_what_noise_lifts_off_the_table_belongs_to_no_object():
+    """All depths are 2 % short, which lifts the scene by 1 cm."""
+    true = observation_of([BOX, BALL], BESIDE)
+    short = tuple(replace(view, depth=view.depth * np.float32(0.98)) for view in true.views)
+    found = replace(true, views=short)
+    points, objects = found.cloud.points, found.point_objects
+    away = surfaces_of_box_and_ball(points, *(each[:3, 3] + [0, 0, 0.01] for each in BESIDE))
+    table, high = away.min(axis=0) > 0.02, points[:, 2] > 0.02
+    assert table.sum() > 1000
+    assert not objects[table].any()
+    assert not (table & high).any()
+    assert set(objects[high].tolist()) == {1, 2}
+    own = np.where(objects == 1, *away)
+    assert np.median(own[objects > 0]) < 0.003
+    assert sum(len(each.points) for each in found.object_clouds) == (objects > 0).sum()
+
+
+def test_an_object_that_no_camera_sees_has_no_cloud():
+    inside = trimesh.creation.icosphere(2, 0.01)
+    found = observation_of([inside, BOX, BALL], [at(-0.02, 0, 0.025), *BESIDE])
+    assert set(found.point_objects.tolist()) == {2, 3}
+    assert len(found.object_clouds) == 2
+
+
+def test_a_plate_that_is_taken_for_the_table_has_no_cloud():
+    plate = trimesh.creation.box((0.1, 0.1, 0.003))
+    assert observation_of([plate], [at(0, 0, 0.0015)]).object_clouds == ()
+    lifted = observation_of([plate], [at(0, 0, 0.0015)], 0.0008)
+    assert len(lifted.cloud.points) > 0
+    assert lifted.object_clouds == ()
+
+
+def test_views_without_masks_tell_no_objects_apart():
+    view = DepthCamera(BOX).render(at(0, 0, 0.025), CAMERA, camera_above(0.6))
+    with pytest.raises(ValueError, match="masks"):
+        _ = Observation(view, (view,), 0.3).object_clouds

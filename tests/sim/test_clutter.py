@@ -12,13 +12,13 @@ from egad.config import Bundle
 from egad.detectors import GraspPoses, PoseGrasp
 from egad.grasps import hand_poses
 from egad.outcomes import Outcome
-from egad.perception import Observation
+from egad.perception import Observation, cameras_around
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose, proposed_by
 from egad.sim.engines import open_world
 from egad.sim.model import build
 from egad.sim.parameters import Clutter, EngineName
 from egad.sim.robots import free_hand
-from egad.sim.scenes import RestingObject
+from egad.sim.scenes import BOX, RestingObject
 
 BALL = build(trimesh.creation.icosphere(2, 0.02), 600.0, Bundle())
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.05)), 600.0, Bundle())
@@ -124,6 +124,34 @@ def test_a_thousand_grasps_are_as_good_as_the_best_of_them() -> None:
     first = clear(proposed_by(detect, HAND))[0]
     assert first.grasp is not None
     np.testing.assert_array_equal(first.grasp.pose[:3, 3], highest[0])
+
+
+@pytest.mark.parametrize("views", [1, 6])
+def test_each_cloud_of_a_pile_lies_on_its_own_block(views: int) -> None:
+    """Distances are those from boxes, in closed form; blocks touch, so a few points are at both."""
+    with open_world("mujoco", MODELS, free_hand(HAND), BOX) as world:
+        runner = ClutterRunner(world, Clutter())
+        present = runner.begin("pile", 2)
+        poses = cameras_around(np.zeros(3), views, 0.6, np.radians(30))
+        observation = runner.observe(present, "none", poses, np.random.default_rng(0))
+    cloud, clouds = observation.cloud, observation.object_clouds
+    assert len(clouds) == len(present) == 3
+    for number, own in enumerate(clouds):
+        assert len(own.points) > 100
+        away = np.stack([np.abs(_outside(own.points, each)) for each in present])
+        assert (away[number] > away.min(axis=0) + 0.001).mean() < 0.001
+        assert away[number].max() < 0.012  # what one camera sees is blurred by 4 voxels
+    joined = np.column_stack([np.concatenate(each) for each in zip(*clouds, strict=True)])
+    assert sorted(joined.tolist()) == sorted(np.column_stack(cloud).tolist())
+
+
+def _outside(points: np.ndarray, block: RestingObject) -> np.ndarray:
+    """Signed distances from a block."""
+    local = Rotation.from_quat(block.pose.quaternion).inv().apply(points - block.pose.position)
+    beyond = np.abs(local) - np.asarray(BLOCK.mesh.extents) / 2
+    signed: np.ndarray = np.minimum(beyond.max(axis=1), 0)
+    signed += np.linalg.norm(np.maximum(beyond, 0), axis=1)
+    return signed
 
 
 @EACH_ENGINE
