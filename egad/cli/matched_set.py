@@ -47,6 +47,16 @@ def matched_set(
     attempts: Annotated[
         int, typer.Option(min=1, help="simulated attempts at each object in each physics engine")
     ] = 20,
+    within: Annotated[
+        int,
+        typer.Option(
+            min=1, help="cells that a partner may be away, in complexity and graspability"
+        ),
+    ] = 2,
+    succeeds: Annotated[
+        float,
+        typer.Option(min=0.05, max=1, help="how often the detector must hold a partner, 0.05 to 1"),
+    ] = 0.8,
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
@@ -60,10 +70,17 @@ def matched_set(
     settings = settings_in(config)
     settings, hand, name = _of_atlas(known, settings, gripper, detector, weights, command)
     found = match_failures(
-        known, settings.detectors[name], pairs=pairs, attempts=attempts, jobs=jobs
+        known,
+        settings.detectors[name],
+        pairs=pairs,
+        attempts=attempts,
+        within=within,
+        succeeds=succeeds,
+        jobs=jobs,
     )
     inputs = [atlas / f"{table}.parquet" for table in ("failures", "examined", "attempts")]
     arguments = {"gripper": hand, "detector": name, "pairs": pairs, "attempts": attempts}
+    arguments |= {"within": within, "succeeds": succeeds}
     with recorded("matched-set", settings=settings, inputs=inputs, arguments=arguments):
         write_matched_set(settings, hand, found, name, out, jobs)
     typer.echo(str(found))

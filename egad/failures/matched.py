@@ -22,7 +22,7 @@ from egad.failures.atlas import FailureAtlas
 from egad.failures.attempts import counts_of
 from egad.failures.examine import Examination
 from egad.failures.finding import open_detector
-from egad.failures.matching import Matching, Row
+from egad.failures.matching import Matching, PartnerRules, Row
 from egad.failures.parameters import FailureParameters
 from egad.failures.search import elite_of, scaled_surface
 from egad.failures.store import Detect
@@ -50,6 +50,7 @@ class MatchedSet:
         replaced: How many objects were chosen as partners and turned out to be none, by the reason.
         unmatched: How many failures were left out because no object is a partner of theirs.
         shape: How voxels become meshes.
+        rules: What the partners had to be like.
     """
 
     def __init__(
@@ -59,10 +60,12 @@ class MatchedSet:
         replaced: dict[str, int],
         unmatched: int,
         shape: Shape,
+        rules: PartnerRules,
     ) -> None:
         """Wrap tables."""
         self.table, self.attempts = table.reset_index(drop=True), attempts
         self.replaced, self.unmatched, self.shape = replaced, unmatched, shape
+        self.rules = rules
 
     def __len__(self) -> int:
         return int(self.table["is_failure"].sum())
@@ -116,6 +119,7 @@ class MatchedSet:
             "shape": self.shape.model_dump(mode="json"),
             "replaced": self.replaced,
             "unmatched": self.unmatched,
+            "rules": self.rules._asdict(),
         }
         parquet.write(self.table, MATCHED, path / "pairs.parquet", notes)
         parquet.write(self.attempts, FAILURE_ATTEMPTS, path / "attempts.parquet")
@@ -135,6 +139,7 @@ class MatchedSet:
             notes.get("replaced", {}),
             notes.get("unmatched", 0),
             Shape.model_validate(notes.get("shape", {})),
+            PartnerRules(**notes.get("rules", {})),
         )
 
 
@@ -144,23 +149,27 @@ def match_failures(
     *,
     pairs: int = 5,
     attempts: int = 20,
+    within: int = 2,
+    succeeds: float = 0.8,
     objects: Dataset | None = None,
     jobs: int = 1,
 ) -> MatchedSet:
     """Choose failures of an atlas, match objects to them, and try both on fresh drops.
 
     The failures are spread over the map. Each gets the object that is most similar in shape among
-    those that lie at most two cells away in complexity and in graspability, and that the search
-    found the detector to succeed at, or did not try; no object is used twice, and the sum of the
-    similarities is the largest. An object becomes a partner only if it can be printed, and if
-    detector and reference hold it in 80 % of as many attempts as are asked for; a failure is left
-    out after 12 objects that do not become its partner. Then all are tried on other drops.
+    those that lie in the cells around, and that the search found the detector to succeed at, or did
+    not try; no object is used twice, and the sum of the similarities is the largest. An object
+    becomes a partner only if it can be printed, and if detector and reference hold it often enough
+    in as many attempts as are asked for; a failure is left out after 12 objects that do not become
+    its partner. Then all are tried on other drops.
 
     Args:
         atlas: What `egad.find_failures` returned.
         detect: The detector of the search.
         pairs: At most so many, 1 to 10; fewer if too few failures have a partner.
         attempts: Of the detector and of the reference each, at each object and in each engine.
+        within: How far a partner may be away, in complexity and in graspability, cells.
+        succeeds: How often the detector must hold it, 0 to 1; the reference in 80 %.
         objects: Objects with genomes that may become partners besides those of the atlas; by
             default the released ones.
         jobs: Processes; the result does not depend on them.
@@ -173,11 +182,15 @@ def match_failures(
     if check_count("pairs", pairs) > MOST_PAIRS:
         raise UserError(f"pairs is {pairs}; allowed: 1 to {MOST_PAIRS}, a digit of the labels each")
     check_count("attempts", attempts)
+    check_count("within", within)
+    if not 0 < succeeds <= 1:
+        raise UserError(f"succeeds is {succeeds}; allowed: a rate above 0, at most 1")
+    rules = PartnerRules(within, succeeds)
     further = load() if objects is None else objects
     if further.shape != atlas.shape:
         raise UserError("the voxels of the objects become meshes in another way than the atlas's")
     with workers(jobs) as mapper:
-        matching = Matching(atlas, further.archive, attempts, detect, settings, mapper)
+        matching = Matching(atlas, further.archive, rules, attempts, detect, settings, mapper)
         chosen = matching.best(pairs)
         both = [name for pair in chosen for name in pair]
         past = {name: matching.past(name) for name in both}
@@ -187,7 +200,7 @@ def match_failures(
     tables = dict(zip(both, fresh, strict=True))
     table = _table(chosen, tables, matching, settings)
     made = pd.concat([*matching.attempts, *fresh], ignore_index=True)
-    return MatchedSet(table, made, matching.replaced, matching.unmatched, atlas.shape)
+    return MatchedSet(table, made, matching.replaced, matching.unmatched, atlas.shape, rules)
 
 
 def percent(rate: Rate) -> str:

@@ -4,7 +4,7 @@ from typing import Any
 
 from egad.evalset import label_at
 from egad.failures.matched import ROW, MatchedSet, percent
-from egad.failures.matching import SUCCEEDS, WITHIN
+from egad.failures.matching import REFERENCE
 from egad.tables import parquet
 
 PAGE = """# Matched set of {name}
@@ -60,7 +60,7 @@ def introduction(found: MatchedSet, name: str, detector: str) -> str:
     return PAGE.format(
         name=name,
         detector=detector,
-        within=WITHIN,
+        within=found.rules.within,
         attempts=int(found.table[f"n_pairs_{engines[0]}"].iloc[0]),
         rates="\n".join(_rates(found, engine) for engine in engines),
         head=_line(columns),
@@ -101,7 +101,8 @@ def _line(cells: list[str]) -> str:
 def _chosen(found: MatchedSet) -> str:
     reasons = "; ".join(f"{reason}: {count}" for reason, count in found.replaced.items())
     return (
-        f"A partner must be printable, and detector and reference must hold it in "
-        f"{100 * SUCCEEDS:.0f} % of as many other attempts. Objects that were chosen and did not "
-        f"pass: {reasons or 'none'}. Failures without a partner, left out: {found.unmatched}."
+        f"A partner must be printable, and of as many other attempts the detector must hold it in "
+        f"{100 * found.rules.succeeds:.0f} %, the reference in {100 * REFERENCE:.0f} %. Objects "
+        f"that were chosen and did not pass: {reasons or 'none'}. Failures without a partner, left "
+        f"out: {found.unmatched}."
     )

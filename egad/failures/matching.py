@@ -29,11 +29,22 @@ from egad.sim import ENGINES
 from egad.tables import parquet
 from egad.tables.failures import FAILURE_ATTEMPTS
 
-WITHIN = 2  # cells, in complexity and in difficulty
-SUCCEEDS = 0.8  # success rate of the detector and of the reference at a partner, at least
+REFERENCE = 0.8  # success rate of the reference at a partner, at least
 FORBIDDEN = 1e3  # cost of a pair that is none
 PATIENCE = 12  # objects that are tried as the partner of a failure
 Row = dict[str, Any]
+
+
+class PartnerRules(NamedTuple):
+    """What an object must be like to be the partner of a failure.
+
+    Attributes:
+        within: How far it may be away, in complexity and in difficulty, cells.
+        succeeds: How often the detector holds it, at least, 0 to 1.
+    """
+
+    within: int = 2
+    succeeds: float = 0.8
 
 
 class CandidateTrial(NamedTuple):
@@ -96,6 +107,7 @@ class Matching:
         self,
         atlas: FailureAtlas,
         archive: pd.DataFrame,
+        rules: PartnerRules,
         count: int,
         detect: Detect,
         settings: FailureParameters,
@@ -106,6 +118,7 @@ class Matching:
         Args:
             atlas: Failures, and objects that the detector succeeds at.
             archive: Further objects, columns of `tables.evolution.ARCHIVE`.
+            rules: What a partner must be like.
             count: Attempts in each engine by which an object becomes a partner.
             detect: The detector.
             settings: Those of the search.
@@ -116,16 +129,18 @@ class Matching:
         self.rows = {
             row["id"]: row for row in map(_as_examined, parquet.records(self._failures))
         } | {row["id"]: row for row in parquet.records(self._candidates)}
-        self._settings, self._mapper = settings, mapper
+        self._settings, self._mapper, self._rules = settings, mapper, rules
         self._known = by_object(atlas.attempts)
-        self._qualify = partial(_qualify, count=count, detect=detect, settings=settings)
+        self._qualify = partial(
+            _qualify, rules=rules, count=count, detect=detect, settings=settings
+        )
         self.graphs: dict[str, reeb.ReebGraph] = {}
         self._similar: dict[int, Floats] = {}
         self._tried: dict[str, CandidateTrial] = {}
         self._in_vain: Counter[int] = Counter()  # partners that turned out to be none
         self.unmatched = 0
         apart = _cells(self._failures)[:, None] - _cells(self._candidates)[None]
-        self._near: Flags = np.asarray((np.abs(apart) <= WITHIN).all(axis=2))
+        self._near: Flags = np.asarray((np.abs(apart) <= rules.within).all(axis=2))
 
     @property
     def replaced(self) -> dict[str, int]:
@@ -191,9 +206,9 @@ class Matching:
         reasons = most_common(Counter(self.replaced))
         tried = f"; of {len(self._tried)} that were tried again, none is: {reasons}"
         return (
-            f"none of {len(self._failures)} failures has an object within {WITHIN} cells that the "
-            f"detector succeeds at{tried if self._tried else ''}; give an atlas of more attempts, "
-            "or more objects to choose from"
+            f"none of {len(self._failures)} failures has an object within {self._rules.within} "
+            f"cells that the detector succeeds at{tried if self._tried else ''}; give an atlas of "
+            "more attempts, or ask for less: within more cells, or with a lower success rate"
         )
 
     def _similarities(self, failure: int) -> Floats:
@@ -255,7 +270,11 @@ def _graph(row: Row, settings: FailureParameters) -> bytes:
 
 
 def _qualify(
-    item: tuple[Row, pd.DataFrame], count: int, detect: Detect, settings: FailureParameters
+    item: tuple[Row, pd.DataFrame],
+    rules: PartnerRules,
+    count: int,
+    detect: Detect,
+    settings: FailureParameters,
 ) -> CandidateTrial:
     """Try a candidate; whether it may be a partner."""
     row, past = item
@@ -263,7 +282,8 @@ def _qualify(
     nothing = parquet.empty(FAILURE_ATTEMPTS)
     if print_problems(mesh, settings.print_check):
         return CandidateTrial(nothing, "it cannot be printed")
-    least = math.ceil(SUCCEEDS * count)
+    rates = {"detector": rules.succeeds, "reference": REFERENCE}
+    least = math.ceil(min(rates.values()) * count)
     with open_detector(detect, settings) as asked:
         examination = Examination(mesh, name, asked, settings)
         try:
@@ -272,9 +292,9 @@ def _qualify(
             return CandidateTrial(nothing, str(problem))
     for engine in settings.failures.engines:
         pairs = pairs_of(attempts, engine, "qualify")
-        for who in ("detector", "reference"):
-            if sum(getattr(pair, who) for pair in pairs) < least:
+        for who, rate in rates.items():
+            if sum(getattr(pair, who) for pair in pairs) < rate * count:
                 return CandidateTrial(
-                    attempts, f"the {who} succeeds in less than {100 * SUCCEEDS:.0f} %"
+                    attempts, f"the {who} succeeds in less than {100 * rate:.0f} %"
                 )
     return CandidateTrial(attempts)

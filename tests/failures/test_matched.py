@@ -1,5 +1,6 @@
 """Failures matched with similar objects that the detector grasps."""
 
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
@@ -236,6 +237,30 @@ def test_objects_that_the_search_did_not_try_may_become_partners(failing):
     assert found.table["detector_successes_mujoco"].tolist() == [0, 3]
 
 
+def test_a_partner_may_lie_farther_away_if_that_is_allowed(failing):
+    """Of the flat failure in column 8, thick in column 3 is the only partner that is left."""
+    few = without(failing, "liar", "broad", "far")
+    few.table = few.table[few.table["id"] == name_of("flat")]
+    with pytest.raises(UserError, match="none of 1 failures has an object within 2 cells"):
+        match_failures(few, thick_only, attempts=1, objects=NONE)
+    found = match_failures(few, thick_only, attempts=1, within=5, objects=NONE)
+    assert found.table["id"].tolist() == [name_of("flat"), name_of("thick")]
+
+
+def test_a_partner_may_be_grasped_less_often_if_that_is_allowed(failing):
+    def luckless(view, gripper, rng):
+        """As thick_only, but beside every third object."""
+        (grasp,) = thick_only(view, gripper, rng)
+        x, y, z = grasp.center
+        return [replace(grasp, center=(x + 0.2 * (rng.random() < 1 / 3), y, z))]
+
+    with pytest.raises(UserError, match="the detector succeeds in less than 80 %"):
+        match_failures(failing, luckless, attempts=12, objects=NONE)
+    found = match_failures(failing, luckless, attempts=12, succeeds=0.3, objects=NONE)
+    assert len(found) == 2
+    assert 0.3 < found.success_rate("mujoco", failures=False).value < 0.95
+
+
 def test_a_failure_is_left_out_after_some_objects_that_are_no_partners(failing, monkeypatch):
     monkeypatch.setattr("egad.failures.matching.PATIENCE", 1)
     found = match_failures(failing, thick_only, attempts=3, objects=NONE)
@@ -262,6 +287,8 @@ def test_an_atlas_without_any_pair_says_so(failing):
         ({"pairs": 11}, "pairs is 11; allowed: 1 to 10"),
         ({"pairs": 0}, "pairs is 0"),
         ({"attempts": 0}, "attempts is 0"),
+        ({"within": 0}, "within is 0"),
+        ({"succeeds": 0}, "succeeds is 0; allowed: a rate above 0, at most 1"),
     ],
 )
 def test_wrong_arguments_are_refused(failing, arguments, words):
@@ -275,6 +302,7 @@ def test_a_set_is_read_as_it_was_saved(matched, tmp_path):
     assert repr(found) == repr(matched)
     assert found.table["id"].tolist() == matched.table["id"].tolist()
     assert (found.replaced, found.unmatched) == (matched.replaced, matched.unmatched)
+    assert found.rules == matched.rules == (2, 0.8)
     assert found.attempts["pose"].map(len).tolist() == matched.attempts["pose"].map(len).tolist()
     assert set(egad.load(tmp_path / "pairs.parquet").table["id"]) == set(matched.table["id"])
 
