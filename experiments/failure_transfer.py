@@ -1,6 +1,6 @@
 """Whether failures last: on fresh drops, on a changed mesh, and for other detectors.
 
-    python experiments/failure_transfer.py RUNS OUT.parquet --weights GGCNN2.pt
+    python experiments/failure_transfer.py RUNS OUT.parquet --weights GGCNN2.pt --vgn VGN.pth
         [--failures 30] [--drops 20] [--show]
 
 RUNS is the folder of `experiments/failures.py`. Of each detector there, at most 30 failures of all
@@ -136,11 +136,12 @@ def main() -> None:
     parser.add_argument("runs", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--weights", type=Path, help="published weights of GG-CNN2")
+    parser.add_argument("--vgn", type=Path, help="published weights of VGN")
     parser.add_argument("--failures", type=int, default=30)
     parser.add_argument("--drops", type=int, default=20)
     parser.add_argument("--show", action="store_true")
     given = parser.parse_args()
-    known = detectors(given.weights)
+    known = detectors(given.weights, given.vgn)
     rows = pd.read_parquet(given.out).to_dict("records") if given.out.exists() else []
     done = {(row["atlas"], row["detector"], row["change"], row["id"]) for row in rows}
     atlases = [name for name in known if any((given.runs / name).glob("*/failures.parquet"))]

@@ -1,6 +1,6 @@
 """How many failures a search finds with the same attempts, by where objects come from.
 
-    python experiments/failures.py FOLDER --weights GGCNN2.pt [--detectors ...]
+    python experiments/failures.py FOLDER --weights GGCNN2.pt --vgn VGN.pth [--detectors ...]
         [--strategies ...] [--seeds 5] [--attempts 2000] [--least-regret 0.5] [--show]
         [--chart FILE.svg]
 
@@ -33,9 +33,11 @@ STRATEGIES: tuple[Strategy, ...] = ("random", "mutation", "screening", "evolutio
 SHIPPED = ("ggcnn2-evolved", "antipodal-depth", "antipodal-cloud")
 
 
-def detectors(weights: Path | None) -> dict[str, DetectorConfig]:
+def detectors(weights: Path | None, vgn: Path | None) -> dict[str, DetectorConfig]:
     """The detectors of the study by name."""
     known = {name: DetectorConfig(detector=name) for name in SHIPPED}
+    if vgn is not None:
+        known["vgn"] = DetectorConfig(detector="vgn", weights=str(vgn))
     if weights is None:
         return known
     given = {"detector": "ggcnn", "weights": str(weights)}
@@ -166,6 +168,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--weights", type=Path, help="published weights of GG-CNN2")
+    parser.add_argument("--vgn", type=Path, help="published weights of VGN")
     parser.add_argument("--detectors", nargs="+", help="some of those of the study")
     parser.add_argument("--strategies", nargs="+", default=STRATEGIES, choices=STRATEGIES)
     parser.add_argument("--seeds", type=int, default=5)
@@ -174,7 +177,7 @@ def main() -> None:
     parser.add_argument("--show", action="store_true", help="search no further")
     parser.add_argument("--chart", type=Path, help="SVG file to write")
     given = parser.parse_args()
-    known = detectors(given.weights)
+    known = detectors(given.weights, given.vgn)
     for seed in range(0 if given.show else given.seeds):
         for name in given.detectors or known:
             for strategy in given.strategies:

@@ -1,0 +1,117 @@
+"""The configuration of the study of scenes: sets, networks, tests."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from pydantic import Field, ValidationError
+
+from egad._util.parameters import Fraction, Name, Parameters
+from egad.config import Settings
+from egad.config.check import check
+from egad.errors import UserError
+from egad.sim import NAMED_PROTOCOLS, SceneCameras
+
+FOLDER = "results/scene_study"
+
+
+class SceneSet(Parameters):
+    """What networks are trained on."""
+
+    dataset: Name = Field(description="dataset of the scenes")
+    scenes: int | None = Field(None, ge=1, description="most training scenes; nothing: all")
+    networks: int | None = Field(None, ge=1, description="networks; nothing: as for all sets")
+
+
+class Cameras(Parameters):
+    """A condition of the tests."""
+
+    rounds: int = Field(ge=1, description="rounds of each kind of scene and noise")
+    cameras: SceneCameras = SceneCameras()
+
+
+class Plan(Parameters):
+    """What is compared."""
+
+    sets: dict[Name, SceneSet]
+    networks: int = Field(ge=1, description="networks trained on each set")
+    threshold: Fraction = Field(description="least quality of the grasps that they propose")
+    references: list[Name]
+    tests: list[Name] = Field(description="datasets whose evaluation sets are cleared")
+    cameras: dict[Name, Cameras]
+
+
+class Study(NamedTuple):
+    """The whole configuration.
+
+    Attributes:
+        plan: What is compared.
+        settings: Settings of the workflow, with the networks among the detectors.
+    """
+
+    plan: Plan
+    settings: Settings
+
+    @property
+    def detectors(self) -> list[str]:
+        """All that are tested: networks first."""
+        return [*networks_of(self.plan), *self.plan.references]
+
+
+def study_of(config: Mapping[str, Any]) -> Study:
+    """The study of a configuration.
+
+    Raises:
+        UserError: Something is wrong with it.
+    """
+    values = dict(config)
+    workflow = dict(values.pop("egad", {}))
+    try:
+        plan = Plan.model_validate(values, strict=False)
+    except ValidationError as error:
+        raise UserError(str(error)) from error
+    networks = {
+        name: {
+            "detector": "vgn",
+            "weights": f"{FOLDER}/networks/{training_set}/{seed}/weights.safetensors",
+            "threshold": plan.threshold,
+        }
+        for name, (training_set, seed) in networks_of(plan).items()
+    }
+    workflow["detectors"] = {**workflow.get("detectors", {}), **networks}
+    settings = check(workflow)
+    known = {"datasets": settings.datasets, "detectors": settings.detectors}
+    used = {
+        "datasets": [*plan.tests, *(each.dataset for each in plan.sets.values())],
+        "detectors": plan.references,
+    }
+    if wrong := [name for key in used for name in used[key] if name not in known[key]]:
+        raise UserError(f"not defined: {', '.join(wrong)}")
+    return Study(plan, settings)
+
+
+def networks_of(plan: Plan) -> dict[str, tuple[str, int]]:
+    """Set and number of each network, by what it is called as a detector."""
+    return {
+        f"{name}-{seed}": (name, seed)
+        for name, each in plan.sets.items()
+        for seed in range(each.networks or plan.networks)
+    }
+
+
+def training_settings(study: Study, training_set: str, seed: int) -> Settings:
+    """The settings of a training."""
+    scenes = study.plan.sets[training_set].scenes
+    training = study.settings.training_scenes.model_copy(update={"scenes": scenes})
+    return study.settings.model_copy(
+        update={"seed": study.settings.seed + seed, "training_scenes": training}
+    )
+
+
+def test_settings(study: Study, cameras: str) -> Settings:
+    """The settings of the tables that are cleared."""
+    condition = study.plan.cameras[cameras]
+    protocol = NAMED_PROTOCOLS["egad"].model_copy(update={"cameras": condition.cameras})
+    clutter = study.settings.clutter.model_copy(
+        update={"rounds": condition.rounds, "protocol": protocol}
+    )
+    return study.settings.model_copy(update={"clutter": clutter})
