@@ -175,6 +175,7 @@ def match_failures(
         jobs: Processes; the result does not depend on them.
 
     Raises:
+        OnlyFailuresError: The detector does nothing but fail at the first three objects.
         UserError: No failure has a partner, a number is out of bounds, or the atlas was not made by
             a search; objects have other voxels than those of the atlas.
     """

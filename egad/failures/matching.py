@@ -13,6 +13,7 @@ from scipy.optimize import linear_sum_assignment
 from egad._util.arrays import Flags, Floats
 from egad._util.progress import progress
 from egad._util.workers import Mapper
+from egad.detectors import FailureMonitor
 from egad.errors import RejectedError, UserError, most_common
 from egad.evalset import print_problems
 from egad.failures.atlas import CELL, FailureAtlas
@@ -138,6 +139,7 @@ class Matching:
         self._similar: dict[int, Floats] = {}
         self._tried: dict[str, CandidateTrial] = {}
         self._in_vain: Counter[int] = Counter()  # partners that turned out to be none
+        self._monitor = FailureMonitor(2**31, keep_going=False, quiet=True, remedy="")
         self.unmatched = 0
         apart = _cells(self._failures)[:, None] - _cells(self._candidates)[None]
         self._near: Flags = np.asarray((np.abs(apart) <= rules.within).all(axis=2))
@@ -172,6 +174,7 @@ class Matching:
 
         Raises:
             UserError: There is no pair.
+            OnlyFailuresError: The detector does nothing but fail at the first three objects.
         """
         some = np.flatnonzero(self._near.any(axis=1))
         self.unmatched = len(self._near) - len(some)
@@ -235,7 +238,9 @@ class Matching:
         fresh = [name for name in names.values() if name not in self._tried]
         items = [(self.rows[name], self._of_search(name)) for name in fresh]
         found = progress(self._mapper(self._qualify, items), "trying partners", len(items))
-        self._tried |= dict(zip(fresh, found, strict=True))
+        for name, each in zip(fresh, found, strict=True):
+            self._tried[name] = each
+            self._monitor.check(each.attempts[each.attempts["who"] == "detector"])
         return [each for each, name in names.items() if self._tried[name].reason]
 
 

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import egad
 from egad.cppn import Shape
-from egad.detectors import PoseGrasp
+from egad.detectors import OnlyFailuresError, PoseGrasp
 from egad.errors import RejectedError, UserError
 from egad.failures import Examination, FailureAtlas, MatchedSet, match_failures
 from egad.failures.attempts import pairs_of
@@ -265,6 +265,14 @@ def test_a_failure_is_left_out_after_some_objects_that_are_no_partners(failing, 
     monkeypatch.setattr("egad.failures.matching.PATIENCE", 1)
     found = match_failures(failing, thick_only, attempts=3, objects=NONE)
     assert (found.table["id"][0], found.unmatched) == (name_of("flat"), 1)
+
+
+def test_a_detector_that_only_crashes_is_told_with_its_error(failing):
+    def broken(*_):
+        raise ZeroDivisionError("no luck")
+
+    with pytest.raises(OnlyFailuresError, match=r"(?s)failed in all \d+ attempts.*no luck"):
+        match_failures(failing, broken, attempts=5, objects=NONE)
 
 
 def test_objects_whose_voxels_are_other_meshes_are_refused(failing):
