@@ -45,6 +45,10 @@ from .report.genome_drawing import genome_svg as genome_svg
 from .report.pictures import render as render
 from .report.viewer import MeshView as MeshView
 from .report.viewer import view as view
+from .scenes.producing import make_scenes as make_scenes
+from .scenes.reading import LabelledScene as LabelledScene
+from .scenes.reading import SceneDataset as SceneDataset
+from .scenes.reading import load_scenes as load_scenes
 from .stats.paired import Comparison as Comparison
 from .stats.rates import Mean as Mean
 from .trials import Trials as Trials

@@ -38,6 +38,7 @@ LAYERS = [
         "clearing",
         "benchmark",
         "failures",
+        "scenes",
         "export",
     ),
     *("config", "provenance", "workflow", "cli"),

@@ -26,6 +26,7 @@ from egad.map_elites import Evolution
 from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.reeb import Similarity
+from egad.scenes import TrainingScenes
 from egad.sim import LabelAgreement, Lifting, NaiveGrasp, SimulatedLabel, TrialProtocol
 
 __all__ = [
@@ -81,5 +82,6 @@ __all__ = [
     "Symmetry",
     "Targets",
     "Training",
+    "TrainingScenes",
     "TrialProtocol",
 ]

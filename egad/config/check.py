@@ -65,7 +65,7 @@ def check_engines(settings: Settings) -> Settings:
         UserError: A physics engine that they name is not installed.
     """
     simulated = settings.simulated_label, settings.naive_grasp
-    for section in (settings.trials, settings.clutter, *simulated):
+    for section in (settings.trials, settings.clutter, settings.scenes, *simulated):
         check_engine(section.engine)
     for engine in settings.failures.engines if settings.targets.failures else ():
         check_engine(engine)

@@ -75,7 +75,7 @@ def _impossible_targets(settings: Settings) -> list[str]:
     own = [name for name, hand in hands.items() if hand and not hand.cup and hand.sampler]
     problems = [
         f"targets.{key}: {cup} of targets.grippers has a suction cup; this is for jaws"
-        for key in ("simulated_labels", "agreement", "render")
+        for key in ("simulated_labels", "agreement", "render", "scenes")
         if getattr(settings.targets, key)
         for cup in cups
     ]

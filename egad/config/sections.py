@@ -155,6 +155,11 @@ class Targets(Parameters):
     render: bool = Field(
         False, description="whether to render depth images with grasps for training"
     )
+    scenes: bool = Field(
+        False,
+        description="whether to make packed and piled scenes with depth images and grasps labelled "
+        "by simulation, for training",
+    )
 
 
 class Release(Parameters):

@@ -23,6 +23,7 @@ from egad.map_elites import Evolution
 from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
 from egad.reeb import Similarity
+from egad.scenes import TrainingScenes
 from egad.sim import Clutter, LabelAgreement, NaiveGrasp, SimulatedLabel, TrialProtocol
 
 
@@ -77,6 +78,7 @@ class Settings(Parameters):
     training: Training = Training()
     render: Render = Render()
     image_noise: ImageNoise = ImageNoise()
+    scenes: TrainingScenes = TrainingScenes()
     release: Release = Release()
     grippers: dict[Name, Gripper] = Field(
         GRIPPERS, min_length=1, description="all grippers, by name"

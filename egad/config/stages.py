@@ -22,6 +22,7 @@ from egad.map_elites import EvolutionParameters
 from egad.measures import MeasureParameters, MeasureSpace, SizeEffectParameters, space_of
 from egad.perception import RenderParameters
 from egad.reeb import Similarity
+from egad.scenes import SceneParameters
 from egad.sim import (
     ClutterParameters,
     Lifting,
@@ -155,6 +156,12 @@ class RenderImages(RenderParameters):
         """What simulated labels depend on."""
         names = SimulatedLabelParameters.model_fields
         return SimulatedLabelParameters(**{name: getattr(self, name) for name in names})
+
+
+class MakeScenes(SceneParameters):
+    """Labelled scenes of the objects of a dataset."""
+
+    material: Material
 
 
 class DataSheets(StageSettings):

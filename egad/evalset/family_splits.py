@@ -61,7 +61,7 @@ def split_by_family(
     held_out = set(test)
     sizes = Counter(family for name, family in family_of.items() if name not in held_out)
     order = sorted(sizes, key=lambda name: (-sizes[name], entropy(seed, "family split", name)))
-    wanted = (1 - validation) * sizes.total()
+    wanted = round((1 - validation) * sizes.total(), 6)  # 0.7 of 30 are 21, not a little more
     training: set[str] = set()
     count = 0
     for family in order:

@@ -29,7 +29,15 @@ from egad.learning.augmentation import (
 )
 from egad.learning.parameters import SIZE
 from egad.learning.targets import prepare_input, targets
-from egad.perception import SPLITS, Rectangles, depth_of, files, fill_missing, half_turn, pixels
+from egad.perception import (
+    Rectangles,
+    check_splits,
+    depth_of,
+    files,
+    fill_missing,
+    half_turn,
+    pixels,
+)
 from egad.random import generator
 from egad.tables import parquet
 from egad.tables.row_groups import RowGroups
@@ -94,11 +102,7 @@ class ImageDataset:
             or [_no_images()],
             ignore_index=True,
         )
-        if unknown := set(self.index["split"]) - set(SPLITS):
-            raise UserError(f"{self}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
-        shared = self.index.explode("objects").groupby("objects")["split"].nunique() > 1
-        if shared.any():
-            raise UserError(f"{self}: the object {shared.idxmax()} is in more than one split")
+        check_splits(self.index, self)
         self._kept: OrderedDict[tuple[int, int], pd.DataFrame] = OrderedDict()
         self._lock = Lock()
 

@@ -17,9 +17,12 @@ from .heightmap import Heightmap as Heightmap
 from .heightmap import heightmap_of as heightmap_of
 from .heightmap import min_fingertip_height as min_fingertip_height
 from .heightmap import window_of as window_of
+from .image_rows import coded as coded
 from .image_rows import depth_of as depth_of
 from .image_rows import encoded as encoded
 from .image_rows import pixels as pixels
+from .image_rows import png as png
+from .image_rows import pose_matrix as pose_matrix
 from .image_rows import pose_values as pose_values
 from .image_shards import Images as Images
 from .image_shards import files as files
@@ -55,6 +58,7 @@ from .restoration import fill_missing as fill_missing
 from .restoration import restore as restore
 from .splits import SPLITS as SPLITS
 from .splits import Share as Share
+from .splits import check_splits as check_splits
 from .splits import shard_count as shard_count
 from .splits import shares as shares
 from .tsdf import Tsdf as Tsdf

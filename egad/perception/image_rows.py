@@ -97,7 +97,7 @@ def decoded(row: Mapping[str, Any]) -> RenderedImage:
     return RenderedImage(
         **{name: row[name] for name in PLAIN},
         objects=tuple(
-            ImagedObject(name, float(factor), int(pose), _matrix(placement))
+            ImagedObject(name, float(factor), int(pose), pose_matrix(placement))
             for name, factor, pose, placement in zip(
                 row["objects"], row["factors"], row["poses"], placements, strict=True
             )
@@ -124,10 +124,11 @@ def _pose_columns(name: str, matrix: Floats) -> dict[str, float]:
 
 
 def _pose_matrix(name: str, row: Mapping[str, Any]) -> Floats:
-    return _matrix(np.array([float(row[f"{name}_{part}"]) for part in POSE_PARTS]))
+    return pose_matrix(np.array([float(row[f"{name}_{part}"]) for part in POSE_PARTS]))
 
 
-def _matrix(values: Floats) -> Floats:
+def pose_matrix(values: Floats) -> Floats:
+    """The transform, (4, 4), of a position and a quaternion: the inverse of `pose_values`."""
     matrix = np.eye(4)
     matrix[:3, :3] = Rotation.from_quat(values[3:]).as_matrix()
     matrix[:3, 3] = values[:3]

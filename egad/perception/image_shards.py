@@ -13,12 +13,13 @@ from typing import overload
 
 import pandas as pd
 
-from egad.errors import UserError, check_name
+from egad.errors import check_name
 from egad.perception.image_rows import decoded
 from egad.perception.rendering import RenderedImage
 from egad.perception.splits import SPLITS
 from egad.tables import parquet
 from egad.tables.images import IMAGES
+from egad.tables.shards import shard_files
 
 
 def files(folder: Path) -> list[Path]:
@@ -28,25 +29,8 @@ def files(folder: Path) -> list[Path]:
         UserError: Some are missing, or are not all of one set.
         TableError: One is damaged.
     """
-    found = sorted(folder.glob("images-*.parquet"))
-    if not found:
-        raise UserError(f"{folder}: no images found; make them with the workflow (targets.render)")
-    notes = {path.name: parquet.notes(path) for path in found}
-    totals = {each.get("shards") for each in notes.values()}
-    if len(totals) > 1 or not isinstance(total := totals.pop(), int):
-        raise UserError(f"{folder}: its shards are of several sets; render them again")
-    made = [parquet.origin_of(path) for path in found]
-    if any(each.get(key) != made[0].get(key) for each in made for key in ("settings", "inputs")):
-        raise UserError(f"{folder}: its shards are of several sets; render them again")
-    whole = [f"images-{number}.parquet" for number in range(total)]
-    if missing := [name for name in whole if name not in notes]:
-        raise UserError(f"{folder}: incomplete, {_listed(missing)} of {total} shards missing")
-    return [folder / name for name in whole]
-
-
-def _listed(names: list[str]) -> str:
-    few = ", ".join(names[:3])
-    return few if len(names) <= 3 else f"{few} and {len(names) - 3} more"
+    made = "the workflow (targets.render)"
+    return [path for (path,) in shard_files(folder, ["images"], made)]
 
 
 class Images(Sequence[RenderedImage]):

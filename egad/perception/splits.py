@@ -7,12 +7,30 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from egad.errors import UserError
 from egad.perception.parameters import Render, SceneKind
 from egad.random import entropy, generator
 
 SPLITS = ("train", "validation", "test")
 SHARD = 500  # images, about: how many shards there are follows from the settings alone
 VIEWS = 4  # images of a scene of several objects, at most
+
+
+def check_splits(index: pd.DataFrame, where: object) -> None:
+    """Make sure that no object is in two splits.
+
+    Args:
+        index: Columns `split` and `objects`, a list of ids, of images or scenes.
+        where: What they are of, for messages.
+
+    Raises:
+        UserError: One is, or there is another split than those known.
+    """
+    if unknown := set(index["split"]) - set(SPLITS):
+        raise UserError(f"{where}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
+    shared = index.explode("objects").groupby("objects")["split"].nunique() > 1
+    if shared.any():
+        raise UserError(f"{where}: the object {shared.idxmax()} is in more than one split")
 
 
 class Share(NamedTuple):

@@ -175,12 +175,18 @@ def _executed(world: World, pose: Floats, width: float, rules: ContactRules) -> 
     start[:3, 3] -= STANDOFF * approach
     cup = world.robot is not None and world.robot.gripper.cup is not None
     hand = FreeCup(world, start, width) if cup else FreeHand(world, start, width)
-    world.step()
-    if hand.touches():
-        return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
     limit = math.inf if rules.contact == "ignore" else rules.force
     way = STANDOFF + (SEARCH if cup else 0.0)
-    stopped = hand.move(way * approach, APPROACH_SPEED, limit)
+    try:
+        world.step()
+        if hand.touches():
+            return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
+        stopped = hand.move(way * approach, APPROACH_SPEED, limit)
+    except UnstableError:
+        if rules.contact != "fail":
+            raise
+        # only a hand that is put into an object throws it away
+        return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
     if stopped and rules.contact == "fail":
         return PoseExecution(Outcome.COLLIDED, stopped=stopped)
     touched, pinched = hand.close(), hand.pinches()

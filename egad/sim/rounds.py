@@ -20,6 +20,7 @@ from egad.sim.engines import open_world
 from egad.sim.film import Film
 from egad.sim.model import Model
 from egad.sim.parameters import ClutterParameters
+from egad.sim.protocols import ClutterProtocol
 from egad.sim.robots import free_hand
 from egad.sim.scenes import BOX
 from egad.sim.world import World
@@ -83,16 +84,35 @@ def _round(
     number: int,
 ) -> Round:
     rng = generator(settings.seed, "clutter", scene, number)
-    protocol = settings.clutter.protocol
     count = 1 if scene == "single" else settings.clutter.objects
+    chosen, factors = draw_objects(ids, scene, count, settings.clutter.protocol, rng)
+    seed = entropy(settings.seed, "round", scene, number)
+    return Round(scene, noise, number, seed, chosen, factors)
+
+
+def draw_objects(
+    ids: Sequence[str],
+    scene: SceneKind,
+    count: int,
+    protocol: ClutterProtocol,
+    rng: np.random.Generator,
+) -> tuple[tuple[str, ...], tuple[float, ...]]:
+    """The objects of a scene, and their sizes.
+
+    Args:
+        ids: Names of the objects to choose from.
+        scene: How they will lie.
+        count: How many; fewer if there are not as many, and none may come twice.
+        protocol: Whether one may, and the range of the sizes.
+        rng: Source of chance.
+    """
     if protocol.repetition:
         chosen = rng.integers(len(ids), size=count)
     else:
         chosen = rng.permutation(len(ids))[:count]
     scale = protocol.packed_scale if scene == "packed" else None
-    factors = tuple(rng.uniform(*scale or protocol.scale, size=len(chosen)).tolist())
-    seed = entropy(settings.seed, "round", scene, number)
-    return Round(scene, noise, number, seed, tuple(ids[index] for index in chosen), factors)
+    factors = rng.uniform(*scale or protocol.scale, size=len(chosen)).tolist()
+    return tuple(ids[index] for index in chosen), tuple(factors)
 
 
 def run_round(
@@ -112,12 +132,11 @@ def run_round(
     Returns:
         One row per attempt, columns of `tables.clutter.CLUTTER`.
     """
-    sized = _sized(this, models)
-    with _world(this, sized, settings) as world:
+    with open_round(this, models, settings) as world:
         runner = ClutterRunner(world, settings.clutter)
-        propose = proposer(this.ids, sized)
+        propose = proposer(this.ids, world.models)
         attempts = list(runner.clear(propose, this.scene, this.noise, this.seed))
-    return _table(this, sized, attempts, settings)
+    return _table(this, world.models, attempts, settings)
 
 
 def failed_round(this: Round, settings: ClutterParameters, outcome: Outcome) -> pd.DataFrame:
@@ -143,13 +162,12 @@ def repeat_round(
         The same rows, bit by bit, if all is as it was.
     """
     this = _read_round(rows.iloc[0])
-    sized = _sized(this, models)
-    with _world(this, sized, settings) as world:
+    with open_round(this, models, settings) as world:
         watch(world)
         runner = ClutterRunner(world, settings.clutter)
         grasps = [read_grasp(row) for row in parquet.records(rows)]
         attempts = list(runner.repeat(grasps, this.scene, this.seed))
-    return _table(this, sized, attempts, settings)
+    return _table(this, world.models, attempts, settings)
 
 
 @phase_if_slow("simulating and filming the round")
@@ -196,7 +214,7 @@ def picture_of(this: Round, models: Models, settings: ClutterParameters) -> RgbI
     Raises:
         UnstableError: The simulation went wrong.
     """
-    with _world(this, _sized(this, models), settings) as world:
+    with open_round(this, models, settings) as world:
         ClutterRunner(world, settings.clutter).begin(this.scene, this.seed)
         return Film(world).frame()
 
@@ -224,18 +242,22 @@ def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | Outcome:
     return PoseGrasp(pose, float(row["width"]), float(row["score"]))
 
 
-def _sized(this: Round, models: Models) -> list[Model]:
-    return [models[name].scaled(by) for name, by in zip(this.ids, this.factors, strict=True)]
+def open_round(this: Round, models: Models, settings: ClutterParameters) -> World:
+    """The world of a round, for a `with` block: objects in their sizes, a hand, perhaps walls.
 
-
-def _world(this: Round, models: Sequence[Model], settings: ClutterParameters) -> World:
+    Args:
+        this: The round.
+        models: Its objects by their names, at least.
+        settings: Gripper, rules and engine.
+    """
+    sized = [models[name].scaled(by) for name, by in zip(this.ids, this.factors, strict=True)]
     walls = BOX if this.scene == "pile" else None
     protocol = settings.clutter.protocol
     given = {"force": protocol.force, "friction": protocol.friction}
     hand = settings.gripper.model_copy(
         update={name: value for name, value in given.items() if value is not None}
     )
-    return open_world(settings.clutter.engine, models, free_hand(hand), walls)
+    return open_world(settings.clutter.engine, sized, free_hand(hand), walls)
 
 
 def _table(

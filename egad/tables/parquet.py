@@ -54,7 +54,11 @@ def empty(schema: pa.Schema) -> pd.DataFrame:
 
 
 def write(
-    frame: pd.DataFrame, schema: pa.Schema, path: Path, notes: Mapping[str, Any] | None = None
+    frame: pd.DataFrame,
+    schema: pa.Schema,
+    path: Path,
+    notes: Mapping[str, Any] | None = None,
+    group: int | None = None,
 ) -> None:
     """Write a table atomically: exactly the columns of its schema, in that order.
 
@@ -65,6 +69,7 @@ def write(
         schema: The columns.
         path: The file.
         notes: Kept in the file beside the rows; see `notes`.
+        group: Rows that can be read without the others (`tables.row_groups`); None for a million.
     """
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
@@ -73,7 +78,7 @@ def write(
     table = table.replace_schema_metadata(texts or None)
     with atomic_output(path) as temporary:
         with pq.ParquetWriter(temporary, table.schema, compression="zstd") as writer:
-            writer.write_table(table)
+            writer.write_table(table, group)
             writer.add_key_value_metadata({seal.KEY: seal.BLANK})
         seal.seal(temporary)
 

@@ -16,7 +16,14 @@ from egad.errors import UserError
 from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.random import generator
-from egad.sim import NAMED_PROTOCOLS, ClutterProtocol, SceneCameras, rounds_of
+from egad.sim import (
+    NAMED_PROTOCOLS,
+    ClutterProtocol,
+    Round,
+    SceneCameras,
+    open_round,
+    rounds_of,
+)
 from egad.sim.clutter import (
     ClutterAttempt,
     ClutterRunner,
@@ -346,13 +353,11 @@ def test_what_is_no_protocol_is_named(given: object, text: str) -> None:
 
 @EACH_ENGINE
 def test_the_hand_has_the_force_and_the_pads_of_the_protocol(engine: EngineName) -> None:
-    from egad.sim.rounds import Round, _world  # noqa: PLC0415 (what makes the hand)
-
     this = Round("single", "none", 0, 0, ("cube",), (1.0,))
     for name, force, friction in (("egad", 70.0, 0.8), ("edgegrasp", 20.0, 0.75)):
         clutter = Clutter(protocol=name, engine=engine)
         settings = ClutterParameters(seed=0, gripper=PANDA, clutter=clutter)
-        with _world(this, [CUBE], settings) as world:
+        with open_round(this, {"cube": CUBE}, settings) as world:
             assert world.robot is not None
             assert world.robot.gripper.force == force
             assert world.robot.pad_friction[0] == friction

@@ -235,7 +235,8 @@ def test_an_unknown_module_or_script_is_an_error(make, name):
 
 SEARCHED = {"search_failures", "join_failures"}  # these label, simulate and breed themselves
 EXPLAINED = SEARCHED | {"explain_failures"}  # films attempts, and draws maps
-TRIED = {"simulate", "clutter", "agreement", "simulated_label", "naive_grasp", "render"} | EXPLAINED
+TRIED = {"simulate", "clutter", "agreement", "simulated_label", "naive_grasp"} | EXPLAINED
+TRIED |= {"render", "scenes"}
 RATED = {"evolve", "postprocess", "graspability", "grasp_label", "size_effect", "render"} | SEARCHED
 # objects, and the jaws of hands from files
 DECOMPOSED = {"bundle", "convex_parts", "grasp_label", "report"} | TRIED

@@ -272,6 +272,7 @@ def test_a_gripper_of_ones_own_has_targets_in_every_stage(clean, hand_in):
         "trials/mine/antipodal-depth.parquet": {"simulated_trial", "join_trials"},
         "agreement/mine.parquet": {"agreement", "join_agreement"},
         "images/mine/card.md": {"render", "image_card"},
+        "scenes/mine/card.md": {"scenes", "scene_card"},
         "size_effect/mine.parquet": {"size_effect"},
         "exchange/mine.hdf5": {"dexnet"},
         "exchange/mine-acronym": {"export"},
@@ -648,6 +649,19 @@ def test_labelled_grasps_are_simulated_if_that_is_asked_for(copy):
     assert set(objects["n_free"]) == set(objects["n_table"]) == {4}
     for name in ("simulated_success_rate", "table_success_rate"):
         assert objects[name].between(0, 1).all()
+
+
+def test_scenes_are_made_if_that_is_asked_for(copy):
+    asked = {"targets": {"scenes": True}, "scenes": {"scenes": 120}}
+    configs = ["config/test.yaml", copy.overlay("scenes.yaml", asked)]
+    parts = {"convex_parts": 2, "join_convex_parts": 1}
+    made = {"scenes": 3, "scene_card": 1, "report": 1, "all": 1}
+    assert copy.planned(configs=configs) == parts | made
+    folder = "results/egad/scenes/egad_75mm"
+    told = [job for job in copy.told(f"{folder}/card.md", configs=configs) if job.rule == "scenes"]
+    assert {job.output for job in told} == {
+        f"{folder}/scenes-{number}.parquet {folder}/grasps-{number}.parquet" for number in range(3)
+    }
 
 
 def test_images_are_rendered_if_that_is_asked_for(copy):

@@ -37,6 +37,7 @@ from egad.measures import source_hash
 from egad.samplers import own_samplers
 from egad.detectors import SHIPPED_WEIGHTS, fingerprint
 from egad.perception import shard_count
+from egad.scenes import shard_count as scene_shard_count
 
 try:
     SETTINGS = check_engines(check(config))
@@ -62,6 +63,7 @@ SHARDS = range(SETTINGS.shards)
 CELLS = SETTINGS.select_eval.rows * SETTINGS.select_eval.columns
 EVALUATION_SHARDS = range(min(SETTINGS.shards, CELLS))
 IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
+SCENE_SHARDS = range(scene_shard_count(SETTINGS.scenes.scenes))
 FAILURE_SHARDS = range(SETTINGS.failures.shards)
 ISLANDS = range(SETTINGS.schedule.islands)
 # Some formats need them, e.g. ACRONYM: they say whether a grasp succeeded.
@@ -192,6 +194,12 @@ def held_out(wildcards):
     """The evaluation set, if it is held out for testing."""
     file = f"results/{wildcards.dataset}/eval49.parquet"
     return [file] if SETTINGS.render.hold_out else []
+
+
+def held_out_of_scenes(wildcards):
+    """The evaluation set, if it is held out of labelled scenes."""
+    file = f"results/{wildcards.dataset}/eval49.parquet"
+    return [file] if SETTINGS.scenes.hold_out else []
 
 
 def parts_of_images(wildcards):

@@ -13,10 +13,7 @@ def of_release(pattern, **more):
 
 def ancestry_of_release(wildcards):
     """The ancestors of the objects, if they are known."""
-    name = RELEASED["dataset"]
-    if name in EVOLVED:
-        return [f"results/{name}/ancestry.parquet"]
-    return [str(released_ancestry())] if GIVEN.get(name) == str(released()) else []
+    return ancestry_of(RELEASED["dataset"])
 
 
 def shipped_network(wildcards):

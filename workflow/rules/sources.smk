@@ -66,6 +66,18 @@ def raw_state(wildcards):
     return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
 
+def known_ancestry(wildcards):
+    """The ancestors of the objects of a dataset, if they are known."""
+    return ancestry_of(wildcards.dataset)
+
+
+def ancestry_of(name):
+    """The same, by the name of the dataset."""
+    if name in EVOLVED:
+        return [f"results/{name}/ancestry.parquet"]
+    return [str(released_ancestry())] if GIVEN.get(name) == str(released()) else []
+
+
 def named_labels(wildcards):
     """Whether the names of the objects are their labels in the evaluation set."""
     return SETTINGS.datasets[wildcards.dataset].evaluation_set == "names"

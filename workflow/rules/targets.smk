@@ -57,3 +57,10 @@ def rendered():
     targets = SETTINGS.targets
     wanted = expand("images/{gripper}/card.md", gripper=targets.grippers)
     return of_datasets(targets.datasets, wanted) if targets.render else []
+
+
+def made_scenes():
+    """The labelled scenes, if requested."""
+    targets = SETTINGS.targets
+    wanted = expand("scenes/{gripper}/card.md", gripper=targets.grippers)
+    return of_datasets(targets.datasets, wanted) if targets.scenes else []

@@ -1,0 +1,17 @@
+from .making import MadeScene as MadeScene
+from .making import make_scene as make_scene
+from .parameters import SceneParameters as SceneParameters
+from .parameters import TrainingScenes as TrainingScenes
+from .planning import PlannedScene as PlannedScene
+from .planning import Splits as Splits
+from .planning import planned_scenes as planned_scenes
+from .planning import scenes_of_shard as scenes_of_shard
+from .planning import shard_count as shard_count
+from .planning import split_objects as split_objects
+from .producing import make_scenes as make_scenes
+from .reading import LabelledScene as LabelledScene
+from .reading import SceneDataset as SceneDataset
+from .reading import load_scenes as load_scenes
+from .writing import describe_set as describe_set
+from .writing import set_key as set_key
+from .writing import write_shard as write_shard

@@ -1,0 +1,97 @@
+"""Settings of labelled scenes for training detectors."""
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from egad._util.parameters import Fraction, ParameterGroup, Parameters, Seed
+from egad.grippers import Gripper
+from egad.perception import NoiseName
+from egad.sim import (
+    ENGINES,
+    NAMED_PROTOCOLS,
+    Clutter,
+    ClutterParameters,
+    EngineName,
+    Protocol,
+    SceneCameras,
+)
+
+MOST_OBJECTS = 20  # in a scene
+TRAINING_CAMERAS: SceneCameras = SceneCameras(
+    distance=(0.48, 0.72), tilt=(5.0, 65.0), azimuth=(0.0, 360.0)
+)
+
+
+class TrainingScenes(Parameters):
+    """Scenes of several objects with depth images and grasps labelled by simulation."""
+
+    scenes: int = Field(
+        1000,
+        ge=1,
+        le=10_000_000,
+        description="scenes per dataset, for any number of objects; about 5 s each",
+    )
+    pile: Fraction = Field(
+        0.5, description="fraction of the scenes that are piles; in the others, objects are packed"
+    )
+    objects: float = Field(
+        5.0,
+        ge=1,
+        le=10,
+        description="mean number of objects that are put into a scene: 1 and a Poisson number",
+    )
+    grasps: int = Field(60, ge=1, le=10_000, description="labelled grasps of each scene")
+    yaws: int = Field(
+        5,
+        ge=1,
+        le=64,
+        description="turns about the approach that are simulated for each grasp, evenly over half "
+        "a turn; it succeeds if one of them does",
+    )
+    protocol: Protocol = Field(
+        NAMED_PROTOCOLS["egad"],
+        description="rules of a published benchmark, as in `clutter.protocol`, for sizes, packing, "
+        "dropping, friction, closing force and success; for a label, the hand opens fully and a "
+        "contact during the approach is a failure",
+    )
+    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
+    cameras: SceneCameras = Field(
+        TRAINING_CAMERAS,
+        description="cameras of the images; each view has its own draw of the ranges",
+    )
+    noise: tuple[NoiseName, ...] = Field(
+        ("none", "dex"),
+        min_length=1,
+        description="noise added to depth images, as in `clutter.noise`; one is drawn per scene",
+    )
+    validation: Fraction = Field(
+        0.1, description="fraction of objects and scenes in the validation set"
+    )
+    test: Fraction = Field(0.1, description="fraction of objects and scenes in the test set")
+    hold_out: bool = Field(
+        True,
+        description="whether the objects of the evaluation set, their parents and children are in "
+        "no scene",
+    )
+
+    @model_validator(mode="after")
+    def _something_is_left(self) -> Self:
+        if self.validation + self.test >= 1:
+            raise ValueError("validation and test together must be less than 1")
+        return self
+
+
+class SceneParameters(ParameterGroup):
+    """The settings that labelled scenes depend on."""
+
+    seed: Seed
+    gripper: Gripper
+    scenes: TrainingScenes
+
+    @property
+    def clutter(self) -> ClutterParameters:
+        """The same as settings of rounds of clearing a table, with the cameras of the images."""
+        protocol = self.scenes.protocol.model_copy(update={"cameras": self.scenes.cameras})
+        clutter = Clutter(engine=self.scenes.engine, protocol=protocol)
+        return ClutterParameters(seed=self.seed, gripper=self.gripper, clutter=clutter)

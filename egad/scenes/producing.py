@@ -1,0 +1,184 @@
+"""Make labelled scenes of objects, from Python."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import pandas as pd
+import trimesh
+
+from egad._util.files import as_path
+from egad._util.parameters import SCALE_RULES, from_arguments
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.errors import RejectedError, UserError, check_name
+from egad.evalset import Bundle
+from egad.geometry import Material
+from egad.grippers import Gripper, as_gripper, check_jaws
+from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
+from egad.objects import Dataset
+from egad.perception import NoiseName
+from egad.scenes.making import make_scene
+from egad.scenes.parameters import TRAINING_CAMERAS, SceneParameters, TrainingScenes
+from egad.scenes.planning import planned_scenes, scenes_of_shard, shard_count, split_objects
+from egad.scenes.reading import SceneDataset
+from egad.scenes.writing import describe_set, set_key, write_shard
+from egad.sim import ClutterProtocol, EngineName, Model, SceneCameras, build, check_engine
+from egad.tables.objects import REJECTED
+
+
+def make_scenes(
+    objects: Dataset | Mapping[str, trimesh.Trimesh],
+    gripper: Gripper | str = "panda",
+    *,
+    scenes: int = 100,
+    pile: float = 0.5,
+    per_scene: float = 5.0,
+    grasps: int = 60,
+    yaws: int = 5,
+    protocol: str | Mapping[str, Any] | ClutterProtocol = "egad",
+    cameras: SceneCameras | Mapping[str, Any] = TRAINING_CAMERAS,
+    noise: Sequence[NoiseName] = ("none", "dex"),
+    validation: float = 0.1,
+    test: float = 0.1,
+    seed: int = 0,
+    rule: str = "paper",
+    engine: EngineName = "mujoco",
+    jobs: int = 1,
+    out: str | Path | None = None,
+) -> SceneDataset:
+    """Make scenes of several objects with depth images and grasps labelled by simulation.
+
+    Objects are packed upright or dropped to a pile. Six cameras see them from random directions. At
+    random points of the visible surface a hand comes against the normal, at several yaws, closes
+    and retreats; the label is whether it lifts an object at any of these. A contact during the
+    approach is a failure. It is the data that VGN is trained on (Breyer et al. 2020).
+
+    Args:
+        objects: A dataset, or meshes in metres by name.
+        gripper: The gripper, with jaws, or its name.
+        scenes: How many scenes; about 5 s each.
+        pile: Fraction of them that are piles; in the others, objects are packed.
+        per_scene: Mean number of objects in a scene.
+        grasps: Labelled grasps in each scene.
+        yaws: Turns about the approach that are tried for each grasp, evenly over half a turn.
+        protocol: Rules of a published benchmark as of `egad.run_benchmark`, or those of your own:
+            sizes, packing, dropping, friction, force and success.
+        cameras: Ranges of the cameras, keys of `egad.sim.SceneCameras`.
+        noise: Kinds of noise, one of which is drawn for each scene: none, stereo, gamma, dex,
+            points.
+        validation: Fraction of objects and scenes for validation.
+        test: Fraction of objects and scenes for testing. No object is in two splits, and no family,
+            if the ancestors of all objects are known.
+        seed: The same arguments give the same scenes.
+        rule: How objects are scaled to the gripper: see `egad.rescale`.
+        engine: What computes the physics: `mujoco` or `pybullet`.
+        jobs: Processes; the result does not depend on them.
+        out: Folder for the scenes; without one they are gone when the result is.
+
+    Raises:
+        UserError: There are no objects that can be simulated, or no scene could be made; the
+            gripper has a suction cup; the folder is not empty; an argument is not allowed.
+
+    Warns:
+        UnitsWarning: The size of a mesh suggests another unit than the metre.
+        PartsWarning: An object needs more convex parts than are allowed.
+    """
+    hand = as_gripper(gripper)
+    check_jaws(hand, "labelled scenes")
+    check_name("rule", rule, SCALE_RULES)
+    check_engine(engine)
+    wanted = from_arguments(
+        TrainingScenes,
+        scenes=scenes,
+        pile=pile,
+        objects=per_scene,
+        grasps=grasps,
+        yaws=yaws,
+        protocol=protocol,
+        engine=engine,
+        cameras=cameras,
+        noise=tuple(noise),
+        validation=validation,
+        test=test,
+        hold_out=False,
+    )
+    settings = from_arguments(SceneParameters, seed=seed, gripper=hand, scenes=wanted)
+    targets = named_meshes(objects)
+    folder, keep = _folder(out)
+    lineage = None
+    if isinstance(objects, Dataset):
+        with suppress(UserError):  # an archive that was never a file has none
+            lineage = objects.lineage
+    models, rejected = models_of(targets, hand, rule, jobs)
+    splits = split_objects([each.id for each in targets], lineage, (), settings)
+    usable = {name: split for name, split in splits.split_of.items() if name in models}
+    plan = planned_scenes(usable, settings)
+    shards, key = shard_count(scenes), set_key(settings, usable)
+    work = partial(make_scene, models=models, settings=settings)
+    with workers(jobs) as mapper:
+        done = iter(progress(mapper(work, plan), "making scenes", len(plan)))
+        for shard in range(shards):
+            mine = scenes_of_shard(plan, shard, shards, scenes)
+            made = [each for _, each in zip(mine, done, strict=False) if each is not None]
+            files = (folder / f"{name}-{shard}.parquet" for name in ("scenes", "grasps"))
+            write_shard(made, shard, shards, key, *files)
+    title = f"Labelled scenes for {gripper if isinstance(gripper, str) else 'a gripper'}"
+    describe_set(folder, settings, title, len(plan), splits, rejected)
+    return SceneDataset([folder], keep)
+
+
+def _folder(out: str | Path | None) -> tuple[Path, object]:
+    """An empty folder, and what removes it if it is not to stay."""
+    if out is None:
+        keep = TemporaryDirectory(prefix="egad-scenes-")
+        return Path(keep.name), keep
+    folder = as_path("out", out)
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UserError(f"{folder} is not an empty folder; name another one, or remove it")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder, None
+
+
+def models_of(
+    targets: Sequence[NamedMesh], gripper: Gripper, rule: str, jobs: int
+) -> tuple[dict[str, Model], pd.DataFrame]:
+    """The objects as they are simulated, by id, and those that cannot be.
+
+    Args:
+        targets: The objects.
+        gripper: What they are scaled to.
+        rule: How they are scaled.
+        jobs: Processes.
+
+    Returns:
+        Models, and columns of `tables.objects.REJECTED`.
+
+    Raises:
+        UserError: None of the objects can be simulated.
+    """
+    with workers(jobs) as mapper:
+        work = partial(_model, gripper=gripper, rule=rule)
+        made = list(progress(mapper(work, targets), "making models", len(targets)))
+    pairs = list(zip(targets, made, strict=True))
+    models = {each.id: model for each, model in pairs if isinstance(model, Model)}
+    if not models:
+        raise UserError(f"none of the objects can be simulated; {targets[0].label}: {made[0]}")
+    rows = [
+        {"id": each.id, "stage": "scenes", "reason": str(model)}
+        for each, model in pairs
+        if not isinstance(model, Model)
+    ]
+    return models, pd.DataFrame(rows, columns=REJECTED.names)
+
+
+def _model(target: NamedMesh, gripper: Gripper, rule: str) -> Model | str:
+    """An object as it is simulated, or why it cannot be."""
+    try:
+        mesh = scaled_solid(target, gripper, rule)
+        return build(mesh, Material().density, Bundle(), target.label)
+    except RejectedError as reason:
+        return str(reason)

@@ -1,0 +1,94 @@
+"""Scenes for training: what cameras see of several objects, and grasps labelled in simulation."""
+
+import pyarrow as pa
+
+from egad.tables.columns import (
+    BINARY,
+    BOOL,
+    FLOAT,
+    INT,
+    POSE_PARTS,
+    STRING,
+    Result,
+    column,
+)
+
+SCENES = pa.schema(
+    [
+        column("scene", INT, "number of the scene"),
+        column("kind", STRING, "packed or pile: how the objects lie"),
+        column("split", STRING, "train, validation or test; that of all its objects"),
+        column("objects", pa.list_(STRING), "ids of the objects that lie in the workspace"),
+        column(
+            "factors",
+            pa.list_(FLOAT),
+            "of each object: its size / that of the mesh scaled to the gripper",
+        ),
+        column(
+            "placements",
+            pa.list_(FLOAT),
+            "of each object, 7 numbers: position (m) and quaternion (x, y, z, w) of the frame of "
+            "the mesh in the world frame; the table is z = 0",
+        ),
+        column("noise", STRING, "noise in the depth images, as in `clutter.noise`"),
+        column("height", INT, "height of the images", "px"),
+        column("width", INT, "width of the images", "px"),
+        column("focal", FLOAT, "focal length", "px"),
+        column("center_u", FLOAT, "column of the optical axis", "px"),
+        column("center_v", FLOAT, "row of the optical axis", "px"),
+        column(
+            "cameras",
+            pa.list_(FLOAT),
+            "of each view, 7 numbers: position (m) and quaternion (x, y, z, w) of the camera (x "
+            "right, y down, z forward) in the world frame",
+        ),
+        column(
+            "depth",
+            pa.list_(BINARY),
+            "of each view, a 16-bit PNG: depth along the optical axis; 0 = no value",
+            "0.1 mm",
+        ),
+        column(
+            "mask",
+            pa.list_(BINARY),
+            "of each view, an 8-bit PNG: k = the k-th object, 0 = everything else",
+        ),
+    ]
+)
+
+HAND = [
+    *(column(name, FLOAT, f"origin of the hand, {name}", "m") for name in POSE_PARTS[:3]),
+    *(column(name, FLOAT, f"rotation of the hand, quaternion, {name}") for name in POSE_PARTS[3:]),
+]
+SCENE_GRASPS = pa.schema(
+    [
+        column("scene", INT, "number of the scene"),
+        column("object", INT, "number of the object in the scene whose surface it was drawn from"),
+        column("id", STRING, "id of that object"),
+        *HAND,
+        column(
+            "width", FLOAT, "distance of the finger pads after the lift; no value if it failed", "m"
+        ),
+        column("success", BOOL, "whether the hand lifted an object at one of the tried yaws"),
+        column("yaws", INT, "number of tried yaws at which it did"),
+        column("outcome", STRING, "what came of the kept yaw"),
+    ]
+)
+
+FILES = [
+    Result(
+        "D/scenes/G/scenes-N.parquet",
+        "packed and piled objects with depth images (`targets.scenes`); see docs/scenes.md",
+        SCENES,
+    ),
+    Result(
+        "D/scenes/G/grasps-N.parquet",
+        "grasps in these scenes, labelled by simulation: position (x, y, z) and quaternion (qx to "
+        "qw) of the hand in the world frame, its origin between the fingertips, x the closing "
+        "axis, z the approach",
+        SCENE_GRASPS,
+    ),
+    Result("D/scenes/G/card.md", "their description"),
+    Result("D/scenes/G/scene.png", "one of them, with some of its grasps"),
+    Result("D/scenes/G/rejected.parquet", "objects that are in no scene, with reasons"),
+]

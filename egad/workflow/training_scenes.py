@@ -1,0 +1,124 @@
+"""Labelled scenes of a dataset of the workflow: which objects there are, and how they are split."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from egad.config.stages import MakeScenes
+from egad.errors import UserError
+from egad.evalset import read_parts
+from egad.io import read_mesh
+from egad.map_elites import Lineage
+from egad.scenes import (
+    PlannedScene,
+    SceneParameters,
+    Splits,
+    planned_scenes,
+    set_key,
+    split_objects,
+)
+from egad.sim import Model, model_at_size
+from egad.tables import parquet
+from egad.tables.evaluation import CONVEX_PARTS
+from egad.tables.evolution import LINEAGE
+from egad.tables.objects import OBJECTS, REJECTED
+from egad.workflow.shards import rejection
+
+KEPT = 200  # objects that stay in memory
+
+
+class ScenePlan(NamedTuple):
+    """What scenes of a dataset there are to be.
+
+    Attributes:
+        scenes: All of them.
+        splits: How the objects are split.
+        rejected: Those that cannot be simulated, columns of `tables.objects.REJECTED`.
+        key: Digest of what the scenes are made from.
+    """
+
+    scenes: list[PlannedScene]
+    splits: Splits
+    rejected: pd.DataFrame
+    key: str
+
+
+def read_plan(
+    settings: SceneParameters,
+    objects: Path,
+    scales: Path,
+    convex_parts: Path,
+    evaluation: Path | None,
+    ancestry: Path | None,
+) -> ScenePlan:
+    """Plan the scenes of a dataset.
+
+    Args:
+        settings: Settings of the scenes.
+        objects: Objects of the dataset.
+        scales: Their scales for the gripper.
+        convex_parts: Their convex parts.
+        evaluation: Evaluation set to hold out; none if it is not.
+        ancestry: Objects and their ancestors, if they are known.
+
+    Raises:
+        UserError: No object can be simulated.
+    """
+    table = parquet.read(objects, OBJECTS)[["id", "label"]]
+    lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
+    held_out = _names(evaluation, "id") if evaluation else set()
+    splits = split_objects(table["id"].tolist(), lineage, held_out, settings)
+    scaled, simulated = _names(scales, "label"), _names(convex_parts, "label")
+    reasons = {
+        row["id"]: "it could not be scaled to the gripper"
+        if row["label"] not in scaled
+        else "it has no convex parts for the simulation"
+        for row in parquet.records(table)
+        if row["label"] not in scaled & simulated
+    }
+    usable = {name: split for name, split in splits.split_of.items() if name not in reasons}
+    if not usable:
+        raise UserError(f"{objects}: no object of the dataset can be simulated in scenes")
+    rows = [rejection(name, "scenes", reason) for name, reason in sorted(reasons.items())]
+    return ScenePlan(
+        planned_scenes(usable, settings),
+        splits,
+        pd.DataFrame(rows, columns=REJECTED.names),
+        set_key(settings, usable),
+    )
+
+
+class StoredModels:
+    """The objects of a dataset as they are simulated, read when they are needed."""
+
+    def __init__(
+        self, settings: MakeScenes, objects: Path, meshes: Path, convex_parts: Path
+    ) -> None:
+        """Look for them.
+
+        Args:
+            settings: Their material.
+            objects: Objects of the dataset.
+            meshes: Folder of the scaled meshes.
+            convex_parts: Their convex parts.
+        """
+        table = parquet.read(objects, OBJECTS)
+        self._labels = dict(zip(table["id"], table["label"], strict=True))
+        self._parts = dict(iter(parquet.read(convex_parts, CONVEX_PARTS).groupby("label")))
+        self._density, self._meshes = settings.material.density, meshes
+        self._known = lru_cache(KEPT)(self._read)
+
+    def of(self, planned: PlannedScene) -> dict[str, Model]:
+        """The objects of a scene, by id."""
+        return {name: self._known(name) for name in planned.round.ids}
+
+    def _read(self, name: str) -> Model:
+        label = self._labels[name]
+        mesh = read_mesh(self._meshes / f"{label}.obj", "m")
+        return model_at_size(mesh, read_parts(self._parts[label]), 1.0, self._density)
+
+
+def _names(path: Path, column: str) -> set[str]:
+    return {name for rows in parquet.batches(path, [column]) for name in rows[column]}

@@ -1,0 +1,59 @@
+"""scenes: packed and piled objects of a dataset with depth images and labelled grasps."""
+
+import logging
+from pathlib import Path
+
+from egad._util.progress import phase, progress
+from egad.config.stages import MakeScenes
+from egad.scenes import make_scene, scenes_of_shard, write_shard
+from egad.workflow.job import run_job
+from egad.workflow.training_scenes import StoredModels, read_plan
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    settings: MakeScenes,
+    objects: Path,
+    scales: Path,
+    meshes: Path,
+    convex_parts: Path,
+    shard: tuple[int, int],
+    out: Path,
+    grasps: Path,
+    evaluation: Path | None = None,
+    ancestry: Path | None = None,
+) -> None:
+    """Make the scenes of a shard, with their images and labelled grasps.
+
+    Args:
+        settings: Settings of this stage.
+        objects: Objects of the dataset.
+        scales: Their scales for the gripper.
+        meshes: Folder of the scaled meshes.
+        convex_parts: Their convex parts.
+        shard: Number of this shard, and number of shards.
+        out: Packed and piled objects with depth images, one row per scene. Made if `targets.scenes`
+            is true. Read the folder with `egad.load_scenes`. See `docs/scenes.md`.
+        grasps: Grasps in these scenes, labelled by simulation.
+        evaluation: Evaluation set to hold out.
+        ancestry: Objects and their ancestors; without it, each object is a family of its own.
+    """
+    number, total = shard
+    plan = read_plan(settings, objects, scales, convex_parts, evaluation, ancestry)
+    mine = scenes_of_shard(plan.scenes, number, total, settings.scenes.scenes)
+    phase("reading objects")
+    models = StoredModels(settings, objects, meshes, convex_parts)
+    made = []
+    for planned in progress(mine, "making scenes", len(mine)):
+        found = make_scene(planned, models.of(planned), settings)
+        if found is None:
+            log.warning("scene %d is left out: the simulation went wrong", planned.round.number)
+        else:
+            made.append(found)
+    write_shard(made, number, total, plan.key, out, grasps)
+    log.info("%d of %d scenes", len(made), len(mine))
+
+
+if __name__ == "__main__":
+    run_job(run)
