@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
+from egad.workflow.train_on_scenes import train_on_scenes
+
 from egad.config.stages import TrainOnScenes
 from egad.workflow.job import run_job
-from egad.workflow.train_on_scenes import train_on_scenes
 
 
 def run(settings: TrainOnScenes, scenes: Path, out: Path, jobs: int = 1) -> None:
