@@ -1,5 +1,6 @@
 """The configuration of the study of scenes: sets, networks, tests."""
 
+import json
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -22,14 +23,14 @@ class SceneSet(Parameters):
     networks: int | None = Field(None, ge=1, description="networks; nothing: as for all sets")
 
 
-class Cameras(Parameters):
+class TestCameras(Parameters):
     """A condition of the tests."""
 
     rounds: int = Field(ge=1, description="rounds of each kind of scene and noise")
     cameras: SceneCameras = SceneCameras()
 
 
-class Plan(Parameters):
+class ScenePlan(Parameters):
     """What is compared."""
 
     sets: dict[Name, SceneSet]
@@ -37,10 +38,10 @@ class Plan(Parameters):
     threshold: Fraction = Field(description="least quality of the grasps that they propose")
     references: list[Name]
     tests: list[Name] = Field(description="datasets whose evaluation sets are cleared")
-    cameras: dict[Name, Cameras]
+    cameras: dict[Name, TestCameras]
 
 
-class Study(NamedTuple):
+class SceneStudy(NamedTuple):
     """The whole configuration.
 
     Attributes:
@@ -48,8 +49,14 @@ class Study(NamedTuple):
         settings: Settings of the workflow, with the networks among the detectors.
     """
 
-    plan: Plan
+    plan: ScenePlan
     settings: Settings
+
+    @property
+    def workflow_config(self) -> dict[str, Any]:
+        """The configuration of the workflow, as a file has it; defaults are left out."""
+        values: dict[str, Any] = json.loads(self.settings.model_dump_json(exclude_unset=True))
+        return values
 
     @property
     def detectors(self) -> list[str]:
@@ -57,7 +64,7 @@ class Study(NamedTuple):
         return [*networks_of(self.plan), *self.plan.references]
 
 
-def study_of(config: Mapping[str, Any]) -> Study:
+def study_of(config: Mapping[str, Any]) -> SceneStudy:
     """The study of a configuration.
 
     Raises:
@@ -66,7 +73,7 @@ def study_of(config: Mapping[str, Any]) -> Study:
     values = dict(config)
     workflow = dict(values.pop("egad", {}))
     try:
-        plan = Plan.model_validate(values, strict=False)
+        plan = ScenePlan.model_validate(values, strict=False)
     except ValidationError as error:
         raise UserError(str(error)) from error
     networks = {
@@ -86,10 +93,10 @@ def study_of(config: Mapping[str, Any]) -> Study:
     }
     if wrong := [name for key in used for name in used[key] if name not in known[key]]:
         raise UserError(f"not defined: {', '.join(wrong)}")
-    return Study(plan, settings)
+    return SceneStudy(plan, settings)
 
 
-def networks_of(plan: Plan) -> dict[str, tuple[str, int]]:
+def networks_of(plan: ScenePlan) -> dict[str, tuple[str, int]]:
     """Set and number of each network, by what it is called as a detector."""
     return {
         f"{name}-{seed}": (name, seed)
@@ -98,7 +105,7 @@ def networks_of(plan: Plan) -> dict[str, tuple[str, int]]:
     }
 
 
-def training_settings(study: Study, training_set: str, seed: int) -> Settings:
+def training_settings(study: SceneStudy, training_set: str, seed: int) -> Settings:
     """The settings of a training."""
     scenes = study.plan.sets[training_set].scenes
     training = study.settings.training_scenes.model_copy(update={"scenes": scenes})
@@ -107,7 +114,7 @@ def training_settings(study: Study, training_set: str, seed: int) -> Settings:
     )
 
 
-def test_settings(study: Study, cameras: str) -> Settings:
+def test_settings(study: SceneStudy, cameras: str) -> Settings:
     """The settings of the tables that are cleared."""
     condition = study.plan.cameras[cameras]
     protocol = NAMED_PROTOCOLS["egad"].model_copy(update={"cameras": condition.cameras})
