@@ -1,16 +1,30 @@
 """Training of grasp networks."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from egad.cli.common import CORES, Config, Jobs, OutFolder, settings_in, with_option
+from egad.cli.common import (
+    CORES,
+    Config,
+    Jobs,
+    OutFolder,
+    gripper_in,
+    gripper_option,
+    settings_in,
+    with_option,
+)
+from egad.config import Settings
+from egad.errors import UserError
 from egad.learning import NetworkName
 
 
 def train(
-    images: Annotated[list[Path], typer.Argument(help="folders of rendered images, as one set")],
+    folders: Annotated[
+        list[Path],
+        typer.Argument(help="folders of rendered images, or for vgn of scenes, as one set"),
+    ],
     out: OutFolder,
     network: Annotated[
         NetworkName | None, typer.Option(help="default: as in the configuration")
@@ -22,28 +36,70 @@ def train(
         int | None,
         typer.Option(min=1, help="number of training examples; default: as in the configuration"),
     ] = None,
+    gripper: Annotated[str, gripper_option("for vgn, that of the scenes", opening=False)] = "panda",
+    device: Annotated[
+        Literal["cpu", "cuda"],
+        typer.Option(help="where vgn is trained; on a GPU, the last digits may differ each time"),
+    ] = "cpu",
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
-    """Train a grasp network on rendered images: weights, history, chart and model card.
+    """Train a grasp network on rendered images or scenes: weights, history, chart, model card.
 
     After an interruption, the same command resumes after the last epoch, with the same result.
     """
+    whole = with_option(settings_in(config), "--network", "training.network", network)
+    scenes = whole.training.network == "vgn"
+    key = "training_scenes.examples" if scenes else "training.images"
+    whole = with_option(whole, "--budget", key, budget)
+    whole = with_option(whole, "--seed", "seed", seed)
+    if not scenes and device != "cpu":
+        raise UserError(f"--device {device} is for the network vgn; others train on the CPU")
+    if scenes:
+        told = _on_scenes(whole, folders, out, gripper, jobs, device)
+    else:
+        told = _on_images(whole, folders, out, jobs)
+    typer.echo(f"{out}: {told}")
+
+
+def _on_images(whole: Settings, folders: list[Path], out: Path, jobs: int) -> str:
+    """Train on images; returns what came of it."""
     from egad.config.stages import TrainNetwork, select
     from egad.io import write_sums
     from egad.provenance.record import recorded
-    from egad.workflow.train import CARD, CHART, WEIGHTS
+    from egad.workflow.train import FOR_PEOPLE
     from egad.workflow.train import train as train_network
 
-    whole = with_option(settings_in(config), "--network", "training.network", network)
-    whole = with_option(whole, "--budget", "training.images", budget)
-    whole = with_option(whole, "--seed", "seed", seed)
     settings = select(whole, TrainNetwork)
-    with recorded("train", settings=settings, inputs=images):
-        score = train_network(settings, images, out, jobs)
-        for name in (WEIGHTS, CHART, CARD):
+    with recorded("train", settings=settings, inputs=folders):
+        score = train_network(settings, folders, out, jobs)
+        for name in FOR_PEOPLE:
             write_sums(out / name)
-    typer.echo(
-        f"{out}: correct in {score.n_correct} of {score.n_images} images of held-out objects, "
+    return (
+        f"correct in {score.n_correct} of {score.n_images} images of held-out objects, "
         f"{score.rate:.0%} ({score.interval[0]:.0%} to {score.interval[1]:.0%})"
+    )
+
+
+def _on_scenes(
+    whole: Settings, folders: list[Path], out: Path, gripper: str, jobs: int, device: str
+) -> str:
+    """Train on scenes; returns what came of it."""
+    from egad.config.stages import TrainOnScenes, select
+    from egad.io import write_sums
+    from egad.provenance.record import recorded
+    from egad.workflow.train import FOR_PEOPLE
+    from egad.workflow.train_on_scenes import train_on_scenes
+
+    whole, name = gripper_in(whole, gripper)
+    settings = select(whole, TrainOnScenes, name)
+    with recorded("train", settings=settings, arguments={"device": device}, inputs=folders):
+        score = train_on_scenes(settings, name, folders, out, jobs, device)
+        for file in FOR_PEOPLE:
+            write_sums(out / file)
+    low, high = score.precision.interval
+    return (
+        f"average precision {score.precision.value:.2f} ({low:.2f} to {high:.2f}) at "
+        f"{score.grasps} grasps in {score.scenes} scenes of held-out objects, of which "
+        f"{score.share:.0%} succeeded"
     )

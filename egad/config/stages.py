@@ -17,7 +17,7 @@ from egad.failures import FailureParameters
 from egad.geometry import Material, Rescale
 from egad.grasps import LabelParameters, Quality
 from egad.grippers import Gripper
-from egad.learning import Training
+from egad.learning import SceneTraining, Training
 from egad.map_elites import EvolutionParameters
 from egad.measures import MeasureParameters, MeasureSpace, SizeEffectParameters, space_of
 from egad.perception import RenderParameters
@@ -186,10 +186,18 @@ class DexNetObjects(StageSettings):
 
 
 class TrainNetwork(StageSettings):
-    """Training of a grasp network."""
+    """Training of a grasp network on images."""
 
     seed: int
     training: Training
+
+
+class TrainOnScenes(StageSettings):
+    """Training of a grasp network on labelled scenes."""
+
+    seed: int
+    training_scenes: SceneTraining
+    gripper: Gripper
 
 
 class ReleaseTables(StageSettings):

@@ -15,20 +15,16 @@ from egad._util.extras import needed_for
 from egad.detectors.base import WHERE
 from egad.detectors.poses import GraspPoses, best_poses
 from egad.errors import UserError
-from egad.grippers import Gripper, finger_span
+from egad.grippers import Gripper
+from egad.learning import encode, hand_in_network_frame
 from egad.perception import Tsdf
 
 VGN_WEIGHTS = "the published ones are in the data of the project ethz-asl/vgn: vgn_conv.pth"
-# Open3D's uniform volume, which VGN was trained with, leaves out what is further from a surface.
-FAR = 0.98  # of the truncation
 SMOOTHING = 1.0  # voxels
 NEAR_SURFACE = 2  # voxels
 WIDTHS = (1.33, 9.33)  # voxels; predictions beyond these are dropped
 THRESHOLD = 0.9  # of the quality, by default
 APART = 4  # voxels; side of the cube in which only the best grasp is kept
-FINGER_DEPTH = 0.05  # metres; VGN's origin lies this far before the fingertips
-# VGN closes along y, we along x.
-TURN = Rotation.from_euler("z", np.pi / 2).as_matrix()
 
 
 class Vgn:
@@ -80,20 +76,12 @@ class Vgn:
         quality = _processed(answer[0], answer[5], grid)
         voxels = np.argwhere(_peaks(quality, self._threshold))
         i, j, k = voxels.T
-        rotations = Rotation.from_quat(answer[1:5, i, j, k].T).as_matrix() @ TURN
         poses = np.tile(np.eye(4), (len(voxels), 1, 1))
-        poses[:, :3, :3] = rotations
-        reach = FINGER_DEPTH - finger_span(gripper)[1]
-        poses[:, :3, 3] = tsdf.corner + voxels * tsdf.voxel + reach * rotations[:, :, 2]
+        poses[:, :3, :3] = Rotation.from_quat(answer[1:5, i, j, k].T).as_matrix()
+        poses[:, :3, 3] = tsdf.corner + voxels * tsdf.voxel
+        poses = poses @ hand_in_network_frame(gripper)
         widths = np.full(len(voxels), gripper.opening)
         return best_poses(GraspPoses(poses, widths, quality[i, j, k].astype(np.float64)))
-
-
-def encode(tsdf: Tsdf) -> Singles:
-    """A field as the network was trained with: from 0 inside to 1 outside, 0 far from surfaces."""
-    near = (tsdf.weights > 0) & (tsdf.distances < FAR) & (tsdf.distances >= -FAR)
-    grid: Singles = np.where(near, (tsdf.distances + 1) / 2, 0).astype(np.float32)
-    return grid
 
 
 def _processed(quality: Singles, width: Singles, grid: Singles) -> Singles:

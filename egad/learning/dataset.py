@@ -227,6 +227,30 @@ def _no_images() -> pd.DataFrame:
     return pd.DataFrame({name: [] for name in names})
 
 
+class Passes:
+    """Labels of an index by the numbers of examples: pass after pass, each label once a pass."""
+
+    def __init__(
+        self,
+        index: pd.DataFrame,
+        seed: int,
+        together: Sequence[str] = ("shard", "group"),
+        window: int | None = None,
+    ) -> None:
+        """Shuffle nothing yet; arguments as of `order`."""
+        self._index, self._seed, self._together, self._window = index, seed, together, window
+        self._kept: dict[int, NDArray[np.int64]] = {}  # the order of the last pass
+
+    def __getitem__(self, number: int) -> int:
+        """The label of an example."""
+        times, place = divmod(number, len(self._index))
+        found = self._kept.get(times)
+        if found is None:
+            found = order(self._index, self._seed, times, self._together, self._window)
+            self._kept = {times: found}
+        return int(found[place])
+
+
 UNCHANGED = Change()
 Example = tuple[NDArray[np.float32], NDArray[np.float32]]
 
@@ -256,8 +280,7 @@ class Stream:
         """
         self._shards, self._length, self._seed = shards, length, seed
         self._zoom, self._crop = zoom, crop
-        self._index = shards.index.loc[shards.indices("train")]
-        self._passes: dict[int, NDArray[np.int64]] = {}
+        self._passes = Passes(shards.index.loc[shards.indices("train")], seed)
 
     def __len__(self) -> int:
         return self._length
@@ -266,20 +289,11 @@ class Stream:
         """An example by its number: input (1, crop, crop) and target maps (4, crop, crop)."""
         if not 0 <= number < self._length:
             raise IndexError(number)
-        times, place = divmod(number, len(self._index))
-        depth, rectangles = self._shards.image(self._order(times)[place])
+        depth, rectangles = self._shards.image(self._passes[number])
         rng = generator(self._seed, "view", number)
         change = sample_change(self._zoom, rng)
         crop = sample_crop(change_rectangles(rectangles, change, SIZE), self._crop, rng)
         return example(depth, rectangles, change, crop)
-
-    def _order(self, times: int) -> NDArray[np.int64]:
-        """The order of a pass; that of the last one is kept."""
-        found = self._passes.get(times)
-        if found is None:
-            found = order(self._index, self._seed, times)
-            self._passes = {times: found}
-        return found
 
 
 def example(
@@ -303,25 +317,33 @@ def example(
     return seen[None], targets(wanted, crop.side)
 
 
-def order(index: pd.DataFrame, seed: int, times: int) -> NDArray[np.int64]:
-    """Labels of an index of images, shuffled, so that few row groups are open at a time.
+def order(
+    index: pd.DataFrame,
+    seed: int,
+    times: int,
+    together: Sequence[str] = ("shard", "group"),
+    window: int | None = None,
+) -> NDArray[np.int64]:
+    """Labels of an index, shuffled, so that few groups of rows are open at a time.
 
-    The groups are shuffled, and then the images of each `WINDOW` or so that follow one another.
+    The groups are shuffled, and then the rows of each window that follow one another.
 
     Args:
-        index: Rows of `Dataset.index`.
+        index: Rows of `ImageDataset.index` or the like.
         seed: The order follows from it,
         times: and from the number of the pass.
+        together: Columns that tell which rows are read together.
+        window: Rows that are shuffled together, about; None: `WINDOW`.
     """
     rng = generator(seed, "order", times)
-    groups = [part.index.to_numpy() for _, part in index.groupby(["shard", "group"])]
+    groups = [part.index.to_numpy() for _, part in index.groupby(list(together))]
     shuffled = [groups[number] for number in rng.permutation(len(groups))]
     ends = np.cumsum([len(part) for part in shuffled])
-    windows = np.split(np.concatenate(shuffled), _window_ends(ends))
+    windows = np.split(np.concatenate(shuffled), _window_ends(ends, window or WINDOW))
     return np.concatenate([rng.permutation(window) for window in windows])
 
 
-def _window_ends(ends: NDArray[np.int64]) -> NDArray[np.int64]:
+def _window_ends(ends: NDArray[np.int64], window: int) -> NDArray[np.int64]:
     """The ends of groups that are the first beyond each multiple of a window."""
-    first = np.flatnonzero(np.diff(ends // WINDOW, prepend=0))
+    first = np.flatnonzero(np.diff(ends // window, prepend=0))
     return ends[first]

@@ -5,7 +5,8 @@ layers have the names that they have in the published weights.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from typing import TypeVar
 
 import numpy as np
 import torch
@@ -19,6 +20,7 @@ SMALL = 0.1  # times the usual weights of a layer
 OUTPUTS = ("pos_output", "cos_output", "sin_output", "width_output")
 Image = NDArray[np.float32]
 Infer = Callable[[Image], Image]
+Network = TypeVar("Network", bound=nn.Module)
 
 
 class Heads(nn.Module):
@@ -79,7 +81,7 @@ def gg_cnn2() -> Heads:
 
 
 MAKERS = {"ggcnn": gg_cnn, "ggcnn2": gg_cnn2}
-TITLES = {"ggcnn": "GG-CNN", "ggcnn2": "GG-CNN2"}
+TITLES = {"ggcnn": "GG-CNN", "ggcnn2": "GG-CNN2", "vgn": "VGN"}
 
 
 def new_network(name: str, seed: int) -> Heads:
@@ -95,25 +97,37 @@ def new_network(name: str, seed: int) -> Heads:
         name: `ggcnn` or `ggcnn2`.
         seed: Its weights follow from it.
     """
+    return with_initial_weights(MAKERS[name], seed, 1 / TYPICAL_SPREAD, OUTPUTS)
+
+
+def with_initial_weights(
+    make: Callable[[], Network], seed: int, first: float, small: Collection[str]
+) -> Network:
+    """A network with weights by the rule of He et al. and biases 0.
+
+    Args:
+        make: Makes the network.
+        seed: The weights follow from it.
+        first: Factor of those of the first layer.
+        small: Layers that have a tenth of the weights.
+    """
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(entropy(seed, "weights") % 2**63)
-        network = MAKERS[name]()
+        network = make()
         layers = {
-            layer_name: layer
-            for layer_name, layer in network.named_modules()
-            if isinstance(layer, nn.Conv2d | nn.ConvTranspose2d)
+            name: layer
+            for name, layer in network.named_modules()
+            if isinstance(layer, nn.Conv2d | nn.ConvTranspose2d | nn.Conv3d)
         }
-        scale = {next(iter(layers)): 1 / TYPICAL_SPREAD, **dict.fromkeys(OUTPUTS, SMALL)}
-        for layer_name, layer in layers.items():
-            nn.init.normal_(
-                layer.weight, std=scale.get(layer_name, 1) * math.sqrt(2 / _inputs(layer))
-            )
+        scale = {next(iter(layers)): first, **dict.fromkeys(small, SMALL)}
+        for name, layer in layers.items():
+            nn.init.normal_(layer.weight, std=scale.get(name, 1) * math.sqrt(2 / _inputs(layer)))
             if layer.bias is not None:
                 nn.init.zeros_(layer.bias)
     return network
 
 
-def _inputs(layer: nn.Conv2d | nn.ConvTranspose2d) -> float:
+def _inputs(layer: nn.Conv2d | nn.ConvTranspose2d | nn.Conv3d) -> float:
     """Number of inputs that are summed into each output."""
     values = layer.in_channels * math.prod(layer.kernel_size)
     return values / math.prod(layer.stride) if layer.transposed else values

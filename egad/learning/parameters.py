@@ -1,4 +1,4 @@
-"""Training of grasp networks on rendered images."""
+"""Training of grasp networks on rendered images and on labelled scenes."""
 
 from typing import Literal, Self
 
@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, Parameters, PositiveFraction
 
-NetworkName = Literal["ggcnn", "ggcnn2"]
+NetworkName = Literal["ggcnn", "ggcnn2", "vgn"]
 SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 
 
@@ -14,7 +14,9 @@ class Training(Parameters):
     """Training of a grasp network on rendered images."""
 
     network: NetworkName = Field(
-        "ggcnn2", description="GG-CNN (62,420 weights) or GG-CNN2 (66,676)"
+        "ggcnn2",
+        description="GG-CNN (62,420 weights) or GG-CNN2 (66,676); or VGN (313,238), which learns "
+        "from labelled scenes by the settings of `training_scenes`, not by those here",
     )
     images: int = Field(
         10000, ge=1, description="number of training examples; each shows a crop of an image"
@@ -63,3 +65,34 @@ class Training(Parameters):
         if self.zoom[0] > self.zoom[1]:
             raise ValueError(f"zoom must go from low to high, got {self.zoom}")
         return self
+
+
+class SceneTraining(Parameters):
+    """Training of the network of VGN on labelled scenes; see `training.network`."""
+
+    examples: int = Field(
+        10000, ge=1, description="number of training examples; each shows a scene with its grasps"
+    )
+    epoch: int = Field(
+        1000, ge=1, description="examples between two evaluations on the validation set"
+    )
+    batch: int = Field(4, ge=1, description="examples per step of the optimiser, Adam")
+    learning_rate: float = Field(
+        0.0003,
+        gt=0,
+        le=1,
+        description="learning rate of Adam at the beginning; it falls to 0 along half a cosine",
+    )
+    validation: int = Field(
+        100, ge=1, description="largest number of validation scenes that are evaluated"
+    )
+    test: int = Field(
+        1000, ge=1, description="largest number of test scenes that the result is scored on"
+    )
+    rise: int = Field(
+        6,
+        ge=0,
+        le=20,
+        description="how far a scene is moved up or down in its cube, at most, voxels; it is "
+        "sampled anew for every example, as are quarter turns and the views that are seen",
+    )

@@ -1,9 +1,8 @@
-"""Training of a network: Adam on the sum of four mean squared errors.
+"""Training of a network: Adam, with a learning rate that falls to 0.
 
-As GG-CNN is trained (Morrison, Corke and Leitner, IJRR 2020). Ours are the learning rate, which
-falls to 0, and that the same result comes out of any number of cores: each example has its gradient
-computed on one core, and gradients are added up in the order of the examples. On a processor of
-another kind the last digits may differ.
+The same result comes out of any number of cores: each example has its gradient computed on one
+core, and gradients are added up in the order of the examples. On a processor of another kind the
+last digits may differ. `ImageTask` is what GG-CNN learns (Morrison, Corke and Leitner, IJRR 2020).
 """
 
 import logging
@@ -14,7 +13,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -31,6 +30,48 @@ from egad.learning.parameters import Training
 log = logging.getLogger(__name__)
 Losses = NDArray[np.float64]
 Row = dict[str, Any]
+Weights = dict[str, torch.Tensor]
+
+
+class LearningSchedule(NamedTuple):
+    """How long a training is, and how fast.
+
+    Attributes:
+        examples: How many there are in all.
+        epoch: Examples between two validations.
+        batch: Examples per step.
+        learning_rate: The largest value.
+    """
+
+    examples: int
+    epoch: int
+    batch: int
+    learning_rate: float
+
+
+class Task(Protocol):
+    """What a network learns.
+
+    Attributes:
+        schedule: How long and how fast.
+        unit: What examples are called in the history.
+        parts: Names of the losses that are summed.
+        score: Name of the score in the history, which is better if it is higher.
+        keep_best: Whether the weights after the epoch of the best score are the result; else the
+            last ones are.
+    """
+
+    schedule: LearningSchedule
+    unit: str
+    parts: tuple[str, ...]
+    score: str
+    keep_best: bool
+
+    def losses(self, network: nn.Module, number: int) -> torch.Tensor:
+        """The losses of an example, one for each part."""
+
+    def validate(self, network: nn.Module, workers: Executor) -> tuple[float, float]:
+        """Loss and score on the validation set."""
 
 
 @dataclass
@@ -41,11 +82,13 @@ class State:
         network: As it is now.
         optimizer: With all that it remembers.
         rows: The history, one row per epoch.
+        best: The weights after the epoch of the best score, if these are wanted.
     """
 
     network: nn.Module
     optimizer: torch.optim.Optimizer
     rows: list[Row] = field(default_factory=list)
+    best: Weights = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -67,6 +110,7 @@ class Checkpoint:
             "network": state.network.state_dict(),
             "optimizer": state.optimizer.state_dict(),
             "rows": state.rows,
+            "best": state.best,
         }
         with atomic_output(self.path) as temporary:
             torch.save(values, temporary)
@@ -76,7 +120,7 @@ class Checkpoint:
         if not self.path.is_file():
             return
         try:
-            values = torch.load(self.path, weights_only=True)
+            values = torch.load(self.path, map_location="cpu", weights_only=True)
             fits = values["fingerprint"] == self.fingerprint
         except Exception as error:  # anything may be raised by a damaged file
             log.warning(
@@ -91,6 +135,7 @@ class Checkpoint:
         state.network.load_state_dict(values["network"])
         state.optimizer.load_state_dict(values["optimizer"])
         state.rows[:] = values["rows"]
+        state.best = values["best"]
         log.info("training resumes after epoch %d", len(state.rows))
 
 
@@ -102,7 +147,7 @@ def train(
     jobs: int = 1,
     checkpoint: Checkpoint | None = None,
 ) -> list[Row]:
-    """Train a network.
+    """Train a network on images.
 
     Args:
         network: From depths (n, 1, side, side) to maps (n, 4, side, side), without parts that draw
@@ -121,31 +166,88 @@ def train(
     """
     # Up to twice as fast as the usual order in memory.
     nn.utils.convert_conv2d_weight_memory_format(network, torch.channels_last)
-    state = State(network, torch.optim.Adam(network.parameters(), lr=settings.learning_rate))
-    stream = Stream(shards, settings.images, settings.zoom, settings.crop, seed)
+    return learn(network, ImageTask(shards, settings, seed), jobs, checkpoint)
+
+
+def learn(
+    network: nn.Module, task: Task, jobs: int = 1, checkpoint: Checkpoint | None = None
+) -> list[Row]:
+    """Train a network.
+
+    Args:
+        network: It is changed.
+        task: What it learns.
+        jobs: Cores; no result depends on it.
+        checkpoint: Kept after every epoch, and gone on from.
+
+    Returns:
+        One row per epoch: `epoch`; examples so far, by the unit of the task; `loss` and its parts;
+        `validation_loss` and the score.
+
+    Raises:
+        UserError: The loss is not finite.
+    """
+    state = State(network, torch.optim.Adam(network.parameters(), lr=task.schedule.learning_rate))
     if checkpoint:
         checkpoint.restore(state)
     with thread_pool(jobs) as workers:
-        lesson = _Lesson(state, stream, shards, settings, workers, checkpoint)
-        steps = sum(len(_cut(numbers, settings.batch)) for numbers in lesson.epochs())
-        words = partial(_told, state.rows)
-        for _ in progress(lesson.steps(), "learning", steps, scale=settings.batch, state=words):
+        lesson = _Lesson(state, task, workers, checkpoint)
+        size = task.schedule.batch
+        steps = sum(len(_cut(numbers, size)) for numbers in lesson.epochs())
+        words = partial(_told, state.rows, task.score)
+        for _ in progress(lesson.steps(), "learning", steps, scale=size, state=words):
             pass
+    if state.best:
+        network.load_state_dict(state.best)
     return state.rows
 
 
-def learning_rate(settings: Training, batch: range) -> float:
+def learning_rate(schedule: LearningSchedule, batch: range) -> float:
     """The learning rate of a step: it falls along half a cosine from its largest value to 0.
 
     Loshchilov and Hutter, "SGDR: stochastic gradient descent with warm restarts", ICLR 2017,
     equation 5, without restarts.
 
     Args:
-        settings: How long the training is, and the largest value.
+        schedule: How long the training is, and the largest value.
         batch: The examples of the step; the middle of them counts.
     """
-    progress = (batch.start + batch.stop) / 2 / settings.images
-    return settings.learning_rate * (1 + math.cos(math.pi * progress)) / 2
+    progress = (batch.start + batch.stop) / 2 / schedule.examples
+    return schedule.learning_rate * (1 + math.cos(math.pi * progress)) / 2
+
+
+class ImageTask:
+    """Four maps of images, by the sum of their mean squared errors."""
+
+    unit, score, keep_best = "images", "validation_score", False
+    parts: tuple[str, ...] = MAPS
+
+    def __init__(self, shards: ImageDataset, settings: Training, seed: int) -> None:
+        """Look for the images.
+
+        Args:
+            shards: The images.
+            settings: How long, how fast, and on what.
+            seed: Order and changes of the images follow from it.
+
+        Raises:
+            UserError: There are none to train on or to validate with.
+        """
+        rate = settings.learning_rate
+        self.schedule = LearningSchedule(settings.images, settings.epoch, settings.batch, rate)
+        self._stream = Stream(shards, settings.images, settings.zoom, settings.crop, seed)
+        self._shards = shards
+        self._held = spread(shards.indices("validation"), settings.validation)
+
+    def losses(self, network: nn.Module, number: int) -> torch.Tensor:
+        """The losses of an example, (4,)."""
+        seen, wanted = (torch.from_numpy(part)[None] for part in self._stream[number])
+        return map_losses(network(seen), wanted)
+
+    def validate(self, network: nn.Module, workers: Executor) -> tuple[float, float]:
+        """Loss and score on the validation set."""
+        judgements = evaluate(network, self._shards, self._held, workers)
+        return float(np.mean([each.losses.sum() for each in judgements])), score(judgements)
 
 
 def evaluate(
@@ -185,48 +287,65 @@ class _Lesson:
     """A training that is under way."""
 
     state: State
-    stream: Stream
-    shards: ImageDataset
-    settings: Training
+    task: Task
     workers: Executor
     checkpoint: Checkpoint | None
 
     def epochs(self) -> list[range]:
         """The examples of the epochs that are left."""
-        return _cut(range(self.settings.images), self.settings.epoch)[len(self.state.rows) :]
+        schedule = self.task.schedule
+        return _cut(range(schedule.examples), schedule.epoch)[len(self.state.rows) :]
 
     def steps(self) -> Iterator[None]:
         """Learn; there is a pause after each step of the optimiser."""
-        held = spread(self.shards.indices("validation"), self.settings.validation)
         for numbers in self.epochs():
-            losses = np.zeros(len(MAPS))
+            losses = np.zeros(len(self.task.parts))
             self.state.network.train()
-            for batch in _cut(numbers, self.settings.batch):
+            for batch in _cut(numbers, self.task.schedule.batch):
                 losses += self._step(batch)
                 yield
-            judgements = evaluate(self.state.network, self.shards, held, self.workers)
-            _note(self.state.rows, numbers.stop, losses / len(numbers), judgements)
+            self._note(numbers.stop, losses / len(numbers))
             if self.checkpoint:
                 self.checkpoint.save(self.state)
 
     def _step(self, batch: range) -> Losses:
-        """A step along the mean gradient of some examples; returns their summed losses, (4,)."""
+        """A step along the mean gradient of some examples; returns their summed losses."""
         results = list(self.workers.map(self._gradients, batch))
         parts = zip(*(gradients for _, gradients in results), strict=True)
         for parameter, each in zip(self.state.network.parameters(), parts, strict=True):
             parameter.grad = torch.stack(each).mean(dim=0)
         for group in self.state.optimizer.param_groups:
-            group["lr"] = learning_rate(self.settings, batch)
+            group["lr"] = learning_rate(self.task.schedule, batch)
         self.state.optimizer.step()
         total: Losses = np.sum([losses for losses, _ in results], axis=0)
         return total
 
     def _gradients(self, number: int) -> tuple[Losses, tuple[torch.Tensor, ...]]:
-        """Losses (4,) and gradients of an example."""
-        seen, wanted = (torch.from_numpy(part)[None] for part in self.stream[number])
-        losses = map_losses(self.state.network(seen), wanted)
+        """Losses and gradients of an example."""
+        losses = self.task.losses(self.state.network, number)
         gradients = torch.autograd.grad(losses.sum(), list(self.state.network.parameters()))
-        return losses.detach().double().numpy(), gradients
+        return losses.detach().cpu().double().numpy(), gradients
+
+    def _note(self, examples: int, losses: Losses) -> None:
+        """Validate after an epoch and add it to the history."""
+        state, task = self.state, self.task
+        loss, value = task.validate(state.network, self.workers)
+        if not math.isfinite(loss + losses.sum()):
+            raise UserError("training: the loss is no longer finite; try a lower learning_rate")
+        parts = zip(task.parts, losses, strict=True)
+        if task.keep_best and value > max((row[task.score] for row in state.rows), default=-1):
+            weights = state.network.state_dict()
+            state.best = {name: each.detach().clone() for name, each in weights.items()}
+        state.rows.append(
+            {
+                "epoch": len(state.rows),
+                task.unit: examples,
+                "loss": float(losses.sum()),
+                **{f"{name}_loss": float(each) for name, each in parts},
+                "validation_loss": loss,
+                task.score: value,
+            }
+        )
 
 
 def _cut(numbers: range, size: int) -> list[range]:
@@ -235,29 +354,11 @@ def _cut(numbers: range, size: int) -> list[range]:
     return [range(start, end) for start, end in pairwise(ends)]
 
 
-def _note(rows: list[Row], images: int, losses: Losses, judgements: list[ImageScore]) -> None:
-    """Add an epoch to the history."""
-    validation = float(np.mean([each.losses.sum() for each in judgements]))
-    if not math.isfinite(validation + losses.sum()):
-        raise UserError("training: the loss is no longer finite; try a lower learning_rate")
-    parts = {f"{name}_loss": float(loss) for name, loss in zip(MAPS, losses, strict=True)}
-    rows.append(
-        {
-            "epoch": len(rows),
-            "images": images,
-            "loss": float(losses.sum()),
-            **parts,
-            "validation_loss": validation,
-            "validation_score": score(judgements),
-        }
-    )
-
-
-def _told(rows: list[Row]) -> str:
+def _told(rows: list[Row], score: str) -> str:
     if not rows:
         return ""
-    last = rows[-1]
+    last, words = rows[-1], score.removeprefix("validation_").replace("_", " ")
     return (
         f"epoch {last['epoch']}: validation loss {last['validation_loss']:.4f}, "
-        f"score {last['validation_score']:.2f}"
+        f"{words} {last[score]:.2f}"
     )

@@ -19,16 +19,34 @@ def training_chart(history: pd.DataFrame) -> str:
     Returns:
         SVG text.
     """
-    images = history["images"]
+    return _chart(history, "images", "validation_score", "correct grasps, validation")
+
+
+def scene_training_chart(history: pd.DataFrame) -> str:
+    """Losses and the average precision on the validation set, over the scenes trained on.
+
+    Args:
+        history: Columns of `tables.training.SCENE_HISTORY`, at least one row.
+
+    Returns:
+        SVG text.
+    """
+    name = "validation_average_precision"
+    return _chart(history, "scenes", name, "average precision, validation")
+
+
+def _chart(history: pd.DataFrame, unit: str, score: str, title: str) -> str:
+    """Losses, and a score, over the examples so far."""
+    examples = history[unit]
     dots: dict[str, Any] = {"marker": "o", "ms": 3}
     with new_figure(7.6, 3.0) as drawing:
         left, right = drawing.figure.subplots(1, 2)
-        left.plot(images, history["loss"], color=LINES[0], label="training", **dots)
-        left.plot(images, history["validation_loss"], color=LINES[1], label="validation", **dots)
+        left.plot(examples, history["loss"], color=LINES[0], label="training", **dots)
+        left.plot(examples, history["validation_loss"], color=LINES[1], label="validation", **dots)
         left.legend()
-        right.plot(images, history["validation_score"], color=LINES[1], **dots)
-        left.set(xlabel="images", ylabel="loss")
-        right.set(xlabel="images", ylabel="correct grasps, validation", ylim=(0, 1.02))
+        right.plot(examples, history[score], color=LINES[1], **dots)
+        left.set(xlabel=unit, ylabel="loss")
+        right.set(xlabel=unit, ylabel=title, ylim=(0, 1.02))
         show_percent(right.yaxis)
         for axes in (left, right):
             axes.set_xlim(left=0)

@@ -31,6 +31,7 @@ WEIGHTS = "weights.safetensors"
 CHART, CARD = "history.svg", "README.md"
 TABLE, REACHED = "history.parquet", "score.parquet"
 CHECKPOINT = "checkpoint.pt"
+FOR_PEOPLE = (WEIGHTS, CHART, CARD)
 
 
 def train(
@@ -86,11 +87,17 @@ def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> ImageDataset
     """The training images.
 
     Raises:
-        UserError: A split has no images, an object is in two, or no training image has a positive
-            grasp.
+        UserError: The network is none for images, or a folder has scenes instead; a split has no
+            images, an object is in two, or no training image has a positive grasp.
         TableError: A shard cannot be read.
     """
     plan = settings.training
+    if plan.network == "vgn":
+        raise UserError(
+            "training.network is vgn, which learns from scenes; images are for ggcnn and ggcnn2"
+        )
+    text = "these are labelled scenes, for vgn; {network} learns from images"
+    check_folders(images, "images", "scenes", text.format(network=plan.network))
     by_simulation = plan.positive == "simulated"
     shards = ImageDataset(images, PositiveFilter(plan.quality, plan.breadth, by_simulation))
     for split in ("validation", "test"):
@@ -105,6 +112,23 @@ def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> ImageDataset
             f"{shards}: no image of the split train has a collision-free grasp {wanted}"
         )
     return shards
+
+
+def check_folders(folders: Sequence[Path], wanted: str, others: str, text: str) -> None:
+    """Make sure that folders do not hold shards of another kind instead.
+
+    Args:
+        folders: Where to look.
+        wanted: What names of shards begin with,
+        others: and those of the other kind.
+        text: What to say.
+
+    Raises:
+        UserError: One does.
+    """
+    for folder in folders:
+        if any(folder.glob(f"{others}-*.parquet")) and not any(folder.glob(f"{wanted}-*.parquet")):
+            raise UserError(f"{folder}: {text}")
 
 
 def fingerprint(settings: TrainNetwork, images: Sequence[Path]) -> str:

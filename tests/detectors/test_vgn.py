@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from egad.config import GRIPPERS
 from egad.detectors import Vgn, wanted_input
-from egad.detectors.vgn import encode
 from egad.errors import UserError
 from egad.grippers import finger_span
+from egad.learning import encode
 from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
 
 HAND = GRIPPERS["panda"]

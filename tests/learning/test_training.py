@@ -104,9 +104,9 @@ def test_the_last_weights_are_those_of_the_history(shards):
 
 def test_the_learning_rate_falls_along_half_a_cosine():
     """Values of a cosine that are known: the full rate, 3/4, half and 1/4 of it, and nothing."""
-    settings = SHORT.model_copy(update={"images": 600, "learning_rate": 0.04})
+    schedule = training.LearningSchedule(examples=600, epoch=4, batch=3, learning_rate=0.04)
     middles = [0, 200, 300, 400, 600]
-    rates = [training.learning_rate(settings, range(n - 1, n + 1)) for n in middles]
+    rates = [training.learning_rate(schedule, range(n - 1, n + 1)) for n in middles]
     np.testing.assert_allclose(rates, [0.04, 0.03, 0.02, 0.01, 0], atol=1e-12)
 
 
@@ -137,7 +137,7 @@ def test_a_step_is_one_along_the_gradient_of_the_whole_batch(shards):
         torch.from_numpy(np.stack(part))
         for part in zip(*(stream[n] for n in range(3)), strict=True)
     )
-    rate = training.learning_rate(settings, range(3))
+    rate = training.learning_rate(training.ImageTask(shards, settings, 0).schedule, range(3))
     optimizer = torch.optim.Adam(other.parameters(), lr=rate)
     answer = other(seen)
     loss = sum(torch.nn.functional.mse_loss(answer[:, k], wanted[:, k]) for k in range(4))

@@ -1,0 +1,184 @@
+"""The model card of a network trained on labelled scenes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from egad._util.markdown import table
+from egad.learning.model_card import versions
+from egad.learning.scene_scores import SceneEstimate, SceneScore
+from egad.perception import SPLITS
+
+PAGE = """# {title}, trained on {source}
+
+A fully convolutional network of {parameters:,} weights. For every voxel of a truncated signed
+distance field it says how good a grasp there is, how the hand is turned, and how wide it holds
+(Breyer et al., "Volumetric grasping network", CoRL 2020). The weights are in `weights.safetensors`,
+for the detector `vgn` with any two-finger gripper; the grasps that it learnt from are those of
+{gripper}.
+
+The input, (1, 40, 40, 40), is distances from 0 inside to 1 outside, 0 where nothing is seen or near
+no surface. The output, (6, 40, 40, 40), is quality, quaternion (x, y, z, w) and width in voxels, of
+a hand that closes along y, with its origin 5 cm before the fingertips.
+
+## Score
+
+On {scenes:,} scenes of held-out objects, those of the split `test`, seen by all their cameras, with
+{grasps:,} labelled grasps of which {share:.1%} succeeded. Intervals (95 %) are for other scenes of
+the same kind.
+
+{score}
+The average precision of guesses is the share of grasps that succeeded, their balanced accuracy is
+50 %. The rotation is that of the hand, up to half a turn about the approach, at grasps that
+succeeded. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
+
+The quality is that of a set in which as many grasps succeed as fail. The detector smooths it, which
+lowers its peaks, and proposes what is left above `threshold`, 0.9 by default. At the labelled
+voxels, before smoothing:
+
+{thresholds}
+## Data
+
+{data}
+{noise}
+A grasp is positive if it succeeded in the simulated scene. No object is in two splits.
+
+## Training
+
+{examples:,} examples in {epochs} epochs. Each is a scene with all its grasps, seen by one to all of
+its cameras. The weights are those after epoch {best}, with the highest average precision on the
+validation set.
+
+![Losses and average precision](history.svg)
+
+{settings}
+## Versions
+
+{versions}"""
+
+
+COUNTS = ("objects", "packed", "piles", "without a positive grasp", "grasps", "positive")
+
+
+@dataclass(frozen=True)
+class TrainedOnScenes:
+    """What there is to tell of a network.
+
+    Attributes:
+        title: Name of the network.
+        parameters: How many weights it has.
+        source: Where the scenes are.
+        gripper: Name of the gripper of their grasps.
+        index: One row per scene: `kind`, `split`, `objects`, `grasps` and `positive`,
+        views: How many cameras each has,
+        noise: and the noise of its images.
+        history: Columns of `tables.training.SCENE_HISTORY`.
+        score: On the split `test`.
+        settings: How it was trained, by name.
+    """
+
+    title: str
+    parameters: int
+    source: str
+    gripper: str
+    index: pd.DataFrame
+    views: list[int]
+    noise: list[str]
+    history: pd.DataFrame
+    score: SceneScore
+    settings: Mapping[str, Any]
+
+
+def scene_card(trained: TrainedOnScenes) -> str:
+    """The model card as Markdown; it holds no time, so the same training gives the same card."""
+    score, best = trained.score, best_epoch(trained.history)
+    return PAGE.format(
+        title=trained.title,
+        parameters=trained.parameters,
+        source=trained.source,
+        gripper=trained.gripper,
+        scenes=score.scenes,
+        grasps=score.grasps,
+        share=score.share,
+        score=table(["", "value", "from", "to"], _rows(score)),
+        loss=score.loss,
+        validation=trained.history["validation_loss"][best],
+        thresholds=table(
+            ["quality at least", "of the positive grasps", "positive among those"],
+            [
+                (threshold, f"{found:.1%}", f"{right:.1%}" if right == right else "")
+                for threshold, found, right in zip(
+                    score.thresholds, score.recall, score.purity, strict=True
+                )
+            ],
+        ),
+        data=table(
+            [
+                "split",
+                "objects",
+                "packed",
+                "piles",
+                "without a positive grasp",
+                "grasps",
+                "positive",
+            ],
+            scene_counts(trained.index),
+        ),
+        noise=_noise(trained),
+        examples=int(trained.history["scenes"].iloc[-1]),
+        epochs=len(trained.history),
+        best=best,
+        settings=table(["setting", "value"], trained.settings.items()),
+        versions=table(["program", "version"], versions()),
+    )
+
+
+def best_epoch(history: pd.DataFrame) -> int:
+    """The epoch whose weights are the result: the last one if none has a score."""
+    scores = history["validation_average_precision"].to_numpy()
+    return int(np.nanargmax(scores)) if np.isfinite(scores).any() else len(scores) - 1
+
+
+def scene_counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int, int]]:
+    """The numbers of `COUNTS` of each split; packed, piles and without a grasp are scenes."""
+    parts = [(split, index[index["split"] == split]) for split in SPLITS]
+    return [
+        (
+            split,
+            part["objects"].explode().nunique(),
+            int((part["kind"] == "packed").sum()),
+            int((part["kind"] == "pile").sum()),
+            int((part["positive"] == 0).sum()),
+            int(part["grasps"].sum()),
+            int(part["positive"].sum()),
+        )
+        for split, part in parts
+    ]
+
+
+def _rows(score: SceneScore) -> list[tuple[str, str, str, str]]:
+    return [
+        _row("average precision", score.precision, "{:.3f}"),
+        _row("balanced accuracy at 0.5", score.accuracy, "{:.1%}"),
+        _row("mean error of the rotation, degrees", score.angle, "{:.1f}"),
+        _row("mean error of the width, mm", score.width, "{:.1f}", 1000),
+    ]
+
+
+def _row(
+    name: str, estimate: SceneEstimate, form: str, scale: float = 1
+) -> tuple[str, str, str, str]:
+    value, low, high = (form.format(scale * each) for each in (estimate.value, *estimate.interval))
+    return name, value, low, high
+
+
+def _noise(trained: TrainedOnScenes) -> str:
+    """How many cameras there are, and what their noise is."""
+    low, high = min(trained.views), max(trained.views)
+    counts = pd.Series(trained.noise).value_counts().sort_index()
+    noise = ", ".join(f"{name} in {count:,} scenes" for name, count in counts.items())
+    cameras = f"{low}" if low == high else f"{low} to {high}"
+    return f"Cameras in each scene: {cameras}. Noise of their images: {noise}."

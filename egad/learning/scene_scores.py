@@ -1,0 +1,219 @@
+"""How good VGN's network is at labelled grasps of scenes: average precision, and errors (ours)."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from egad._util.arrays import Floats
+from egad.stats import Interval, bootstrap
+from egad.tables.training import SCENE_SCORE
+
+HALF = 0.5  # quality from which a grasp counts as predicted to succeed
+THRESHOLDS = (0.5, 0.7, 0.8, 0.9, 0.95)
+
+
+class GraspAnswers(NamedTuple):
+    """What a network answers at the labelled grasps of a scene.
+
+    Attributes:
+        success: (m,) whether the grasp succeeded.
+        quality: (m,) predicted.
+        angles: (m,) between the predicted and the labelled rotation, or its half turn about the
+            approach if that is less, degrees.
+        widths: (m,) how far the predicted width is off, metres.
+        losses: (m, 3) of quality, rotation and width, weighted.
+    """
+
+    success: NDArray[np.bool_]
+    quality: Floats
+    angles: Floats
+    widths: Floats
+    losses: Floats
+
+
+@dataclass(frozen=True)
+class SceneEstimate:
+    """A number of some scenes, and its 95 % interval for other scenes of the same kind."""
+
+    value: float
+    interval: Interval
+
+
+@dataclass(frozen=True)
+class SceneScore:
+    """What a network reached on scenes of held-out objects.
+
+    Attributes:
+        scenes: How many they are.
+        grasps: Labelled grasps in them.
+        positive: How many of these succeeded.
+        precision: Average precision of the quality; that of guesses is the share of positives.
+        accuracy: Mean of the fractions of the positive and of the negative grasps that are told
+            right at a quality of 0.5.
+        angle: Mean error of the rotation at positive grasps, degrees.
+        width: Mean error of the width at positive grasps, metres.
+        loss: Mean over the grasps.
+        thresholds: Of the quality,
+        recall: which fraction of the positive grasps has at least that,
+        purity: and which fraction of the grasps with at least that is positive; NaN if none has.
+    """
+
+    scenes: int
+    grasps: int
+    positive: int
+    precision: SceneEstimate
+    accuracy: SceneEstimate
+    angle: SceneEstimate
+    width: SceneEstimate
+    loss: float
+    thresholds: tuple[float, ...]
+    recall: tuple[float, ...]
+    purity: tuple[float, ...]
+
+    @property
+    def share(self) -> float:
+        """Fraction of the grasps that is positive."""
+        return self.positive / self.grasps if self.grasps else np.nan
+
+
+def average_precision(
+    success: NDArray[np.bool_], quality: Floats, weights: Floats | None = None
+) -> float:
+    """Mean of the precisions at each positive, grasps of equal quality taken together.
+
+    That is the sum over the distinct qualities of the precision times the rise in recall, without
+    interpolation.
+
+    Args:
+        success: (n,) what is true.
+        quality: (n,) what is predicted; higher is better.
+        weights: (n,) how often each one counts; once if None.
+
+    Returns:
+        0 to 1; NaN without a positive one.
+    """
+    ranked = np.argsort(-quality, kind="stable")
+    counts = np.ones(len(quality)) if weights is None else weights
+    return _precision(success[ranked], counts[ranked], _ends(quality[ranked]))
+
+
+def _ends(ranked: Floats) -> NDArray[np.int64]:
+    """The last index of each run of equal qualities."""
+    return np.flatnonzero(np.append(np.diff(ranked) != 0, True)) if len(ranked) else np.arange(0)
+
+
+def _precision(success: NDArray[np.bool_], weights: Floats, ends: NDArray[np.int64]) -> float:
+    """The average precision of ranked grasps."""
+    right, shown = np.cumsum(weights * success)[ends], np.cumsum(weights)[ends]
+    if not len(ends) or right[-1] == 0:
+        return np.nan
+    with np.errstate(invalid="ignore"):
+        precision = np.nan_to_num(right / shown)  # grasps before the first that counts
+    return float(np.diff(right, prepend=0.0) @ precision / right[-1])
+
+
+def scene_score(answers: Sequence[GraspAnswers]) -> SceneScore:
+    """Put the answers to some scenes together; the intervals are for other scenes."""
+    success, quality = _joined(answers, "success").astype(bool), _joined(answers, "quality")
+    at_least = [quality >= threshold for threshold in THRESHOLDS]
+    return SceneScore(
+        scenes=len(answers),
+        grasps=len(success),
+        positive=int(success.sum()),
+        precision=_precision_estimate(answers, success, quality),
+        accuracy=_accuracy(answers),
+        angle=_mean_estimate([each.angles[each.success] for each in answers]),
+        width=_mean_estimate([each.widths[each.success] for each in answers]),
+        loss=mean_loss(answers),
+        thresholds=THRESHOLDS,
+        recall=tuple(_mean(chosen[success]) for chosen in at_least),
+        purity=tuple(_mean(success[chosen]) for chosen in at_least),
+    )
+
+
+def mean_loss(answers: Sequence[GraspAnswers]) -> float:
+    """The sum of the losses, as the mean over all grasps; NaN without any."""
+    return _mean(np.concatenate([each.losses.sum(axis=1) for each in answers]))
+
+
+def precision_of(answers: Sequence[GraspAnswers]) -> float:
+    """The average precision over the grasps of all scenes."""
+    return average_precision(_joined(answers, "success").astype(bool), _joined(answers, "quality"))
+
+
+def scene_score_table(score: SceneScore) -> pd.DataFrame:
+    """The score as a table of one row, columns of `tables.training.SCENE_SCORE`."""
+    row = {
+        "n_scenes": score.scenes,
+        "n_grasps": score.grasps,
+        "n_positive": score.positive,
+        "loss": score.loss,
+    }
+    named = {
+        "average_precision": score.precision,
+        "balanced_accuracy": score.accuracy,
+        "angle_error": score.angle,
+        "width_error": score.width,
+    }
+    for name, estimate in named.items():
+        low, high = estimate.interval
+        row |= {name: estimate.value, f"{name}_ci_low": low, f"{name}_ci_high": high}
+    return pd.DataFrame([row], columns=SCENE_SCORE.names)
+
+
+def _joined(answers: Sequence[GraspAnswers], name: str) -> Floats:
+    return np.concatenate([np.asarray(getattr(each, name), np.float64) for each in answers])
+
+
+def _mean(values: NDArray[np.floating] | NDArray[np.bool_]) -> float:
+    return float(values.mean()) if len(values) else np.nan
+
+
+def _precision_estimate(
+    answers: Sequence[GraspAnswers], success: NDArray[np.bool_], quality: Floats
+) -> SceneEstimate:
+    """The average precision, and its interval by drawing scenes."""
+    ranked = np.argsort(-quality, kind="stable")
+    scene = np.repeat(np.arange(len(answers)), [len(each.success) for each in answers])[ranked]
+    ends, right = _ends(quality[ranked]), success[ranked]
+
+    def of_draws(draws: NDArray[np.int64]) -> Floats:
+        counts = (np.bincount(draw, minlength=len(answers)).astype(float) for draw in draws)
+        return np.array([_precision(right, count[scene], ends) for count in counts])
+
+    value = _precision(right, np.ones(len(right)), ends)
+    return SceneEstimate(value, bootstrap(of_draws, len(answers)))
+
+
+def _accuracy(answers: Sequence[GraspAnswers]) -> SceneEstimate:
+    """The mean of the fractions of both classes that are told right at 0.5."""
+    sums = np.array(
+        [
+            [(high & good).sum(), good.sum(), (~high & ~good).sum(), (~good).sum()]
+            for good, high in ((each.success, each.quality >= HALF) for each in answers)
+        ],
+        dtype=np.float64,
+    )
+
+    def of_sums(found: Floats) -> Floats:
+        both: Floats = (found[..., 0] / found[..., 1] + found[..., 2] / found[..., 3]) / 2
+        return both
+
+    return _estimate(sums, of_sums)
+
+
+def _mean_estimate(values: Sequence[Floats]) -> SceneEstimate:
+    """The mean over the values of all scenes."""
+    sums = np.array([[each.sum(), len(each)] for each in values], dtype=np.float64)
+    return _estimate(sums, lambda found: np.asarray(found[..., 0] / found[..., 1]))
+
+
+def _estimate(sums: Floats, statistic: Callable[[Floats], Floats]) -> SceneEstimate:
+    """A statistic of sums over scenes, of (n, k) numbers of the scenes."""
+    with np.errstate(invalid="ignore"):
+        interval = bootstrap(lambda draws: statistic(sums[draws].sum(axis=1)), len(sums))
+        return SceneEstimate(float(statistic(sums.sum(axis=0))), interval)

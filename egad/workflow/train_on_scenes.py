@@ -1,0 +1,132 @@
+"""Training of a grasp network on labelled scenes."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from egad._util.extras import needed_for
+from egad._util.files import write_text
+from egad.config.stages import TrainOnScenes
+from egad.errors import UserError
+from egad.io import checksum
+from egad.learning import SceneScore, TrainedOnScenes, scene_card, scene_score, scene_score_table
+from egad.report.training import scene_training_chart
+from egad.scenes import SceneDataset, load_scenes
+from egad.tables import parquet
+from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
+from egad.workflow.code_version import code_version
+from egad.workflow.train import CARD, CHART, CHECKPOINT, REACHED, TABLE, WEIGHTS, check_folders
+
+CODE = ("vgn", "training", "scene_training")
+
+
+def train_on_scenes(
+    settings: TrainOnScenes,
+    gripper: str,
+    folders: list[Path],
+    out: Path,
+    jobs: int = 1,
+    device: str = "cpu",
+) -> SceneScore:
+    """Train VGN's network; an interrupted training resumes after its last epoch.
+
+    Args:
+        settings: Settings of this stage.
+        gripper: Name of the gripper of the scenes, for the card.
+        folders: Folders of labelled scenes, used as one set.
+        out: A trained network, in the same files as `egad.workflow.train.train` writes.
+        jobs: Cores; no result depends on it.
+        device: `cpu`, or `cuda`, where the last digits of a result may differ from run to run.
+
+    Returns:
+        The score of the network on the split `test`.
+
+    Raises:
+        UserError: PyTorch, the device, the scenes of a split, or all positive grasps are missing;
+            or an object is in two splits.
+        TableError: A shard cannot be read.
+    """
+    with needed_for("training"):
+        from egad.learning import networks, scene_training, training, vgn, weights  # noqa: PLC0415
+    check_device(device)
+    plan, seed = settings.training_scenes, settings.seed
+    scenes = open_scenes(folders)
+    network = vgn.new_vgn(seed).to(device)
+    task = scene_training.SceneTask(scenes, settings.gripper, plan, seed, device)
+    kept = training.Checkpoint(out / CHECKPOINT, fingerprint(settings, folders, device))
+    rows = training.learn(network, task, jobs, kept)
+    _, answers = task.evaluate_split(network, "test", plan.test, jobs)
+    score = scene_score(answers)
+    weights.write(network.cpu(), out / WEIGHTS, {"network": "vgn", "seed": seed})
+    every = [scenes.scene(number) for number in range(len(scenes.index))]
+    trained = TrainedOnScenes(
+        title=networks.TITLES["vgn"],
+        parameters=networks.parameters(network),
+        source=", ".join(path.name if path.is_absolute() else path.as_posix() for path in folders),
+        gripper=gripper,
+        index=scenes.index,
+        views=[scene.view_count for scene in every],
+        noise=[scene.noise for scene in every],
+        history=pd.DataFrame(rows),
+        score=score,
+        settings={"seed": seed, "device": device, **plan.model_dump(mode="json")},
+    )
+    tell(trained, out)
+    (out / CHECKPOINT).unlink(missing_ok=True)
+    return score
+
+
+def check_device(device: str) -> None:
+    """Make sure that PyTorch can compute on a device.
+
+    Raises:
+        UserError: There is no GPU that it can use.
+    """
+    import torch  # noqa: PLC0415 (an extra)
+
+    if device == "cuda" and not torch.cuda.is_available():
+        raise UserError(
+            f"--device cuda: PyTorch {torch.__version__} finds no GPU; its CPU build never does"
+        )
+
+
+def open_scenes(folders: Sequence[Path]) -> SceneDataset:
+    """The scenes to train on.
+
+    Raises:
+        UserError: A folder has images instead, a split has no scenes, or all grasps of the split
+            train or validation failed.
+        TableError: A shard cannot be read.
+    """
+    text = "these are images, for ggcnn and ggcnn2; vgn learns from labelled scenes"
+    check_folders(folders, "scenes", "images", text)
+    scenes = load_scenes(list(folders))
+    for split in ("train", "validation", "test"):
+        if not scenes.index.loc[scenes.indices(split), "positive"].any():
+            raise UserError(f"{scenes}: no grasp of the split {split} succeeded")
+    return scenes
+
+
+def fingerprint(settings: TrainOnScenes, folders: Sequence[Path], device: str) -> str:
+    """Everything that the result of a training depends on, as text."""
+    import torch  # noqa: PLC0415 (an extra)
+
+    files = [path for folder in folders for path in sorted(folder.glob("*-*.parquet"))]
+    known = {
+        "settings": settings.model_dump(mode="json"),
+        "scenes": [checksum(path) for path in files],
+        "device": device,
+        "torch": torch.__version__,
+        "code": [code_version(f"egad.learning.{name}") for name in CODE],
+    }
+    return json.dumps(known, sort_keys=True)
+
+
+def tell(trained: TrainedOnScenes, out: Path) -> None:
+    """Write the history, its chart, the score and the model card."""
+    parquet.write(trained.history, SCENE_HISTORY, out / TABLE)
+    parquet.write(scene_score_table(trained.score), SCENE_SCORE, out / REACHED)
+    write_text(out / CHART, scene_training_chart(trained.history))
+    write_text(out / CARD, scene_card(trained))

@@ -1,0 +1,255 @@
+"""Training on scenes of known geometry; needs the extra."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from shapes import ShapeScenes
+
+from egad.config import GRIPPERS, SceneTraining
+from egad.errors import UserError
+from egad.learning.scene_examples import SceneExample, SceneStream
+from egad.learning.scene_scores import scene_score
+from egad.tables.training import SCENE_HISTORY
+
+torch = pytest.importorskip("torch")
+training = pytest.importorskip("egad.learning.training")
+lessons = pytest.importorskip("egad.learning.scene_training")
+vgn = pytest.importorskip("egad.learning.vgn")
+
+HAND = GRIPPERS["panda"]
+SHORT = SceneTraining(examples=10, epoch=4, batch=3, validation=2, rise=1)
+LONG = SceneTraining(examples=400, epoch=100, batch=2, learning_rate=0.001, rise=1)
+
+
+@pytest.fixture(scope="module")
+def scenes():
+    return ShapeScenes(10, 20)
+
+
+def trained(scenes, settings=SHORT, seed=0, jobs=1, kept=None):
+    network = vgn.new_vgn(seed)
+    task = lessons.SceneTask(scenes, HAND, settings, seed)
+    return training.learn(network, task, jobs, kept), network.state_dict()
+
+
+def same(one, other):
+    return one[0] == other[0] and all(torch.equal(one[1][name], other[1][name]) for name in one[1])
+
+
+@pytest.fixture(scope="module")
+def undisturbed(scenes):
+    return trained(scenes)
+
+
+class InterruptionError(Exception):
+    pass
+
+
+class Breaking(training.Checkpoint):
+    """Ends the training after its second epoch."""
+
+    def save(self, state):
+        super().save(state)
+        if len(state.rows) == 2:
+            raise InterruptionError
+
+
+class TestNetwork:
+    @pytest.mark.parametrize("side", [20, 40])
+    def test_answers_at_voxels_are_those_of_the_whole_grid(self, side):
+        network, rng = vgn.new_vgn(0), np.random.default_rng(0)
+        grid = torch.from_numpy(rng.random((1, 1, side, side, side)).astype(np.float32))
+        ends = [[0, 0, 0], [side - 1] * 3, [0, side - 1, 1]]
+        voxels = torch.tensor([*ends, *rng.integers(0, side, (20, 3)).tolist()])
+        both = network(grid)[0][:, *voxels.T].T, network.at_voxels(grid, voxels)
+        torch.testing.assert_close(both[1], both[0], atol=1e-5, rtol=1e-4)
+        weights = list(network.parameters())
+        gradients = [torch.autograd.grad(each.square().sum(), weights) for each in both]
+        for one, other in zip(*gradients, strict=True):
+            torch.testing.assert_close(one, other, atol=1e-3, rtol=1e-3)
+
+    def test_no_channel_is_silent_before_training(self, scenes):
+        example = SceneStream(scenes, HAND, 1)[0]
+        features = vgn.new_vgn(0)._features(torch.from_numpy(example.grid)[None, None])
+        assert (features.flatten(2).amax(dim=2) > 0).all()
+
+
+def example_of(success, rotations, widths):
+    """Labels at as many voxels of an empty grid."""
+    both = np.stack([rotations, [(q * Rotation.from_euler("z", np.pi)) for q in rotations]], axis=1)
+    quaternions = np.array([[each.as_quat() for each in pair] for pair in both])
+    return SceneExample(
+        np.zeros((20, 20, 20), np.float32),
+        np.zeros((len(success), 3), np.int64),
+        np.array(success, np.float32),
+        quaternions.astype(np.float32),
+        np.array(widths, np.float32),
+        0.015,
+    )
+
+
+class TestLoss:
+    def test_it_is_that_of_vgn_grasp_by_grasp(self):
+        """By a loop over the grasps, in double precision."""
+        rng = np.random.default_rng(0)
+        example = example_of([1, 0, 1, 0], list(Rotation.random(4, rng)), [3, 0, 4, 0])
+        answers = np.column_stack(
+            [rng.uniform(0.1, 0.9, 4), Rotation.random(4, rng).as_quat(), rng.uniform(0, 9, 4)]
+        )
+        weights = lessons.ClassWeights(2.0, 0.75)
+        found = lessons.grasp_losses(torch.from_numpy(answers).float(), example, weights)
+        for k in range(4):
+            quality, rotation, width = answers[k, 0], answers[k, 1:5], answers[k, 5]
+            if example.success[k]:
+                near = min(1 - abs(rotation @ other) for other in example.rotations[k])
+                wide = 0.01 * (width - example.widths[k]) ** 2
+                wanted = 2 * np.array([-math.log(quality), near, wide])
+            else:
+                wanted = 0.75 * np.array([-math.log(1 - quality), 0, 0])
+            np.testing.assert_allclose(found[k], wanted, rtol=1e-5)
+
+    def test_both_rotations_that_mean_a_grasp_are_right(self):
+        turn = Rotation.from_euler("xyz", [2.5, 0.3, 0.4])
+        example = example_of([1, 1, 1], [turn] * 3, [2] * 3)
+        half, off = Rotation.from_euler("z", np.pi), Rotation.from_rotvec([0, np.radians(30), 0])
+        quaternions = [-turn.as_quat(), (turn * half).as_quat(), (turn * off).as_quat()]
+        answers = np.column_stack([[1 - 1e-6] * 3, quaternions, [2, 2, 4]])
+        weights = lessons.ClassWeights(1, 1)
+        losses = lessons.grasp_losses(torch.from_numpy(answers).float(), example, weights)
+        np.testing.assert_allclose(losses[:2], 0, atol=1e-5)
+        read = lessons.read_answers(answers, losses.double().numpy(), example)
+        np.testing.assert_allclose(read.angles, [0, 0, 30], atol=0.05)
+        np.testing.assert_allclose(read.widths, [0, 0, 0.03], atol=1e-9)
+
+    def test_both_classes_count_alike(self):
+        weights = lessons.class_weights(100, 20)
+        assert 20 * weights.positive == 80 * weights.negative == 50
+        for positive in (0, 100):
+            with pytest.raises(UserError, match="nothing can be learnt"):
+                lessons.class_weights(100, positive)
+
+    def test_the_loss_of_a_set_does_not_depend_on_its_parts(self, scenes):
+        """The mean over the examples of a pass is the mean over all of its grasps."""
+        network = vgn.new_vgn(0)
+        count = len(scenes.indices("train"))
+        settings = SHORT.model_copy(update={"examples": count, "rise": 0})
+        task = lessons.SceneTask(scenes, HAND, settings, 0)
+        with torch.inference_mode():
+            each = [task.losses(network, number) for number in range(count)]
+            stream = SceneStream(scenes, HAND, count)
+            examples = [stream[number] for number in range(count)]
+            losses = [
+                lessons.grasp_losses(lessons.answers_at(network, example), example, task.weights)
+                for example in examples
+            ]
+        assert sum(len(example.voxels) for example in examples) == 20 * count  # all are inside
+        torch.testing.assert_close(sum(each) / count, torch.cat(losses).mean(dim=0))
+
+    def test_a_scene_without_grasps_changes_nothing(self, scenes):
+        network = vgn.new_vgn(0)
+        example = SceneStream(scenes, HAND, 1)[0]
+        none = example._replace(
+            voxels=example.voxels[:0],
+            success=example.success[:0],
+            rotations=example.rotations[:0],
+            widths=example.widths[:0],
+        )
+        found = lessons.answers_at(network, none)
+        loss = lessons.grasp_losses(found, none, lessons.ClassWeights(1, 1)).sum()
+        assert all(
+            (each == 0).all() for each in torch.autograd.grad(loss, list(network.parameters()))
+        )
+
+
+class TestTraining:
+    def test_nothing_but_the_seed_decides(self, scenes, undisturbed):
+        assert same(trained(scenes, jobs=2), undisturbed)
+        assert not same(trained(scenes, seed=1), undisturbed)
+
+    def test_it_goes_on_after_an_interruption_with_the_same_result(
+        self, scenes, undisturbed, tmp_path
+    ):
+        path = tmp_path / "checkpoint.pt"
+        with pytest.raises(InterruptionError):
+            trained(scenes, kept=Breaking(path, "this"))
+        assert same(trained(scenes, kept=training.Checkpoint(path, "this")), undisturbed)
+
+    def test_a_damaged_checkpoint_is_not_taken(self, scenes, undisturbed, tmp_path, caplog):
+        path = tmp_path / "checkpoint.pt"
+        path.write_bytes(b"nothing")
+        assert same(trained(scenes, kept=training.Checkpoint(path, "this")), undisturbed)
+        assert "cannot be read" in caplog.text
+
+    def test_the_history_tells_every_epoch(self, undisturbed):
+        rows = undisturbed[0]
+        assert [list(row) for row in rows] == [SCENE_HISTORY.names] * 3
+        assert [row["scenes"] for row in rows] == [4, 8, 10]
+        for row in rows:
+            parts = row["quality_loss"] + row["rotation_loss"] + row["width_loss"]
+            assert parts == pytest.approx(row["loss"])
+
+    @pytest.mark.parametrize("best", [0, 1, 2])
+    def test_the_weights_of_the_best_epoch_are_the_result(self, scenes, best, tmp_path):
+        """Also if the training was interrupted after it."""
+        seen = []
+
+        class Told(lessons.SceneTask):
+            def validate(self, network, _workers):
+                seen.append({key: each.clone() for key, each in network.state_dict().items()})
+                return 1.0, 0.9 if len(seen) - 1 == best else 0.5
+
+        def learn(kept):
+            network = vgn.new_vgn(0)
+            training.learn(network, Told(scenes, HAND, SHORT, 0), 1, kept)
+            return network.state_dict()
+
+        path = tmp_path / "checkpoint.pt"
+        with pytest.raises(InterruptionError):
+            learn(Breaking(path, ""))
+        result = learn(training.Checkpoint(path, ""))
+        assert len(seen) == 3
+        assert [all(torch.equal(result[key], each[key]) for key in each) for each in seen] == [
+            number == best for number in range(3)
+        ]
+
+    def test_the_score_is_of_the_weights_that_are_kept(self, scenes):
+        network = vgn.new_vgn(0)
+        task = lessons.SceneTask(scenes, HAND, SHORT, 0)
+        rows = training.learn(network, task)
+        _, answers = task.evaluate_split(network, "validation", 2, 1)
+        best = max(row["validation_average_precision"] for row in rows)
+        assert scene_score(answers).precision.value == best
+
+    def test_a_loss_that_is_not_finite_ends_it(self, scenes):
+        settings = SHORT.model_copy(update={"learning_rate": 1.0, "examples": 60, "epoch": 60})
+        network = vgn.new_vgn(0)
+        with torch.no_grad():
+            network.conv_width.bias.fill_(math.inf)
+        with pytest.raises(UserError, match="no longer finite; try a lower learning_rate"):
+            training.learn(network, lessons.SceneTask(scenes, HAND, settings, 0))
+
+
+class TestLearning:
+    """Grasps of few scenes are learnt for others, and nothing from shuffled labels."""
+
+    def score(self, shuffled):
+        scenes = ShapeScenes(60, 40, shuffled=shuffled)
+        network = vgn.new_vgn(0)
+        task = lessons.SceneTask(scenes, HAND, LONG, 0)
+        training.learn(network, task)
+        return scene_score(task.evaluate_split(network, "test", 100, 1)[1])
+
+    def test_geometry_is_learnt(self):
+        score = self.score(shuffled=False)
+        assert score.precision.interval[0] > score.share + 0.1
+        assert score.accuracy.value > 0.75
+        assert score.width.value < 0.01
+
+    def test_shuffled_labels_are_not(self):
+        score = self.score(shuffled=True)
+        low, high = score.precision.interval
+        assert low < score.share + 0.02
+        assert high < score.share + 0.12
+        assert score.accuracy.value < 0.6

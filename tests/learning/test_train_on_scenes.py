@@ -1,0 +1,230 @@
+"""From labelled scenes to weights, by the command; needs the extra."""
+
+import json
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+from shapes import grasps_of
+from typer.testing import CliRunner
+
+import egad.learning
+from egad.cli.commands import app
+from egad.config import GRIPPERS, DetectorConfig, SceneTraining
+from egad.config.stages import TrainOnScenes
+from egad.detectors.registry import make_detector
+from egad.errors import UserError
+from egad.perception import DepthCamera, Intrinsics, cameras_around, pose_values, render_scene
+from egad.scenes import MadeScene, write_shard
+from egad.scenes.making import view_columns
+from egad.tables import parquet
+from egad.tables.columns import POSE_PARTS
+from egad.tables.scenes import SCENE_GRASPS
+from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
+from egad.workflow.train_on_scenes import check_device, fingerprint, open_scenes, train_on_scenes
+
+PLAN = SceneTraining(examples=4, epoch=2, batch=2, validation=2, test=3)
+CAMERA = Intrinsics(160, 120, 104.0, (79.5, 59.5))
+SPLITS = ("train", "train", "train", "validation", "test", "test")
+
+
+def scene(number, split, noise="none", successes=None):
+    """A box on the table as three cameras see it, with grasps."""
+    rng = np.random.default_rng(number)
+    size, turn = np.array([0.02, 0.05, 0.04]), rng.uniform(0, np.pi)
+    shapes = [("box", np.array([*rng.uniform(-0.05, 0.05, 2), 0.04]), size, turn)]
+    box = trimesh.creation.box(2 * size)
+    matrix = trimesh.transformations.rotation_matrix(turn, [0, 0, 1])
+    matrix[:3, 3] = shapes[0][1]
+    cameras = cameras_around(np.array([0, 0, 0.0]), 3, 0.6, np.radians(30))
+    views = [render_scene([DepthCamera(box)], [matrix], CAMERA, pose) for pose in cameras]
+    table, poses = grasps_of(shapes, 12, rng)
+    if successes is not None:
+        table["success"] = successes
+        table["width"] = table["width"].where(table["success"]).fillna(0.04)
+    row = {
+        "scene": number,
+        "kind": "pile" if number % 2 else "packed",
+        "split": split,
+        "objects": [f"box{number}"],
+        "factors": [1.0],
+        "placements": pose_values(matrix),
+        "noise": noise,
+        **view_columns(views),
+    }
+    grasps = pd.DataFrame([pose_values(pose) for pose in poses], columns=list(POSE_PARTS))
+    labels = table.assign(scene=number, object=0, id=f"box{number}", yaws=1, outcome="success")
+    return MadeScene(row, pd.concat([grasps, labels], axis=1)[SCENE_GRASPS.names])
+
+
+@pytest.fixture(scope="module")
+def made():
+    noise = ("none", "dex")
+    return [scene(number, split, noise[number % 2]) for number, split in enumerate(SPLITS)]
+
+
+def shards_of(folder, scenes):
+    folder.mkdir(parents=True, exist_ok=True)
+    for shard in range(2):
+        files = (folder / f"{name}-{shard}.parquet" for name in ("scenes", "grasps"))
+        write_shard(scenes[shard::2], shard, 2, "set", *files)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def scenes(made, tmp_path_factory):
+    return shards_of(tmp_path_factory.mktemp("scenes"), made)
+
+
+def configuration(path, **changes):
+    """A file with the settings of the tests."""
+    plan = PLAN.model_dump(mode="json") | changes
+    path.write_text(
+        json.dumps({"seed": 3, "training": {"network": "vgn"}, "training_scenes": plan})
+    )
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def trained(scenes, tmp_path_factory):
+    """The folder of a network, made by the command in two ways."""
+    pytest.importorskip("torch")
+    out = tmp_path_factory.mktemp("trained")
+    rest = tmp_path_factory.mktemp("config") / "rest.yaml"
+    rest.write_text(json.dumps({"training_scenes": PLAN.model_dump(mode="json") | {"examples": 9}}))
+    words = ["--network", "vgn", "--seed", "3", "--budget", "4", "--jobs", "2"]
+    by_words = [*words, "--config", str(rest), "--out", str(out / "words")]
+    whole = configuration(rest.with_name("whole.yaml"))
+    by_config = ["--config", whole, "--out", str(out / "config"), "--jobs", "1"]
+    for way in (by_words, by_config):
+        result = CliRunner().invoke(app, ["train", str(scenes), *way])
+        assert result.exit_code == 0, result.output
+        assert "24 grasps in 2 scenes of held-out objects" in result.output
+    return out
+
+
+def test_both_ways_and_any_number_of_cores_give_the_same_bytes(trained):
+    names = sorted(path.name for path in (trained / "words").iterdir())
+    assert names == [
+        *("README.md", "README.md.sha256", "history.parquet", "history.svg"),
+        *("history.svg.sha256", "score.parquet", "weights.safetensors"),
+        "weights.safetensors.sha256",
+    ]
+    for name in names:
+        one, other = (trained / way / name for way in ("words", "config"))
+        assert one.read_bytes() == other.read_bytes(), name
+
+
+def test_history_and_score_are_those_of_the_card(trained, made):
+    history = parquet.read(trained / "words/history.parquet", SCENE_HISTORY)
+    assert history["scenes"].tolist() == [2, 4]
+    (row,) = parquet.records(parquet.read(trained / "words/score.parquet", SCENE_SCORE))
+    text = (trained / "words/README.md").read_text()
+    successes = [int(each.grasps["success"].sum()) for each in made]
+    assert (row["n_scenes"], row["n_grasps"], row["n_positive"]) == (2, 24, sum(successes[4:]))
+    assert f"| average precision | {row['average_precision']:.3f} |" in text
+    assert f"| mean error of the width, mm | {1000 * row['width_error']:.1f} |" in text
+    assert f"The loss is {row['loss']:.4f}" in text.replace("\n", " ")
+    best = history["validation_average_precision"].idxmax()
+    assert f"after epoch {best}" in text
+    assert f"{history['validation_loss'][best]:.4f}" in text
+    assert f"| train | 3 | 2 | 1 | 0 | 36 | {sum(successes[:3])} |" in text
+    assert "Cameras in each scene: 3. Noise of their images: dex in 3 scenes, none in 3" in text
+    for words in (
+        "313,238 weights",
+        "those of\npanda",
+        "| seed | 3 |",
+        "| batch | 2 |",
+        "| torch |",
+    ):
+        assert words in text
+    assert "average precision, validation" not in text
+    assert (trained / "words/history.svg").read_text().startswith("<?xml")
+
+
+def test_the_detector_takes_the_weights_and_the_threshold(trained, scenes):
+    """A low one lets proposals through, which an unfinished network has; a high one none."""
+    path = str(trained / "words/weights.safetensors")
+    seen = open_scenes([scenes]).scene(0).observation().tsdf
+    found = {}
+    for threshold in (0.01, 0.99):
+        config = DetectorConfig(detector="vgn", weights=path, threshold=threshold)
+        found[threshold] = make_detector(config)(seen, GRIPPERS["panda"], np.random.default_rng(0))
+    assert len(found[0.99].poses) == 0
+    assert (found[0.01].scores >= 0.01).all()
+
+
+def test_weights_of_another_network_are_a_sentence(trained, tmp_path):
+    networks = pytest.importorskip("egad.learning.networks")
+    weights = pytest.importorskip("egad.learning.weights")
+    weights.write(networks.new_network("ggcnn", 0), tmp_path / "ggcnn.safetensors", {})
+    wrong = [
+        ("vgn", tmp_path / "ggcnn.safetensors", "not weights of VGN"),
+        ("ggcnn", trained / "words/weights.safetensors", "not weights of GG-CNN or GG-CNN2"),
+    ]
+    for name, path, text in wrong:
+        with pytest.raises(UserError, match=text):
+            make_detector(DetectorConfig(detector=name, weights=str(path)))
+
+
+def test_images_are_not_for_vgn_and_scenes_not_for_others(images, scenes, tmp_path):
+    pytest.importorskip("torch")
+    out = ["--out", str(tmp_path / "out")]
+    for folder, network, text in [
+        (images, "vgn", "these are images, for ggcnn and ggcnn2; vgn learns from labelled scenes"),
+        (scenes, "ggcnn", "these are labelled scenes, for vgn; ggcnn learns from images"),
+        (tmp_path, "vgn", "no scenes found"),
+    ]:
+        with pytest.raises(UserError, match=text):
+            CliRunner().invoke(
+                app, ["train", str(folder), "--network", network, *out], catch_exceptions=False
+            )
+
+
+def test_only_vgn_is_trained_on_a_gpu_and_only_if_there_is_one(images, tmp_path, monkeypatch):
+    torch = pytest.importorskip("torch")
+    words = ["train", str(images), "--out", str(tmp_path), "--device", "cuda"]
+    with pytest.raises(UserError, match="--device cuda is for the network vgn"):
+        CliRunner().invoke(app, words, catch_exceptions=False)
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    with pytest.raises(UserError, match=r"--device cuda: PyTorch .* finds no GPU"):
+        check_device("cuda")
+
+
+@pytest.mark.parametrize("split", ["train", "validation", "test"])
+def test_a_split_without_a_success_is_a_mistake(made, split, tmp_path):
+    failed = [
+        each if each.scene["split"] != split else scene(number, split, successes=False)
+        for number, each in enumerate(made)
+    ]
+    with pytest.raises(UserError, match=f"no grasp of the split {split} succeeded"):
+        open_scenes([shards_of(tmp_path, failed)])
+
+
+def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
+    pytest.importorskip("torch")
+    settings = TrainOnScenes(seed=3, training_scenes=PLAN, gripper=GRIPPERS["panda"])
+    other = shards_of(tmp_path / "other", made[::-1])
+    found = [
+        fingerprint(settings, [scenes], "cpu"),
+        fingerprint(settings, [scenes], "cuda"),
+        fingerprint(settings, [other], "cpu"),
+        fingerprint(settings.model_copy(update={"seed": 4}), [scenes], "cpu"),
+        fingerprint(
+            settings.model_copy(update={"gripper": GRIPPERS["egad_75mm"]}), [scenes], "cpu"
+        ),
+    ]
+    assert len(set(found)) == 5
+    assert fingerprint(settings, [scenes], "cpu") == found[0]
+
+
+def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
+    for name in ("networks", "weights", "training", "scene_training", "vgn"):
+        monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
+        monkeypatch.delattr(egad.learning, name, raising=False)
+    monkeypatch.setitem(sys.modules, "torch", None)
+    settings = TrainOnScenes(seed=3, training_scenes=PLAN, gripper=GRIPPERS["panda"])
+    with pytest.raises(UserError, match=r"egad\[vision\]"):
+        train_on_scenes(settings, "panda", [tmp_path], tmp_path)
