@@ -99,7 +99,7 @@ lint: tools
 	ruff check
 	ruff format --check
 	mypy
-	snakefmt --check Snakefile workflow experiments/training_study
+	snakefmt --check Snakefile workflow experiments/scene_study experiments/training_study
 	snakemake --lint
 	python -m egad.config.manual --check
 	python -m egad.workflow.results_page --check

@@ -73,6 +73,9 @@ class SceneTraining(Parameters):
     examples: int = Field(
         10000, ge=1, description="number of training examples; each shows a scene with its grasps"
     )
+    scenes: int | None = Field(
+        None, ge=1, description="most training scenes, drawn at random; nothing: all"
+    )
     epoch: int = Field(
         1000, ge=1, description="examples between two evaluations on the validation set"
     )

@@ -165,10 +165,20 @@ def moved_poses(poses: Floats, tsdf: Tsdf, move: Move) -> Floats:
 
 
 class SceneStream:
-    """Shuffled and moved training scenes: pass after pass, each scene once a pass."""
+    """Shuffled and moved training scenes: pass after pass, each scene once a pass.
+
+    Attributes:
+        index: Rows of the index of the scenes that are shown.
+    """
 
     def __init__(
-        self, scenes: SceneSource, gripper: Gripper, length: int, rise: int = 0, seed: int = 0
+        self,
+        scenes: SceneSource,
+        gripper: Gripper,
+        length: int,
+        rise: int = 0,
+        seed: int = 0,
+        most: int | None = None,
     ) -> None:
         """Make a stream.
 
@@ -178,14 +188,18 @@ class SceneStream:
             length: How many examples there are.
             rise: Voxels that a scene is moved up or down, at most.
             seed: Order, moves and the numbers of views follow from it.
+            most: So many of the scenes, drawn at random, or all of them.
 
         Raises:
             UserError: There are no such scenes.
         """
         self._scenes, self._gripper, self._length = scenes, gripper, length
         self._rise, self._seed = rise, seed
-        index = scenes.index.loc[scenes.indices("train")]
-        self._passes = Passes(index, seed, ["shard"], WINDOW)
+        numbers = scenes.indices("train")
+        if most is not None:
+            numbers = np.sort(generator(seed, "scenes").permutation(numbers)[:most])
+        self.index = scenes.index.loc[numbers]
+        self._passes = Passes(self.index, seed, ["shard"], WINDOW)
 
     def __len__(self) -> int:
         return self._length

@@ -81,8 +81,10 @@ class SceneTask:
         """
         rate = settings.learning_rate
         self.schedule = LearningSchedule(settings.examples, settings.epoch, settings.batch, rate)
-        self._stream = SceneStream(scenes, gripper, settings.examples, settings.rise, seed)
-        counts = scenes.index.loc[scenes.indices("train"), ["grasps", "positive"]]
+        self._stream = SceneStream(
+            scenes, gripper, settings.examples, settings.rise, seed, settings.scenes
+        )
+        counts = self._stream.index[["grasps", "positive"]]
         grasps, positive = (int(counts[name].sum()) for name in counts)
         self.weights = class_weights(grasps, positive)
         self._mean_grasps = grasps / len(counts)

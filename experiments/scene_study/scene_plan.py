@@ -86,12 +86,11 @@ def study_of(config: Mapping[str, Any]) -> SceneStudy:
     }
     workflow["detectors"] = {**workflow.get("detectors", {}), **networks}
     settings = check(workflow)
-    known = {"datasets": settings.datasets, "detectors": settings.detectors}
-    used = {
-        "datasets": [*plan.tests, *(each.dataset for each in plan.sets.values())],
-        "detectors": plan.references,
-    }
-    if wrong := [name for key in used for name in used[key] if name not in known[key]]:
+    datasets = [*plan.tests, *(each.dataset for each in plan.sets.values())]
+    wrong = sorted({*datasets} - {*settings.datasets}) + sorted(
+        {*plan.references} - {*settings.detectors}
+    )
+    if wrong:
         raise UserError(f"not defined: {', '.join(wrong)}")
     return SceneStudy(plan, settings)
 

@@ -153,6 +153,16 @@ class TestStream:
         with pytest.raises(IndexError):
             stream[12]
 
+    def test_some_of_the_scenes_are_drawn_anew_for_each_seed(self):
+        scenes = ShapeScenes(10, 20)
+        found = [
+            tuple(SceneStream(scenes, HAND, 4, seed=seed, most=4).index.index) for seed in range(5)
+        ]
+        assert all(len(each) == 4 and set(each) <= set(scenes.indices("train")) for each in found)
+        assert len(set(found)) > 1
+        everything = SceneStream(scenes, HAND, 4, most=99)
+        assert everything.index.index.tolist() == scenes.indices("train").tolist()
+
     def test_an_example_depends_on_seed_and_number_alone(self):
         scenes = ShapeScenes(10, 20)
         forth = [SceneStream(scenes, HAND, 40, 2, seed=1)[number] for number in (0, 20, 39)]
