@@ -113,7 +113,7 @@ def training_settings(study: SceneStudy, training_set: str, seed: int) -> Settin
     )
 
 
-def test_settings(study: SceneStudy, cameras: str) -> Settings:
+def condition_settings(study: SceneStudy, cameras: str) -> Settings:
     """The settings of the tables that are cleared."""
     condition = study.plan.cameras[cameras]
     protocol = NAMED_PROTOCOLS["egad"].model_copy(update={"cameras": condition.cameras})

@@ -1,0 +1,45 @@
+"""The study of scenes: what Snakemake would do."""
+
+import shutil
+from ast import literal_eval
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from egad.config.files import read_values
+
+STUDY = "experiments/scene_study"
+ROOT = Path(__file__).parents[2]
+ASKED = {
+    "egad": {**read_values(ROOT / "config/test.yaml"), "shards": 2, "scenes": {"scenes": 3}},
+    "sets": {"evolved": {"dataset": "egad"}, "few": {"dataset": "egad", "scenes": 1}},
+    "networks": 2,
+    "threshold": 0.5,
+    "references": ["random"],
+    "tests": ["egad"],
+    "cameras": {"six": {"rounds": 2}, "side": {"rounds": 1, "cameras": {"views": 1}}},
+}
+
+
+@pytest.fixture
+def told(clean):
+    """The jobs of a small study."""
+    shutil.copytree(ROOT / STUDY, clean.folder / STUDY, ignore=shutil.ignore_patterns("__py*"))
+    config = clean.overlay("asked.yaml", ASKED)
+    target = "results/scene_study/tables.md"
+    return clean.told(target, snakefile=f"{STUDY}/Snakefile", configs=[config])
+
+
+def test_every_network_is_trained_and_every_detector_tested_in_every_condition(told):
+    planned = Counter(job.rule for job in told)
+    assert (planned["train_on_scenes"], planned["scene_clutter"]) == (4, 5 * 2)
+    assert (planned["scene_card"], planned["scene_study"]) == (1, 1)
+    assert "clutter" not in planned
+    trained = {job.output.split()[0]: job for job in told if job.rule == "train_on_scenes"}
+    assert len(trained) == 4
+    settings = [literal_eval(job.params["settings"]) for job in trained.values()]
+    found = {(each["seed"], each["training_scenes"]["scenes"]) for each in settings}
+    seeds = {seed for seed, _ in found}
+    assert found == {(seed, scenes) for seed in seeds for scenes in (None, 1)}
+    assert len(seeds) == 2
