@@ -4,9 +4,6 @@ from .clearing import by_difficulty as by_difficulty
 from .clearing import cleared_shares as cleared_shares
 from .clearing import clearing_rates as clearing_rates
 from .clearing import compare_clearing as compare_clearing
-from .means import MeanDifference as MeanDifference
-from .means import difference_of_means as difference_of_means
-from .means import holm as holm
 from .paired import Comparison as Comparison
 from .paired import NothingInCommonError as NothingInCommonError
 from .paired import boschloo as boschloo

@@ -6,21 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import chi2, t
+from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
 from egad.errors import UserError
-from egad.stats import (
-    Interval,
-    MeanDifference,
-    bootstrap,
-    by_object,
-    cleared_shares,
-    difference_of_means,
-    holm,
-)
+from egad.stats import Interval, bootstrap, by_object, cleared_shares
 from egad.tables import parquet
 
 Floats = NDArray[np.float64]
+UNKNOWN: Interval = (float("nan"), float("nan"))
 TEST = ["test", "scene", "noise", "measure"]  # columns that name what is compared
 
 
@@ -37,6 +30,21 @@ class Spread:
     sd: float
     interval: Interval
     freedom: int
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Mean success of the networks of one set minus that of another.
+
+    Attributes:
+        gain: The difference.
+        interval: 95 % confidence interval for other trainings.
+        p: Two-sided p-value; NaN if both have a single network.
+    """
+
+    gain: float
+    interval: Interval
+    p: float
 
 
 @dataclass(frozen=True)
@@ -60,7 +68,7 @@ class SetComparison:
     first: str
     second: str
     networks: tuple[int, int]
-    difference: MeanDifference
+    difference: Difference
     p_holm: float
     by_objects: Interval
 
@@ -167,6 +175,31 @@ def _reach(spread: Spread | None, *sets: Sequence[float] | Floats) -> float:
     return float(t.ppf(0.975, spread.freedom) * spread.sd * np.sqrt(networks))
 
 
+def difference(first: Sequence[float] | Floats, second: Sequence[float] | Floats) -> Difference:
+    """Compare the networks of two sets by Welch's t test.
+
+    If one has a single network, as given weights and other detectors do, the test is whether
+    networks of the other set are better or worse than this one (one-sample t test).
+
+    Args:
+        first: Success of the networks of a set.
+        second: The same of the other set.
+    """
+    gain = float(np.mean(first) - np.mean(second))
+    if len(first) == len(second) == 1:
+        return Difference(gain, UNKNOWN, float("nan"))
+    if len(first) == 1:
+        turned = difference(second, first)
+        low, high = turned.interval
+        return Difference(gain, (-high, -low), turned.p)
+    if len(second) == 1:
+        found = ttest_1samp(np.asarray(first) - second[0], 0)
+    else:
+        found = ttest_ind(first, second, equal_var=False)
+    interval = found.confidence_interval(0.95)
+    return Difference(gain, (float(interval.low), float(interval.high)), float(found.pvalue))
+
+
 def compare_sets(
     trials: pd.DataFrame, comparisons: Iterable[tuple[str, str]]
 ) -> list[SetComparison]:
@@ -190,7 +223,7 @@ def _compared(test: str, noise: str, rows: pd.DataFrame, first: str, second: str
     """Two sets in a test, as if there were no other comparison."""
     one, other = (rows[rows["name"] == name] for name in (first, second))
     rates = [each.groupby("seed")["success"].mean().to_numpy() for each in (one, other)]
-    result = difference_of_means(*rates)
+    result = difference(*rates)
     counts = len(rates[0]), len(rates[1])
     by_objects = object_interval(one, other)
     return SetComparison(test, noise, first, second, counts, result, result.p, by_objects)
@@ -208,6 +241,25 @@ def object_interval(first: pd.DataFrame, second: pd.DataFrame) -> Interval:
     one, other = (by_object(rows) for rows in (first, second))
     gains = (one["successes"] / one["attempts"] - other["successes"] / other["attempts"]).to_numpy()
     return bootstrap(lambda drawn: gains[drawn].mean(axis=1), len(gains))
+
+
+def holm(p_values: Floats) -> Floats:
+    """P-values of several tests, so that any is below 0.05 by chance in at most 5 % of cases.
+
+    The smallest of n is multiplied by n, the next by n - 1 and so on, and none is less than one
+    before it (Holm 1979).
+
+    Args:
+        p_values: (n,); NaN counts as a test without a result.
+
+    Returns:
+        (n,) at most 1; NaN where it was.
+    """
+    order = np.argsort(p_values)  # NaN last
+    steps = p_values[order] * np.arange(len(p_values), 0, -1)
+    found = np.empty(len(p_values))
+    found[order] = np.minimum(np.maximum.accumulate(steps), 1.0)
+    return found
 
 
 def check_starts(rows: pd.DataFrame) -> None:

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from network_statistics import difference
 from study import TrainingSet, page_settings, study_of
 from study_charts import Row
 from study_page import (
@@ -19,7 +20,6 @@ from study_page import (
 from study_tables import CLEARED, COMPARED
 from svg_text import texts
 
-from egad.stats import difference_of_means
 from egad.tables import parquet
 from egad.tables.training import HISTORY
 
@@ -185,7 +185,7 @@ def test_pre_registered_comparisons_are_those_over_networks(text):
     assert (found[0][1], found[2][1]) == ("egad, no noise", "egad, stereo noise")
     assert (found[0][2], found[1][2]) == ("2, 2", "2, 1")
     each = [[rate("egad", "none", name, seed) for seed in (0, 1)] for name in ("simple", "own")]
-    result = difference_of_means(*each)
+    result = difference(*each)
     assert found[0][3] == percent(result.gain)
     assert found[0][4] == " to ".join(map(percent, result.interval))
     assert "Pre-registered" not in page(results({**CONFIG, "comparisons": []}))
