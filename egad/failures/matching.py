@@ -288,7 +288,7 @@ def _qualify(
     if print_problems(mesh, settings.print_check):
         return CandidateTrial(nothing, "it cannot be printed")
     rates = {"detector": rules.succeeds, "reference": REFERENCE}
-    least = math.ceil(min(rates.values()) * count)
+    least = math.ceil(round(min(rates.values()) * count, 6))
     with open_detector(detect, settings) as asked:
         examination = Examination(mesh, name, asked, settings)
         try:
@@ -298,7 +298,7 @@ def _qualify(
     for engine in settings.failures.engines:
         pairs = pairs_of(attempts, engine, "qualify")
         for who, rate in rates.items():
-            if sum(getattr(pair, who) for pair in pairs) < rate * count:
+            if sum(getattr(pair, who) for pair in pairs) / count < rate:
                 return CandidateTrial(
                     attempts, f"the {who} succeeds in less than {100 * rate:.0f} %"
                 )

@@ -92,6 +92,12 @@ def study_of(config: Mapping[str, Any]) -> SceneStudy:
     )
     if wrong:
         raise UserError(f"not defined: {', '.join(wrong)}")
+    if needed := {"evolved", "primitives", "vgn", "vgn-half"} - {*plan.sets, *plan.references}:
+        raise UserError(f"the goals compare these, too: {', '.join(sorted(needed))}")
+    if "six" not in plan.cameras:
+        raise UserError("the goals are about the cameras `six`")
+    if not settings.scenes.hold_out:
+        raise UserError("egad.scenes.hold_out is false: networks would be trained on the tests")
     return SceneStudy(plan, settings)
 
 

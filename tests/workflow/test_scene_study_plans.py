@@ -12,11 +12,19 @@ from egad.config.files import read_values
 STUDY = "experiments/scene_study"
 ROOT = Path(__file__).parents[2]
 ASKED = {
-    "egad": {**read_values(ROOT / "config/test.yaml"), "shards": 2, "scenes": {"scenes": 3}},
-    "sets": {"evolved": {"dataset": "egad"}, "few": {"dataset": "egad", "scenes": 1}},
+    "egad": {
+        **read_values(ROOT / "config/test.yaml"),
+        "shards": 2,
+        "scenes": {"scenes": 3},
+        "detectors": {
+            "vgn": {"weights": "vgn.pth"},
+            "vgn-half": {"detector": "vgn", "weights": "vgn.pth"},
+        },
+    },
+    "sets": {"evolved": {"dataset": "egad"}, "primitives": {"dataset": "egad", "scenes": 1}},
     "networks": 2,
     "threshold": 0.5,
-    "references": ["random"],
+    "references": ["vgn", "vgn-half", "random"],
     "tests": ["egad"],
     "cameras": {"six": {"rounds": 2}, "side": {"rounds": 1, "cameras": {"views": 1}}},
 }
@@ -26,6 +34,7 @@ ASKED = {
 def told(clean):
     """The jobs of a small study."""
     shutil.copytree(ROOT / STUDY, clean.folder / STUDY, ignore=shutil.ignore_patterns("__py*"))
+    (clean.folder / "vgn.pth").write_bytes(b"weights")
     config = clean.overlay("asked.yaml", ASKED)
     target = "results/scene_study/tables.md"
     return clean.told(target, snakefile=f"{STUDY}/Snakefile", configs=[config])
@@ -33,7 +42,7 @@ def told(clean):
 
 def test_every_network_is_trained_and_every_detector_tested_in_every_condition(told):
     planned = Counter(job.rule for job in told)
-    assert (planned["train_on_scenes"], planned["scene_clutter"]) == (4, 5 * 2)
+    assert (planned["train_on_scenes"], planned["scene_clutter"]) == (4, 7 * 2)
     assert (planned["scene_card"], planned["scene_study"]) == (1, 1)
     assert "clutter" not in planned
     trained = {job.output.split()[0]: job for job in told if job.rule == "train_on_scenes"}
@@ -43,3 +52,13 @@ def test_every_network_is_trained_and_every_detector_tested_in_every_condition(t
     seeds = {seed for seed, _ in found}
     assert found == {(seed, scenes) for seed in seeds for scenes in (None, 1)}
     assert len(seeds) == 2
+
+
+def test_conditions_have_their_cameras_and_rounds(told):
+    for name, rounds, views in (("six", 2, 6), ("side", 1, 1)):
+        jobs = [job for job in told if job.rule == "scene_clutter" and f"/{name}/" in job.output]
+        assert len(jobs) == 7
+        for job in jobs:
+            clutter = literal_eval(job.params["settings"])["clutter"]
+            assert clutter["rounds"] == rounds
+            assert clutter["protocol"]["cameras"]["views"] == views
