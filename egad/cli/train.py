@@ -50,7 +50,7 @@ def train(
     """
     whole = with_option(settings_in(config), "--network", "training.network", network)
     scenes = whole.training.network == "vgn"
-    key = "training_scenes.examples" if scenes else "training.images"
+    key = "training_vgn.examples" if scenes else "training.images"
     whole = with_option(whole, "--budget", key, budget)
     whole = with_option(whole, "--seed", "seed", seed)
     if not scenes and device != "cpu":
@@ -97,9 +97,9 @@ def _on_scenes(
         score = train_on_scenes(settings, name, folders, out, jobs, device)
         for file in FOR_PEOPLE:
             write_sums(out / file)
-    low, high = score.precision.interval
+    low, high = score.average_precision.interval
     return (
-        f"average precision {score.precision.value:.2f} ({low:.2f} to {high:.2f}) at "
+        f"average precision {score.average_precision.value:.2f} ({low:.2f} to {high:.2f}) at "
         f"{score.grasps} grasps in {score.scenes} scenes of held-out objects, of which "
         f"{score.share:.0%} succeeded"
     )

@@ -21,7 +21,7 @@ from egad.exchange import Acronym, DexNet
 from egad.geometry import Material, Rescale
 from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
-from egad.learning import SceneTraining, Training
+from egad.learning import Training, VgnTraining
 from egad.map_elites import Evolution
 from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
@@ -72,7 +72,6 @@ __all__ = [
     "Robust",
     "Sampling",
     "ScaleRule",
-    "SceneTraining",
     "Schedule",
     "SelectEval",
     "Settings",
@@ -85,4 +84,5 @@ __all__ = [
     "Training",
     "TrainingScenes",
     "TrialProtocol",
+    "VgnTraining",
 ]

@@ -18,7 +18,7 @@ from egad.failures import FailureSearch
 from egad.geometry import Material, Rescale
 from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
-from egad.learning import SceneTraining, Training
+from egad.learning import Training, VgnTraining
 from egad.map_elites import Evolution
 from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
 from egad.perception import CAMERAS, Camera, ImageNoise, Render
@@ -76,7 +76,7 @@ class Settings(Parameters):
     naive_grasp: NaiveGrasp = NaiveGrasp()
     agreement: LabelAgreement = LabelAgreement()
     training: Training = Training()
-    training_scenes: SceneTraining = SceneTraining()
+    training_vgn: VgnTraining = VgnTraining()
     render: Render = Render()
     image_noise: ImageNoise = ImageNoise()
     scenes: TrainingScenes = TrainingScenes()

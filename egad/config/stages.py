@@ -17,7 +17,7 @@ from egad.failures import FailureParameters
 from egad.geometry import Material, Rescale
 from egad.grasps import LabelParameters, Quality
 from egad.grippers import Gripper
-from egad.learning import SceneTraining, Training
+from egad.learning import Training, VgnTraining
 from egad.map_elites import EvolutionParameters
 from egad.measures import MeasureParameters, MeasureSpace, SizeEffectParameters, space_of
 from egad.perception import RenderParameters
@@ -196,7 +196,7 @@ class TrainOnScenes(StageSettings):
     """Training of a grasp network on labelled scenes."""
 
     seed: int
-    training_scenes: SceneTraining
+    training_vgn: VgnTraining
     gripper: Gripper
 
 

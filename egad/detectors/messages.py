@@ -14,7 +14,7 @@ from egad.grippers import Gripper
 from egad.perception import Intrinsics, Observation, PointCloud, Tsdf, View
 
 PROTOCOL = 1
-PARTS = ("view", "views", "tsdf", "cloud", "object_clouds")  # of an observation
+PARTS = ("view", "views", "tsdf", "cloud")  # of an observation, for who asks for it
 KINDS = "biuf"  # of arrays: truth values, integers, real numbers
 GRASP = ("center", "angle", "width", "depth", "quality")
 

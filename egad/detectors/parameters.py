@@ -59,7 +59,7 @@ class DetectorConfig(Parameters):
         gt=0,
         lt=1,
         description="quality that proposals of `vgn` have at least; nothing: what the protocol of "
-        "cleared tables asks for, or 0.9",
+        "cleared tables asks for, or 0.5 for weights of `egad train` and 0.9 for others",
     )
     address: str | None = Field(
         None, description="address of the server of `graspgen`, such as tcp://localhost:5556"

@@ -23,7 +23,7 @@ from egad.detectors.parameters import (
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.suction import suction_cloud, suction_depth
-from egad.detectors.vgn import THRESHOLD, Vgn
+from egad.detectors.vgn import Vgn
 from egad.errors import UserError
 from egad.grippers import Gripper
 
@@ -63,8 +63,7 @@ def make_detector(config: DetectorConfig) -> Detector:
     if name == "ggcnn":
         return with_checked_answers(GGCNN(config.weights, config.execution))
     if name == "vgn":
-        threshold = THRESHOLD if config.threshold is None else config.threshold
-        return with_checked_answers(Vgn(config.weights, threshold))
+        return with_checked_answers(Vgn(config.weights, config.threshold))
     return with_checked_answers(_own(config))
 
 

@@ -23,19 +23,21 @@ VGN_WEIGHTS = "the published ones are in the data of the project ethz-asl/vgn: v
 SMOOTHING = 1.0  # voxels
 NEAR_SURFACE = 2  # voxels
 WIDTHS = (1.33, 9.33)  # voxels; predictions beyond these are dropped
-THRESHOLD = 0.9  # of the quality, by default
+OPENING = 0.08  # metres; of the hand for which these are, the Panda's
+THRESHOLD = 0.9  # of the quality, for weights without one of their own, as the published ones
 APART = 4  # voxels; side of the cube in which only the best grasp is kept
 
 
 class Vgn:
     """VGN's network as a grasp detector."""
 
-    def __init__(self, weights: str | None, threshold: float = THRESHOLD) -> None:
+    def __init__(self, weights: str | None, threshold: float | None = None) -> None:
         """Load it.
 
         Args:
             weights: File of weights, published or safetensors.
-            threshold: Quality that proposals have at least.
+            threshold: Quality that proposals have at least; None for that noted in the weights, or
+                0.9.
 
         Raises:
             UserError: PyTorch is missing, or the weights are, or they are of another network.
@@ -44,14 +46,18 @@ class Vgn:
             missing = "vgn needs `weights: FILE`" if weights is None else f"no such file: {weights}"
             raise UserError(f"{WHERE}: {missing}; {VGN_WEIGHTS}")
         self._weights = weights
-        self._threshold = threshold
         with needed_for("vgn"):
             from egad.learning import vgn  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
         try:
             self._infer = vgn.inference(files.read_vgn(weights))
+            own = files.notes_in(weights).get("threshold", THRESHOLD)
+            if not (isinstance(own, float) and 0 < own < 1):
+                text = f"{weights}: its threshold is {own!r}; allowed: above 0 and below 1"
+                raise files.WeightsError(text)
         except files.WeightsError as error:
             raise UserError(f"{error}; {VGN_WEIGHTS}") from error
+        self._threshold = own if threshold is None else threshold
 
     def __reduce__(self) -> tuple[type["Vgn"], tuple[str, float]]:
         """For other processes, which load it again."""
@@ -73,7 +79,7 @@ class Vgn:
         """
         grid = encode(tsdf)
         answer = self._infer(grid)
-        quality = _processed(answer[0], answer[5], grid)
+        quality = _processed(answer[0], answer[5], grid, widest(gripper))
         voxels = np.argwhere(_peaks(quality, self._threshold))
         i, j, k = voxels.T
         poses = np.tile(np.eye(4), (len(voxels), 1, 1))
@@ -84,12 +90,17 @@ class Vgn:
         return best_poses(GraspPoses(poses, widths, quality[i, j, k].astype(np.float64)))
 
 
-def _processed(quality: Singles, width: Singles, grid: Singles) -> Singles:
+def widest(gripper: Gripper) -> float:
+    """The width up to which grasps are proposed, voxels: VGN's, in proportion for a wider hand."""
+    return WIDTHS[1] * max(1.0, gripper.opening / OPENING)
+
+
+def _processed(quality: Singles, width: Singles, grid: Singles, most: float) -> Singles:
     """The quality smoothed, and 0 where it is far from free space or the width is none."""
     smooth: Singles = ndimage.gaussian_filter(quality, SMOOTHING, mode="nearest")
     inside = (grid > 1e-3) & (grid < 0.5)
     near = ndimage.binary_dilation(grid > 0.5, iterations=NEAR_SURFACE, mask=~inside)
-    smooth[~near | (width < WIDTHS[0]) | (width > WIDTHS[1])] = 0
+    smooth[~near | (width < WIDTHS[0]) | (width > most)] = 0
     return smooth
 
 

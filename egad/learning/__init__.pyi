@@ -10,10 +10,11 @@ from .model_card import TrainedNetwork as TrainedNetwork
 from .model_card import card as card
 from .parameters import SIZE as SIZE
 from .parameters import NetworkName as NetworkName
-from .parameters import SceneTraining as SceneTraining
 from .parameters import Training as Training
+from .parameters import VgnTraining as VgnTraining
 from .scene_model_card import TrainedOnScenes as TrainedOnScenes
 from .scene_model_card import scene_card as scene_card
+from .scene_scores import DECISION_THRESHOLD as DECISION_THRESHOLD
 from .scene_scores import SceneScore as SceneScore
 from .scene_scores import scene_score as scene_score
 from .scene_scores import scene_score_table as scene_score_table

@@ -16,7 +16,7 @@ class Training(Parameters):
     network: NetworkName = Field(
         "ggcnn2",
         description="GG-CNN (62,420 weights) or GG-CNN2 (66,676); or VGN (313,238), which learns "
-        "from labelled scenes by the settings of `training_scenes`, not by those here",
+        "from labelled scenes by the settings of `training_vgn`, not by those here",
     )
     images: int = Field(
         10000, ge=1, description="number of training examples; each shows a crop of an image"
@@ -67,7 +67,7 @@ class Training(Parameters):
         return self
 
 
-class SceneTraining(Parameters):
+class VgnTraining(Parameters):
     """Training of the network of VGN on labelled scenes; see `training.network`."""
 
     examples: int = Field(

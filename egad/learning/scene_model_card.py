@@ -9,7 +9,7 @@ import pandas as pd
 
 from egad._util.markdown import table
 from egad.learning.model_card import versions
-from egad.learning.scene_scores import SceneEstimate, SceneScore
+from egad.learning.scene_scores import DECISION_THRESHOLD, SceneEstimate, SceneScore
 from egad.perception import SPLITS
 
 PAGE = """# {title}, trained on {source}
@@ -17,8 +17,8 @@ PAGE = """# {title}, trained on {source}
 A fully convolutional network of {parameters:,} weights. For every voxel of a truncated signed
 distance field it says how good a grasp there is, how the hand is turned, and how wide it holds
 (Breyer et al., "Volumetric grasping network", CoRL 2020). The weights are in `weights.safetensors`,
-for the detector `vgn` with any two-finger gripper; the grasps that it learnt from are those of
-{gripper}.
+for the detector `vgn`. It learnt from grasps of {gripper}. How well it grasps with another hand is
+not measured here: the detector tells the network nothing about the hand that it is used with.
 
 The input, (1, 40, 40, 40), is distances from 0 inside to 1 outside, 0 where nothing is seen or near
 no surface. The output, (6, 40, 40, 40), is quality, quaternion (x, y, z, w) and width in voxels, of
@@ -36,8 +36,8 @@ The average precision of guesses is the share of grasps that succeeded, their ba
 succeeded. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
 
 The quality is that of a set in which as many grasps succeed as fail. The detector smooths it, which
-lowers its peaks, and proposes what is left above `threshold`, 0.9 by default. At the labelled
-voxels, before smoothing:
+lowers its peaks, and proposes what is left above `threshold`, {threshold} by default for these
+weights. At the labelled voxels, before smoothing:
 
 {thresholds}
 ## Data
@@ -104,29 +104,19 @@ def scene_card(trained: TrainedOnScenes) -> str:
         grasps=score.grasps,
         share=score.share,
         score=table(["", "value", "from", "to"], _rows(score)),
+        threshold=DECISION_THRESHOLD,
         loss=score.loss,
         validation=trained.history["validation_loss"][best],
         thresholds=table(
-            ["quality at least", "of the positive grasps", "positive among those"],
+            ["quality at least", "recall", "precision"],
             [
                 (threshold, f"{found:.1%}", f"{right:.1%}" if right == right else "")
                 for threshold, found, right in zip(
-                    score.thresholds, score.recall, score.purity, strict=True
+                    score.thresholds, score.recall, score.precision, strict=True
                 )
             ],
         ),
-        data=table(
-            [
-                "split",
-                "objects",
-                "packed",
-                "piles",
-                "without a positive grasp",
-                "grasps",
-                "positive",
-            ],
-            scene_counts(trained.index),
-        ),
+        data=table(["split", *COUNTS], scene_counts(trained.index)),
         noise=_noise(trained),
         examples=int(trained.history["scenes"].iloc[-1]),
         epochs=len(trained.history),
@@ -161,8 +151,8 @@ def scene_counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int
 
 def _rows(score: SceneScore) -> list[tuple[str, str, str, str]]:
     return [
-        _row("average precision", score.precision, "{:.3f}"),
-        _row("balanced accuracy at 0.5", score.accuracy, "{:.1%}"),
+        _row("average precision", score.average_precision, "{:.3f}"),
+        _row("balanced accuracy at 0.5", score.balanced_accuracy, "{:.1%}"),
         _row("mean error of the rotation, degrees", score.angle, "{:.1f}"),
         _row("mean error of the width, mm", score.width, "{:.1f}", 1000),
     ]

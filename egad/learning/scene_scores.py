@@ -12,7 +12,7 @@ from egad._util.arrays import Floats
 from egad.stats import Interval, bootstrap
 from egad.tables.training import SCENE_SCORE
 
-HALF = 0.5  # quality from which a grasp counts as predicted to succeed
+DECISION_THRESHOLD = 0.5  # quality from which a grasp is predicted to succeed
 THRESHOLDS = (0.5, 0.7, 0.8, 0.9, 0.95)
 
 
@@ -51,28 +51,28 @@ class SceneScore:
         scenes: How many they are.
         grasps: Labelled grasps in them.
         positive: How many of these succeeded.
-        precision: Average precision of the quality; that of guesses is the share of positives.
-        accuracy: Mean of the fractions of the positive and of the negative grasps that are told
-            right at a quality of 0.5.
+        average_precision: Of the quality; that of guesses is the share of positives.
+        balanced_accuracy: Mean of the fractions of the positive and of the negative grasps that
+            are told right at a quality of 0.5.
         angle: Mean error of the rotation at positive grasps, degrees.
         width: Mean error of the width at positive grasps, metres.
         loss: Mean over the grasps.
         thresholds: Of the quality,
         recall: which fraction of the positive grasps has at least that,
-        purity: and which fraction of the grasps with at least that is positive; NaN if none has.
+        precision: and which fraction of the grasps with at least that is positive; NaN if none has.
     """
 
     scenes: int
     grasps: int
     positive: int
-    precision: SceneEstimate
-    accuracy: SceneEstimate
+    average_precision: SceneEstimate
+    balanced_accuracy: SceneEstimate
     angle: SceneEstimate
     width: SceneEstimate
     loss: float
     thresholds: tuple[float, ...]
     recall: tuple[float, ...]
-    purity: tuple[float, ...]
+    precision: tuple[float, ...]
 
     @property
     def share(self) -> float:
@@ -98,7 +98,7 @@ def average_precision(
     """
     ranked = np.argsort(-quality, kind="stable")
     counts = np.ones(len(quality)) if weights is None else weights
-    return _precision(success[ranked], counts[ranked], _ends(quality[ranked]))
+    return _ranked_average_precision(success[ranked], counts[ranked], _ends(quality[ranked]))
 
 
 def _ends(ranked: Floats) -> NDArray[np.int64]:
@@ -106,7 +106,9 @@ def _ends(ranked: Floats) -> NDArray[np.int64]:
     return np.flatnonzero(np.append(np.diff(ranked) != 0, True)) if len(ranked) else np.arange(0)
 
 
-def _precision(success: NDArray[np.bool_], weights: Floats, ends: NDArray[np.int64]) -> float:
+def _ranked_average_precision(
+    success: NDArray[np.bool_], weights: Floats, ends: NDArray[np.int64]
+) -> float:
     """The average precision of ranked grasps."""
     right, shown = np.cumsum(weights * success)[ends], np.cumsum(weights)[ends]
     if not len(ends) or right[-1] == 0:
@@ -124,14 +126,14 @@ def scene_score(answers: Sequence[GraspAnswers]) -> SceneScore:
         scenes=len(answers),
         grasps=len(success),
         positive=int(success.sum()),
-        precision=_precision_estimate(answers, success, quality),
-        accuracy=_accuracy(answers),
+        average_precision=_average_precision_estimate(answers, success, quality),
+        balanced_accuracy=_balanced_accuracy(answers),
         angle=_mean_estimate([each.angles[each.success] for each in answers]),
         width=_mean_estimate([each.widths[each.success] for each in answers]),
         loss=mean_loss(answers),
         thresholds=THRESHOLDS,
         recall=tuple(_mean(chosen[success]) for chosen in at_least),
-        purity=tuple(_mean(success[chosen]) for chosen in at_least),
+        precision=tuple(_mean(success[chosen]) for chosen in at_least),
     )
 
 
@@ -140,7 +142,7 @@ def mean_loss(answers: Sequence[GraspAnswers]) -> float:
     return _mean(np.concatenate([each.losses.sum(axis=1) for each in answers]))
 
 
-def precision_of(answers: Sequence[GraspAnswers]) -> float:
+def joint_average_precision(answers: Sequence[GraspAnswers]) -> float:
     """The average precision over the grasps of all scenes."""
     return average_precision(_joined(answers, "success").astype(bool), _joined(answers, "quality"))
 
@@ -154,8 +156,8 @@ def scene_score_table(score: SceneScore) -> pd.DataFrame:
         "loss": score.loss,
     }
     named = {
-        "average_precision": score.precision,
-        "balanced_accuracy": score.accuracy,
+        "average_precision": score.average_precision,
+        "balanced_accuracy": score.balanced_accuracy,
         "angle_error": score.angle,
         "width_error": score.width,
     }
@@ -173,7 +175,7 @@ def _mean(values: NDArray[np.floating] | NDArray[np.bool_]) -> float:
     return float(values.mean()) if len(values) else np.nan
 
 
-def _precision_estimate(
+def _average_precision_estimate(
     answers: Sequence[GraspAnswers], success: NDArray[np.bool_], quality: Floats
 ) -> SceneEstimate:
     """The average precision, and its interval by drawing scenes."""
@@ -183,18 +185,20 @@ def _precision_estimate(
 
     def of_draws(draws: NDArray[np.int64]) -> Floats:
         counts = (np.bincount(draw, minlength=len(answers)).astype(float) for draw in draws)
-        return np.array([_precision(right, count[scene], ends) for count in counts])
+        return np.array([_ranked_average_precision(right, count[scene], ends) for count in counts])
 
-    value = _precision(right, np.ones(len(right)), ends)
+    value = _ranked_average_precision(right, np.ones(len(right)), ends)
     return SceneEstimate(value, bootstrap(of_draws, len(answers)))
 
 
-def _accuracy(answers: Sequence[GraspAnswers]) -> SceneEstimate:
+def _balanced_accuracy(answers: Sequence[GraspAnswers]) -> SceneEstimate:
     """The mean of the fractions of both classes that are told right at 0.5."""
     sums = np.array(
         [
             [(high & good).sum(), good.sum(), (~high & ~good).sum(), (~good).sum()]
-            for good, high in ((each.success, each.quality >= HALF) for each in answers)
+            for good, high in (
+                (each.success, each.quality >= DECISION_THRESHOLD) for each in answers
+            )
         ],
         dtype=np.float64,
     )

@@ -17,7 +17,7 @@ from torch import nn
 
 from egad.errors import UserError
 from egad.grippers import Gripper
-from egad.learning.parameters import SceneTraining
+from egad.learning.parameters import VgnTraining
 from egad.learning.scene_examples import (
     SceneExample,
     SceneSource,
@@ -25,7 +25,7 @@ from egad.learning.scene_examples import (
     labelled_grasps,
     scene_example,
 )
-from egad.learning.scene_scores import GraspAnswers, mean_loss, precision_of
+from egad.learning.scene_scores import GraspAnswers, joint_average_precision, mean_loss
 from egad.learning.training import LearningSchedule, spread, thread_pool
 from egad.learning.vgn import VgnNetwork
 
@@ -62,7 +62,7 @@ class SceneTask:
         self,
         scenes: SceneSource,
         gripper: Gripper,
-        settings: SceneTraining,
+        settings: VgnTraining,
         seed: int,
         device: str = "cpu",
     ) -> None:
@@ -100,7 +100,7 @@ class SceneTask:
     def validate(self, network: nn.Module, workers: Executor) -> tuple[float, float]:
         """Loss and average precision on the validation set."""
         answers = self.evaluate(network, self._held, workers)
-        return mean_loss(answers), precision_of(answers)
+        return mean_loss(answers), joint_average_precision(answers)
 
     def evaluate(
         self, network: nn.Module, numbers: Sequence[int] | NDArray[np.int64], workers: Executor

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import safetensors
 import safetensors.torch
 import torch
 from torch import nn
@@ -70,6 +71,22 @@ def _load(network: nn.Module, state: Mapping[str, torch.Tensor], text: str) -> N
         more = f"; and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
         raise WeightsError(f"{text}, but {'; '.join(wrong[:MOST_NAMED])}{more}")
     network.load_state_dict(state)
+
+
+def notes_in(path: str | Path) -> Mapping[str, Any]:
+    """What `write` noted in a file; nothing of a file that something else has written.
+
+    Raises:
+        WeightsError: The file is damaged.
+    """
+    if Path(path).suffix != SAFE:
+        return {}
+    try:
+        with safetensors.safe_open(path, framework="pt") as file:
+            notes = json.loads((file.metadata() or {}).get("egad", "{}"))
+    except Exception as error:
+        raise WeightsError(f"{path} is not a complete safetensors file: {error}") from error
+    return notes if isinstance(notes, dict) else {}
 
 
 def state_in(path: str | Path) -> Mapping[str, torch.Tensor]:

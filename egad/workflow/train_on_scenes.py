@@ -11,15 +11,20 @@ from egad._util.files import write_text
 from egad.config.stages import TrainOnScenes
 from egad.errors import UserError
 from egad.io import checksum
-from egad.learning import SceneScore, TrainedOnScenes, scene_card, scene_score, scene_score_table
+from egad.learning import (
+    DECISION_THRESHOLD,
+    SceneScore,
+    TrainedOnScenes,
+    scene_card,
+    scene_score,
+    scene_score_table,
+)
 from egad.report.training import scene_training_chart
 from egad.scenes import SceneDataset, load_scenes
 from egad.tables import parquet
 from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
 from egad.workflow.code_version import code_version
 from egad.workflow.train import CARD, CHART, CHECKPOINT, REACHED, TABLE, WEIGHTS, check_folders
-
-CODE = ("vgn", "training", "scene_training")
 
 
 def train_on_scenes(
@@ -51,7 +56,7 @@ def train_on_scenes(
     with needed_for("training"):
         from egad.learning import networks, scene_training, training, vgn, weights  # noqa: PLC0415
     check_device(device)
-    plan, seed = settings.training_scenes, settings.seed
+    plan, seed = settings.training_vgn, settings.seed
     scenes = open_scenes(folders)
     network = vgn.new_vgn(seed).to(device)
     task = scene_training.SceneTask(scenes, settings.gripper, plan, seed, device)
@@ -59,7 +64,8 @@ def train_on_scenes(
     rows = training.learn(network, task, jobs, kept)
     _, answers = task.evaluate_split(network, "test", plan.test, jobs)
     score = scene_score(answers)
-    weights.write(network.cpu(), out / WEIGHTS, {"network": "vgn", "seed": seed})
+    notes = {"network": "vgn", "seed": seed, "threshold": DECISION_THRESHOLD}
+    weights.write(network.cpu(), out / WEIGHTS, notes)
     every = [scenes.scene(number) for number in range(len(scenes.index))]
     trained = TrainedOnScenes(
         title=networks.TITLES["vgn"],
@@ -96,8 +102,8 @@ def open_scenes(folders: Sequence[Path]) -> SceneDataset:
     """The scenes to train on.
 
     Raises:
-        UserError: A folder has images instead, a split has no scenes, or all grasps of the split
-            train or validation failed.
+        UserError: A folder has images instead, a split has no scenes, or all grasps of a split
+            failed.
         TableError: A shard cannot be read.
     """
     text = "these are images, for ggcnn and ggcnn2; vgn learns from labelled scenes"
@@ -119,7 +125,7 @@ def fingerprint(settings: TrainOnScenes, folders: Sequence[Path], device: str) -
         "scenes": [checksum(path) for path in files],
         "device": device,
         "torch": torch.__version__,
-        "code": [code_version(f"egad.learning.{name}") for name in CODE],
+        "code": code_version(__name__),
     }
     return json.dumps(known, sort_keys=True)
 

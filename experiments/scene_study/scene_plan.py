@@ -113,9 +113,9 @@ def networks_of(plan: ScenePlan) -> dict[str, tuple[str, int]]:
 def training_settings(study: SceneStudy, training_set: str, seed: int) -> Settings:
     """The settings of a training."""
     scenes = study.plan.sets[training_set].scenes
-    training = study.settings.training_scenes.model_copy(update={"scenes": scenes})
+    training = study.settings.training_vgn.model_copy(update={"scenes": scenes})
     return study.settings.model_copy(
-        update={"seed": study.settings.seed + seed, "training_scenes": training}
+        update={"seed": study.settings.seed + seed, "training_vgn": training}
     )
 
 

@@ -74,15 +74,16 @@ def test_a_question_has_what_the_detector_observes_and_nothing_else(observation)
         assert list(asked["observation"]) == [name]
         assert asked["seed"] == 7
         assert asked["gripper"]["opening"] == gripper.opening
+    (own,) = asked["observation"]["object_clouds"]
+    assert own["points"].tolist() == observation.object_clouds[0].points.tolist()
+    assert own["normals"].tolist() == observation.object_clouds[0].normals.tolist()
     everything = unpacked(packed(question(observation, "observation", gripper, 7)))["observation"]
+    assert set(everything) == {"view", "views", "tsdf", "cloud"}
     assert len(everything["views"]) == len(observation.views)
     for sent, view in zip(everything["views"], observation.views, strict=True):
         assert sent["depth"].tobytes() == view.depth.tobytes()
         assert sent["pose"].tolist() == view.pose.tolist()
     assert everything["cloud"]["points"].tolist() == observation.cloud.points.tolist()
-    (own,) = everything["object_clouds"]
-    assert own["points"].tolist() == observation.object_clouds[0].points.tolist()
-    assert own["normals"].tolist() == observation.object_clouds[0].normals.tolist()
     assert everything["tsdf"]["distances"].shape == (40, 40, 40)
     assert everything["tsdf"]["voxel"] == observation.tsdf.voxel
 

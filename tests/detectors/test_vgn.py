@@ -55,25 +55,59 @@ def test_weights_of_another_network_are_named(tmp_path):
         Vgn(str(path))
 
 
-def test_a_peak_of_the_quality_becomes_a_pose():
-    """VGN's origin lies 5 cm before the fingertips, ours between the pads; it closes along y."""
-    voxel, corner, where = 0.0075, np.array([-0.15, -0.15, -0.05]), (20, 10, 15)
+VOXEL, CORNER, WHERE = 0.0075, np.array([-0.15, -0.15, -0.05]), (20, 10, 15)
+TURN = Rotation.from_euler("xyz", [2.5, 0.3, 0.4])
+
+
+def asked(width, hand):
+    """The grasps of a network whose quality has one peak and whose width is the same everywhere."""
     answer = np.zeros((6, 40, 40, 40), np.float32)
-    answer[5] = 5  # a width that is allowed
-    answer[0][where] = 30  # so much that it is still above the threshold when smoothed
-    turn = Rotation.from_euler("xyz", [2.5, 0.3, 0.4])
-    answer[1:5] = turn.as_quat()[:, None, None, None]
+    answer[5] = width
+    answer[0][WHERE] = 30  # so much that it is still above the threshold when smoothed
+    answer[1:5] = TURN.as_quat()[:, None, None, None]
     distances = np.full((40, 40, 40), 0.5, np.float32)  # free space everywhere
     detect = Vgn.__new__(Vgn)
     detect._infer, detect._threshold = lambda _: answer, 0.9
-    grid = Tsdf(distances, np.ones_like(distances), corner, voxel, 4 * voxel)
-    (pose,), (width,), (score,) = detect(grid, HAND, np.random.default_rng(0))
-    x, y, z = turn.as_matrix().T
+    grid = Tsdf(distances, np.ones_like(distances), CORNER, VOXEL, 4 * VOXEL)
+    return detect(grid, hand, np.random.default_rng(0))
+
+
+def test_the_threshold_is_that_of_the_weights_or_that_of_vgn(tmp_path):
+    torch = pytest.importorskip("torch")
+    weights = pytest.importorskip("egad.learning.weights")
+    network = pytest.importorskip("egad.learning.vgn").new_vgn(0)
+    torch.save(network.state_dict(), tmp_path / "published.pth")
+    assert Vgn(str(tmp_path / "published.pth"))._threshold == 0.9
+    path = tmp_path / "trained.safetensors"
+    for notes, threshold in (({}, 0.9), ({"threshold": 0.6}, 0.6), ([], 0.9)):
+        weights.write(network, path, notes)
+        assert Vgn(str(path))._threshold == threshold
+        assert Vgn(str(path), 0.7)._threshold == 0.7
+    for wrong in ("high", float("nan"), 1.0):
+        weights.write(network, path, {"threshold": wrong})
+        with pytest.raises(UserError, match=r"its threshold is .*; allowed: above 0 and below 1"):
+            Vgn(str(path))
+
+
+def test_a_peak_of_the_quality_becomes_a_pose():
+    """VGN's origin lies 5 cm before the fingertips, ours between the pads; it closes along y."""
+    (pose,), (width,), (score,) = asked(5, HAND)
+    x, y, z = TURN.as_matrix().T
     np.testing.assert_allclose(pose[:3, :3].T, [y, -x, z], atol=1e-6)
-    tip = corner + np.array(where) * voxel + 0.05 * z
+    tip = CORNER + np.array(WHERE) * VOXEL + 0.05 * z
     np.testing.assert_allclose(pose[:3, 3] + finger_span(HAND)[1] * z, tip, atol=1e-6)
     assert width == HAND.opening
     assert score > 0.9
+
+
+@pytest.mark.parametrize(
+    ("hand", "most"),
+    [("panda", 9.33), ("egad_75mm", 9.33), ("robotiq_2f_140", 9.33 * 14 / 8)],
+)
+def test_widths_up_to_what_the_hand_opens_are_proposed(hand, most):
+    """For VGN's hand and narrower ones the bound is VGN's, 7 cm; a wider hand is not held to it."""
+    for width, count in ((1.3, 0), (1.4, 1), (0.999 * most, 1), (1.001 * most, 0)):
+        assert len(asked(width, GRIPPERS[hand]).poses) == count, width
 
 
 @pytest.mark.slow

@@ -46,8 +46,8 @@ def test_networks_of_a_set_differ_in_their_seed_and_sets_in_their_scenes(asked):
     study = study_of(asked)
     few, other = (training_settings(study, "evolved-100", seed) for seed in (0, 1))
     assert (few.seed, other.seed) == (0, 1)
-    assert few.training_scenes.scenes == 100
-    assert training_settings(study, "evolved", 0).training_scenes.scenes is None
+    assert few.training_vgn.scenes == 100
+    assert training_settings(study, "evolved", 0).training_vgn.scenes is None
 
 
 def test_conditions_differ_in_cameras_and_rounds(asked):

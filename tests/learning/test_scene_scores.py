@@ -6,7 +6,7 @@ import pytest
 from egad.learning.scene_scores import (
     GraspAnswers,
     average_precision,
-    precision_of,
+    joint_average_precision,
     scene_score,
     scene_score_table,
 )
@@ -80,17 +80,23 @@ def test_the_score_is_that_of_all_grasps():
     score = scene_score(found)
     assert (score.scenes, score.grasps, score.positive) == (12, 165, success.sum())
     assert score.share == success.mean()
-    assert score.precision.value == average_precision(success, quality) == precision_of(found)
+    assert (
+        score.average_precision.value
+        == average_precision(success, quality)
+        == joint_average_precision(found)
+    )
     right = (quality >= 0.5) == success
     balanced = (right[success].mean() + right[~success].mean()) / 2
-    assert score.accuracy.value == pytest.approx(balanced)
+    assert score.balanced_accuracy.value == pytest.approx(balanced)
     assert score.angle.value == pytest.approx(angles[success].mean())
     assert score.width.value == pytest.approx(widths[success].mean())
     assert score.loss == pytest.approx(np.concatenate([each.losses for each in found]).sum() / 165)
-    for threshold, recall, purity in zip(score.thresholds, score.recall, score.purity, strict=True):
+    for threshold, recall, precision in zip(
+        score.thresholds, score.recall, score.precision, strict=True
+    ):
         above = quality >= threshold
         assert recall == (above & success).sum() / success.sum()
-        assert purity == pytest.approx((above & success).sum() / above.sum())
+        assert precision == pytest.approx((above & success).sum() / above.sum())
 
 
 def test_intervals_are_those_of_drawn_scenes(monkeypatch):
@@ -110,7 +116,7 @@ def test_intervals_are_those_of_drawn_scenes(monkeypatch):
         assert values.shape == (60,)
     for draw, precision, balanced in zip(seen[0][0], seen[0][1], seen[1][1], strict=True):
         drawn = [found[number] for number in draw]
-        assert precision == pytest.approx(precision_of(drawn))
+        assert precision == pytest.approx(joint_average_precision(drawn))
         with_these = scene_score_value(drawn)
         assert balanced == pytest.approx(with_these)
 
@@ -123,7 +129,7 @@ def scene_score_value(drawn):
 
 def test_intervals_contain_the_values():
     score = scene_score(answers(2))
-    for estimate in (score.precision, score.accuracy, score.angle, score.width):
+    for estimate in (score.average_precision, score.balanced_accuracy, score.angle, score.width):
         low, high = estimate.interval
         assert low < estimate.value < high
 

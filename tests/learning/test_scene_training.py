@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from shapes import ShapeScenes
 
-from egad.config import GRIPPERS, SceneTraining
+from egad.config import GRIPPERS, VgnTraining
 from egad.errors import UserError
 from egad.learning.scene_examples import SceneExample, SceneStream
 from egad.learning.scene_scores import scene_score
@@ -19,8 +19,8 @@ lessons = pytest.importorskip("egad.learning.scene_training")
 vgn = pytest.importorskip("egad.learning.vgn")
 
 HAND = GRIPPERS["panda"]
-SHORT = SceneTraining(examples=10, epoch=4, batch=3, validation=2, rise=1)
-LONG = SceneTraining(examples=400, epoch=100, batch=2, learning_rate=0.001, rise=1)
+SHORT = VgnTraining(examples=10, epoch=4, batch=3, validation=2, rise=1)
+LONG = VgnTraining(examples=400, epoch=100, batch=2, learning_rate=0.001, rise=1)
 
 
 @pytest.fixture(scope="module")
@@ -220,7 +220,7 @@ class TestTraining:
         rows = training.learn(network, task)
         _, answers = task.evaluate_split(network, "validation", 2, 1)
         best = max(row["validation_average_precision"] for row in rows)
-        assert scene_score(answers).precision.value == best
+        assert scene_score(answers).average_precision.value == best
 
     def test_a_loss_that_is_not_finite_ends_it(self, scenes):
         settings = SHORT.model_copy(update={"learning_rate": 1.0, "examples": 60, "epoch": 60})
@@ -243,13 +243,13 @@ class TestLearning:
 
     def test_geometry_is_learnt(self):
         score = self.score(shuffled=False)
-        assert score.precision.interval[0] > score.share + 0.1
-        assert score.accuracy.value > 0.75
+        assert score.average_precision.interval[0] > score.share + 0.1
+        assert score.balanced_accuracy.value > 0.75
         assert score.width.value < 0.01
 
     def test_shuffled_labels_are_not(self):
         score = self.score(shuffled=True)
-        low, high = score.precision.interval
+        low, high = score.average_precision.interval
         assert low < score.share + 0.02
         assert high < score.share + 0.12
-        assert score.accuracy.value < 0.6
+        assert score.balanced_accuracy.value < 0.6

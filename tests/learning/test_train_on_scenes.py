@@ -1,6 +1,8 @@
 """From labelled scenes to weights, by the command; needs the extra."""
 
 import json
+import pickle
+import shutil
 import sys
 
 import numpy as np
@@ -12,7 +14,7 @@ from typer.testing import CliRunner
 
 import egad.learning
 from egad.cli.commands import app
-from egad.config import GRIPPERS, DetectorConfig, SceneTraining
+from egad.config import GRIPPERS, DetectorConfig, VgnTraining
 from egad.config.stages import TrainOnScenes
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
@@ -23,9 +25,10 @@ from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
 from egad.tables.scenes import SCENE_GRASPS
 from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
+from egad.workflow.code_version import PACKAGE, code_version
 from egad.workflow.train_on_scenes import check_device, fingerprint, open_scenes, train_on_scenes
 
-PLAN = SceneTraining(examples=4, epoch=2, batch=2, validation=2, test=3)
+PLAN = VgnTraining(examples=4, epoch=2, batch=2, validation=2, test=3)
 CAMERA = Intrinsics(160, 120, 104.0, (79.5, 59.5))
 SPLITS = ("train", "train", "train", "validation", "test", "test")
 
@@ -81,9 +84,7 @@ def scenes(made, tmp_path_factory):
 def configuration(path, **changes):
     """A file with the settings of the tests."""
     plan = PLAN.model_dump(mode="json") | changes
-    path.write_text(
-        json.dumps({"seed": 3, "training": {"network": "vgn"}, "training_scenes": plan})
-    )
+    path.write_text(json.dumps({"seed": 3, "training": {"network": "vgn"}, "training_vgn": plan}))
     return str(path)
 
 
@@ -93,7 +94,7 @@ def trained(scenes, tmp_path_factory):
     pytest.importorskip("torch")
     out = tmp_path_factory.mktemp("trained")
     rest = tmp_path_factory.mktemp("config") / "rest.yaml"
-    rest.write_text(json.dumps({"training_scenes": PLAN.model_dump(mode="json") | {"examples": 9}}))
+    rest.write_text(json.dumps({"training_vgn": PLAN.model_dump(mode="json") | {"examples": 9}}))
     words = ["--network", "vgn", "--seed", "3", "--budget", "4", "--jobs", "2"]
     by_words = [*words, "--config", str(rest), "--out", str(out / "words")]
     whole = configuration(rest.with_name("whole.yaml"))
@@ -130,11 +131,14 @@ def test_history_and_score_are_those_of_the_card(trained, made):
     best = history["validation_average_precision"].idxmax()
     assert f"after epoch {best}" in text
     assert f"{history['validation_loss'][best]:.4f}" in text
+    header = "| split | objects | packed | piles | without a positive grasp | grasps | positive |"
+    assert header in text
     assert f"| train | 3 | 2 | 1 | 0 | 36 | {sum(successes[:3])} |" in text
     assert "Cameras in each scene: 3. Noise of their images: dex in 3 scenes, none in 3" in text
     for words in (
         "313,238 weights",
-        "those of\npanda",
+        "It learnt from grasps of panda.",
+        "above `threshold`, 0.5 by default",
         "| seed | 3 |",
         "| batch | 2 |",
         "| torch |",
@@ -144,16 +148,30 @@ def test_history_and_score_are_those_of_the_card(trained, made):
     assert (trained / "words/history.svg").read_text().startswith("<?xml")
 
 
-def test_the_detector_takes_the_weights_and_the_threshold(trained, scenes):
-    """A low one lets proposals through, which an unfinished network has; a high one none."""
-    path = str(trained / "words/weights.safetensors")
+def test_a_trained_network_proposes_grasps_from_the_threshold_of_its_weights(scenes, tmp_path):
+    """Also in other processes; a threshold that is given holds instead."""
+    pytest.importorskip("torch")
+    plan = PLAN.model_copy(update={"examples": 60, "epoch": 60})
+    settings = TrainOnScenes(seed=3, training_vgn=plan, gripper=GRIPPERS["panda"])
+    train_on_scenes(settings, "panda", [scenes], tmp_path, jobs=2)
+    path = str(tmp_path / "weights.safetensors")
     seen = open_scenes([scenes]).scene(0).observation().tsdf
-    found = {}
-    for threshold in (0.01, 0.99):
+
+    def scores(threshold):
         config = DetectorConfig(detector="vgn", weights=path, threshold=threshold)
-        found[threshold] = make_detector(config)(seen, GRIPPERS["panda"], np.random.default_rng(0))
-    assert len(found[0.99].poses) == 0
-    assert (found[0.01].scores >= 0.01).all()
+        detect = make_detector(config)
+        found = detect(seen, GRIPPERS["panda"], np.random.default_rng(0)).scores
+        copy = pickle.loads(pickle.dumps(detect.__wrapped__))  # noqa: S301 (as others get it)
+        assert copy(seen, GRIPPERS["panda"], np.random.default_rng(0)).scores.tolist() == (
+            found.tolist()
+        )
+        return found
+
+    assert len(scores(None)) > 0
+    assert scores(None).tolist() == scores(0.5).tolist()
+    assert len(scores(0.01)) > len(scores(0.5))
+    assert (scores(0.01) >= 0.01).all()
+    assert len(scores(0.99)) == 0
 
 
 def test_weights_of_another_network_are_a_sentence(trained, tmp_path):
@@ -205,7 +223,7 @@ def test_a_split_without_a_success_is_a_mistake(made, split, tmp_path):
 
 def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
     pytest.importorskip("torch")
-    settings = TrainOnScenes(seed=3, training_scenes=PLAN, gripper=GRIPPERS["panda"])
+    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     other = shards_of(tmp_path / "other", made[::-1])
     found = [
         fingerprint(settings, [scenes], "cpu"),
@@ -220,11 +238,50 @@ def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
     assert fingerprint(settings, [scenes], "cpu") == found[0]
 
 
+CHANGED = [
+    ("scenes/reading.py", "chosen = range(self.view_count)", "chosen = range(1)", True),
+    ("sim/clutter.py", "POINT_SIGMA = ", "POINT_SIGMA = 2 * ", True),
+    ("perception/tsdf.py", "def fuse(", "def fuse(_more=1, *, ", True),
+    ("learning/volumes.py", "FAR = 0.98", "FAR = 0.97", True),
+    ("learning/scene_examples.py", "WINDOW = 128", "WINDOW = 64", True),
+    ("learning/vgn.py", "REACH = 5", "REACH = 3", True),
+    ("learning/training.py", "torch.optim.Adam(", "torch.optim.SGD(", True),
+    ("learning/scene_training.py", "WIDTH_WEIGHT = 0.01", "WIDTH_WEIGHT = 0.1", True),
+    ("learning/scene_scores.py", "THRESHOLDS = (0.5, ", "THRESHOLDS = (0.4, ", True),
+    ("learning/scene_scores.py", "DECISION_THRESHOLD = 0.5", "DECISION_THRESHOLD = 0.6", True),
+    ("learning/scene_model_card.py", "## Score", "## Scores", True),
+    ("learning/weights.py", "sort_keys=True", "sort_keys=False", True),
+    ("workflow/train_on_scenes.py", '"test", plan.test', '"validation", plan.test', True),
+    # of other networks, and of nothing that is stored
+    ("learning/targets.py", "WIDEST = 150.0", "WIDEST = 100.0", False),
+    ("learning/model_card.py", "## Score", "## Scores", False),
+    ("detectors/vgn.py", "SMOOTHING = 1.0", "SMOOTHING = 2.0", False),
+]
+
+
+@pytest.mark.parametrize(("file", "old", "new", "counts"), CHANGED)
+def test_code_that_decides_a_training_is_in_its_fingerprint(tmp_path, file, old, new, counts):
+    package = tmp_path / "egad"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__", "data"))
+    text = (package / file).read_text(encoding="utf-8")
+    assert old in text
+    (package / file).write_text(text.replace(old, new, 1), encoding="utf-8")
+    module = "egad.workflow.train_on_scenes"
+    assert (code_version(module, package) != code_version(module)) == counts
+
+
+def test_the_fingerprint_has_the_version_of_the_code(scenes):
+    pytest.importorskip("torch")
+    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
+    found = json.loads(fingerprint(settings, [scenes], "cpu"))
+    assert found["code"] == code_version("egad.workflow.train_on_scenes")
+
+
 def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
     for name in ("networks", "weights", "training", "scene_training", "vgn"):
         monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
         monkeypatch.delattr(egad.learning, name, raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
-    settings = TrainOnScenes(seed=3, training_scenes=PLAN, gripper=GRIPPERS["panda"])
+    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     with pytest.raises(UserError, match=r"egad\[vision\]"):
         train_on_scenes(settings, "panda", [tmp_path], tmp_path)

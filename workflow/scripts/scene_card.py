@@ -7,7 +7,7 @@ from egad.errors import UserError
 from egad.scenes import SceneParameters, describe_set
 from egad.tables import parquet
 from egad.workflow.job import run_job
-from egad.workflow.training_scenes import read_plan
+from egad.workflow.scene_inputs import read_plan
 
 log = logging.getLogger(__name__)
 

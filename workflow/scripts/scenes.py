@@ -7,7 +7,7 @@ from egad._util.progress import phase, progress
 from egad.config.stages import MakeScenes
 from egad.scenes import make_scene, scenes_of_shard, write_shard
 from egad.workflow.job import run_job
-from egad.workflow.training_scenes import StoredModels, read_plan
+from egad.workflow.scene_inputs import StoredModels, read_plan
 
 log = logging.getLogger(__name__)
 

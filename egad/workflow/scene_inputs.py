@@ -1,4 +1,4 @@
-"""Labelled scenes of a dataset of the workflow: which objects there are, and how they are split."""
+"""What labelled scenes of a dataset are made from: its plan and objects, read from its tables."""
 
 from functools import lru_cache
 from pathlib import Path
