@@ -10,8 +10,6 @@ from egad.cli.common import (
     Config,
     Jobs,
     OutFolder,
-    gripper_in,
-    gripper_option,
     settings_in,
     with_option,
 )
@@ -36,7 +34,6 @@ def train(
         int | None,
         typer.Option(min=1, help="number of training examples; default: as in the configuration"),
     ] = None,
-    gripper: Annotated[str, gripper_option("for vgn, that of the scenes", opening=False)] = "panda",
     device: Annotated[
         Literal["cpu", "cuda"],
         typer.Option(help="where vgn is trained; on a GPU, the last digits may differ each time"),
@@ -56,7 +53,7 @@ def train(
     if not scenes and device != "cpu":
         raise UserError(f"--device {device} is for the network vgn; others train on the CPU")
     if scenes:
-        told = _on_scenes(whole, folders, out, gripper, jobs, device)
+        told = _on_scenes(whole, folders, out, jobs, device)
     else:
         told = _on_images(whole, folders, out, jobs)
     typer.echo(f"{out}: {told}")
@@ -81,17 +78,17 @@ def _on_images(whole: Settings, folders: list[Path], out: Path, jobs: int) -> st
     )
 
 
-def _on_scenes(
-    whole: Settings, folders: list[Path], out: Path, gripper: str, jobs: int, device: str
-) -> str:
-    """Train on scenes; returns what came of it."""
+def _on_scenes(whole: Settings, folders: list[Path], out: Path, jobs: int, device: str) -> str:
+    """Train on scenes, of whichever gripper; returns what came of it."""
     from egad.config.stages import TrainOnScenes, select
     from egad.io import write_sums
     from egad.provenance.record import recorded
     from egad.workflow.train import FOR_PEOPLE
-    from egad.workflow.train_on_scenes import train_on_scenes
+    from egad.workflow.train_on_scenes import open_scenes, train_on_scenes
 
-    whole, name = gripper_in(whole, gripper)
+    scenes = open_scenes(folders)
+    name = scenes.gripper_name
+    whole = whole.model_copy(update={"grippers": {**whole.grippers, name: scenes.gripper}})
     settings = select(whole, TrainOnScenes, name)
     with recorded("train", settings=settings, arguments={"device": device}, inputs=folders):
         score = train_on_scenes(settings, name, folders, out, jobs, device)

@@ -82,7 +82,8 @@ def _rows(
 
 def _row(path: tuple[str, ...], key: str) -> tuple[str, str, str]:
     node: Node = node_at((*path, key)) or {}
-    return f"`{key}`", _meaning(node), allowed(node)
+    field: Node = (node_at(path) or {})["properties"][key]
+    return f"`{key}`", _meaning(field) or _meaning(node), allowed(node)
 
 
 def _is_table(name: str) -> bool:

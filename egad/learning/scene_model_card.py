@@ -72,9 +72,8 @@ class TrainedOnScenes:
         parameters: How many weights it has.
         source: Where the scenes are.
         gripper: Name of the gripper of their grasps.
-        index: One row per scene: `kind`, `split`, `objects`, `grasps` and `positive`,
-        views: How many cameras each has,
-        noise: and the noise of its images.
+        index: One row per scene: `kind`, `split`, `objects`, `noise`, `views`, `grasps` and
+            `positive`.
         history: Columns of `tables.training.SCENE_HISTORY`.
         score: On the split `test`.
         settings: How it was trained, by name.
@@ -85,8 +84,6 @@ class TrainedOnScenes:
     source: str
     gripper: str
     index: pd.DataFrame
-    views: list[int]
-    noise: list[str]
     history: pd.DataFrame
     score: SceneScore
     settings: Mapping[str, Any]
@@ -117,7 +114,7 @@ def scene_card(trained: TrainedOnScenes) -> str:
             ],
         ),
         data=table(["split", *COUNTS], scene_counts(trained.index)),
-        noise=_noise(trained),
+        noise=_noise(trained.index),
         examples=int(trained.history["scenes"].iloc[-1]),
         epochs=len(trained.history),
         best=best,
@@ -165,10 +162,10 @@ def _row(
     return name, value, low, high
 
 
-def _noise(trained: TrainedOnScenes) -> str:
+def _noise(index: pd.DataFrame) -> str:
     """How many cameras there are, and what their noise is."""
-    low, high = min(trained.views), max(trained.views)
-    counts = pd.Series(trained.noise).value_counts().sort_index()
+    low, high = index["views"].min(), index["views"].max()
+    counts = index["noise"].value_counts().sort_index()
     noise = ", ".join(f"{name} in {count:,} scenes" for name, count in counts.items())
     cameras = f"{low}" if low == high else f"{low} to {high}"
     return f"Cameras in each scene: {cameras}. Noise of their images: {noise}."

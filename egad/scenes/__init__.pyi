@@ -13,5 +13,5 @@ from .reading import LabelledScene as LabelledScene
 from .reading import SceneDataset as SceneDataset
 from .reading import load_scenes as load_scenes
 from .writing import describe_set as describe_set
-from .writing import set_key as set_key
+from .writing import set_notes as set_notes
 from .writing import write_shard as write_shard

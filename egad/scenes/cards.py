@@ -52,7 +52,8 @@ def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
         f"engine {scenes.engine}, protocol {scenes.protocol}.",
         f"![One of the scenes: green grasps held, red did not]({PICTURE})",
         _counts(found),
-        f"{missing} of {found.planned} planned scenes are left out, as the simulation went wrong."
+        f"{missing} of {found.planned} planned scenes are left out: the simulation went wrong, or "
+        "none of their objects can be simulated."
         if missing
         else "",
         "## Labels",
@@ -136,13 +137,11 @@ def _splits(settings: SceneParameters, splits: Splits) -> str:
         "known."
     )
     if splits.held_out:
-        how += (
-            f" {splits.held_out} objects are in no scene: the evaluation set with its parents and "
-            "children."
-        )
+        what = "the evaluation set with its" if scenes.hold_out else "those held out, with their"
+        how += f" {splits.held_out} objects are in no scene: {what} parents and children."
     return (
-        f"{how} The largest families are for training, until it has {_percent(1 - scenes.test)} "
-        f"less {_percent(scenes.validation)} of the objects."
+        f"{how} The largest families are for training, until it has "
+        f"{_percent(1 - scenes.validation - scenes.test)} of the objects."
         if splits.families
         else how
     )
@@ -155,7 +154,7 @@ def _cameras(settings: SceneParameters, scenes: pd.DataFrame) -> str:
     noise = ", ".join(f"{name} in {counts.get(name, 0)}" for name in settings.scenes.noise)
     return (
         f"{cameras.views} views of {width} x {height} pixels, focal length {cameras.focal:.4g} "
-        f"pixels; each {_range(cameras.distance)} m from a point {cameras.aim:g} m above the "
+        f"pixels; each {_range(cameras.distance)} m from a point {_height(cameras.aim)} the "
         f"middle of the table, {_range(cameras.tilt)} degrees off the vertical. Depth is in steps "
         f"of 0.1 mm. Noise, by scenes: {noise}."
     )
@@ -164,6 +163,11 @@ def _cameras(settings: SceneParameters, scenes: pd.DataFrame) -> str:
 def _range(values: tuple[float, float]) -> str:
     low, high = values
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _height(metres: float) -> str:
+    """A height relative to the table, with its preposition."""
+    return f"{100 * abs(metres):g} cm {'below' if metres < 0 else 'above'}" if metres else "on"
 
 
 def _percent(share: float) -> str:

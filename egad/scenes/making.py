@@ -233,7 +233,8 @@ def try_grasp(
 ) -> tuple[PoseExecution, float]:
     """What comes of a grasp of the fully open hand, and how far it is open in the end, metres.
 
-    A contact on the way is a failure, as in VGN's data.
+    A contact on the way with more than the stopping force of the protocol is a failure; in VGN's
+    data, any is.
     """
     put(world, present)
     rules = settings.scenes.protocol

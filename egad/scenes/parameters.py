@@ -8,6 +8,7 @@ from egad._util.parameters import Fraction, ParameterGroup, Parameters, Seed
 from egad.grippers import Gripper
 from egad.perception import NoiseName
 from egad.sim import (
+    CUSTOM,
     ENGINES,
     NAMED_PROTOCOLS,
     Clutter,
@@ -30,7 +31,7 @@ class TrainingScenes(Parameters):
         1000,
         ge=1,
         le=10_000_000,
-        description="scenes per dataset, for any number of objects; about 5 s each",
+        description="scenes per dataset, for any number of objects; about 4 s each",
     )
     pile: Fraction = Field(
         0.5, description="fraction of the scenes that are piles; in the others, objects are packed"
@@ -52,8 +53,9 @@ class TrainingScenes(Parameters):
     protocol: Protocol = Field(
         NAMED_PROTOCOLS["egad"],
         description="rules of a published benchmark, as in `clutter.protocol`, for sizes, packing, "
-        "dropping, friction, closing force and success; for a label, the hand opens fully and a "
-        "contact during the approach is a failure",
+        "dropping, friction, closing force and success; for a label, the hand opens fully, and a "
+        "contact during the approach with more than its `stopping_force` is a failure; a section "
+        "has no cameras and no noise: these are `scenes.cameras` and `scenes.noise`",
     )
     engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
     cameras: SceneCameras = Field(
@@ -79,6 +81,16 @@ class TrainingScenes(Parameters):
     def _something_is_left(self) -> Self:
         if self.validation + self.test >= 1:
             raise ValueError("validation and test together must be less than 1")
+        return self
+
+    @model_validator(mode="after")
+    def _cameras_and_noise_are_those_of_the_scenes(self) -> Self:
+        rules, usual = self.protocol, NAMED_PROTOCOLS["egad"]
+        if rules.name == CUSTOM and (rules.cameras, rules.noise) != (usual.cameras, usual.noise):
+            raise ValueError(
+                "cameras and noise of a protocol are not used for labelled scenes; set those of "
+                "the scenes instead (scenes.cameras, scenes.noise)"
+            )
         return self
 
 

@@ -1,6 +1,6 @@
 """Which objects of which split are in which scene (ours)."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Container, Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -23,7 +23,7 @@ class Splits(NamedTuple):
     Attributes:
         split_of: The split of each object that may be in scenes, by id.
         families: How many families the objects have, if ancestors are known; else 0.
-        held_out: How many objects are in no scene, as relatives of the evaluation set.
+        held_out: How many objects are in no scene, as they or their relatives are held out.
     """
 
     split_of: dict[str, str]
@@ -51,7 +51,7 @@ def shard_count(scenes: int) -> int:
 def split_objects(
     ids: Collection[str],
     lineage: Lineage | None,
-    evaluation: Collection[str],
+    hold_out: Collection[str],
     settings: SceneParameters,
 ) -> Splits:
     """Split objects such that no family is in two splits.
@@ -62,11 +62,14 @@ def split_objects(
     Args:
         ids: All objects of a dataset.
         lineage: Their ancestors, if they are known.
-        evaluation: Ids of the evaluation set, to be held out with parents and children.
+        hold_out: Ids of objects to be held out with parents and children, such as the evaluation
+            set; it may have objects that only the ancestors hold.
         settings: Fractions, and the seed.
     """
     known = lineage if lineage and all(name in lineage for name in ids) else None
-    out = with_parents_and_children(set(evaluation) & set(ids), known) & set(ids)
+    held = set(ids) if known is None else known
+    named = {name for name in hold_out if name in held}
+    out = with_parents_and_children(named, known) & set(ids)
     family_of = families(sorted(set(ids) - out), known)
     scenes, seed = settings.scenes, settings.seed
     others = scenes.validation + scenes.test
@@ -109,6 +112,23 @@ def planned_scenes(split_of: Mapping[str, str], settings: SceneParameters) -> li
             "scenes, or for smaller fractions for validation and test"
         )
     return plan
+
+
+def with_objects(plan: Iterable[PlannedScene], ids: Container[str]) -> list[PlannedScene]:
+    """The scenes that have some of the objects, without all others.
+
+    Args:
+        plan: Scenes of any objects.
+        ids: Those that may stay.
+    """
+    found = []
+    for planned in plan:
+        this = planned.round
+        kept = [pair for pair in zip(this.ids, this.factors, strict=True) if pair[0] in ids]
+        if kept:
+            names, factors = zip(*kept, strict=True)
+            found.append(planned._replace(round=this._replace(ids=names, factors=factors)))
+    return found
 
 
 def scenes_of_shard(

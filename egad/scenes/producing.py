@@ -1,6 +1,6 @@
 """Make labelled scenes of objects, from Python."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -18,14 +18,22 @@ from egad.errors import RejectedError, UserError, check_name
 from egad.evalset import Bundle
 from egad.geometry import Material
 from egad.grippers import Gripper, as_gripper, check_jaws
+from egad.map_elites import Lineage
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.perception import NoiseName
-from egad.scenes.making import make_scene
+from egad.scenes.making import MadeScene, make_scene
 from egad.scenes.parameters import TRAINING_CAMERAS, SceneParameters, TrainingScenes
-from egad.scenes.planning import planned_scenes, scenes_of_shard, shard_count, split_objects
+from egad.scenes.planning import (
+    PlannedScene,
+    planned_scenes,
+    scenes_of_shard,
+    shard_count,
+    split_objects,
+    with_objects,
+)
 from egad.scenes.reading import SceneDataset
-from egad.scenes.writing import describe_set, set_key, write_shard
+from egad.scenes.writing import describe_set, set_notes, write_shard
 from egad.sim import ClutterProtocol, EngineName, Model, SceneCameras, build, check_engine
 from egad.tables.objects import REJECTED
 
@@ -44,6 +52,7 @@ def make_scenes(
     noise: Sequence[NoiseName] = ("none", "dex"),
     validation: float = 0.1,
     test: float = 0.1,
+    hold_out: Collection[str] = (),
     seed: int = 0,
     rule: str = "paper",
     engine: EngineName = "mujoco",
@@ -55,24 +64,29 @@ def make_scenes(
     Objects are packed upright or dropped to a pile. Six cameras see them from random directions. At
     random points of the visible surface a hand comes against the normal, at several yaws, closes
     and retreats; the label is whether it lifts an object at any of these. A contact during the
-    approach is a failure. It is the data that VGN is trained on (Breyer et al. 2020).
+    approach is a failure if its force is more than `stopping_force` of the protocol: 20 N, or any
+    with those of VGN and its successors. It is such data that VGN is trained on (Breyer et al.
+    2020).
 
     Args:
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, with jaws, or its name.
-        scenes: How many scenes; about 5 s each.
+        scenes: How many scenes; about 4 s each, after 2 to 5 s for each object that occurs in them,
+            as it is split into convex parts.
         pile: Fraction of them that are piles; in the others, objects are packed.
         per_scene: Mean number of objects in a scene.
         grasps: Labelled grasps in each scene.
         yaws: Turns about the approach that are tried for each grasp, evenly over half a turn.
         protocol: Rules of a published benchmark as of `egad.run_benchmark`, or those of your own:
-            sizes, packing, dropping, friction, force and success.
+            sizes, packing, dropping, friction, forces and success.
         cameras: Ranges of the cameras, keys of `egad.sim.SceneCameras`.
         noise: Kinds of noise, one of which is drawn for each scene: none, stereo, gamma, dex,
             points.
         validation: Fraction of objects and scenes for validation.
         test: Fraction of objects and scenes for testing. No object is in two splits, and no family,
             if the ancestors of all objects are known.
+        hold_out: Ids of objects that are in no scene, nor are their parents and children: those
+            that networks will be tested on.
         seed: The same arguments give the same scenes.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
         engine: What computes the physics: `mujoco` or `pybullet`.
@@ -80,8 +94,9 @@ def make_scenes(
         out: Folder for the scenes; without one they are gone when the result is.
 
     Raises:
-        UserError: There are no objects that can be simulated, or no scene could be made; the
-            gripper has a suction cup; the folder is not empty; an argument is not allowed.
+        UserError: There are no objects that can be simulated, all are held out, or no scene could
+            be made; none of the ids to hold out is known; the gripper has a suction cup; the folder
+            is not empty; an argument is not allowed.
 
     Warns:
         UnitsWarning: The size of a mesh suggests another unit than the metre.
@@ -108,27 +123,49 @@ def make_scenes(
     )
     settings = from_arguments(SceneParameters, seed=seed, gripper=hand, scenes=wanted)
     targets = named_meshes(objects)
+    ids = [each.id for each in targets]
     folder, keep = _folder(out)
     lineage = None
     if isinstance(objects, Dataset):
         with suppress(UserError):  # an archive that was never a file has none
             lineage = objects.lineage
-    models, rejected = models_of(targets, hand, rule, jobs)
-    splits = split_objects([each.id for each in targets], lineage, (), settings)
-    usable = {name: split for name, split in splits.split_of.items() if name in models}
-    plan = planned_scenes(usable, settings)
-    shards, key = shard_count(scenes), set_key(settings, usable)
-    work = partial(make_scene, models=models, settings=settings)
+    splits = split_objects(ids, lineage, _to_hold_out(hold_out, ids, lineage), settings)
+    if not splits.split_of:
+        raise UserError(f"all {len(ids)} objects are held out; leave some out of hold_out")
+    planned = planned_scenes(splits.split_of, settings)
+    drawn = {name for each in planned for name in each.round.ids}
+    models, rejected = models_of([each for each in targets if each.id in drawn], hand, rule, jobs)
+    plan = with_objects(planned, models)
+    name = gripper if isinstance(gripper, str) else "a gripper"
+    shards, about = shard_count(scenes), set_notes(settings, splits.split_of, name)
+    work = partial(_made, settings=settings)
     with workers(jobs) as mapper:
-        done = iter(progress(mapper(work, plan), "making scenes", len(plan)))
+        items = ((each, {name: models[name] for name in each.round.ids}) for each in plan)
+        done = iter(progress(mapper(work, items), "making scenes", len(plan)))
         for shard in range(shards):
             mine = scenes_of_shard(plan, shard, shards, scenes)
             made = [each for _, each in zip(mine, done, strict=False) if each is not None]
             files = (folder / f"{name}-{shard}.parquet" for name in ("scenes", "grasps"))
-            write_shard(made, shard, shards, key, *files)
-    title = f"Labelled scenes for {gripper if isinstance(gripper, str) else 'a gripper'}"
-    describe_set(folder, settings, title, len(plan), splits, rejected)
+            write_shard(made, shard, shards, about, *files)
+    describe_set(folder, settings, f"Labelled scenes for {name}", len(planned), splits, rejected)
     return SceneDataset([folder], keep)
+
+
+def _made(
+    item: tuple[PlannedScene, Mapping[str, Model]], settings: SceneParameters
+) -> MadeScene | None:
+    """A scene, given with its models."""
+    return make_scene(*item, settings)
+
+
+def _to_hold_out(given: object, ids: Collection[str], lineage: Lineage | None) -> set[str]:
+    """The argument `hold_out` as a set."""
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise UserError(f"hold_out is {given!r}; allowed: a list of ids of objects")
+    found = set(given)
+    if found and not any(name in ids or (lineage and name in lineage) for name in found):
+        raise UserError("hold_out has no id of these objects (`Dataset.table` has a column `id`)")
+    return found
 
 
 def _folder(out: str | Path | None) -> tuple[Path, object]:
@@ -146,7 +183,7 @@ def _folder(out: str | Path | None) -> tuple[Path, object]:
 def models_of(
     targets: Sequence[NamedMesh], gripper: Gripper, rule: str, jobs: int
 ) -> tuple[dict[str, Model], pd.DataFrame]:
-    """The objects as they are simulated, by id, and those that cannot be.
+    """Objects as they are simulated, by id, and those that cannot be.
 
     Args:
         targets: The objects.

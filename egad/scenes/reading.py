@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
 from egad._util.files import as_path
+from egad._util.parameters import from_file
 from egad.errors import TableError, UserError, check_name
+from egad.grippers import Gripper
 from egad.perception import (
     SPLITS,
     Intrinsics,
@@ -36,7 +38,7 @@ from egad.tables.shards import rows_of, shard_files
 KEPT = 64  # shards whose grasps stay in memory
 MAKERS = "`egad.make_scenes` or the workflow (targets.scenes)"
 TABLES = ("scenes", "grasps")
-INDEX = ["scene", "kind", "split", "objects"]
+INDEX = ["scene", "kind", "split", "objects", "noise"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,9 +126,12 @@ class SceneDataset:
 
     Attributes:
         folders: Where they are.
-        index: One row per scene: `scene`, its number in its folder; `kind`, `split` and `objects`;
-            `grasps`, how many there are, and `positive`, how many of these succeeded; `shard`,
-            `group` and `row`, where it is stored, shards counted through all folders.
+        gripper: The gripper that tried the grasps.
+        gripper_name: Its name in the settings that the scenes were made with.
+        index: One row per scene: `scene`, its number in its folder; `kind`, `split`, `objects` and
+            `noise`; `views`, how many depth images there are; `grasps`, how many there are, and
+            `positive`, how many of these succeeded; `shard`, `group` and `row`, where it is stored,
+            shards counted through all folders.
     """
 
     def __init__(self, folders: Sequence[Path], keep: object = None) -> None:
@@ -137,11 +142,14 @@ class SceneDataset:
             keep: What must live as long as the files are read.
 
         Raises:
-            UserError: Some are missing, or are not all of one set, or an object is in two splits.
+            UserError: Some are missing, or are not all of one set, or do not say of which gripper;
+                folders are of several grippers, or an object is in two splits.
             TableError: One cannot be read, or is not of this layout.
         """
         self.folders, self._keep = tuple(folders), keep
-        pairs = [pair for folder in folders for pair in shard_files(folder, TABLES, MAKERS)]
+        sets = [shard_files(folder, TABLES, MAKERS) for folder in folders]
+        self.gripper_name, self.gripper = _same_gripper(sets)
+        pairs = [pair for each in sets for pair in each]
         self._paths = [scenes for scenes, _ in pairs]
         self._files = [RowGroups(scenes, SCENES.names) for scenes, _ in pairs]
         for _, grasps in pairs:
@@ -211,19 +219,41 @@ class SceneDataset:
             raise TableError(f"{self._paths[shard]}: scene {row['scene']}: {error}") from error
 
     def _indexed(self, shard: int) -> pd.DataFrame:
-        scenes = rows_of([self._paths[shard]], SCENES, INDEX)
+        rows = rows_of([self._paths[shard]], SCENES, [*INDEX, "cameras"])
         success = self._grasps(shard).groupby("scene")["success"]
         counts = {"grasps": success.size(), "positive": success.sum()}
         sizes = self._files[shard].sizes
-        return scenes.assign(
+        return rows[INDEX].assign(
+            views=rows["cameras"].map(len).astype(int) // len(POSE_PARTS),
             **{
-                name: scenes["scene"].map(each).fillna(0).astype(int)
-                for name, each in counts.items()
+                name: rows["scene"].map(each).fillna(0).astype(int) for name, each in counts.items()
             },
             shard=shard,
             group=np.repeat(np.arange(len(sizes)), sizes),
             row=np.concatenate([np.arange(size) for size in [0, *sizes]]),
         )
+
+
+def _same_gripper(sets: Sequence[Sequence[tuple[Path, ...]]]) -> tuple[str, Gripper]:
+    """The gripper of some sets of shards, and its name in the first of them."""
+    found = []
+    for shards in sets:
+        path = shards[0][0]
+        notes = parquet.notes(path)
+        if not isinstance(notes.get("gripper"), str) or not isinstance(notes.get("hand"), dict):
+            raise UserError(f"{path}: does not say for which gripper it is; make the scenes again")
+        try:
+            found.append((notes["gripper"], from_file(Gripper, notes["hand"])))
+        except UserError as error:
+            raise TableError(f"{path}: its gripper is not one: {error}") from error
+    first, *others = found
+    for path, (name, gripper) in zip([each[0][0].parent for each in sets[1:]], others, strict=True):
+        if gripper != first[1]:
+            raise UserError(
+                f"{path}: scenes for {name}, but {sets[0][0][0].parent} is for {first[0]} or for "
+                "other settings of it; use scenes of the same gripper"
+            )
+    return first
 
 
 def load_scenes(folder: str | Path | Sequence[str | Path]) -> SceneDataset:
@@ -233,7 +263,8 @@ def load_scenes(folder: str | Path | Sequence[str | Path]) -> SceneDataset:
         folder: One folder, or several, which become one set.
 
     Raises:
-        UserError: Shards are missing, or are not all of one set; an object is in two splits.
+        UserError: Shards are missing, or are not all of one set; folders are of several grippers;
+            an object is in two splits.
         TableError: A shard is damaged.
     """
     given = [folder] if isinstance(folder, str | Path) else list(folder)

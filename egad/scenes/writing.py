@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -22,7 +23,12 @@ from egad.tables.shards import rows_of, shard_files
 
 
 def write_shard(
-    made: Sequence[MadeScene], shard: int, shards: int, key: str, scenes: Path, grasps: Path
+    made: Sequence[MadeScene],
+    shard: int,
+    shards: int,
+    about: Mapping[str, Any],
+    scenes: Path,
+    grasps: Path,
 ) -> None:
     """Write the scenes of a shard, and their grasps.
 
@@ -30,21 +36,31 @@ def write_shard(
         made: The scenes.
         shard: Number of the shard.
         shards: How many there are.
-        key: What the whole set is made from, as of `set_key`: shards of others do not fit to it.
+        about: Notes of the whole set, as of `set_notes`: shards with others do not fit to it.
         scenes: File for the scenes, each readable without the others.
         grasps: File for the grasps.
     """
-    notes = {"shard": shard, "shards": shards, "set": key}
+    notes = {"shard": shard, "shards": shards, **about}
     parquet.write(pd.DataFrame([each.scene for each in made]), SCENES, scenes, notes, group=1)
     tables = [each.grasps for each in made if len(each.grasps)]
     table = pd.concat(tables) if tables else parquet.empty(SCENE_GRASPS)
     parquet.write(table, SCENE_GRASPS, grasps, notes)
 
 
-def set_key(settings: SceneParameters, split_of: Mapping[str, str]) -> str:
-    """A digest of the settings and the objects of a set."""
-    text = json.dumps([settings.model_dump(mode="json"), split_of], sort_keys=True)
-    return sha256(text.encode()).hexdigest()[:16]
+def set_notes(
+    settings: SceneParameters, split_of: Mapping[str, str], gripper: str
+) -> dict[str, Any]:
+    """What the shards of a set note: a digest of settings and objects, and the gripper.
+
+    Args:
+        settings: What the scenes are made with.
+        split_of: The split of each object, by id.
+        gripper: Name of the gripper.
+    """
+    values = settings.model_dump(mode="json")
+    text = json.dumps([values, split_of], sort_keys=True)
+    key = sha256(text.encode()).hexdigest()[:16]
+    return {"set": key, "gripper": gripper, "hand": values["gripper"]}
 
 
 def describe_set(

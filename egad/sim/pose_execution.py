@@ -21,6 +21,7 @@ STANDOFF = 0.05  # metres before the grasp, where the approach begins
 RETREAT = 0.1  # metres
 STEEP = np.radians(60)  # approaches that are nearer to level retreat upwards
 LEAST_OPENING = 0.1  # of the hand's opening: closed further, the fingers hold nothing
+AT_REST = 0.001  # ours: metres; a hand that moved less is where it was put
 UP = np.array([0.0, 0.0, 1.0])
 APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # ours: mean, m/s
 
@@ -89,6 +90,10 @@ class FreeHand(Fingers):
                 self._rest()
                 break
         return 0.0
+
+    def moved(self) -> float:
+        """How far the hand is from where it was put, metres."""
+        return float(np.linalg.norm(self._joints))
 
     def _rest(self) -> None:
         """Stay here, instead of pushing on."""
@@ -183,9 +188,9 @@ def _executed(world: World, pose: Floats, width: float, rules: ContactRules) -> 
             return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
         stopped = hand.move(way * approach, APPROACH_SPEED, limit)
     except UnstableError:
-        if rules.contact != "fail":
+        if rules.contact != "fail" or hand.moved() > AT_REST:
             raise
-        # only a hand that is put into an object throws it away
+        # a hand that is put into an object throws it away at once
         return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
     if stopped and rules.contact == "fail":
         return PoseExecution(Outcome.COLLIDED, stopped=stopped)

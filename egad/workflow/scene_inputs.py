@@ -16,7 +16,6 @@ from egad.scenes import (
     SceneParameters,
     Splits,
     planned_scenes,
-    set_key,
     split_objects,
 )
 from egad.sim import Model, model_at_size
@@ -36,13 +35,13 @@ class ScenePlan(NamedTuple):
         scenes: All of them.
         splits: How the objects are split.
         rejected: Those that cannot be simulated, columns of `tables.objects.REJECTED`.
-        key: Digest of what the scenes are made from.
+        usable: The split of each object that can be simulated.
     """
 
     scenes: list[PlannedScene]
     splits: Splits
     rejected: pd.DataFrame
-    key: str
+    usable: dict[str, str]
 
 
 def read_plan(
@@ -64,12 +63,17 @@ def read_plan(
         ancestry: Objects and their ancestors, if they are known.
 
     Raises:
-        UserError: No object can be simulated.
+        UserError: All objects are held out, or none can be simulated.
     """
     table = parquet.read(objects, OBJECTS)[["id", "label"]]
     lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
     held_out = _names(evaluation, "id") if evaluation else set()
     splits = split_objects(table["id"].tolist(), lineage, held_out, settings)
+    if len(table) and not splits.split_of:
+        raise UserError(
+            f"{objects}: all {len(table)} objects are in the evaluation set, or are parents or "
+            "children of objects in it; set scenes.hold_out: false"
+        )
     scaled, simulated = _names(scales, "label"), _names(convex_parts, "label")
     reasons = {
         row["id"]: "it could not be scaled to the gripper"
@@ -86,7 +90,7 @@ def read_plan(
         planned_scenes(usable, settings),
         splits,
         pd.DataFrame(rows, columns=REJECTED.names),
-        set_key(settings, usable),
+        usable,
     )
 
 

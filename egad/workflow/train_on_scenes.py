@@ -50,7 +50,7 @@ def train_on_scenes(
 
     Raises:
         UserError: PyTorch, the device, the scenes of a split, or all positive grasps are missing;
-            or an object is in two splits.
+            or the scenes are for another gripper, or an object is in two splits.
         TableError: A shard cannot be read.
     """
     with needed_for("training"):
@@ -58,6 +58,11 @@ def train_on_scenes(
     check_device(device)
     plan, seed = settings.training_vgn, settings.seed
     scenes = open_scenes(folders)
+    if scenes.gripper != settings.gripper:
+        raise UserError(
+            f"{scenes}: these scenes are for {scenes.gripper_name}, with other settings than "
+            f"{gripper} has here"
+        )
     network = vgn.new_vgn(seed).to(device)
     task = scene_training.SceneTask(scenes, settings.gripper, plan, seed, device)
     kept = training.Checkpoint(out / CHECKPOINT, fingerprint(settings, folders, device))
@@ -66,15 +71,12 @@ def train_on_scenes(
     score = scene_score(answers)
     notes = {"network": "vgn", "seed": seed, "threshold": DECISION_THRESHOLD}
     weights.write(network.cpu(), out / WEIGHTS, notes)
-    every = [scenes.scene(number) for number in range(len(scenes.index))]
     trained = TrainedOnScenes(
         title=networks.TITLES["vgn"],
         parameters=networks.parameters(network),
         source=", ".join(path.name if path.is_absolute() else path.as_posix() for path in folders),
         gripper=gripper,
         index=scenes.index,
-        views=[scene.view_count for scene in every],
-        noise=[scene.noise for scene in every],
         history=pd.DataFrame(rows),
         score=score,
         settings={"seed": seed, "device": device, **plan.model_dump(mode="json")},

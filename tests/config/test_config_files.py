@@ -6,7 +6,7 @@ import pytest
 from snakemake.utils import update_config
 
 from egad._util.parameters import allowed
-from egad.config import Settings, files, manual
+from egad.config import Settings, TrainingScenes, files, manual
 from egad.config.check import check
 from egad.config.files import merged
 from egad.config.schema import node_at, schema
@@ -46,6 +46,15 @@ def test_the_manual_lists_every_setting(monkeypatch):
         if isinstance(values, dict) and section not in (*files.BUILT_IN, "datasets"):
             part = text.partition(f"### `{section}`\n")[2].partition("\n### ")[0]
             assert [key for key in values if f"| `{key}` |" not in part] == []
+
+
+def test_the_manual_says_what_a_section_is_for_where_it_is_a_key():
+    parts = manual.manual().split("\n### ")
+    (scenes,) = (part for part in parts if part.startswith("`scenes`"))
+    for name in ("protocol", "cameras"):
+        meaning = str(TrainingScenes.model_fields[name].description)
+        assert f"| `{name}` |  | {meaning} | a section" in scenes
+    assert any(part.startswith("`clutter.protocol`\n\nRules by which") for part in parts)
 
 
 def test_a_manual_out_of_date_is_noticed(tmp_path, monkeypatch):

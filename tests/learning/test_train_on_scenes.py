@@ -4,6 +4,7 @@ import json
 import pickle
 import shutil
 import sys
+import weakref
 
 import numpy as np
 import pandas as pd
@@ -19,7 +20,7 @@ from egad.config.stages import TrainOnScenes
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
 from egad.perception import DepthCamera, Intrinsics, cameras_around, pose_values, render_scene
-from egad.scenes import MadeScene, write_shard
+from egad.scenes import MadeScene, SceneDataset, write_shard
 from egad.scenes.making import view_columns
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
@@ -68,11 +69,12 @@ def made():
     return [scene(number, split, noise[number % 2]) for number, split in enumerate(SPLITS)]
 
 
-def shards_of(folder, scenes):
+def shards_of(folder, scenes, gripper="panda"):
+    about = {"set": "", "gripper": gripper, "hand": GRIPPERS[gripper].model_dump(mode="json")}
     folder.mkdir(parents=True, exist_ok=True)
     for shard in range(2):
         files = (folder / f"{name}-{shard}.parquet" for name in ("scenes", "grasps"))
-        write_shard(scenes[shard::2], shard, 2, "set", *files)
+        write_shard(scenes[shard::2], shard, 2, about, *files)
     return folder
 
 
@@ -219,6 +221,37 @@ def test_a_split_without_a_success_is_a_mistake(made, split, tmp_path):
     ]
     with pytest.raises(UserError, match=f"no grasp of the split {split} succeeded"):
         open_scenes([shards_of(tmp_path, failed)])
+
+
+def test_a_training_keeps_no_scenes_in_memory(scenes, tmp_path, monkeypatch):
+    pytest.importorskip("torch")
+    alive, most, read = weakref.WeakSet(), [], SceneDataset.scene
+
+    def watched(self, number):
+        found = read(self, number)
+        alive.add(found)
+        most.append(len(alive))
+        return found
+
+    monkeypatch.setattr(SceneDataset, "scene", watched)
+    settings = TrainOnScenes(seed=3, training_scenes=PLAN, gripper=GRIPPERS["panda"])
+    train_on_scenes(settings, "panda", [scenes], tmp_path)
+    assert 0 < max(most) < len(SPLITS)
+
+
+def test_the_gripper_is_that_of_the_scenes(made, scenes, tmp_path):
+    pytest.importorskip("torch")
+    folder = shards_of(tmp_path / "scenes", made, "egad_75mm")
+    config, out = configuration(tmp_path / "config.yaml"), tmp_path / "out"
+    words = ["train", str(folder), "--config", config, "--out", str(out)]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.output
+    assert "those of\negad_75mm" in (out / "README.md").read_text()
+    settings = TrainOnScenes(seed=3, training_scenes=PLAN, gripper=GRIPPERS["panda"])
+    with pytest.raises(UserError, match="these scenes are for egad_75mm, with other settings than"):
+        train_on_scenes(settings, "panda", [folder], tmp_path / "other")
+    with pytest.raises(UserError, match=r"scenes for egad_75mm, but .* is for panda"):
+        open_scenes([scenes, folder])
 
 
 def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):

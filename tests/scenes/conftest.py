@@ -4,7 +4,7 @@ import pytest
 from small_scenes import BOXES, SPLIT_OF, parameters
 
 from egad.evalset import Bundle
-from egad.scenes import load_scenes, make_scene, planned_scenes, set_key, write_shard
+from egad.scenes import load_scenes, make_scene, planned_scenes, set_notes, write_shard
 from egad.sim import build
 
 
@@ -33,10 +33,10 @@ def write(made, settings, tmp_path):
     """Writes some scenes to a folder, in any number of shards, whose numbers they end with."""
 
     def written(*shards, scenes=made, folder=tmp_path):
-        key = set_key(settings, SPLIT_OF)
+        about = set_notes(settings, SPLIT_OF, "panda")
         for number, part in enumerate(shards):
             files = (folder / f"{name}-{number}.parquet" for name in ("scenes", "grasps"))
-            write_shard([scenes[index] for index in part], number, len(shards), key, *files)
+            write_shard([scenes[index] for index in part], number, len(shards), about, *files)
         return folder
 
     return written

@@ -16,6 +16,7 @@ from egad.tables.objects import REJECTED
 FEW = {
     "scenes": 3,
     "per_scene": 1.5,
+    "seed": 4,
     "grasps": 5,
     "yaws": 2,
     "validation": 0.3,
@@ -95,15 +96,66 @@ def test_mistakes_are_told(folder, flat):
         ({"gripper": "cup_30mm"}, "suction cup"),
         ({"rule": "papre"}, "rule"),
         ({"engine": "bullet"}, "engine"),
+        ({"protocol": {"noise": ["dex"]}}, "noise of a protocol are not used for labelled"),
+        ({"protocol": {"cameras": {"views": 2}}}, "cameras and noise of a protocol are not used"),
         ({"cameras": {"tilt": [60.0, 10.0]}}, "tilt must go from low to high"),
         ({"out": folder}, "is not an empty folder"),
     ):
         with pytest.raises(UserError, match=said):
             egad.make_scenes(BOXES, **FEW | wrong)
+    for hold_out, said in (
+        ("box0", "hold_out is 'box0'; allowed: a list of ids"),
+        (["Box0"], "hold_out has no id of these objects"),
+        ([*BOXES], "all 6 objects are held out"),
+    ):
+        with pytest.raises(UserError, match=said):
+            egad.make_scenes(BOXES, hold_out=hold_out, **FEW)
     with pytest.raises(UserError, match="there are no objects"):
         egad.make_scenes({}, **FEW)
     with pytest.raises(UserError, match="none of the objects can be simulated; flat: "):
         egad.make_scenes({"flat": flat}, **FEW)
+
+
+def test_what_is_held_out_is_in_no_scene(monkeypatch, tmp_path):
+    seen = []
+
+    def first(planned, models, settings):
+        seen.append(planned.round.ids)
+        return making.make_scene(planned, models, settings) if len(seen) == 1 else None
+
+    monkeypatch.setattr(producing, "make_scene", first)
+    few = FEW | {"scenes": 30, "grasps": 1, "per_scene": 4.0}
+    out = tmp_path / "scenes"
+    egad.make_scenes(BOXES, hold_out=pd.Series(["box1", "box4", "other"]), out=out, **few)
+    assert {name for ids in seen for name in ids} == {"box0", "box2", "box3", "box5"}
+    text = (out / "card.md").read_text()
+    assert "2 objects are in no scene: those held out, with their parents and children." in text
+
+
+def test_models_are_those_of_the_scenes(monkeypatch, flat, tmp_path):
+    """Built are those that occur; each scene gets its own, and none that cannot be simulated."""
+    built, sent, build = [], [], producing.build
+
+    def counted(mesh, density, bundle, label):
+        built.append(label)
+        return build(mesh, density, bundle, label)
+
+    def first(planned, models, settings):
+        sent.append((planned.round.ids, set(models)))
+        return making.make_scene(planned, models, settings) if len(sent) == 1 else None
+
+    monkeypatch.setattr(producing, "build", counted)
+    monkeypatch.setattr(producing, "make_scene", first)
+    few = FEW | {"scenes": 8, "grasps": 1, "per_scene": 1.0, "validation": 0, "test": 0}
+    many = {f"box{number}": BOXES[f"box{number % 6}"] for number in range(20)}
+    egad.make_scenes(many, **few)
+    assert len(built) <= 8
+    assert {name for ids, _ in sent for name in ids} == set(built)
+    sent.clear()
+    egad.make_scenes(BOXES | {"flat": flat}, out=tmp_path / "out", **few | {"scenes": 20})
+    assert 10 < len(sent) < 20
+    assert all(set(ids) == models and "flat" not in models for ids, models in sent)
+    assert "19 of 20 planned scenes are left out" in (tmp_path / "out/card.md").read_text()
 
 
 def test_scenes_that_cannot_be_simulated_are_left_out(monkeypatch, tmp_path):

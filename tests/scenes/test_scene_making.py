@@ -1,6 +1,7 @@
 """Labelled scenes: what cameras see, where grasps are tried, and what their labels say."""
 
 import io
+from itertools import count
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from egad.sim import (
     Pose,
     RestingObject,
     SceneCameras,
+    UnstableError,
     build,
     execute_pose,
     free_hand,
@@ -208,6 +210,26 @@ def test_a_hand_that_begins_in_an_object_collides(standing, depth):
     result, _ = try_grasp(world, present, pose, parameters())
     assert result.outcome == "collided"
     assert result.stopped > 0.045
+
+
+@pytest.mark.parametrize(("step", "outcome"), [(1, "collided"), (3, "collided"), (20, "failed")])
+def test_an_instability_is_a_collision_only_where_the_hand_was_put(
+    standing, monkeypatch, step, outcome
+):
+    world, present = standing
+    steps, take = count(1), type(world).step
+
+    def unstable(self):
+        take(self)
+        if next(steps) == step:
+            raise UnstableError
+
+    put(world, present)
+    monkeypatch.setattr(type(world), "step", unstable)
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = 0.2
+    found = execute_pose(world, pose, PANDA.opening, ContactRules("fail"))
+    assert found.outcome == outcome
 
 
 def test_poses_come_against_the_normal_evenly_over_half_a_turn():

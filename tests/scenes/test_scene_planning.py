@@ -1,6 +1,8 @@
 """Which objects are in which scene: no object and no family in two splits."""
 
+import re
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -9,8 +11,16 @@ from small_scenes import SPLIT_OF, parameters
 
 from egad.errors import UserError
 from egad.map_elites import Lineage
-from egad.scenes import planned_scenes, scenes_of_shard, shard_count, split_objects
+from egad.scenes import (
+    SceneParameters,
+    planned_scenes,
+    scenes_of_shard,
+    shard_count,
+    split_objects,
+)
 from egad.scenes.parameters import MOST_OBJECTS
+from egad.scenes.planning import with_objects
+from egad.sim import NAMED_PROTOCOLS, ClutterProtocol
 
 IDS = [f"object{number}" for number in range(100)]
 
@@ -71,6 +81,8 @@ def test_the_evaluation_set_is_held_out_with_parents_and_children():
     found = split_objects(["a", "b", "c", "d"], known, {"b", "elsewhere"}, parameters())
     assert set(found.split_of) == {"d"}
     assert found.held_out == 3
+    without = split_objects(["a", "c", "d"], known, {"b"}, parameters())
+    assert (set(without.split_of), without.held_out) == ({"d"}, 2)
 
 
 def test_scenes_have_the_objects_of_one_split():
@@ -112,6 +124,22 @@ def test_a_scene_does_not_depend_on_the_number_of_scenes():
     assert many[:5] == few
 
 
+def test_scenes_without_some_objects_are_otherwise_the_same():
+    plan = planned_scenes(SPLIT_OF, parameters(scenes=40, objects=2.0))
+    left = {name for name in SPLIT_OF if name not in ("box0", "box5")}
+    found = {each.round.number: each for each in with_objects(plan, left)}
+    for planned in plan:
+        pairs = [*zip(planned.round.ids, planned.round.factors, strict=True)]
+        kept = [pair for pair in pairs if pair[0] in left]
+        assert bool(kept) == (planned.round.number in found)
+        if kept:
+            other = found[planned.round.number]
+            assert [*zip(other.round.ids, other.round.factors, strict=True)] == kept
+            same = other.round._replace(ids=planned.round.ids, factors=planned.round.factors)
+            assert other._replace(round=same) == planned
+    assert 0 < len(found) < 40
+
+
 def test_each_scene_is_in_one_shard():
     plan = planned_scenes(SPLIT_OF, parameters(scenes=130))
     shards = shard_count(130)
@@ -126,3 +154,17 @@ def test_splits_without_objects_have_no_scenes():
     assert [each.round.number for each in plan] == list(range(4))
     with pytest.raises(UserError, match="1 scenes of 1 objects: no split has both"):
         planned_scenes({"a": "train"}, parameters(scenes=1, validation=0.6, test=0.3))
+
+
+def test_settings_survive_their_values():
+    """Of named protocols, with their cameras and noise, and of sections."""
+    for protocol in (*NAMED_PROTOCOLS, {"friction": 0.5}):
+        settings = parameters(protocol=protocol)
+        values = settings.model_dump(mode="json")
+        assert SceneParameters.model_validate(values) == settings
+
+
+def test_the_page_names_all_keys_of_a_protocol():
+    text = (Path(__file__).parents[2] / "docs/scenes.md").read_text()
+    (line,) = (part for part in text.split("\n- **") if part.startswith("Protocol**"))
+    assert {*re.findall("`([a-z_]+)`", line)} == set(ClutterProtocol.model_fields)

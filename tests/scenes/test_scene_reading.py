@@ -22,6 +22,8 @@ def test_the_index_lists_all_scenes(dataset, made):
     assert list(index["kind"]) == [each.scene["kind"] for each in made]
     assert list(index["split"]) == ["train", "train", "validation", "test"]
     assert [list(ids) for ids in index["objects"]] == [each.scene["objects"] for each in made]
+    assert list(index["noise"]) == [each.scene["noise"] for each in made]
+    assert list(index["views"]) == [6] * 4
     assert list(index["grasps"]) == [8] * 4
     assert list(index["positive"]) == [int(each.grasps["success"].sum()) for each in made]
     assert list(index.index) == list(range(4))
@@ -115,6 +117,21 @@ def test_folders_that_are_no_set_are_refused(write, tmp_path):
     parquet.write(parquet.empty(SCENE_GRASPS), SCENE_GRASPS, tmp_path / "grasps-1.parquet", other)
     with pytest.raises(UserError, match="of several sets"):
         load_scenes(tmp_path)
+
+
+def test_scenes_of_an_unknown_gripper_are_refused(write, dataset, settings, tmp_path):
+    assert (dataset.gripper_name, dataset.gripper) == ("panda", settings.gripper)
+    folder = write([0, 1], folder=tmp_path / "other")
+    path, other = folder / "scenes-0.parquet", folder / "grasps-0.parquet"
+    notes = parquet.notes(path)
+    for wrong, error, said in (
+        ({"gripper": 3}, UserError, "does not say for which gripper it is; make the scenes again"),
+        ({"hand": {"opening": -1}}, TableError, "its gripper is not one: .*opening"),
+    ):
+        for file, schema in ((path, SCENES), (other, SCENE_GRASPS)):
+            parquet.write(parquet.read(file, schema), schema, file, notes | wrong)
+        with pytest.raises(error, match=said):
+            load_scenes(folder)
 
 
 def test_tables_of_another_layout_are_refused(write, tmp_path):

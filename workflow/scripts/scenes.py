@@ -5,7 +5,7 @@ from pathlib import Path
 
 from egad._util.progress import phase, progress
 from egad.config.stages import MakeScenes
-from egad.scenes import make_scene, scenes_of_shard, write_shard
+from egad.scenes import make_scene, scenes_of_shard, set_notes, write_shard
 from egad.workflow.job import run_job
 from egad.workflow.scene_inputs import StoredModels, read_plan
 
@@ -14,6 +14,7 @@ log = logging.getLogger(__name__)
 
 def run(
     settings: MakeScenes,
+    gripper: str,
     objects: Path,
     scales: Path,
     meshes: Path,
@@ -28,6 +29,7 @@ def run(
 
     Args:
         settings: Settings of this stage.
+        gripper: Name of the gripper.
         objects: Objects of the dataset.
         scales: Their scales for the gripper.
         meshes: Folder of the scaled meshes.
@@ -51,7 +53,8 @@ def run(
             log.warning("scene %d is left out: the simulation went wrong", planned.round.number)
         else:
             made.append(found)
-    write_shard(made, number, total, plan.key, out, grasps)
+    about = set_notes(settings, plan.usable, gripper)
+    write_shard(made, number, total, about, out, grasps)
     log.info("%d of %d scenes", len(made), len(mine))
 
 

@@ -77,7 +77,9 @@ def made(dataset, out, order=(0,), changes=(), **given):
             for name, file in (("out", "scenes"), ("grasps", "grasps"))
         }
         shard = (number, len(order))
-        scenes.run(settings, meshes=meshes, shard=shard, **files_of(dataset, **given), **paths)
+        scenes.run(
+            settings, "panda", meshes=meshes, shard=shard, **files_of(dataset, **given), **paths
+        )
     scene_card.run(
         settings_of(SceneParameters, **dict(changes)),
         "mine",
@@ -104,6 +106,7 @@ def test_objects_are_of_one_split_by_family(whole):
 
 def test_what_is_left_out_is_told(dataset, whole):
     assert len(whole) == 3
+    assert (whole.gripper_name, whole.gripper) == ("panda", settings_of().gripper)
     folder = dataset / "scenes"
     rejected = parquet.read(folder / "rejected.parquet", REJECTED).set_index("id")["reason"]
     assert rejected.to_dict() == {
@@ -114,6 +117,8 @@ def test_what_is_left_out_is_told(dataset, whole):
     assert text.startswith("# Labelled scenes of mine for panda\n")
     assert "2 objects are in no scene: the evaluation set with its parents and children" in text
     assert "the 6 objects have 2 founders" in text
+    assert "for training, until it has 50 % of the objects." in text
+    assert "from a point 5 cm below the middle of the table" in text
     assert "- `id-B3`: it could not be scaled" in text
     assert (folder / "scene.png").is_file()
 
@@ -155,7 +160,27 @@ def test_mistakes_are_told(dataset, tmp_path):
     parquet.write(parquet.empty(CONVEX_PARTS), CONVEX_PARTS, tmp_path / "none.parquet")
     paths = {"out": tmp_path / "scenes-0.parquet", "grasps": tmp_path / "grasps-0.parquet"}
     with pytest.raises(UserError, match="no object of the dataset can be simulated"):
-        scenes.run(settings_of(), meshes=dataset / "rescaled/panda", shard=(0, 1), **files, **paths)
+        scenes.run(
+            settings_of(),
+            "panda",
+            meshes=dataset / "rescaled/panda",
+            shard=(0, 1),
+            **files,
+            **paths,
+        )
+    rows = [dict.fromkeys(EVAL49.names, 0) | {"label": name, "id": f"id-{name}"} for name in NAMES]
+    table = pd.DataFrame(rows).assign(object_label="")
+    parquet.write(table, EVAL49, tmp_path / "eval49.parquet")
+    files = files_of(dataset) | {"evaluation": tmp_path / "eval49.parquet"}
+    with pytest.raises(UserError, match=r"all 8 objects are in the evaluation set.*hold_out: fal"):
+        scenes.run(
+            settings_of(),
+            "panda",
+            meshes=dataset / "rescaled/panda",
+            shard=(0, 1),
+            **files,
+            **paths,
+        )
     folder = dataset / "scenes"
     with pytest.raises(UserError, match="expected scenes in 2 shards"):
         scene_card.run(
