@@ -234,7 +234,7 @@ def test_a_training_keeps_no_scenes_in_memory(scenes, tmp_path, monkeypatch):
         return found
 
     monkeypatch.setattr(SceneDataset, "scene", watched)
-    settings = TrainOnScenes(seed=3, training_scenes=PLAN, gripper=GRIPPERS["panda"])
+    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     train_on_scenes(settings, "panda", [scenes], tmp_path)
     assert 0 < max(most) < len(SPLITS)
 
@@ -246,8 +246,8 @@ def test_the_gripper_is_that_of_the_scenes(made, scenes, tmp_path):
     words = ["train", str(folder), "--config", config, "--out", str(out)]
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
-    assert "those of\negad_75mm" in (out / "README.md").read_text()
-    settings = TrainOnScenes(seed=3, training_scenes=PLAN, gripper=GRIPPERS["panda"])
+    assert "It learnt from grasps of egad_75mm." in (out / "README.md").read_text()
+    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     with pytest.raises(UserError, match="these scenes are for egad_75mm, with other settings than"):
         train_on_scenes(settings, "panda", [folder], tmp_path / "other")
     with pytest.raises(UserError, match=r"scenes for egad_75mm, but .* is for panda"):
