@@ -152,13 +152,14 @@ def chart(folder: Path, attempts: int) -> str:
         for axes, place in zip(grid, places, strict=True):
             for number, strategy in enumerate(STRATEGIES):
                 done = [path.parent for path in place.glob(f"{strategy}-*/cpu.txt")]
-                if done:
-                    mean = np.mean([found_by(path, steps) for path in done], axis=0)
-                    axes.plot(steps, mean, color=line_color(number), label=strategy)
+                found = [found_by(path, steps) for path in done]
+                mean = np.mean(found, axis=0) if found else np.full(len(steps), np.nan)
+                axes.plot(steps, mean, color=line_color(number), label=strategy)
             axes.set_title(place.name, size=10, loc="left")
-            axes.set(xlabel="simulated grasps", xlim=(0, attempts), ylim=(0, None))
+            axes.set(xlabel="simulated grasps", xlim=(0, attempts))
             axes.grid(axis="y")
         grid[0].set_ylabel("cells with a failure")
+        grid[0].set_ylim(0, None)
         grid[0].legend()
     return drawing.svg
 
