@@ -158,13 +158,15 @@ class SceneDataset:
         parts = [self._indexed(shard) for shard in range(len(pairs))]
         self.index = pd.concat([part for part in parts if len(part)] or parts[:1])
         self.index = self.index.reset_index(drop=True)
-        check_splits(self.index, self)
+        check_splits(self.index, self.source)
 
     def __reduce__(self) -> tuple[type["SceneDataset"], tuple[Sequence[Path]]]:
         """A copy for another process looks through the shards anew."""
         return SceneDataset, (self.folders,)
 
-    def __str__(self) -> str:
+    @property
+    def source(self) -> str:
+        """The folders, as messages name them."""
         return ", ".join(map(str, self.folders))
 
     def __repr__(self) -> str:
@@ -183,7 +185,7 @@ class SceneDataset:
         check_name("split", split, SPLITS)
         found = np.flatnonzero(self.index["split"] == split)
         if len(found) == 0:
-            raise UserError(f"{self}: no scene in the split {split}")
+            raise UserError(f"{self.source}: no scene in the split {split}")
         return found
 
     def scene(self, number: int) -> LabelledScene:

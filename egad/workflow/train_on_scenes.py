@@ -60,8 +60,8 @@ def train_on_scenes(
     scenes = open_scenes(folders)
     if scenes.gripper != settings.gripper:
         raise UserError(
-            f"{scenes}: these scenes are for {scenes.gripper_name}, with other settings than "
-            f"{gripper} has here"
+            f"{scenes.source}: these scenes are for {scenes.gripper_name}, with other settings "
+            f"than {gripper} has here"
         )
     network = vgn.new_vgn(seed).to(device)
     task = scene_training.SceneTask(scenes, settings.gripper, plan, seed, device)
@@ -113,7 +113,7 @@ def open_scenes(folders: Sequence[Path]) -> SceneDataset:
     scenes = load_scenes(list(folders))
     for split in ("train", "validation", "test"):
         if not scenes.index.loc[scenes.indices(split), "positive"].any():
-            raise UserError(f"{scenes}: no grasp of the split {split} succeeded")
+            raise UserError(f"{scenes.source}: no grasp of the split {split} succeeded")
     return scenes
 
 

@@ -91,7 +91,8 @@ def test_folders_are_one_set(write, tmp_path):
     both = load_scenes([first, second])
     assert list(both.index["scene"]) == [0, 1, 2, 3]
     assert both.scene(3).number == 3
-    assert str(both) == f"{first}, {second}"
+    assert both.source == f"{first}, {second}"
+    assert str(both).startswith("SceneDataset(")
 
 
 def test_an_object_in_two_splits_is_refused(write, made, tmp_path):
