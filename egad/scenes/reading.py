@@ -11,6 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
+from egad._util.display import table_html
 from egad._util.files import as_path
 from egad._util.parameters import from_file
 from egad.errors import TableError, UserError, check_name
@@ -41,7 +42,7 @@ TABLES = ("scenes", "grasps")
 INDEX = ["scene", "kind", "split", "objects", "noise"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LabelledScene:
     """Objects on a table, depth images of them, and grasps labelled in simulation.
 
@@ -66,6 +67,17 @@ class LabelledScene:
     noise: NoiseName
     grasps: pd.DataFrame
     _row: dict[str, Any]
+
+    def __repr__(self) -> str:
+        held = int(self.grasps["success"].sum())
+        return (
+            f"LabelledScene({self.kind}, {len(self.objects)} objects, {self.view_count} views, "
+            f"{held} of {len(self.grasps)} grasps held)"
+        )
+
+    def _repr_html_(self) -> str:
+        """Its grasps, for notebooks."""
+        return table_html(repr(self), self.grasps)
 
     @property
     def view_count(self) -> int:
@@ -172,6 +184,10 @@ class SceneDataset:
     def __repr__(self) -> str:
         grasps, positive = (int(self.index[name].sum()) for name in ("grasps", "positive"))
         return f"SceneDataset({len(self)} scenes, {grasps} grasps, {positive} positive)"
+
+    def _repr_html_(self) -> str:
+        """Its scenes, for notebooks."""
+        return table_html(repr(self), self.index.drop(columns=["shard", "group", "row"]))
 
     def __len__(self) -> int:
         return len(self.index)

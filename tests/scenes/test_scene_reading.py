@@ -30,6 +30,10 @@ def test_the_index_lists_all_scenes(dataset, made):
     np.testing.assert_array_equal(dataset.indices("train"), [0, 1])
     assert len(dataset) == 4
     assert repr(dataset).startswith("SceneDataset(4 scenes, 32 grasps, ")
+    assert repr(dataset.scene(0)).startswith("LabelledScene(packed, ")
+    assert repr(dataset.scene(0)).endswith(" of 8 grasps held)")
+    assert "packed" in dataset._repr_html_()
+    assert "success" in dataset.scene(0)._repr_html_()
 
 
 def test_scenes_survive_the_files(dataset, made):
