@@ -34,6 +34,14 @@ def train(
         int | None,
         typer.Option(min=1, help="number of training examples; default: as in the configuration"),
     ] = None,
+    start: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True,
+            dir_okay=False,
+            help="weights to begin with, from a training or published; default: random ones",
+        ),
+    ] = None,
     device: Annotated[
         Literal["cpu", "cuda"],
         typer.Option(help="where vgn is trained; on a GPU, the last digits may differ each time"),
@@ -53,13 +61,15 @@ def train(
     if not scenes and device != "cpu":
         raise UserError(f"--device {device} is for the network vgn; others train on the CPU")
     if scenes:
-        told = _on_scenes(whole, folders, out, jobs, device)
+        told = _on_scenes(whole, folders, out, jobs, device, start)
     else:
-        told = _on_images(whole, folders, out, jobs)
+        told = _on_images(whole, folders, out, jobs, start)
     typer.echo(f"{out}: {told}")
 
 
-def _on_images(whole: Settings, folders: list[Path], out: Path, jobs: int) -> str:
+def _on_images(
+    whole: Settings, folders: list[Path], out: Path, jobs: int, start: Path | None
+) -> str:
     """Train on images; returns what came of it."""
     from egad.config.stages import TrainNetwork, select
     from egad.io import write_sums
@@ -68,8 +78,9 @@ def _on_images(whole: Settings, folders: list[Path], out: Path, jobs: int) -> st
     from egad.workflow.train import train as train_network
 
     settings = select(whole, TrainNetwork)
-    with recorded("train", settings=settings, inputs=folders):
-        score = train_network(settings, folders, out, jobs)
+    inputs = folders if start is None else [*folders, start]
+    with recorded("train", settings=settings, inputs=inputs):
+        score = train_network(settings, folders, out, jobs, start)
         for name in FOR_PEOPLE:
             write_sums(out / name)
     return (
@@ -78,7 +89,14 @@ def _on_images(whole: Settings, folders: list[Path], out: Path, jobs: int) -> st
     )
 
 
-def _on_scenes(whole: Settings, folders: list[Path], out: Path, jobs: int, device: str) -> str:
+def _on_scenes(
+    whole: Settings,
+    folders: list[Path],
+    out: Path,
+    jobs: int,
+    device: str,
+    start: Path | None,
+) -> str:
     """Train on scenes, of whichever gripper; returns what came of it."""
     from egad.config.stages import TrainOnScenes, select
     from egad.io import write_sums
@@ -90,8 +108,9 @@ def _on_scenes(whole: Settings, folders: list[Path], out: Path, jobs: int, devic
     name = scenes.gripper_name
     whole = whole.model_copy(update={"grippers": {**whole.grippers, name: scenes.gripper}})
     settings = select(whole, TrainOnScenes, name)
-    with recorded("train", settings=settings, arguments={"device": device}, inputs=folders):
-        score = train_on_scenes(settings, name, folders, out, jobs, device)
+    inputs = folders if start is None else [*folders, start]
+    with recorded("train", settings=settings, arguments={"device": device}, inputs=inputs):
+        score = train_on_scenes(settings, name, folders, out, jobs, device, start)
         for file in FOR_PEOPLE:
             write_sums(out / file)
     low, high = score.average_precision.interval

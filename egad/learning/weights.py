@@ -11,6 +11,7 @@ import torch
 from torch import nn
 
 from egad._util.files import atomic_output
+from egad.errors import UserError
 from egad.learning.networks import MAKERS, TITLES, Heads
 from egad.learning.vgn import VgnNetwork
 
@@ -18,7 +19,7 @@ SAFE = ".safetensors"
 MOST_NAMED = 3
 
 
-class WeightsError(ValueError):
+class WeightsError(UserError):
     """A file of weights is damaged, or of another network."""
 
 
@@ -30,19 +31,21 @@ def write(network: nn.Module, path: Path, about: Mapping[str, Any]) -> None:
         temporary.write_bytes(safetensors.torch.save(state, {"egad": text}))
 
 
-def read(path: str | Path) -> Heads:
-    """Read GG-CNN or GG-CNN2; which of them is seen from the names of the weights.
+def read(path: str | Path, name: str | None = None) -> Heads:
+    """Read GG-CNN or GG-CNN2.
 
     Args:
         path: A file of safetensors, known by its ending, or else a state dictionary of PyTorch.
+        name: `ggcnn` or `ggcnn2`; by default it is seen from the names of the weights.
 
     Raises:
         WeightsError: The file is damaged, or holds something else.
     """
     state = state_in(path)
-    name = "ggcnn2" if any(key.startswith("features.") for key in state) else "ggcnn"
-    network = MAKERS[name]()
-    text = f"{path}: these are not weights of GG-CNN or GG-CNN2; most similar to {TITLES[name]}"
+    likely = "ggcnn2" if any(key.startswith("features.") for key in state) else "ggcnn"
+    network = MAKERS[name or likely]()
+    which = f"{TITLES[name]}" if name else "GG-CNN or GG-CNN2"
+    text = f"{path}: these are not weights of {which}; most similar to {TITLES[likely]}"
     _load(network, state, text)
     return network
 

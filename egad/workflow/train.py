@@ -39,6 +39,7 @@ def train(
     images: list[Path],
     out: Path,
     jobs: int = 1,
+    start: Path | None = None,
 ) -> Score:
     """Train a network; an interrupted training resumes after its last epoch.
 
@@ -49,21 +50,25 @@ def train(
             `history.svg`; the training history, one epoch per row; and the score on images of
             held-out objects. See `docs/vision.md`.
         jobs: Cores; no result depends on it.
+        start: Weights to begin with; nothing: random ones.
 
     Returns:
         The score of the network on the split `test`.
 
     Raises:
-        UserError: PyTorch, the images of a split, or all positive grasps are missing; or an object
-            is in two splits.
+        UserError: PyTorch, the images of a split, or all positive grasps are missing; an object is
+            in two splits; or the weights are of another network.
         TableError: A shard cannot be read.
     """
     with needed_for("training"):
         from egad.learning import networks, training, weights  # noqa: PLC0415 (an extra)
     plan, seed = settings.training, settings.seed
     shards = open_dataset(images, settings)
-    network = networks.new_network(plan.network, seed)
-    kept = training.Checkpoint(out / CHECKPOINT, fingerprint(settings, images))
+    if start is None:
+        network = networks.new_network(plan.network, seed)
+    else:
+        network = weights.read(start, plan.network)
+    kept = training.Checkpoint(out / CHECKPOINT, fingerprint(settings, images, start))
     rows = training.train(network, shards, plan, seed, jobs, kept)
     held, judgements = training.evaluate_split(network, shards, plan.test, jobs)
     score = total_score(shards.index.loc[held], judgements)
@@ -76,7 +81,7 @@ def train(
         pd.DataFrame(rows),
         score,
         outline_score(shards, held),
-        {"seed": seed, **plan.model_dump(mode="json")},
+        {"seed": seed, **begun_with(start), **plan.model_dump(mode="json")},
     )
     tell(trained, out)
     (out / CHECKPOINT).unlink(missing_ok=True)
@@ -131,12 +136,18 @@ def check_folders(folders: Sequence[Path], wanted: str, others: str, text: str) 
             raise UserError(f"{folder}: {text}")
 
 
-def fingerprint(settings: TrainNetwork, images: Sequence[Path]) -> str:
+def begun_with(start: Path | None) -> dict[str, str]:
+    """The weights that a training begins with, by name and content, if any are given."""
+    return {} if start is None else {"start": f"{start.name}, sha256 {checksum(start)}"}
+
+
+def fingerprint(settings: TrainNetwork, images: Sequence[Path], start: Path | None = None) -> str:
     """Everything that the result of a training depends on, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
     known = {
         "settings": settings.model_dump(mode="json"),
+        **begun_with(start),
         "images": [checksum(path) for folder in images for path in files(folder)],
         "torch": torch.__version__,
         "code": [code_version(f"egad.learning.{name}") for name in ("networks", "training")],

@@ -24,7 +24,16 @@ from egad.scenes import SceneDataset, load_scenes
 from egad.tables import parquet
 from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
 from egad.workflow.code_version import code_version
-from egad.workflow.train import CARD, CHART, CHECKPOINT, REACHED, TABLE, WEIGHTS, check_folders
+from egad.workflow.train import (
+    CARD,
+    CHART,
+    CHECKPOINT,
+    REACHED,
+    TABLE,
+    WEIGHTS,
+    begun_with,
+    check_folders,
+)
 
 
 def train_on_scenes(
@@ -34,6 +43,7 @@ def train_on_scenes(
     out: Path,
     jobs: int = 1,
     device: str = "cpu",
+    start: Path | None = None,
 ) -> SceneScore:
     """Train VGN's network; an interrupted training resumes after its last epoch.
 
@@ -44,13 +54,15 @@ def train_on_scenes(
         out: A trained network, in the same files as `egad.workflow.train.train` writes.
         jobs: Cores; no result depends on it.
         device: `cpu`, or `cuda`, where the last digits of a result may differ from run to run.
+        start: Weights to begin with; nothing: random ones.
 
     Returns:
         The score of the network on the split `test`.
 
     Raises:
         UserError: PyTorch, the device, the scenes of a split, or all positive grasps are missing;
-            or the scenes are for another gripper, or an object is in two splits.
+            the scenes are for another gripper, an object is in two splits, or the weights are of
+            another network.
         TableError: A shard cannot be read.
     """
     with needed_for("training"):
@@ -63,9 +75,9 @@ def train_on_scenes(
             f"{scenes.source}: these scenes are for {scenes.gripper_name}, with other settings "
             f"than {gripper} has here"
         )
-    network = vgn.new_vgn(seed).to(device)
+    network = (vgn.new_vgn(seed) if start is None else weights.read_vgn(start)).to(device)
     task = scene_training.SceneTask(scenes, settings.gripper, plan, seed, device)
-    kept = training.Checkpoint(out / CHECKPOINT, fingerprint(settings, folders, device))
+    kept = training.Checkpoint(out / CHECKPOINT, fingerprint(settings, folders, device, start))
     rows = training.learn(network, task, jobs, kept)
     _, answers = task.evaluate_split(network, "test", plan.test, jobs)
     score = scene_score(answers)
@@ -79,7 +91,12 @@ def train_on_scenes(
         index=scenes.index,
         history=pd.DataFrame(rows),
         score=score,
-        settings={"seed": seed, "device": device, **plan.model_dump(mode="json")},
+        settings={
+            "seed": seed,
+            "device": device,
+            **begun_with(start),
+            **plan.model_dump(mode="json"),
+        },
     )
     tell(trained, out)
     (out / CHECKPOINT).unlink(missing_ok=True)
@@ -117,7 +134,9 @@ def open_scenes(folders: Sequence[Path]) -> SceneDataset:
     return scenes
 
 
-def fingerprint(settings: TrainOnScenes, folders: Sequence[Path], device: str) -> str:
+def fingerprint(
+    settings: TrainOnScenes, folders: Sequence[Path], device: str, start: Path | None = None
+) -> str:
     """Everything that the result of a training depends on, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
@@ -126,6 +145,7 @@ def fingerprint(settings: TrainOnScenes, folders: Sequence[Path], device: str) -
         "settings": settings.model_dump(mode="json"),
         "scenes": [checksum(path) for path in files],
         "device": device,
+        **begun_with(start),
         "torch": torch.__version__,
         "code": code_version(__name__),
     }

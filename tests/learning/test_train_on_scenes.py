@@ -176,6 +176,32 @@ def test_a_trained_network_proposes_grasps_from_the_threshold_of_its_weights(sce
     assert len(scores(0.99)) == 0
 
 
+def test_training_begins_with_given_weights(trained, scenes, tmp_path):
+    """A few small steps hardly change them; those of another network are refused."""
+    files = pytest.importorskip("egad.learning.weights")
+    start = trained / "words/weights.safetensors"
+    config = configuration(tmp_path / "slow.yaml", learning_rate=0.0001)
+    way = ["train", str(scenes), "--config", config, "--seed", "4"]
+    for name, more in (("further", ["--start", str(start)]), ("fresh", [])):
+        result = CliRunner().invoke(app, [*way, *more, "--out", str(tmp_path / name)])
+        assert result.exit_code == 0, result.output
+    first, further, fresh = (
+        files.state_in(folder / "weights.safetensors")["conv_qual.weight"].numpy()
+        for folder in (start.parent, tmp_path / "further", tmp_path / "fresh")
+    )
+    np.testing.assert_allclose(further, first, atol=0.0003)
+    assert np.abs(fresh - first).max() > 0.01
+    assert "| start | weights.safetensors, sha256 " in (tmp_path / "further/README.md").read_text()
+    networks = pytest.importorskip("egad.learning.networks")
+    files.write(networks.new_network("ggcnn", 0), tmp_path / "ggcnn.safetensors", {})
+    with pytest.raises(UserError, match="not weights of VGN"):
+        train_on_scenes(
+            TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"]),
+            *("panda", [scenes], tmp_path / "wrong"),
+            start=tmp_path / "ggcnn.safetensors",
+        )
+
+
 def test_weights_of_another_network_are_a_sentence(trained, tmp_path):
     networks = pytest.importorskip("egad.learning.networks")
     weights = pytest.importorskip("egad.learning.weights")
@@ -258,6 +284,9 @@ def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
     pytest.importorskip("torch")
     settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     other = shards_of(tmp_path / "other", made[::-1])
+    files = [tmp_path / "a.pth", tmp_path / "b.pth"]
+    for path in files:
+        path.write_text(path.name)
     found = [
         fingerprint(settings, [scenes], "cpu"),
         fingerprint(settings, [scenes], "cuda"),
@@ -266,8 +295,9 @@ def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
         fingerprint(
             settings.model_copy(update={"gripper": GRIPPERS["egad_75mm"]}), [scenes], "cpu"
         ),
+        *(fingerprint(settings, [scenes], "cpu", weights) for weights in files),
     ]
-    assert len(set(found)) == 5
+    assert len(set(found)) == 7
     assert fingerprint(settings, [scenes], "cpu") == found[0]
 
 
