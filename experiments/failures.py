@@ -12,12 +12,12 @@ far. docs/studies/failures.md has the tables.
 """
 
 import argparse
-import os
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import scipy.stats
+from benchmark import cpu_time
 
 import egad
 from egad._util.arrays import Floats
@@ -71,12 +71,6 @@ def search(
         out=folder,
     )
     done.write_text(f"{cpu_time() - start:.0f}\n", encoding="utf-8")
-
-
-def cpu_time() -> float:
-    """Seconds of this process and of those that it has ended, such as of a detector."""
-    used = os.times()
-    return used.user + used.system + used.children_user + used.children_system
 
 
 def row_of(folder: Path) -> dict[str, float]:

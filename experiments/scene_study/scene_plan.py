@@ -110,6 +110,13 @@ def networks_of(plan: ScenePlan) -> dict[str, tuple[str, int]]:
     }
 
 
+def training_scenes(study: SceneStudy) -> dict[str, int]:
+    """How many scenes the networks of each set are trained on, if all could be made."""
+    scenes = study.settings.scenes
+    whole = scenes.scenes - sum(round(p * scenes.scenes) for p in (scenes.validation, scenes.test))
+    return {name: min(each.scenes or whole, whole) for name, each in study.plan.sets.items()}
+
+
 def training_settings(study: SceneStudy, training_set: str, seed: int) -> Settings:
     """The settings of a training."""
     scenes = study.plan.sets[training_set].scenes

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scene_charts import learning_chart
 
 from egad._util.files import write_text
 from egad._util.markdown import table as markdown
@@ -34,8 +35,10 @@ def run(
     scores: list[Path],
     objects: list[Path],
     sets: dict[str, list[str]],
+    scenes: dict[str, int],
     out: Path,
     table: Path,
+    chart: Path,
 ) -> None:
     """Write the tables.
 
@@ -44,14 +47,19 @@ def run(
         scores: Scores of the networks, `.../networks/SET/SEED/score.parquet`.
         objects: Objects of the tests, `results/D/objects.parquet`.
         sets: Networks of each set, by what they are called as detectors.
+        scenes: Training scenes of each set.
         out: Markdown.
         table: Objects that were there and that were cleared in each round.
+        chart: SVG of what is cleared over the training scenes, where it counts.
     """
     names = {network: name for name, networks in sets.items() for network in networks}
     attempts = {path: parquet.read(path, CLUTTER) for path in tables}
     rounds = pd.concat([rounds_of(path, rows, names) for path, rows in attempts.items()])
     table.parent.mkdir(parents=True, exist_ok=True)
     rounds.to_parquet(table, index=False)
+    counts = rounds[(rounds["scene"] == SCENE) & (rounds["cameras"] == CAMERAS)]
+    shown = counts[counts["name"].isin([*scenes, *PUBLISHED])]
+    write_text(chart, learning_chart(shown, scenes, OURS))
     known = {path.parent.name: parquet.read(path, OBJECTS) for path in objects}
     parts = {
         "Goals": goals(rounds),

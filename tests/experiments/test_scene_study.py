@@ -7,7 +7,14 @@ import pandas as pd
 import pytest
 import yaml
 from partial_tables import fill_columns, write_rows
-from scene_plan import condition_settings, networks_of, study_of, training_settings
+from scene_charts import cleared_by, learning_chart
+from scene_plan import (
+    condition_settings,
+    networks_of,
+    study_of,
+    training_scenes,
+    training_settings,
+)
 from write_scene_tables import (
     cleared,
     goals,
@@ -48,6 +55,12 @@ def test_networks_of_a_set_differ_in_their_seed_and_sets_in_their_scenes(asked):
     assert (few.seed, other.seed) == (0, 1)
     assert few.training_vgn.scenes == 100
     assert training_settings(study, "evolved", 0).training_vgn.scenes is None
+
+
+def test_sets_have_as_many_training_scenes_as_they_are_trained_on(asked):
+    counts = training_scenes(study_of(asked))
+    assert counts["evolved"] == counts["ycb"] == 640  # of 800, less a tenth twice
+    assert (counts["evolved-100"], counts["evolved-300"]) == (100, 300)
 
 
 def test_conditions_differ_in_cameras_and_rounds(asked):
@@ -205,3 +218,16 @@ def test_scores_name_the_network(tmp_path):
     row = {f"average_precision{end}": value for end, value in numbers.items()}
     write_rows(SCENE_SCORE, [row | {"n_positive": 1, "n_grasps": 4}], path)
     assert scored([path]).splitlines()[2] == "| evolved-1 | 0.50 (0.40 to 0.60) | 0.25 |"
+
+
+def test_the_chart_has_a_line_over_scenes_and_one_of_each_other_detector():
+    table = rounds(GOOD | {"evolved-100": [0.4]} | {"vgn-half": [0.6]})
+    found = cleared_by(table).set_index("detector")["share"]
+    own = table[table["detector"] == "evolved-1"]
+    assert found["evolved-1"] == pytest.approx(own["cleared"].sum() / own["there"].sum())
+    drawn = learning_chart(
+        table, {"evolved": 640, "primitives": 640, "evolved-100": 100}, "evolved"
+    )
+    for words in ("evolved", "primitives", "vgn", "vgn-half", "objects cleared", "training scenes"):
+        assert f">{words}</text>" in drawn
+    assert ">evolved-100</text>" not in drawn
