@@ -87,9 +87,8 @@ def tried(
             attempts = Examination(solid, row["id"], asked, own).paired("again", drops, past)
     except RejectedError:
         return counts
-    fresh = attempts[attempts["purpose"] == "again"].assign(purpose="confirm")
     for engine in settings.failures.engines:
-        pairs = pairs_of(fresh, engine)
+        pairs = pairs_of(attempts, engine, "again")
         counts |= {
             f"drops_{engine}": len(pairs),
             f"reference_{engine}": sum(pair.reference for pair in pairs),

@@ -6,12 +6,14 @@
 
 FOLDER keeps an atlas of each detector, strategy and seed (`egad.find_failures`); a second call goes
 on where the first was cut off. Printed are confirmed failures and cells with one per 1000 attempts,
-with 95 % intervals over seeds (Student); the attempts by which a failure is confirmed, and those
-that are made at other objects for each failure; and CPU minutes. `--show` prints what there is so
-far. docs/studies/failures.md has the tables.
+with 95 % intervals over seeds (Student); of all seeds together, the failures, how many of them are
+different objects, and the cells; the attempts by which a failure is confirmed, and those that are
+made at other objects for each failure; and CPU minutes. `--show` prints what there is so far.
+docs/studies/failures.md has the tables.
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +32,7 @@ from egad.report.colors import line_color
 from egad.report.drawing import new_figure
 
 STRATEGIES: tuple[Strategy, ...] = ("random", "mutation", "screening", "evolution")
+ALIKE = 0.8  # of the voxels of two objects are the same: the second one is no other object
 SHIPPED = ("ggcnn2-evolved", "antipodal-depth", "antipodal-cloud")
 
 
@@ -93,6 +96,24 @@ def row_of(folder: Path) -> dict[str, float]:
     }
 
 
+def together(places: Sequence[Path]) -> tuple[int, int, int]:
+    """Failures of all seeds, how many of these are different objects, and their cells."""
+    examined = pd.concat([FailureAtlas.load(place).examined for place in places])
+    found = examined[examined["verdict"] == "failure"]
+    known: list[bytes] = []
+    for voxels in found["voxels"]:
+        if all(overlap(voxels, other) < ALIKE for other in known):
+            known.append(voxels)
+    return len(found), len(known), len(found[CELL].drop_duplicates())
+
+
+def overlap(one: bytes, other: bytes) -> float:
+    """Voxels that are solid in both objects, of those that are in either."""
+    first, second = (np.frombuffer(packed, np.uint8) for packed in (one, other))
+    both, either = (np.bitwise_count(each).sum() for each in (first & second, first | second))
+    return float(both / either)
+
+
 def interval(values: pd.Series) -> str:
     """A mean with its 95 % interval, if there are several values."""
     mean = values.mean()
@@ -112,21 +133,24 @@ def show(folder: Path) -> None:
     """Print a table for each detector."""
     for place in sorted(path for path in folder.iterdir() if path.is_dir()):
         print(
-            f"\n{place.name}\n\n| strategy | seeds | failures | cells | attempts at a failure "
-            "| elsewhere, per failure | objects | graspable | CPU |"
+            f"\n{place.name}\n\n| strategy | seeds | failures | cells | all seeds | different "
+            "| cells | attempts at a failure | elsewhere, per failure | objects | graspable | CPU |"
         )
-        print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+        print("| --- " * 12 + "|")
         for strategy in STRATEGIES:
             done = sorted(place.glob(f"{strategy}-*/cpu.txt"))
             if not done:
                 continue
             rows = pd.DataFrame([row_of(path.parent) for path in done])
-            print(
-                f"| {strategy} | {len(rows)} | {interval(rows['failures'])} "
-                f"| {interval(rows['cells'])} | {per_failure(rows, 'confirming')} "
-                f"| {per_failure(rows, 'elsewhere')} | {rows['objects'].mean():.0f} "
-                f"| {100 * rows['graspable'].mean():.0f} % | {rows['cpu'].mean():.0f} min |"
+            cells = (
+                *(strategy, len(rows), interval(rows["failures"]), interval(rows["cells"])),
+                *together([path.parent for path in done]),
+                *(per_failure(rows, name) for name in ("confirming", "elsewhere")),
+                f"{rows['objects'].mean():.0f}",
+                f"{100 * rows['graspable'].mean():.0f} %",
+                f"{rows['cpu'].mean():.0f} min",
             )
+            print(f"| {' | '.join(map(str, cells))} |")
 
 
 def found_by(folder: Path, steps: Floats) -> Floats:

@@ -44,7 +44,7 @@ def read(path: str | Path, name: str | None = None) -> Heads:
     state = state_in(path)
     likely = "ggcnn2" if any(key.startswith("features.") for key in state) else "ggcnn"
     network = MAKERS[name or likely]()
-    which = f"{TITLES[name]}" if name else "GG-CNN or GG-CNN2"
+    which = TITLES[name] if name else "GG-CNN or GG-CNN2"
     text = f"{path}: these are not weights of {which}; most similar to {TITLES[likely]}"
     _load(network, state, text)
     return network

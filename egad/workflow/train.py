@@ -81,7 +81,7 @@ def train(
         pd.DataFrame(rows),
         score,
         outline_score(shards, held),
-        {"seed": seed, **begun_with(start), **plan.model_dump(mode="json")},
+        {"seed": seed, **start_notes(start), **plan.model_dump(mode="json")},
     )
     tell(trained, out)
     (out / CHECKPOINT).unlink(missing_ok=True)
@@ -136,7 +136,7 @@ def check_folders(folders: Sequence[Path], wanted: str, others: str, text: str) 
             raise UserError(f"{folder}: {text}")
 
 
-def begun_with(start: Path | None) -> dict[str, str]:
+def start_notes(start: Path | None) -> dict[str, str]:
     """The weights that a training begins with, by name and content, if any are given."""
     return {} if start is None else {"start": f"{start.name}, sha256 {checksum(start)}"}
 
@@ -147,7 +147,7 @@ def fingerprint(settings: TrainNetwork, images: Sequence[Path], start: Path | No
 
     known = {
         "settings": settings.model_dump(mode="json"),
-        **begun_with(start),
+        **start_notes(start),
         "images": [checksum(path) for folder in images for path in files(folder)],
         "torch": torch.__version__,
         "code": [code_version(f"egad.learning.{name}") for name in ("networks", "training")],

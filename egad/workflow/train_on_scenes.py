@@ -31,7 +31,7 @@ from egad.workflow.train import (
     REACHED,
     TABLE,
     WEIGHTS,
-    begun_with,
+    start_notes,
     check_folders,
 )
 
@@ -94,7 +94,7 @@ def train_on_scenes(
         settings={
             "seed": seed,
             "device": device,
-            **begun_with(start),
+            **start_notes(start),
             **plan.model_dump(mode="json"),
         },
     )
@@ -145,7 +145,7 @@ def fingerprint(
         "settings": settings.model_dump(mode="json"),
         "scenes": [checksum(path) for path in files],
         "device": device,
-        **begun_with(start),
+        **start_notes(start),
         "torch": torch.__version__,
         "code": code_version(__name__),
     }
