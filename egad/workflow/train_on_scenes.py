@@ -31,8 +31,8 @@ from egad.workflow.train import (
     REACHED,
     TABLE,
     WEIGHTS,
-    start_notes,
     check_folders,
+    start_notes,
 )
 
 

@@ -1,0 +1,304 @@
+"""Does a network learn more from objects at which it fails than from as many others?
+
+    python experiments/curriculum.py FOLDER --networks NETWORKS --scenes SCENES --ycb YCB [--show]
+
+docs/studies/curriculum-plan.md says what is compared and why. NETWORKS has the networks that are
+trained further, `0/weights.safetensors` to `2/weights.safetensors`; SCENES are the labelled scenes
+of released objects that they were trained on; YCB is a folder with `*.ply`, metres. FOLDER keeps
+all that was made, and a second call goes on where the first was cut off. `--show` prints the tables
+of what there is.
+"""
+
+import argparse
+import shutil
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import trimesh
+from benchmark import cpu_time, ycb
+from curriculum_tables import BEFORE, DONE, KINDS, NETWORKS, SPENT, TABLE, show
+from failures import ALIKE, overlap
+
+import egad
+from egad._util.arrays import Floats
+from egad._util.files import atomic_output, write_text
+from egad.config import GRIPPERS
+from egad.config.stages import TrainOnScenes
+from egad.detectors import Detector, DetectorConfig
+from egad.errors import RejectedError
+from egad.failures import (
+    Examination,
+    FailureAtlas,
+    FailureParameters,
+    ObjectVerdict,
+    open_detector,
+)
+from egad.failures.attempts import pairs_of
+from egad.failures.examine import GRASPABLE
+from egad.failures.search import scaled_surface, surface_of
+from egad.learning import VgnTraining
+from egad.random import generator
+from egad.scenes import load_scenes
+from egad.workflow.train_on_scenes import train_on_scenes
+
+Objects = egad.Dataset | Mapping[str, trimesh.Trimesh]
+
+
+class Searches(NamedTuple):
+    """A search against each of the networks."""
+
+    name: str
+    attempts: int
+    first_seed: int
+
+
+GRIPPER = "panda"
+LEARNT, HELD_OUT = Searches("learnt", 4000, 101), Searches("held-out", 3000, 201)
+AGAIN = ("failures", "random")  # kinds after which networks are searched again
+SCENES = 300  # further scenes of each kind, of one object each
+EXAMPLES = 4000
+DROPS = 10  # of each held-out failure, in each engine
+ROUNDS = 40
+LEAST = {"learnt": 10, "held-out": 5}  # failures without which nothing can be compared
+
+
+def main() -> None:
+    """Make what is missing, then print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--networks", type=Path, help="folder of the networks")
+    parser.add_argument("--scenes", type=Path, help="labelled scenes that they know")
+    parser.add_argument("--ycb", type=Path, help="folder of meshes, metres")
+    parser.add_argument("--show", action="store_true", help="make nothing")
+    given = parser.parse_args()
+    if not given.show:
+        if None in (given.networks, given.scenes, given.ycb):
+            parser.error("--networks, --scenes and --ycb are needed, or --show")
+        make(given.folder, given.networks, given.scenes, given.ycb)
+    show(given.folder)
+
+
+def make(folder: Path, networks: Path, scenes: Path, meshes: Path) -> None:
+    """Make all that is missing."""
+    before = [networks / f"{number}/weights.safetensors" for number in range(NETWORKS)]
+    household = {each.id: each.mesh() for each in ycb(meshes)}
+    tests: dict[str, Objects] = {"egad": egad.load("evaluation-set"), "ycb": household}
+    known = load_scenes(scenes).index
+    learnt, held_out = (
+        [
+            search(folder, plan, number, weights, plan.name, objects_in(known, splits))
+            for number, weights in enumerate(before)
+        ]
+        for plan, splits in ((LEARNT, ["train"]), (HELD_OUT, ["validation", "test"]))
+    )
+    chosen = further_objects(learnt)
+    tried = tested_objects(held_out, chosen)
+    found = {"learnt": len(chosen["failures"]), "held-out": len(tried)}
+    if any(found[name] < least for name, least in LEAST.items()):
+        show(folder)
+        raise SystemExit(f"failures: {found}; needed: {LEAST}: nothing can be compared")
+    settings = learnt[0].searched_with()
+    for kind, some in chosen.items():
+        further_scenes(folder / "scenes" / kind, some, settings)
+    after = {(BEFORE, number): weights for number, weights in enumerate(before)}
+    for kind in KINDS:
+        for number, start in enumerate(before):
+            out = folder / f"networks/{kind}-{number}"
+            after[kind, number] = train(out, [scenes, folder / "scenes" / kind], start, number)
+    for (kind, number), weights in after.items():
+        try_failures(folder / f"held-out/{kind}-{number}", weights, tried, held_out)
+        for test, objects in tests.items():
+            clear(folder / f"cleared-{test}/{kind}-{number}", weights, objects)
+    again = objects_in(known, ["validation", "test"])
+    for kind in AGAIN:
+        for number in range(NETWORKS):
+            search(folder, HELD_OUT, number, after[kind, number], kind, again)
+
+
+def once(folder: Path, work: Callable[[], object]) -> None:
+    """Fill a folder unless that has been done; all CPU seconds of it are kept."""
+    if (folder / DONE).exists():
+        return
+    spent, begin = folder / SPENT, cpu_time()
+    before = float(spent.read_text()) if spent.exists() else 0.0
+    try:
+        work()
+    finally:
+        write_text(spent, f"{before + cpu_time() - begin:.0f}\n")
+    write_text(folder / DONE, "")
+
+
+def detector(weights: Path) -> DetectorConfig:
+    """A network as a detector."""
+    return DetectorConfig(detector="vgn", weights=str(weights))
+
+
+def objects_in(known: pd.DataFrame, splits: Sequence[str]) -> egad.Dataset:
+    """The released objects in scenes of some splits; no family is in several splits."""
+    rows = known[known["split"].isin(splits)]
+    return egad.load().select(sorted(set(rows["objects"].explode())))
+
+
+def search(
+    folder: Path, plan: Searches, number: int, weights: Path, name: str, objects: egad.Dataset
+) -> FailureAtlas:
+    """The failures of a network."""
+    out = folder / f"searches/{name}-{number}"
+    once(
+        out,
+        lambda: egad.find_failures(
+            detector(weights),
+            GRIPPER,
+            objects=objects,
+            attempts=plan.attempts,
+            seed=plan.first_seed + number,
+            shards=1,
+            out=out / "atlas",
+        ),
+    )
+    return FailureAtlas.load(out / "atlas")
+
+
+def further_objects(atlases: Iterable[FailureAtlas]) -> dict[str, pd.DataFrame]:
+    """As many objects of each kind, by its name, of those that searches found graspable.
+
+    Random ones are of all of these. Hard ones are no failures of any network: to each failure the
+    most similar one, by complexity and the logarithm of graspability, each in its standard
+    deviations among the failures.
+    """
+    examined = pd.concat([each.examined for each in atlases])
+    graspable = examined[examined["verdict"].isin(GRASPABLE)]
+    fails = graspable["verdict"] == ObjectVerdict.FAILURE
+    failures = graspable[fails].drop_duplicates("id")
+    every = graspable.drop_duplicates("id")
+    others = every[~every["id"].isin(set(failures["id"]))]
+    drawn = generator(0, "further objects").permutation(len(every))[: len(failures)]
+    return {
+        "failures": failures,
+        "random": every.iloc[np.sort(drawn)],
+        "hard": others.iloc[most_similar(_axes(failures), _axes(others))],
+    }
+
+
+def _axes(objects: pd.DataFrame) -> Floats:
+    values = [objects["complexity"], np.log(objects["graspability"].clip(lower=1e-9))]
+    return np.column_stack(values).astype(np.float64)
+
+
+def most_similar(wanted: Floats, among: Floats) -> list[int]:
+    """To each wanted point, in their order, the nearest one that is not taken yet.
+
+    Raises:
+        ValueError: There are fewer than are wanted.
+    """
+    if len(among) < len(wanted):
+        raise ValueError(f"{len(wanted)} objects are wanted, and there are {len(among)}")
+    scale = wanted.std(axis=0)
+    taken: list[int] = []
+    for point in wanted:
+        distances = np.linalg.norm((among - point) / np.where(scale > 0, scale, 1), axis=1)
+        distances[taken] = np.inf
+        taken.append(int(np.argmin(distances)))
+    return taken
+
+
+def tested_objects(
+    atlases: Iterable[FailureAtlas], chosen: Mapping[str, pd.DataFrame]
+) -> list[str]:
+    """The ids of failures that are like no object that is trained on, and like no other of them."""
+    known = [voxels for objects in chosen.values() for voxels in objects["voxels"]]
+    found = []
+    for row in pd.concat([each.table for each in atlases]).to_dict("records"):
+        if all(overlap(row["voxels"], other) < ALIKE for other in known):
+            known.append(row["voxels"])
+            found.append(row["id"])
+    return found
+
+
+def further_scenes(folder: Path, objects: pd.DataFrame, settings: FailureParameters) -> None:
+    """Labelled scenes of one object each; scenes that were cut off are made anew."""
+
+    def work() -> None:
+        shutil.rmtree(folder, ignore_errors=True)
+        pairs = zip(objects["id"], objects["voxels"], strict=True)
+        meshes = {name: surface_of(voxels, settings) for name, voxels in pairs}
+        egad.make_scenes(
+            meshes, GRIPPER, scenes=SCENES, per_scene=1, validation=0, test=0, out=folder
+        )
+
+    once(folder, work)
+
+
+def train(out: Path, scenes: list[Path], start: Path, number: int) -> Path:
+    """Train a network further; returns its weights."""
+    plan = VgnTraining(examples=EXAMPLES)
+    settings = TrainOnScenes(seed=number, training_vgn=plan, gripper=GRIPPERS[GRIPPER])
+    once(out, lambda: train_on_scenes(settings, GRIPPER, scenes, out, start=start))
+    return out / "weights.safetensors"
+
+
+def try_failures(
+    out: Path, weights: Path, names: Sequence[str], atlases: Sequence[FailureAtlas]
+) -> None:
+    """Try a network at failures of some atlases, from fresh drops."""
+    settings = atlases[0].searched_with()
+
+    def work() -> None:
+        with open_detector(detector(weights), settings) as asked:
+            rows = [row for name in names for row in retried(name, _one_with(name, atlases), asked)]
+        write(pd.DataFrame(rows), out)
+
+    once(out, work)
+
+
+def _one_with(name: str, atlases: Sequence[FailureAtlas]) -> FailureAtlas:
+    return next(atlas for atlas in atlases if name in set(atlas.table["id"]))
+
+
+def retried(name: str, atlas: FailureAtlas, asked: Detector) -> list[dict[str, object]]:
+    """Counts of a failure in each engine; none if it does not come to rest."""
+    settings = atlas.searched_with()
+    voxels = atlas.table["voxels"][atlas.table["id"] == name].iloc[0]
+    past = atlas.attempts[atlas.attempts["id"] == name]
+    examination = Examination(scaled_surface(voxels, settings), name, asked, settings)
+    try:
+        found = examination.paired("again", DROPS, past)
+    except RejectedError:
+        return []
+    pairs = {engine: pairs_of(found, engine, "again") for engine in settings.failures.engines}
+    return [
+        {
+            "id": name,
+            "engine": engine,
+            "n": len(each),
+            "detector": sum(pair.detector for pair in each),
+            "reference": sum(pair.reference for pair in each),
+        }
+        for engine, each in pairs.items()
+    ]
+
+
+def clear(out: Path, weights: Path, objects: Objects) -> None:
+    """Let a network clear piles."""
+
+    def work() -> None:
+        found = egad.run_benchmark(
+            detector(weights), objects, GRIPPER, scenes=["pile"], noise=["none"], rounds=ROUNDS
+        )
+        write(found.table, out)
+
+    once(out, work)
+
+
+def write(table: pd.DataFrame, folder: Path) -> None:
+    """Put a table into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with atomic_output(folder / TABLE) as temporary:
+        table.to_parquet(temporary)
+
+
+if __name__ == "__main__":
+    main()

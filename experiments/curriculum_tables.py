@@ -1,0 +1,123 @@
+"""The tables of the study of failures as training data: see `curriculum.py`."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import scipy.stats
+from numpy.typing import NDArray
+
+from egad._util.arrays import Floats
+from egad._util.markdown import table as markdown
+from egad.failures import FailureAtlas, ObjectVerdict
+from egad.random import generator
+
+NETWORKS = 3
+KINDS = ("failures", "random", "hard")  # of further objects
+BEFORE = "before"  # a network as it was
+SEARCHES = ("learnt", "held-out", "failures", "random")
+TABLE, SPENT, DONE = "table.parquet", "cpu.txt", "done"
+DRAWS = 10_000
+
+
+def show(folder: Path) -> None:
+    """Print the tables of what there is."""
+    tests = {
+        "held-out failures": ("held-out", by_failure),
+        "piles of egad": ("cleared-egad", by_round),
+        "piles of ycb": ("cleared-ycb", by_round),
+    }
+    for title, (name, counts) in tests.items():
+        found = {
+            kind: [counts(pd.read_parquet(path)) for path in paths]
+            for kind in (BEFORE, *KINDS)
+            if len(paths := sorted((folder / name).glob(f"{kind}-*/{TABLE}"))) == NETWORKS
+        }
+        others = [kind for kind in (BEFORE, "random", "hard") if kind in found]
+        rows = [
+            (kind, percent(each), *(_versus(found, kind, other) for other in others))
+            for kind, each in found.items()
+        ]
+        if rows:
+            print(f"\n{title}\n")
+            print(markdown(["network", "%", *(f"minus {other}" for other in others)], rows))
+    searched = [
+        (name, *yields(paths))
+        for name in SEARCHES
+        if (paths := sorted((folder / "searches").glob(f"{name}-*/{DONE}")))
+    ]
+    print(markdown(["search", "networks", "failures", "attempts", "per 1000"], searched))
+    spent = sum(float(path.read_text()) for path in folder.rglob(SPENT))
+    print(f"{spent / 3600:.1f} CPU hours")
+
+
+def by_failure(rows: pd.DataFrame) -> pd.DataFrame:
+    """Attempts and successes at each held-out failure: `n` and `won`, by object and engine."""
+    return rows.set_index(["id", "engine"])[["n", "detector"]].set_axis(["n", "won"], axis=1)
+
+
+def by_round(rows: pd.DataFrame) -> pd.DataFrame:
+    """Objects that were there and that were cleared: `n` and `won`, by round."""
+    return rows.groupby("round").agg(n=("n_objects", "first"), won=("success", "sum"))
+
+
+def share(counts: pd.DataFrame) -> float:
+    """Successes of all that there was."""
+    return float(counts["won"].sum() / counts["n"].sum())
+
+
+def percent(networks: Sequence[pd.DataFrame]) -> str:
+    """A mean over networks, and each of them."""
+    values = [100 * share(each) for each in networks]
+    return f"{np.mean(values):.1f} ({', '.join(f'{each:.0f}' for each in values)})"
+
+
+def _versus(found: Mapping[str, Sequence[pd.DataFrame]], kind: str, other: str) -> str:
+    return "" if kind == other else versus(found[kind], found[other])
+
+
+def versus(networks: Sequence[pd.DataFrame], others: Sequence[pd.DataFrame]) -> str:
+    """A mean difference in points, with two intervals of 95 % and a p value.
+
+    The first interval and the p value are those of a paired t test over networks; the second
+    interval is for other objects or rounds, by bootstrap.
+    """
+    first, second = (np.array([share(each) for each in some]) for some in (networks, others))
+    test = scipy.stats.ttest_rel(first, second)
+    low, high = test.confidence_interval()
+    gain = 100 * (first - second).mean()
+    least, most = resampled(networks, others)
+    return (
+        f"{gain:.1f} ({100 * low:.1f} to {100 * high:.1f}), p = {test.pvalue:.3f}; "
+        f"others: {100 * least:.1f} to {100 * most:.1f}"
+    )
+
+
+def resampled(
+    networks: Sequence[pd.DataFrame], others: Sequence[pd.DataFrame]
+) -> tuple[float, float]:
+    """The interval of a mean difference, if objects or rounds are drawn with replacement."""
+    first, second = (
+        [each.groupby(level=0, sort=True).sum() for each in some] for some in (networks, others)
+    )
+    drawn = generator(0, "bootstrap").integers(len(first[0]), size=(DRAWS, len(first[0])))
+    values = np.mean([_drawn_shares(each, drawn) for each in first], axis=0)
+    values -= np.mean([_drawn_shares(each, drawn) for each in second], axis=0)
+    low, high = np.quantile(values, [0.025, 0.975])
+    return float(low), float(high)
+
+
+def _drawn_shares(counts: pd.DataFrame, drawn: NDArray[np.int64]) -> Floats:
+    """The share of each draw of rows."""
+    n, won = (counts[name].to_numpy(np.float64)[drawn].sum(axis=1) for name in ("n", "won"))
+    shares: Floats = won / n
+    return shares
+
+
+def yields(paths: Sequence[Path]) -> tuple[int, int, int, str]:
+    """Searches that are complete, their failures and attempts, and failures per 1000 attempts."""
+    examined = pd.concat([FailureAtlas.load(path.parent / "atlas").examined for path in paths])
+    failures = int((examined["verdict"] == ObjectVerdict.FAILURE).sum())
+    attempts = int(examined["attempts"].sum())
+    return len(paths), failures, attempts, f"{1000 * failures / attempts:.1f}"
