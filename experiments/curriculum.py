@@ -20,7 +20,7 @@ import pandas as pd
 import trimesh
 from benchmark import cpu_time, ycb
 from curriculum_tables import BEFORE, DONE, KINDS, NETWORKS, SPENT, TABLE, show
-from failures import ALIKE, overlap
+from failures import unlike
 
 import egad
 from egad._util.arrays import Floats
@@ -87,12 +87,15 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path) -> None:
     household = {each.id: each.mesh() for each in ycb(meshes)}
     tests: dict[str, Objects] = {"egad": egad.load("evaluation-set"), "ycb": household}
     known = load_scenes(scenes).index
+    trained_on, untrained = (
+        objects_in(known, splits) for splits in (["train"], ["validation", "test"])
+    )
     learnt, held_out = (
         [
-            search(folder, plan, number, weights, plan.name, objects_in(known, splits))
+            search(folder, plan, number, weights, plan.name, objects)
             for number, weights in enumerate(before)
         ]
-        for plan, splits in ((LEARNT, ["train"]), (HELD_OUT, ["validation", "test"]))
+        for plan, objects in ((LEARNT, trained_on), (HELD_OUT, untrained))
     )
     chosen = further_objects(learnt)
     tried = tested_objects(held_out, chosen)
@@ -112,10 +115,9 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path) -> None:
         try_failures(folder / f"held-out/{kind}-{number}", weights, tried, held_out)
         for test, objects in tests.items():
             clear(folder / f"cleared-{test}/{kind}-{number}", weights, objects)
-    again = objects_in(known, ["validation", "test"])
     for kind in AGAIN:
         for number in range(NETWORKS):
-            search(folder, HELD_OUT, number, after[kind, number], kind, again)
+            search(folder, HELD_OUT, number, after[kind, number], kind, untrained)
 
 
 def once(folder: Path, work: Callable[[], object]) -> None:
@@ -209,13 +211,9 @@ def tested_objects(
     atlases: Iterable[FailureAtlas], chosen: Mapping[str, pd.DataFrame]
 ) -> list[str]:
     """The ids of failures that are like no object that is trained on, and like no other of them."""
-    known = [voxels for objects in chosen.values() for voxels in objects["voxels"]]
-    found = []
-    for row in pd.concat([each.table for each in atlases]).to_dict("records"):
-        if all(overlap(row["voxels"], other) < ALIKE for other in known):
-            known.append(row["voxels"])
-            found.append(row["id"])
-    return found
+    known = (voxels for objects in chosen.values() for voxels in objects["voxels"])
+    failures = pd.concat([each.table for each in atlases])
+    return failures["id"].iloc[unlike(failures["voxels"], known)].tolist()
 
 
 def further_scenes(folder: Path, objects: pd.DataFrame, settings: FailureParameters) -> None:
@@ -295,7 +293,6 @@ def clear(out: Path, weights: Path, objects: Objects) -> None:
 
 def write(table: pd.DataFrame, folder: Path) -> None:
     """Put a table into a folder."""
-    folder.mkdir(parents=True, exist_ok=True)
     with atomic_output(folder / TABLE) as temporary:
         table.to_parquet(temporary)
 

@@ -13,7 +13,7 @@ docs/studies/failures.md has the tables.
 """
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,7 @@ from benchmark import cpu_time
 import egad
 from egad._util.arrays import Floats
 from egad._util.files import write_text
+from egad._util.markdown import table as markdown
 from egad.detectors import DetectorConfig
 from egad.failures import FailureAtlas
 from egad.failures.atlas import CELL
@@ -33,6 +34,10 @@ from egad.report.drawing import new_figure
 
 STRATEGIES: tuple[Strategy, ...] = ("random", "mutation", "screening", "evolution")
 ALIKE = 0.8  # of the voxels of two objects are the same: the second one is no other object
+HEAD = (
+    *("strategy", "seeds", "failures", "cells", "all seeds", "different", "cells"),
+    *("attempts at a failure", "elsewhere, per failure", "objects", "graspable", "CPU"),
+)
 SHIPPED = ("ggcnn2-evolved", "antipodal-depth", "antipodal-cloud")
 
 
@@ -100,11 +105,17 @@ def together(places: Sequence[Path]) -> tuple[int, int, int]:
     """Failures of all seeds, how many of these are different objects, and their cells."""
     examined = pd.concat([FailureAtlas.load(place).examined for place in places])
     found = examined[examined["verdict"] == "failure"]
-    known: list[bytes] = []
-    for voxels in found["voxels"]:
+    return len(found), len(unlike(found["voxels"])), len(found[CELL].drop_duplicates())
+
+
+def unlike(objects: Iterable[bytes], others: Iterable[bytes] = ()) -> list[int]:
+    """The positions of objects, by their voxels, that are like no earlier one and like no other."""
+    known, found = list(others), []
+    for number, voxels in enumerate(objects):
         if all(overlap(voxels, other) < ALIKE for other in known):
             known.append(voxels)
-    return len(found), len(known), len(found[CELL].drop_duplicates())
+            found.append(number)
+    return found
 
 
 def overlap(one: bytes, other: bytes) -> float:
@@ -132,25 +143,23 @@ def per_failure(rows: pd.DataFrame, what: str) -> str:
 def show(folder: Path) -> None:
     """Print a table for each detector."""
     for place in sorted(path for path in folder.iterdir() if path.is_dir()):
-        print(
-            f"\n{place.name}\n\n| strategy | seeds | failures | cells | all seeds | different "
-            "| cells | attempts at a failure | elsewhere, per failure | objects | graspable | CPU |"
-        )
-        print("| --- " * 12 + "|")
+        lines = []
         for strategy in STRATEGIES:
             done = sorted(place.glob(f"{strategy}-*/cpu.txt"))
             if not done:
                 continue
             rows = pd.DataFrame([row_of(path.parent) for path in done])
-            cells = (
-                *(strategy, len(rows), interval(rows["failures"]), interval(rows["cells"])),
-                *together([path.parent for path in done]),
-                *(per_failure(rows, name) for name in ("confirming", "elsewhere")),
-                f"{rows['objects'].mean():.0f}",
-                f"{100 * rows['graspable'].mean():.0f} %",
-                f"{rows['cpu'].mean():.0f} min",
+            lines.append(
+                (
+                    *(strategy, len(rows), interval(rows["failures"]), interval(rows["cells"])),
+                    *together([path.parent for path in done]),
+                    *(per_failure(rows, name) for name in ("confirming", "elsewhere")),
+                    f"{rows['objects'].mean():.0f}",
+                    f"{100 * rows['graspable'].mean():.0f} %",
+                    f"{rows['cpu'].mean():.0f} min",
+                )
             )
-            print(f"| {' | '.join(map(str, cells))} |")
+        print(f"\n{place.name}\n\n{markdown(HEAD, lines)}", end="")
 
 
 def found_by(folder: Path, steps: Floats) -> Floats:

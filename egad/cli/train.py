@@ -78,8 +78,7 @@ def _on_images(
     from egad.workflow.train import train as train_network
 
     settings = select(whole, TrainNetwork)
-    inputs = folders if start is None else [*folders, start]
-    with recorded("train", settings=settings, inputs=inputs):
+    with recorded("train", settings=settings, inputs=_inputs(folders, start)):
         score = train_network(settings, folders, out, jobs, start)
         for name in FOR_PEOPLE:
             write_sums(out / name)
@@ -108,7 +107,7 @@ def _on_scenes(
     name = scenes.gripper_name
     whole = whole.model_copy(update={"grippers": {**whole.grippers, name: scenes.gripper}})
     settings = select(whole, TrainOnScenes, name)
-    inputs = folders if start is None else [*folders, start]
+    inputs = _inputs(folders, start)
     with recorded("train", settings=settings, arguments={"device": device}, inputs=inputs):
         score = train_on_scenes(settings, name, folders, out, jobs, device, start)
         for file in FOR_PEOPLE:
@@ -119,3 +118,8 @@ def _on_scenes(
         f"{score.grasps} grasps in {score.scenes} scenes of held-out objects, of which "
         f"{score.share:.0%} succeeded"
     )
+
+
+def _inputs(folders: list[Path], start: Path | None) -> list[Path]:
+    """All that a training reads."""
+    return folders if start is None else [*folders, start]

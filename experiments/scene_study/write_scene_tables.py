@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scene_charts import learning_chart
+from scene_charts import cleared_by, learning_chart
 
 from egad._util.files import write_text
 from egad._util.markdown import table as markdown
@@ -120,8 +120,7 @@ def goals(rounds: pd.DataFrame) -> str:
 
 def share_of(rounds: pd.DataFrame) -> float:
     """The mean over detectors of the share of the objects that each clears."""
-    sums = rounds.groupby("detector")[["cleared", "there"]].sum()
-    return float((sums["cleared"] / sums["there"]).mean())
+    return float(cleared_by(rounds)["share"].mean())
 
 
 def interval(rounds: pd.DataFrame, first: str, second: str | None = None) -> tuple[float, float]:

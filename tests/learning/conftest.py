@@ -9,7 +9,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from PIL import Image
+from typer.testing import CliRunner
 
+from egad.cli.commands import app
 from egad.perception.camera import Intrinsics, View, camera_above
 
 FOCAL, FAR, SIZE = 417.0, 0.6, 300
@@ -130,3 +132,24 @@ def view(pictures):
     stored = np.asarray(Image.open(io.BytesIO(pictures[0]["depth"])), dtype=np.float32)
     depth = np.where(stored > 0, stored / 10_000, np.float32(np.nan))
     return View(depth, Intrinsics(SIZE, SIZE, FOCAL, (149.5, 149.5)), camera_above(FAR))
+
+
+@pytest.fixture
+def check_start(tmp_path):
+    """Trains with few small steps from weights and from others, and compares what comes of it."""
+    files = pytest.importorskip("egad.learning.weights")
+
+    def check(way, start, layer):
+        for name, more in (("further", ["--start", str(start)]), ("fresh", [])):
+            result = CliRunner().invoke(app, [*way, *more, "--out", str(tmp_path / name)])
+            assert result.exit_code == 0, result.output
+        first, further, fresh = (
+            files.state_in(folder / "weights.safetensors")[layer].numpy()
+            for folder in (start.parent, tmp_path / "further", tmp_path / "fresh")
+        )
+        np.testing.assert_allclose(further, first, atol=0.0003)
+        assert np.abs(fresh - first).max() > 0.01
+        card = (tmp_path / "further/README.md").read_text()
+        assert "| start | weights.safetensors, sha256 " in card
+
+    return check

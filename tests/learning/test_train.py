@@ -103,22 +103,12 @@ def test_the_detector_takes_the_weights(trained, view):
     np.testing.assert_array_equal(GGCNN(str(path))._infer(seen), after)
 
 
-def test_training_begins_with_given_weights(trained, images, tmp_path):
+def test_training_begins_with_given_weights(trained, images, check_start, tmp_path):
     """A few small steps hardly change them; those of the other network are refused."""
-    files = pytest.importorskip("egad.learning.weights")
     start = trained / "words/weights.safetensors"
     config = configuration(tmp_path / "slow.yaml", seed=4, learning_rate=0.0001)
     way = ["train", str(images), "--config", config]
-    for name, more in (("further", ["--start", str(start)]), ("fresh", [])):
-        result = CliRunner().invoke(app, [*way, *more, "--out", str(tmp_path / name)])
-        assert result.exit_code == 0, result.output
-    first, further, fresh = (
-        files.state_in(folder / "weights.safetensors")["conv2.weight"].numpy()
-        for folder in (start.parent, tmp_path / "further", tmp_path / "fresh")
-    )
-    np.testing.assert_allclose(further, first, atol=0.0003)
-    assert np.abs(fresh - first).max() > 0.01
-    assert "| start | weights.safetensors, sha256 " in (tmp_path / "further/README.md").read_text()
+    check_start(way, start, "conv2.weight")
     other = SETTINGS.model_copy(update={"training": PLAN.model_copy(update={"network": "ggcnn2"})})
     with pytest.raises(UserError, match="not weights of GG-CNN2; most similar to GG-CNN, but"):
         train(other, [images], tmp_path / "wrong", start=start)

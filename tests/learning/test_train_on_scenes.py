@@ -176,22 +176,13 @@ def test_a_trained_network_proposes_grasps_from_the_threshold_of_its_weights(sce
     assert len(scores(0.99)) == 0
 
 
-def test_training_begins_with_given_weights(trained, scenes, tmp_path):
+def test_training_begins_with_given_weights(trained, scenes, check_start, tmp_path):
     """A few small steps hardly change them; those of another network are refused."""
     files = pytest.importorskip("egad.learning.weights")
     start = trained / "words/weights.safetensors"
     config = configuration(tmp_path / "slow.yaml", learning_rate=0.0001)
     way = ["train", str(scenes), "--config", config, "--seed", "4"]
-    for name, more in (("further", ["--start", str(start)]), ("fresh", [])):
-        result = CliRunner().invoke(app, [*way, *more, "--out", str(tmp_path / name)])
-        assert result.exit_code == 0, result.output
-    first, further, fresh = (
-        files.state_in(folder / "weights.safetensors")["conv_qual.weight"].numpy()
-        for folder in (start.parent, tmp_path / "further", tmp_path / "fresh")
-    )
-    np.testing.assert_allclose(further, first, atol=0.0003)
-    assert np.abs(fresh - first).max() > 0.01
-    assert "| start | weights.safetensors, sha256 " in (tmp_path / "further/README.md").read_text()
+    check_start(way, start, "conv_qual.weight")
     networks = pytest.importorskip("egad.learning.networks")
     files.write(networks.new_network("ggcnn", 0), tmp_path / "ggcnn.safetensors", {})
     with pytest.raises(UserError, match="not weights of VGN"):
