@@ -37,8 +37,8 @@ from egad.failures import (
     open_detector,
 )
 from egad.failures.attempts import pairs_of
-from egad.failures.examine import GRASPABLE
 from egad.failures.search import scaled_surface, surface_of
+from egad.failures.verdict import GRASPABLE
 from egad.learning import VgnTraining
 from egad.random import generator
 from egad.scenes import load_scenes

@@ -2,7 +2,6 @@ from .atlas import FailureAtlas as FailureAtlas
 from .atlas_page import write_page as write_page
 from .defaults import failure_parameters as failure_parameters
 from .examine import Examination as Examination
-from .examine import ObjectVerdict as ObjectVerdict
 from .features import SHAPE_FEATURES as SHAPE_FEATURES
 from .features import shape_features as shape_features
 from .features import shares as shares
@@ -20,3 +19,4 @@ from .replay import film_attempts as film_attempts
 from .replay import repeat_attempts as repeat_attempts
 from .search import Found as Found
 from .search import attempts_of as attempts_of
+from .verdict import ObjectVerdict as ObjectVerdict

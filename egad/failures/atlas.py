@@ -9,9 +9,9 @@ import pandas as pd
 from egad._util.display import Picture, draw, facts_html
 from egad.cppn import Shape
 from egad.errors import UserError
-from egad.failures.examine import ObjectVerdict
 from egad.failures.parameters import FailureParameters
 from egad.failures.search import Found, elite_of, empty_archive
+from egad.failures.verdict import ObjectVerdict
 from egad.objects import Dataset, dataset_of
 from egad.stats import Rate
 from egad.tables import parquet

@@ -18,11 +18,11 @@ from egad._util.workers import workers
 from egad.errors import UserError
 from egad.failures.atlas import FailureAtlas
 from egad.failures.attempts import by_object, failed_drops
-from egad.failures.examine import ObjectVerdict
 from egad.failures.features import SHAPE_FEATURES, shape_features, shares
 from egad.failures.parameters import FailureParameters
 from egad.failures.replay import film_attempts
 from egad.failures.search import scaled_surface
+from egad.failures.verdict import ObjectVerdict
 from egad.objects import Dataset, load
 from egad.random import generator
 from egad.report.axes import axis_pair

@@ -8,27 +8,24 @@ same poses, both with 95 % confidence, in every physics engine, on drops that no
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
-from enum import StrEnum
-from typing import Any, Literal
+from typing import Literal
 
-import numpy as np
 import pandas as pd
 import trimesh
 
-from egad.detectors import Detector, Failure, PoseGrasp, asked_for
+from egad.detectors import Detector, asked_for
 from egad.errors import RejectedError, UserError
 from egad.evalset import PartsWarning, print_problems
-from egad.failures.attempts import failed_drops, pairs_of
+from egad.failures.attempts import failed_drops
 from egad.failures.bench import Bench, open_bench
 from egad.failures.evidence import Claim, PairedDrop
 from egad.failures.parameters import FailureParameters, FailureSearch
-from egad.failures.reference import REST, ReferencePolicy
+from egad.failures.recorder import Drop, Recorder
+from egad.failures.reference import ReferencePolicy
+from egad.failures.verdict import Examined, ObjectVerdict
 from egad.grasping import dataset_grasps
 from egad.outcomes import Outcome
-from egad.random import generator
-from egad.sim import Model, Pose, build
-from egad.tables.failures import FAILURE_ATTEMPTS
+from egad.sim import Model, build
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
@@ -38,66 +35,6 @@ SOLVED = 0.5  # of the success rate that a failure may have: more is not looked 
 TRIES = 3  # grasps of the reference at a drop, while it is chosen
 HOPELESS = 0.3  # of the drops: if none of these held at more of them, the choice ends
 PATIENCE = 2  # drops for each one that is wanted, as some do not come to rest
-
-
-class ObjectVerdict(StrEnum):
-    """What an object is to a detector."""
-
-    FAILURE = "failure"
-    DETECTOR_SUCCEEDS = "detector_succeeds"
-    NOT_GRASPABLE = "not_graspable"
-    NOT_PRINTABLE = "not_printable"
-    NOT_CONFIRMED = "not_confirmed"
-    NOT_SIMULATED = "not_simulated"
-    NOT_MEASURED = "not_measured"
-    CELL_FULL = "cell_full"
-
-
-GRASPABLE = (
-    ObjectVerdict.FAILURE,
-    ObjectVerdict.DETECTOR_SUCCEEDS,
-    ObjectVerdict.NOT_CONFIRMED,
-)
-
-
-@dataclass(frozen=True)
-class Examined:
-    """What became of an object.
-
-    Attributes:
-        verdict: What it is.
-        reason: Why, if the counts do not say it.
-        attempts: One row per simulated grasp, columns of `tables.failures.FAILURE_ATTEMPTS`.
-    """
-
-    verdict: ObjectVerdict
-    reason: str
-    attempts: pd.DataFrame
-
-    def pairs(self, engine: str) -> list[PairedDrop]:
-        """The fresh drops in an engine, as of `pairs_of`."""
-        return pairs_of(self.attempts, engine)
-
-    @property
-    def objective(self) -> float:
-        """An estimate of the regret, shrunk towards 0, in steps of 0.1, for the search to climb.
-
-        The lowest of all engines with fresh drops; without any, that of all attempts of the
-        detector.
-        """
-        if self.verdict not in GRASPABLE:
-            return 0.0
-        table = self.attempts
-        fresh = [pairs for engine in table["engine"].unique() if (pairs := self.pairs(engine))]
-        if not fresh:
-            detector = table[table["who"] == "detector"]
-            fresh = [[PairedDrop(True, bool(each)) for each in detector["success"]]]
-        return min(_shrunk(pairs) for pairs in fresh)
-
-
-def _shrunk(pairs: Sequence[PairedDrop]) -> float:
-    regret = sum(pair.reference - pair.detector for pair in pairs) / (len(pairs) + 2)
-    return round(max(regret, 0.0), 1)
 
 
 def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
@@ -158,12 +95,11 @@ class Examination:
             settings: Gripper, engines, numbers of attempts.
             report: Is told 1 after every attempt.
         """
-        self._mesh, self._id, self._detect, self._report = mesh, object_id, detect, report
+        self._mesh, self._id = mesh, object_id
         self._settings, self._search = settings, settings.failures
         self._from_above = approach_of(detect, settings.failures) == "above"
+        self._recorder = Recorder(object_id, detect, settings.seed, report)
         self._reference = ReferencePolicy()
-        self._rows: list[dict[str, Any]] = []
-        self._purpose, self._number = "", 0
         self._solved = 0  # attempts in which the detector succeeded, before fresh ones
 
     def run(self) -> Examined:
@@ -172,7 +108,7 @@ class Examination:
             verdict, reason = self._verdict()
         except RejectedError as problem:
             verdict, reason = ObjectVerdict.NOT_SIMULATED, str(problem)
-        return Examined(verdict, reason, self._table())
+        return Examined(verdict, reason, self._recorder.table())
 
     def _verdict(self) -> tuple[ObjectVerdict, str]:
         rough = model_of_attempts(self._mesh, "screen", self._settings, self._id)
@@ -199,20 +135,20 @@ class Examination:
         Returns:
             The further attempts, one by one until one succeeds; none where nothing was proposed.
         """
-        engine = self._search.engines[0]
+        recorder, engine = self._recorder, self._search.engines[0]
         exact = model_of_attempts(self._mesh, "explain", self._settings, self._id)
         failed = failed_drops(attempts, engine)[: self._search.explain]
         with self._benches(exact, empty(GRASPS)) as (bench, *_):
             for number in failed:
-                rest = self._drop(bench, "confirm", number)
-                if rest is None:
+                drop = recorder.drop(bench, "confirm", number)
+                if drop is None:
                     continue
-                proposed = bench.propose(self._detect, rest, self._rng(f"detector {engine}"))
-                self._purpose = "explain"
+                proposed = recorder.propose(drop)
+                drop = drop._replace(purpose="explain")
                 for rank, grasp in enumerate(proposed if isinstance(proposed, list) else []):
-                    if rank and self._execute(bench, rest, "detector", grasp, rank):
+                    if rank and recorder.execute(drop, "detector", grasp, rank):
                         break
-        return self._table()
+        return self._recorder.table()
 
     def paired(
         self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
@@ -250,7 +186,7 @@ class Examination:
             for bench in benches:
                 if not self._try_pairs(bench, purpose, count, least):
                     break
-        return self._table()
+        return self._recorder.table()
 
     def _try_pairs(self, bench: Bench, purpose: str, count: int, least: int) -> bool:
         """Try both from `count` drops; False once one of them cannot succeed often enough."""
@@ -266,10 +202,6 @@ class Examination:
             if len(pairs) == count:
                 return True
         raise RejectedError(f"it comes to rest in {len(pairs)} of {PATIENCE * count} drops")
-
-    def _table(self) -> pd.DataFrame:
-        rows = [{"id": self._id} | row for row in self._rows]
-        return pd.DataFrame(rows, columns=FAILURE_ATTEMPTS.names)
 
     @contextmanager
     def _benches(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[Bench]]:
@@ -300,11 +232,11 @@ class Examination:
         drops = 0
         for number in range(self._search.screen):
             bench = benches[number % len(benches)]
-            rest = self._drop(bench, "screen", number)
-            if rest is None:
+            drop = self._recorder.drop(bench, "screen", number)
+            if drop is None:
                 continue
             drops += 1
-            self._solved += self._ask_detector(bench, rest, learn=True)
+            self._solved += self._recorder.ask(drop, self._reference)
             if self._is_solved(self._search.screen):
                 return ObjectVerdict.DETECTOR_SUCCEEDS, ""
         return None if drops else (ObjectVerdict.NOT_SIMULATED, "it does not come to rest")
@@ -327,20 +259,20 @@ class Examination:
     def _choose_at(self, benches: Sequence[Bench], number: int) -> bool:
         """Whether the reference holds the object at a drop; if so, the detector tries, too."""
         bench = benches[number % len(benches)]
-        rest = self._drop(bench, "choose", number)
-        if rest is None or not self._try_reference(bench, rest):
+        drop = self._recorder.drop(bench, "choose", number)
+        if drop is None or not self._try_reference(drop):
             return False
-        self._solved += self._ask_detector(bench, rest, learn=True)
+        self._solved += self._recorder.ask(drop, self._reference)
         return True
 
-    def _try_reference(self, bench: Bench, rest: Pose) -> bool:
+    def _try_reference(self, drop: Drop) -> bool:
         """Whether one of the best grasps of the reference holds; it learns from all of them."""
         for rank in range(TRIES):
-            known = self._reference.ranked(bench, rest)
+            known = self._reference.ranked(drop.bench, drop.rest)
             if not known:
                 return False
-            success = self._execute(bench, rest, "reference", known[0], rank)
-            self._reference.remember(rest, known[0], success)
+            success = self._recorder.execute(drop, "reference", known[0], rank)
+            self._reference.remember(drop.rest, known[0], success)
             if success:
                 return True
         return False
@@ -367,67 +299,12 @@ class Examination:
 
     def _paired(self, bench: Bench, purpose: str, number: int) -> PairedDrop | None:
         """A fresh drop at which both try; None if the object does not come to rest."""
-        rest = self._drop(bench, purpose, number)
-        if rest is None:
+        drop = self._recorder.drop(bench, purpose, number)
+        if drop is None:
             return None
-        known = self._reference.ranked(bench, rest)
+        known = self._reference.ranked(bench, drop.rest)
         if known:
-            won = self._execute(bench, rest, "reference", known[0])
+            won = self._recorder.execute(drop, "reference", known[0])
         else:
-            won = self._note(bench, rest, "reference", Outcome.NO_GRASP)
-        return PairedDrop(won, self._ask_detector(bench, rest))
-
-    def _drop(self, bench: Bench, purpose: str, number: int) -> Pose | None:
-        self._purpose, self._number = purpose, number
-        return bench.drop(self._rng("drop"))
-
-    def _rng(self, what: str) -> np.random.Generator:
-        return generator(
-            self._settings.seed, f"failure {what}", self._purpose, self._id, self._number
-        )
-
-    def _ask_detector(self, bench: Bench, rest: Pose, *, learn: bool = False) -> bool:
-        """Whether the first proposal of the detector holds."""
-        proposed = bench.propose(self._detect, rest, self._rng(f"detector {bench.engine}"))
-        if isinstance(proposed, Failure):
-            return self._note(bench, rest, "detector", proposed.outcome, failure=proposed.text)
-        if isinstance(proposed, Outcome):
-            return self._note(bench, rest, "detector", proposed)
-        success = self._execute(bench, rest, "detector", proposed[0])
-        if learn:
-            self._reference.remember(rest, proposed[0], success)
-        return success
-
-    def _execute(self, bench: Bench, rest: Pose, who: str, grasp: PoseGrasp, rank: int = 0) -> bool:
-        return self._note(bench, rest, who, bench.execute(rest, grasp), grasp, rank)
-
-    def _note(
-        self,
-        bench: Bench,
-        rest: Pose,
-        who: str,
-        outcome: Outcome,
-        grasp: PoseGrasp | None = None,
-        rank: int = 0,
-        failure: str = "",
-    ) -> bool:
-        """Keep a row of what came of an attempt; whether it succeeded."""
-        lies = [*rest.position.tolist(), *rest.quaternion.tolist()]
-        self._rows.append(
-            {
-                "engine": bench.engine,
-                "purpose": self._purpose,
-                "drop": self._number,
-                "who": who,
-                "rank": rank,
-                "success": outcome == Outcome.SUCCESS,
-                "outcome": outcome.value,
-                **dict(zip(REST, lies, strict=True)),
-                "pose": [] if grasp is None else grasp.pose[:3].ravel().tolist(),
-                "width": np.nan if grasp is None else grasp.width,
-                "score": np.nan if grasp is None else grasp.score,
-                "failure": failure,
-            }
-        )
-        self._report(1)
-        return outcome == Outcome.SUCCESS
+            won = self._recorder.note(drop, "reference", Outcome.NO_GRASP)
+        return PairedDrop(won, self._recorder.ask(drop))

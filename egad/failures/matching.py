@@ -18,11 +18,12 @@ from egad.errors import RejectedError, UserError, most_common
 from egad.evalset import print_problems
 from egad.failures.atlas import CELL, FailureAtlas
 from egad.failures.attempts import by_object, pairs_of
-from egad.failures.examine import Examination, ObjectVerdict
+from egad.failures.examine import Examination
 from egad.failures.finding import open_detector
 from egad.failures.parameters import FailureParameters
 from egad.failures.search import scaled_surface, surface_of
 from egad.failures.store import Detect
+from egad.failures.verdict import ObjectVerdict
 from egad.measures import cell_of
 from egad.reeb import Forest, similarities
 from egad.reeb import graph as reeb

@@ -21,8 +21,9 @@ from egad.cppn import UNBOUND, Row, packed_surface
 from egad.detectors import Detector, FailureMonitor
 from egad.errors import RejectedError
 from egad.failures.attempts import counts_of
-from egad.failures.examine import Examination, Examined, ObjectVerdict
+from egad.failures.examine import Examination
 from egad.failures.parameters import FailureParameters, FailureSearch
+from egad.failures.verdict import Examined, ObjectVerdict
 from egad.geometry import rescale
 from egad.geometry.repair import repair_for_files
 from egad.map_elites import Archive, Elite, breed, express

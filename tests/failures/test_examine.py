@@ -8,7 +8,8 @@ from failing import CUBE, beside, both, broken, nothing, parameters
 import egad
 from egad.detectors.antipodal import antipodal_depth
 from egad.failures.attempts import explanation, failed_drops, pairs_of
-from egad.failures.examine import Examination, ObjectVerdict
+from egad.failures.examine import Examination
+from egad.failures.verdict import ObjectVerdict
 from egad.outcomes import Outcome
 
 SETTINGS = parameters()

@@ -5,8 +5,8 @@ import pytest
 from failing import beside, broken, nothing, parameters
 
 import egad
-from egad.failures.examine import ObjectVerdict
 from egad.failures.search import Found, Search, attempts_of, elite_of
+from egad.failures.verdict import ObjectVerdict
 from egad.tables import parquet
 from egad.tables.evolution import GENOME
 

@@ -1,0 +1,70 @@
+"""What an object is to a detector, and by which attempts that is known."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import pandas as pd
+
+from egad.failures.attempts import pairs_of
+from egad.failures.evidence import PairedDrop
+
+
+class ObjectVerdict(StrEnum):
+    """What an object is to a detector."""
+
+    FAILURE = "failure"
+    DETECTOR_SUCCEEDS = "detector_succeeds"
+    NOT_GRASPABLE = "not_graspable"
+    NOT_PRINTABLE = "not_printable"
+    NOT_CONFIRMED = "not_confirmed"
+    NOT_SIMULATED = "not_simulated"
+    NOT_MEASURED = "not_measured"
+    CELL_FULL = "cell_full"
+
+
+GRASPABLE = (
+    ObjectVerdict.FAILURE,
+    ObjectVerdict.DETECTOR_SUCCEEDS,
+    ObjectVerdict.NOT_CONFIRMED,
+)
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What became of an object.
+
+    Attributes:
+        verdict: What it is.
+        reason: Why, if the counts do not say it.
+        attempts: One row per simulated grasp, columns of `tables.failures.FAILURE_ATTEMPTS`.
+    """
+
+    verdict: ObjectVerdict
+    reason: str
+    attempts: pd.DataFrame
+
+    def pairs(self, engine: str) -> list[PairedDrop]:
+        """The fresh drops in an engine, as of `pairs_of`."""
+        return pairs_of(self.attempts, engine)
+
+    @property
+    def objective(self) -> float:
+        """An estimate of the regret, shrunk towards 0, in steps of 0.1, for the search to climb.
+
+        The lowest of all engines with fresh drops; without any, that of all attempts of the
+        detector.
+        """
+        if self.verdict not in GRASPABLE:
+            return 0.0
+        table = self.attempts
+        fresh = [pairs for engine in table["engine"].unique() if (pairs := self.pairs(engine))]
+        if not fresh:
+            detector = table[table["who"] == "detector"]
+            fresh = [[PairedDrop(True, bool(each)) for each in detector["success"]]]
+        return min(_shrunk(pairs) for pairs in fresh)
+
+
+def _shrunk(pairs: Sequence[PairedDrop]) -> float:
+    regret = sum(pair.reference - pair.detector for pair in pairs) / (len(pairs) + 2)
+    return round(max(regret, 0.0), 1)
