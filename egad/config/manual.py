@@ -46,7 +46,8 @@ def _nested(path: tuple[str, ...], known: Mapping[str, Any], shown: set[str]) ->
         node = node_at(inner) or {}
         if "properties" in node and node["title"] not in shown:
             shown.add(node["title"])
-            yield f"\n### `{'.'.join(inner)}`\n\n{_meaning(node)}\n\n"
+            title = ".".join("NAME" if part == "any" else part for part in inner)
+            yield f"\n### `{title}`\n\n{_meaning(node)}\n\n"
             yield _keys(inner, known.get(key, {}))
             yield from _nested(inner, known.get(key, {}), shown)
 
@@ -73,10 +74,12 @@ def _keys(path: tuple[str, ...], known: Mapping[str, Any]) -> str:
 def _rows(
     path: tuple[str, ...], keys: list[str], known: Mapping[str, Any]
 ) -> Iterator[tuple[str, ...]]:
+    fields: Node = (node_at(path) or {})["properties"]
     for key in keys:
         name, meaning, may_be = _row(path, key)
-        inside = key in known and isinstance(known[key], dict)  # has a table of its own
-        shown = f"`{json.dumps(known[key])}`" if key in known and not inside else ""
+        value = known.get(key, fields[key].get("default"))
+        inside = isinstance(value, dict)  # has a table of its own
+        shown = "" if value is None or inside else f"`{json.dumps(value)}`"
         yield name, shown.replace('"', ""), meaning, may_be
 
 

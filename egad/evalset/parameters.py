@@ -22,7 +22,7 @@ class SelectEval(Parameters):
     gripper: Name | None = Field(
         None,
         description="all chosen objects must be printable when scaled to this gripper of the "
-        "table; nothing: the narrowest gripper, for which walls are thinnest",
+        "table; nothing: the narrowest gripper",
     )
 
 

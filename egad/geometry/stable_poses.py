@@ -67,7 +67,7 @@ class _Facets(NamedTuple):
 
     `triangles` are all of the hull, (t, 3) vertices of the mesh, and `face` the face of each.
     `start`, `end`, `owner` and `beyond` are of the edges between two faces: end points, (k, 3),
-    the face whose outline it is part of, anticlockwise, and the face behind it.
+    the face whose outline it is part of, counterclockwise, and the face behind it.
     """
 
     normals: Floats
@@ -179,7 +179,7 @@ def _facets(vertices: Floats, center: Floats) -> _Facets:
 
 
 def _outward(hull: ConvexHull, vertices: Floats) -> tuple[Ints, Ints]:
-    """The triangles of a hull, anticlockwise seen from outside, and their neighbors."""
+    """The triangles of a hull, counterclockwise seen from outside, and their neighbors."""
     triangles, neighbors = hull.simplices.astype(np.int64), hull.neighbors.astype(np.int64)
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     inward = _dot(np.cross(b - a, c - a), hull.equations[:, :3]) < 0

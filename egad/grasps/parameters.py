@@ -17,7 +17,7 @@ class Quality(Parameters):
     friction: float = Field(FRICTION, gt=0, le=2, description="Coulomb friction coefficient")
     torque_scaling: float = Field(100.0, gt=0, description="torque units per force unit, 1/m")
     finger_radius: Length = Field(0.005, description="radius of the soft finger's contact, metres")
-    cone_faces: int = Field(8, ge=3, le=24, description="edges of the linearised friction cone")
+    cone_faces: int = Field(8, ge=3, le=24, description="edges of the linearized friction cone")
 
 
 class Robust(Parameters):

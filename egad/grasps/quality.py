@@ -44,7 +44,7 @@ def ferrari_canny(
         friction: Coulomb friction coefficient, one for all or (n,).
         torque_scaling: What a torque counts beside a force, 1/m.
         finger_radius: Radius of the soft contact, metres; it resists torsion.
-        cone_faces: Edges of a linearised friction cone, 3 to 28.
+        cone_faces: Edges of a linearized friction cone, 3 to 28.
         floor: A quality below this may be replaced by an upper bound that is also below it; this
             saves time.
 

@@ -21,7 +21,7 @@ class Change(NamedTuple):
     """How an image is changed.
 
     Attributes:
-        turns: Quarter turns, anticlockwise as seen.
+        turns: Quarter turns, counterclockwise as seen.
         zoom: Part of the image's side that is shown, enlarged to the whole side.
     """
 

@@ -23,7 +23,7 @@ robust, real-time, reactive robotic grasping", IJRR 2020). The weights are in `w
 
 The input, (1, 300, 300), is depths in metres, gaps filled, less their mean, clipped to [-1, 1]. The
 output, (4, 300, 300), is quality, cos 2a, sin 2a and opening / 150 pixels, where the angle a of the
-closing axis is anticlockwise as seen from the image's x axis.
+closing axis is counterclockwise as seen from the image's x axis.
 
 ## Score
 

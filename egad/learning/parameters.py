@@ -24,7 +24,7 @@ class Training(Parameters):
     epoch: int = Field(
         2000, ge=1, description="examples between two evaluations on the validation set"
     )
-    batch: int = Field(8, ge=1, description="examples per step of the optimiser, Adam")
+    batch: int = Field(8, ge=1, description="examples per step of the optimizer, Adam")
     learning_rate: float = Field(
         0.001,
         gt=0,
@@ -79,7 +79,7 @@ class VgnTraining(Parameters):
     epoch: int = Field(
         1000, ge=1, description="examples between two evaluations on the validation set"
     )
-    batch: int = Field(4, ge=1, description="examples per step of the optimiser, Adam")
+    batch: int = Field(4, ge=1, description="examples per step of the optimizer, Adam")
     learning_rate: float = Field(
         0.0003,
         gt=0,

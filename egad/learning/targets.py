@@ -27,7 +27,7 @@ class Answer(NamedTuple):
 
     Attributes:
         quality: Smoothed quality, (height, width).
-        angle: Angle of the closing axis, radians anticlockwise as seen, in [-pi/2, pi/2].
+        angle: Angle of the closing axis, radians counterclockwise as seen, in [-pi/2, pi/2].
         opening: Pixels.
     """
 

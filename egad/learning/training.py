@@ -297,7 +297,7 @@ class _Lesson:
         return _cut(range(schedule.examples), schedule.epoch)[len(self.state.rows) :]
 
     def steps(self) -> Iterator[None]:
-        """Learn; there is a pause after each step of the optimiser."""
+        """Learn; there is a pause after each step of the optimizer."""
         for numbers in self.epochs():
             losses = np.zeros(len(self.task.parts))
             self.state.network.train()

@@ -1,7 +1,7 @@
 """Grasp rectangles in an image: projected from grasps in 3D, and compared with each other.
 
 Rectangles are rows of an array (n, 5): u and v of the center, pixels, pixel (0, 0) having its
-center at 0, 0; the angle of the closing axis, radians anticlockwise as seen from the image's x
+center at 0, 0; the angle of the closing axis, radians counterclockwise as seen from the image's x
 axis, in [-pi/2, pi/2); the opening along that axis and the breadth of the jaws across it, pixels.
 """
 
@@ -29,7 +29,7 @@ class ImageGrasps(NamedTuple):
         object: (n,) numbers of the objects in the image, from 0.
         u: (n,) column of the center, pixels.
         v: (n,) row of the center, pixels.
-        angle: (n,) of the closing axis, anticlockwise as seen in the image, from its x axis
+        angle: (n,) of the closing axis, counterclockwise as seen in the image, from its x axis
             (right), radians in [-pi/2, pi/2).
         opening: (n,) how far the hand opens, at the depth of the center, pixels.
         depth_center: (n,) of the center, along the optical axis, metres.
