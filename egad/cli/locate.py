@@ -1,7 +1,6 @@
 """The position of meshes among the objects of a dataset, and their nearest objects."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -25,14 +24,15 @@ from egad.cli.common import (
     with_option,
 )
 from egad.cli.measure import SIZE, measure_row, sizes, warn_of_measures
-from egad.config import Shape, Similarity
 from egad.config.stages import LocateMeshes, select
 from egad.errors import RejectedError, UserError
+from egad.reeb import Similarity
 
 if TYPE_CHECKING:
     import pandas as pd
-    import trimesh
 
+    from egad.named_meshes import NamedMesh
+    from egad.objects import Dataset
     from egad.reeb import Neighborhood
     from egad.report.locations import Located
 
@@ -55,7 +55,6 @@ def locate(
     """Show the positions of meshes in the space of a dataset, and the most similar objects."""
     from egad._util.files import write_text
     from egad.cli.terminal_tables import located
-    from egad.data import archive_path
     from egad.io import check_ending, object_names, write_frame
     from egad.report.axes import axis_pair
     from egad.report.locations import page
@@ -65,13 +64,13 @@ def locate(
         check_ending(path, (".html", ".parquet", ".csv"))
     option = ("--max-candidates", "postprocess.max_candidates", max_candidates)
     settings = select(with_option(settings_in(config), *option), LocateMeshes)
-    objects = reference(archive_path(among), settings)
+    objects = reference(among, settings)
     files = object_names(files_in(meshes, units))
     table, shown = locate_files(settings, objects, files, units, jobs)
     reasons, axes = reasons_in(table), axis_pair(settings.measures)
     for path in out:
         if path.suffix.lower() == ".html":
-            text = page(str(among), objects.objects, shown, reasons, settings.space, axes)
+            text = page(str(among), objects.table, shown, reasons, settings.space, axes)
             write_text(path, text)
         else:
             write_frame(table, LOCATED, path)
@@ -79,91 +78,32 @@ def locate(
     complain(reasons, len(table))
 
 
-@dataclass(frozen=True)
-class Reference:
-    """The objects that others are compared with.
-
-    Attributes:
-        objects: Columns label, complexity, graspability and cells.
-        load: For each label, how to get the mesh.
-    """
-
-    objects: "pd.DataFrame"
-    load: "Mapping[str, Callable[[], trimesh.Trimesh]]"
-
-
-def reference(path: Path, settings: LocateMeshes) -> Reference:
-    """The objects of an archive, or of a folder of a dataset.
+def reference(source: Path, settings: LocateMeshes) -> "Dataset":
+    """The objects that meshes are compared with.
 
     Args:
-        path: An `archive.parquet`, an `objects.parquet` with `meshes/` beside it, or the folder
-            of these.
-        settings: Settings that the objects were made with.
+        source: As for `egad.load`: `released`, an `archive.parquet`, or the folder of a dataset.
+        settings: Those of this tool.
 
     Raises:
-        UserError: There is neither, or it was made with a different grid.
+        UserError: There is neither, or it was made with a finer grid.
         TableError: The table is damaged.
     """
-    from egad.config.archive_settings import check_provenance
-    from egad.tables import parquet
-    from egad.tables.evolution import ARCHIVE
-    from egad.tables.objects import OBJECTS
+    from egad.objects import load
 
-    if path.is_dir():
-        path = path / "objects.parquet"
-    if not path.is_file():
-        raise UserError(f"--in {path}: no such file; give an archive or the folder of a dataset")
-    names = parquet.columns(path)
-    if "voxels" in names:
-        check_provenance(path, settings, ("shape",))
-        found = _of_archive(parquet.read(path, ARCHIVE), settings.shape)
-    elif "watertight" in names:
-        found = _of_dataset(parquet.read(path, OBJECTS), path.parent / "meshes")
-    else:
-        raise UserError(f"--in {path}: neither an archive nor the objects of a dataset")
-    cells = found.objects[["complexity_cell", "difficulty_cell"]].to_numpy()
+    found = load(source)
+    cells = found.table[["complexity_cell", "difficulty_cell"]].to_numpy()
     if len(cells) and cells.max() >= settings.space.cells:
         raise UserError(
-            f"--in {path}: cells up to {cells.max()}, but the configuration has "
+            f"--in {source}: cells up to {cells.max()}, but the configuration has "
             f"{settings.space.cells} along each axis; name the one of that dataset with --config"
         )
     return found
 
 
-def _of_dataset(objects: "pd.DataFrame", meshes: Path) -> Reference:
-    from egad.io import read_mesh
-
-    files = {label: meshes / f"{label}.obj" for label in objects["label"]}
-    if missing := [file for file in files.values() if not file.is_file()]:
-        raise UserError(f"{missing[0]}: this mesh of the dataset is missing")
-    return Reference(
-        objects, {label: partial(read_mesh, file, "m") for label, file in files.items()}
-    )
-
-
-def _of_archive(archive: "pd.DataFrame", shape: Shape) -> Reference:
-    from egad.measures import labels
-
-    ordered = archive.sort_values(["difficulty_cell", "complexity_cell", "slot"])
-    names = labels(ordered["complexity_cell"], ordered["difficulty_cell"])
-    solids = zip(names, ordered["voxels"], strict=True)
-    return Reference(
-        ordered.assign(label=names).reset_index(drop=True),
-        {label: partial(_surface, packed, shape) for label, packed in solids},
-    )
-
-
-def _surface(packed: bytes, shape: Shape) -> "trimesh.Trimesh":
-    """The mesh of voxels as files hold it, so that it is at distance 0 from its own file."""
-    from egad.cppn import packed_surface
-    from egad.geometry import in_single_precision
-
-    return in_single_precision(packed_surface(packed, shape))
-
-
 def locate_files(
     settings: LocateMeshes,
-    among: Reference,
+    among: "Dataset",
     files: Mapping[str, Path],
     units: str | None,
     worker_count: int,
@@ -183,6 +123,7 @@ def locate_files(
     """
     import pandas as pd
 
+    from egad.named_meshes import named_meshes
     from egad.reeb import Neighborhood
     from egad.reeb import graph as reeb
     from egad.tables.objects import LOCATED, MEASURED
@@ -192,11 +133,11 @@ def locate_files(
     with workers(worker_count) as mapper:
         work = partial(_mine, units=units, settings=settings)
         mine = list(progress(mapper(work, files.items()), "measuring", len(files)))
-        graphs = mapper(partial(_graph, settings=similarity), among.load.values())
-        packed = list(progress(graphs, "Reeb graphs", len(among.load)))
+        graphs = mapper(partial(_graph, settings=similarity), named_meshes(among))
+        packed = list(progress(graphs, "Reeb graphs", len(among)))
     hood = Neighborhood(similarity.weight, settings.space.neighbors)
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
-    rows = [_placed(item, hood, among.objects) for item in mine]
+    rows = [_placed(item, hood, among.table) for item in mine]
     warn_of_units(sizes(item.row for item in mine), units)
     warn_of_measures(pd.DataFrame([item.row for item in mine], columns=MEASURED.names))
     return pd.DataFrame(rows, columns=LOCATED.names), [
@@ -229,10 +170,10 @@ def _mine(item: tuple[str, Path], units: str | None, settings: LocateMeshes) -> 
     return _Mine({**found, **row}, graph, png_bytes(render(solid, PORTRAIT)))
 
 
-def _graph(load: "Callable[[], trimesh.Trimesh]", settings: Similarity) -> bytes:
+def _graph(item: "NamedMesh", settings: Similarity) -> bytes:
     from egad.reeb import graph as reeb
 
-    return reeb.pack(reeb.extract(load(), settings))
+    return reeb.pack(reeb.extract(item.mesh(), settings))
 
 
 def _placed(item: _Mine, hood: "Neighborhood", objects: "pd.DataFrame") -> dict[str, Any]:
@@ -254,12 +195,12 @@ def _placed(item: _Mine, hood: "Neighborhood", objects: "pd.DataFrame") -> dict[
     }
 
 
-def _located(row: dict[str, Any], item: _Mine, among: Reference) -> "Located":
+def _located(row: dict[str, Any], item: _Mine, among: "Dataset") -> "Located":
     from egad.report.locations import Located, Neighbor
     from egad.report.pictures import png_bytes, render
 
     neighbors = [
-        Neighbor(label, distance, png_bytes(render(among.load[label](), THUMBNAIL)))
+        Neighbor(label, distance, png_bytes(render(among[label].mesh, THUMBNAIL)))
         for label, distance in zip(row["nearest"], row["distances"], strict=True)
     ]
     return Located(row, item.picture, neighbors)

@@ -40,7 +40,8 @@ class TrainingScenes(Parameters):
         5.0,
         ge=1,
         le=10,
-        description="mean number of objects that are put into a scene: one, plus a Poisson-distributed number",
+        description="mean number of objects that are put into a scene: one, plus a "
+        "Poisson-distributed number",
     )
     grasps: int = Field(60, ge=1, le=10_000, description="labelled grasps of each scene")
     yaws: int = Field(
