@@ -312,7 +312,7 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
         TableError: A table is damaged or of another version.
     """
     if isinstance(source, Archive):
-        return _from_archive(source.to_frame(), Shape(), None)
+        return dataset_of(source.to_frame(), Shape())
     if source == EVALUATION_SET:
         return _evaluation_set()
     path = released() if source == RELEASED else as_path("source", source)
@@ -327,7 +327,7 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
             f"{source} is neither {RELEASED!r}, nor {EVALUATION_SET!r}, nor a folder with "
             "objects.parquet, nor an archive"
         )
-    dataset = _from_archive(parquet.read(path, ARCHIVE), _shape(path), _ancestry(path.parent))
+    dataset = dataset_of(parquet.read(path, ARCHIVE), _shape(path), _ancestry(path.parent))
     if source == RELEASED:
         dataset.table = _with_simulated(dataset.table)
     return dataset
@@ -354,18 +354,14 @@ def _ancestry(folder: Path) -> Path:
     return path if path.is_file() else released_ancestry()
 
 
-def dataset_of(elites: pd.DataFrame, shape: Shape) -> Dataset:
-    """The objects of a table with the columns of `tables.evolution.ARCHIVE`, and perhaps others.
+def dataset_of(elites: pd.DataFrame, shape: Shape, ancestry: Path | None = None) -> Dataset:
+    """The objects of an archive.
 
     Args:
-        elites: One row per object.
+        elites: Columns of `tables.evolution.ARCHIVE`; others are left out.
         shape: How their voxels become meshes.
+        ancestry: Table of their ancestors, if they are known.
     """
-    return _from_archive(elites, shape, None)
-
-
-def _from_archive(elites: pd.DataFrame, shape: Shape, ancestry: Path | None) -> Dataset:
-    """The objects of an archive: columns of `tables.evolution.ARCHIVE`, others are left out."""
     order = ["difficulty_cell", "complexity_cell", "slot"]
     elites = elites[ARCHIVE.names].sort_values(order, ignore_index=True)
     table = elites.drop(columns=[*GENOME.names, "voxels"])

@@ -25,11 +25,11 @@ import egad
 from egad._util.files import atomic_output
 from egad.benchmark import clear_tables
 from egad.clearing import prepare_objects
-from egad.config import GRIPPERS
 from egad.detectors import DetectorConfig
 from egad.geometry import joined_primitives
 from egad.geometry.manifold import to_mesh
 from egad.geometry.primitives import loose_piece, solid_of
+from egad.grippers import GRIPPERS
 from egad.io import object_names, read_mesh
 from egad.named_meshes import NamedMesh, named_meshes
 from egad.perception import NoiseName

@@ -22,12 +22,23 @@ import pandas as pd
 import egad
 from egad._util.files import atomic_output
 from egad._util.workers import workers
-from egad.config import GRIPPERS, Bundle, Material, TrialProtocol
 from egad.detectors import DETECTORS, GGCNN, Detector, Labels, make_detector
+from egad.evalset import Bundle
+from egad.geometry import Material
 from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
+from egad.grippers import GRIPPERS
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
-from egad.sim import ENGINES, NAMED_ERRORS, EngineName, Model, TrialParameters, build, run_attempts
+from egad.sim import (
+    ENGINES,
+    NAMED_ERRORS,
+    EngineName,
+    Model,
+    TrialParameters,
+    TrialProtocol,
+    build,
+    run_attempts,
+)
 from egad.stats import Interval, compare, mean_rate, results
 
 HAND = GRIPPERS["egad_75mm"]

@@ -25,7 +25,6 @@ from failures import unlike
 import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output, write_text
-from egad.config import GRIPPERS
 from egad.config.stages import TrainOnScenes
 from egad.detectors import Detector, DetectorConfig
 from egad.errors import RejectedError
@@ -39,6 +38,7 @@ from egad.failures import (
 from egad.failures.attempts import pairs_of
 from egad.failures.search import scaled_surface, surface_of
 from egad.failures.verdict import GRASPABLE
+from egad.grippers import GRIPPERS
 from egad.learning import VgnTraining
 from egad.random import generator
 from egad.scenes import load_scenes

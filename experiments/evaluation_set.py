@@ -11,8 +11,7 @@ import trimesh
 
 from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
-from egad.config import Engraving
-from egad.evalset import Patch, cut_text
+from egad.evalset import Engraving, Patch, cut_text
 from egad.report.pictures import CAMERA, png_bytes, render
 
 DOCS = Path(__file__).parents[1] / "docs"

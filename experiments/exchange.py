@@ -9,11 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
-from egad.config import GRIPPERS
 from egad.exchange import graspgen_hand
 from egad.exchange.grasps.graspnet import DEPTH
 from egad.grasps import PANDA_REACH
-from egad.grippers import BoxBody, finger_span
+from egad.grippers import GRIPPERS, BoxBody, finger_span
 
 OUT = Path(__file__).parents[1] / "docs/exchange.svg"
 ACROSS, ALONG, AWAY = "#c1272d", "#1b62a5", "#2e7d32"

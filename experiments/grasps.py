@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
 from egad._util.files import atomic_output
-from egad.config import GRIPPERS
-from egad.grippers import BoxBody, finger_span
+from egad.grippers import GRIPPERS, BoxBody, finger_span
 
 DOCS = Path(__file__).parents[1] / "docs"
 HAND = GRIPPERS["egad_75mm"]

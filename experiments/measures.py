@@ -19,7 +19,7 @@ from scipy.stats import spearmanr
 from egad._util.files import write_text
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.config import Settings, Similarity
+from egad.config import Settings
 from egad.config.stages import select
 from egad.geometry.repair import repair
 from egad.grasps import ferrari_canny
@@ -28,8 +28,8 @@ from egad.measures import MeasureParameters
 from egad.measures.complexity import complexity
 from egad.measures.graspability import rough_graspability, spaced_graspability
 from egad.random import generator
+from egad.reeb import Similarity, similarity_matrix
 from egad.reeb import graph as reeb
-from egad.reeb import similarity_matrix
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import new_figure
 

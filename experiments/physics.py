@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from egad.config import GRIPPERS, Bundle, TrialProtocol
+from egad.evalset import Bundle
+from egad.grippers import GRIPPERS
 from egad.random import generator
 from egad.sim import (
     ARMS,
@@ -24,6 +25,7 @@ from egad.sim import (
     InitialPose,
     Model,
     Pose,
+    TrialProtocol,
     World,
     build,
     initial_poses,

@@ -26,10 +26,9 @@ import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad.clearing import SceneObject, clear_rounds, prepare_objects
-from egad.config import GRIPPERS
 from egad.detectors import GraspPoses
 from egad.detectors.vgn import THRESHOLD, Vgn
-from egad.grippers import Gripper
+from egad.grippers import GRIPPERS, Gripper
 from egad.named_meshes import NamedMesh, named_meshes
 from egad.perception import Observation, Tsdf
 from egad.random import generator

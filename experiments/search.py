@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from egad._util.files import write_text
-from egad.config import MeasureSpace
+from egad.measures import MeasureSpace
 from egad.report.evolution import coverage_curves, coverage_history
 from egad.tables import parquet
 from egad.tables.evolution import HISTORY

@@ -23,10 +23,11 @@ import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad._util.workers import workers
-from egad.config import GRIPPERS, Bundle, Material
-from egad.evalset import make_simulation_object
+from egad.evalset import Bundle, make_simulation_object
+from egad.geometry import Material
 from egad.grasping import dataset_grasps
 from egad.grasps import FRICTION, Quality, label_parameters
+from egad.grippers import GRIPPERS
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.random import generator

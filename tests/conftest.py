@@ -14,7 +14,7 @@ import trimesh
 from compiled import checks_kernels
 from forks import ADDRESS, forked, server
 
-from egad.config import Shape
+from egad.cppn import Shape
 from egad.cppn.surface import packed_surface
 from egad.data import evaluation_set, released
 from egad.geometry.refinement import triangulation

@@ -9,9 +9,9 @@ from PIL import Image
 
 import egad
 from egad import clearing
-from egad.config import GRIPPERS
 from egad.detectors import DetectorConfig, GraspPoses
 from egad.errors import UserError
+from egad.grippers import GRIPPERS
 from egad.sim import Clutter, ClutterParameters, repeat_round, rounds_of, scenes
 from egad.sim.rounds import read_grasp
 from egad.tables import parquet

@@ -7,7 +7,7 @@ from typing import Annotated
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cli.common import CORES, Config, Dataset, Jobs, out_option, settings_in
-from egad.config import CustomMeasures, MeasureSpace
+from egad.measures import CustomMeasures, MeasureSpace
 
 SIZE = 96
 

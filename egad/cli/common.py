@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from egad._util.parameters import ScaleRule
-from egad.config import GRIPPERS, Gripper, Settings
+from egad.config import Settings
 from egad.errors import UserError, check_name
-from egad.grippers import PACKAGED, gripper
+from egad.grippers import GRIPPERS, PACKAGED, Gripper, gripper
 
 if TYPE_CHECKING:
     import pandas as pd

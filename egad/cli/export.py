@@ -14,7 +14,7 @@ from egad.cli.common import (
     out_option,
     settings_in,
 )
-from egad.config import GRIPPERS, Settings
+from egad.config import Settings
 from egad.errors import UserError
 from egad.exchange import (
     ALL,
@@ -27,6 +27,7 @@ from egad.exchange import (
     sources,
     write_format,
 )
+from egad.grippers import GRIPPERS
 
 Dataset = Annotated[
     Path,

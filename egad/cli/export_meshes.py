@@ -19,9 +19,8 @@ from egad.cli.common import (
     check_spare,
     settings_in,
 )
-from egad.config import Shape
-from egad.config.stages import LocateMeshes, select
-from egad.cppn import COARSEST, FINEST
+from egad.config.stages import MeasureMeshes, select
+from egad.cppn import COARSEST, FINEST, Shape
 from egad.errors import RejectedError, UserError
 
 if TYPE_CHECKING:
@@ -59,7 +58,7 @@ def export_meshes(
     if archive.is_dir() and not (archive / "archive.parquet").is_file():
         raise UserError(f"{archive} has no archive.parquet: its objects come from meshes")
     archive = archive / "archive.parquet" if archive.is_dir() else archive
-    check_provenance(archive, select(settings, LocateMeshes), ("shape",))
+    check_provenance(archive, select(settings, MeasureMeshes), ("shape",))
     ids = None if objects is None else load(archive).select(objects).table["id"].tolist()
     rules = partial(rules_of, select(settings, EvolutionParameters))
     count = write_meshes(archive, out, settings.shape, resolution, rules, ids, jobs)

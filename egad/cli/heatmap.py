@@ -14,7 +14,7 @@ def heatmap(
     """Draw the number of elites per cell of an archive, as SVG."""
     from egad._util.files import write_text
     from egad.config.archive_settings import check_provenance
-    from egad.config.stages import LocateMeshes, select
+    from egad.config.stages import MeasureMeshes, select
     from egad.data import archive_path
     from egad.io import check_ending
     from egad.measures import MeasureParameters, attainable_graspability
@@ -25,7 +25,7 @@ def heatmap(
 
     check_ending(out, (".svg",))
     settings = settings_in(config)
-    check_provenance(archive_path(archive), select(settings, LocateMeshes), ("space",))
+    check_provenance(archive_path(archive), select(settings, MeasureMeshes), ("space",))
     objects = parquet.read(archive_path(archive), ARCHIVE)
     limit = attainable_graspability(select(settings, MeasureParameters))
     axes = axis_pair(settings.measures)

@@ -24,7 +24,7 @@ from egad.cli.common import (
     with_option,
 )
 from egad.cli.measure import SIZE, measure_row, sizes, warn_of_measures
-from egad.config.stages import LocateMeshes, select
+from egad.config.stages import MeasureMeshes, select
 from egad.errors import RejectedError, UserError
 from egad.reeb import Similarity
 
@@ -63,7 +63,7 @@ def locate(
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
     option = ("--max-candidates", "postprocess.max_candidates", max_candidates)
-    settings = select(with_option(settings_in(config), *option), LocateMeshes)
+    settings = select(with_option(settings_in(config), *option), MeasureMeshes)
     objects = reference(among, settings)
     files = object_names(files_in(meshes, units))
     table, shown = locate_files(settings, objects, files, units, jobs)
@@ -78,7 +78,7 @@ def locate(
     complain(reasons, len(table))
 
 
-def reference(source: Path, settings: LocateMeshes) -> "Dataset":
+def reference(source: Path, settings: MeasureMeshes) -> "Dataset":
     """The objects that meshes are compared with.
 
     Args:
@@ -102,7 +102,7 @@ def reference(source: Path, settings: LocateMeshes) -> "Dataset":
 
 
 def locate_files(
-    settings: LocateMeshes,
+    settings: MeasureMeshes,
     among: "Dataset",
     files: Mapping[str, Path],
     units: str | None,
@@ -153,7 +153,7 @@ class _Mine(NamedTuple):
     picture: bytes = b""
 
 
-def _mine(item: tuple[str, Path], units: str | None, settings: LocateMeshes) -> _Mine:
+def _mine(item: tuple[str, Path], units: str | None, settings: MeasureMeshes) -> _Mine:
     from egad.io import read_mesh
     from egad.reeb import graph as reeb
     from egad.report.pictures import png_bytes, render

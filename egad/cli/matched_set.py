@@ -7,9 +7,11 @@ import typer
 
 from egad.cli.common import (
     CORES,
+    Command,
     Config,
     Jobs,
     OutFolder,
+    Weights,
     check_spare,
     detector_in,
     gripper_in,
@@ -33,13 +35,8 @@ def matched_set(
         typer.Option(help="the detector of the atlas, as in `egad benchmark`"),
     ],
     out: OutFolder,
-    weights: Annotated[
-        Path | None, typer.Option(help="file of weights that the detector is made with")
-    ] = None,
-    command: Annotated[
-        str | None,
-        typer.Option(help="command of a detector in its own environment, in quotes"),
-    ] = None,
+    weights: Weights = None,
+    command: Command = None,
     gripper: Annotated[str, gripper_option(opening=False)] = "panda",
     pairs: Annotated[
         int, typer.Option(min=1, max=10, help="failures, each with an object that is grasped")

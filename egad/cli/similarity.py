@@ -22,9 +22,8 @@ from egad.cli.common import (
     settings_in,
     with_option,
 )
-from egad.config import Similarity
 from egad.errors import RejectedError
-from egad.reeb import Bases
+from egad.reeb import Bases, Similarity
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,7 +12,6 @@ from egad._util.parameters import Node, keys_of, wanted
 from egad.config import Settings
 from egad.config.files import with_built_in
 from egad.config.references import wrong_references
-from egad.config.renamed import new_name
 from egad.config.schema import node_at, schema
 from egad.errors import UserError
 from egad.sim import check_engine
@@ -102,13 +101,10 @@ def _sentences(error: Problem) -> list[str]:
         return [f"{where}: {_shown(value)}: {error['msg']}"]
     if error["type"] == "missing":
         return [f"{where}: is missing; needed: {wanted(node)}"]
-    hint = f": now {new}" if (new := new_name(path, value)) else _hint(value, node)
-    return [f"{where}: {_shown(value)} is not allowed{hint}; allowed: {wanted(node)}"]
+    return [f"{where}: {_shown(value)} is not allowed{_hint(value, node)}; allowed: {wanted(node)}"]
 
 
 def _unknown_key(path: Path) -> str:
-    if new := new_name(path):
-        return f"{_dotted(path)}: unknown key; an older version had it; now: {new}"
     known = keys_of(node_at(path[:-1]) or {})
     nearest = _nearest(path)
     guess = f"did you mean {_dotted(nearest)}?" if nearest else f"known: {', '.join(known)}"

@@ -33,22 +33,12 @@ from egad.sim import (
 )
 
 
-class StageSettings(ParameterGroup):
-    """The sections that one stage reads; `gripper`, `camera` and the like are entries of tables."""
-
-
 class MeasureMeshes(MeasureParameters):
     """Any meshes: repaired, measured, and placed in the space."""
 
     postprocess: Postprocess
     material: Material
     space: MeasureSpace
-
-
-class LocateMeshes(MeasureMeshes):
-    """The same among the objects of an archive."""
-
-    shape: Shape
 
 
 class ViewMesh(LabelParameters):
@@ -71,14 +61,14 @@ class PostprocessSolids(MeasureParameters):
     shape: Shape
 
 
-class CellsAndDiversities(StageSettings):
+class CellsAndDiversities(ParameterGroup):
     """The cells of objects, and how much their shapes differ."""
 
     space: MeasureSpace
     similarity: Similarity
 
 
-class EvalSelection(StageSettings):
+class EvalSelection(ParameterGroup):
     """The evaluation set."""
 
     seed: int
@@ -90,14 +80,14 @@ class EvalSelection(StageSettings):
     print_check: PrintCheck
 
 
-class RescaleMeshes(StageSettings):
+class RescaleMeshes(ParameterGroup):
     """Scaling to a gripper."""
 
     gripper: Gripper
     rescale: Rescale
 
 
-class PrintFiles(StageSettings):
+class PrintFiles(ParameterGroup):
     """Files for printers."""
 
     gripper: Gripper
@@ -107,7 +97,7 @@ class PrintFiles(StageSettings):
     engraving: Engraving
 
 
-class SimulationBundle(StageSettings):
+class SimulationBundle(ParameterGroup):
     """Objects for simulators: their convex parts, mass and friction."""
 
     material: Material
@@ -164,7 +154,7 @@ class MakeScenes(SceneParameters):
     material: Material
 
 
-class DataSheets(StageSettings):
+class DataSheets(ParameterGroup):
     """The datasheet of an evaluation set."""
 
     select_eval: SelectEval
@@ -178,21 +168,21 @@ class Gallery(EvolutionParameters):
     release: Release
 
 
-class DexNetObjects(StageSettings):
+class DexNetObjects(ParameterGroup):
     """Objects of a Dex-Net database: distance fields, stable poses, masses."""
 
     material: Material
     dexnet: DexNet
 
 
-class TrainNetwork(StageSettings):
+class TrainNetwork(ParameterGroup):
     """Training of a grasp network on images."""
 
     seed: int
     training: Training
 
 
-class TrainOnScenes(StageSettings):
+class TrainOnScenes(ParameterGroup):
     """Training of a grasp network on labelled scenes."""
 
     seed: int
@@ -200,14 +190,14 @@ class TrainOnScenes(StageSettings):
     gripper: Gripper
 
 
-class ReleaseTables(StageSettings):
+class ReleaseTables(ParameterGroup):
     """Tables of a release."""
 
     seed: int
     release: Release
 
 
-class ReleaseCard(StageSettings):
+class ReleaseCard(ParameterGroup):
     """What the card of a release says."""
 
     release: Release

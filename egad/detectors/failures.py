@@ -1,6 +1,7 @@
 """What a detector does wrong: the error with its traceback, and when that ends a run."""
 
 import logging
+import math
 import re
 import traceback
 from collections.abc import Callable, Iterator
@@ -104,7 +105,7 @@ class FailureMonitor:
 
     def __init__(
         self,
-        total: int,
+        total: int | None,
         keep_going: bool,
         what: str = "objects",
         *,
@@ -114,14 +115,15 @@ class FailureMonitor:
         """Begin a run.
 
         Args:
-            total: Objects, or rounds, of the run.
+            total: Objects, or rounds, of the run, if that is known.
             keep_going: Whether the run goes on in any case.
             what: Objects or rounds, for messages.
             quiet: Whether the first failure is told by someone else.
             remedy: End of the sentence that ends the run.
         """
         self._remedy = remedy
-        self._left, self._keep_going, self._what, self._quiet = total, keep_going, what, quiet
+        self._left = math.inf if total is None else total
+        self._keep_going, self._what, self._quiet = keep_going, what, quiet
         self._objects = self._attempts = 0  # at which the detector did nothing but fail
         self._worked = False
         self._first = ""

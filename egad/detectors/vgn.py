@@ -47,10 +47,10 @@ class Vgn:
             raise UserError(f"{WHERE}: {missing}; {VGN_WEIGHTS}")
         self._weights = weights
         with needed_for("vgn"):
-            from egad.learning import vgn  # noqa: PLC0415 (an extra)
+            from egad.learning import networks  # noqa: PLC0415 (an extra)
             from egad.learning import weights as files  # noqa: PLC0415
         try:
-            self._infer = vgn.inference(files.read_vgn(weights))
+            self._infer = networks.inference(files.read_vgn(weights))
             own = files.notes_in(weights).get("threshold", THRESHOLD)
             if not (isinstance(own, float) and 0 < own < 1):
                 text = f"{weights}: its threshold is {own!r}; allowed: above 0 and below 1"

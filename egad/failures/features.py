@@ -5,6 +5,7 @@ where and how the hand touched it, whoever proposed them.
 """
 
 import math
+import warnings
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,12 +15,13 @@ import trimesh
 
 from egad._util.arrays import Floats, Ints
 from egad.detectors import PoseGrasp
-from egad.failures.replay import read_attempt
+from egad.failures.reference import read_attempt
 from egad.geometry import Material, RayCaster, mass_properties
 from egad.grippers import Gripper, tip_reach
 from egad.random import generator
 from egad.sim import principal_frame
 from egad.stats import Interval, bootstrap, wilson
+from egad.tables import parquet
 
 POINTS = 20_000  # on a surface, or in a box
 THIN = 0.1  # quantile of the thickness over the surface
@@ -30,6 +32,7 @@ OPPOSITE = -0.5  # cosine: surface turned further away is the other side of a wa
 SKIN = 1e-6  # metres under the surface, where rays begin
 ABOVE = 0.02  # metres from a suction cup to where rays begin
 TAIL = 0.05  # of the objects that the detector solves lie beyond either end of their range
+RANGE = (TAIL, 1 - TAIL)
 
 
 class ShapeFeature(NamedTuple):
@@ -131,7 +134,7 @@ def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[PoseGrasp
     """
     to_mesh = np.linalg.inv(principal_frame(mass_properties(mesh, Material().density))[1])
     found = []
-    for _, row in attempts[attempts["success"]].head(MOST_GRASPS).iterrows():
+    for row in parquet.records(attempts[attempts["success"]].head(MOST_GRASPS)):
         rest, grasp = read_attempt(row)
         pose = to_mesh @ np.linalg.inv(rest.matrix) @ grasp.pose
         found.append(grasp._replace(pose=pose))
@@ -258,8 +261,6 @@ class ExplainedShare(NamedTuple):
     Attributes:
         low: Quantile 5 % of the feature over the solved objects.
         high: Quantile 95 %.
-        solved: Its median over these.
-        failures: Its median over the failures.
         below: Share of the failures below the range from low to high.
         above: Share of the failures above.
         value: Share of the failures that the feature explains: those outside the range, minus the
@@ -270,8 +271,6 @@ class ExplainedShare(NamedTuple):
 
     low: float
     high: float
-    solved: float
-    failures: float
     below: float
     above: float
     value: float
@@ -302,15 +301,13 @@ def shares(failures: pd.DataFrame, solved: pd.DataFrame) -> dict[str, ExplainedS
 
 
 def _share(failures: Floats, solved: Floats) -> ExplainedShare:
-    low, high = np.quantile(solved, [TAIL, 1 - TAIL])
+    low, high = np.quantile(solved, RANGE)
     below, above = (failures < low).mean(), (failures > high).mean()
     outside = int(((failures < low) | (failures > high)).sum())
     ci_low, ci_high = _interval(failures, solved, outside)
     return ExplainedShare(
         float(low),
         float(high),
-        float(np.median(solved)),
-        float(np.median(failures)),
         float(below),
         float(above),
         float(below + above - 2 * TAIL),
@@ -329,26 +326,14 @@ def _interval(failures: Floats, solved: Floats, outside: int) -> Interval:
 
     def statistic(drawn: Ints) -> Floats:
         of_failure, value = is_failure[drawn], values[drawn]
-        inner = np.sort(np.where(of_failure, np.inf, value), axis=1)
-        count = (~of_failure).sum(axis=1)
-        low, high = (_quantile(inner, count, share) for share in (TAIL, 1 - TAIL))
+        with warnings.catch_warnings():  # a draw may have no solved objects
+            warnings.simplefilter("ignore", RuntimeWarning)
+            low, high = np.nanquantile(np.where(of_failure, np.nan, value), RANGE, axis=1)
         beyond = of_failure & ((value < low[:, None]) | (value > high[:, None]))
         with np.errstate(invalid="ignore"):  # a draw may have no failures
             found: Floats = beyond.sum(axis=1) / of_failure.sum(axis=1) - 2 * TAIL
-        return np.where(count > 0, found, np.nan)
+        return np.where(np.isnan(low), np.nan, found)
 
     low, high = bootstrap(statistic, len(values))
     least, most = wilson(outside, len(failures))
     return float(np.fmin(low, least - 2 * TAIL)), float(np.fmax(high, most - 2 * TAIL))
-
-
-def _quantile(ordered: Floats, count: Ints, share: float) -> Floats:
-    """A quantile of the first values of each ordered row, (n,), as `numpy.quantile` has it."""
-    place = share * np.maximum(count - 1, 0)
-    floor = place.astype(np.int64)
-    rows = np.arange(len(ordered))
-    first = ordered[rows, floor]
-    after = ordered[rows, np.minimum(floor + 1, np.maximum(count - 1, 0))]
-    with np.errstate(invalid="ignore"):  # infinite without values
-        found: Floats = first + (place - floor) * (after - first)
-    return found

@@ -140,7 +140,7 @@ class Matching:
         self._similar: dict[int, Floats] = {}
         self._tried: dict[str, CandidateTrial] = {}
         self._in_vain: Counter[int] = Counter()  # partners that turned out to be none
-        self._monitor = FailureMonitor(2**31, keep_going=False, quiet=True, remedy="")
+        self._monitor = FailureMonitor(None, keep_going=False, quiet=True, remedy="")
         self.unmatched = 0
         apart = _cells(self._failures)[:, None] - _cells(self._candidates)[None]
         self._near: Flags = np.asarray((np.abs(apart) <= rules.within).all(axis=2))

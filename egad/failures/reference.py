@@ -4,7 +4,8 @@ It knows where the object is. It chooses among the labelled grasps of the object
 succeeded at it before, whoever proposed them, and takes the one that is expected to succeed most.
 """
 
-from typing import NamedTuple, Self
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -53,10 +54,7 @@ class ReferencePolicy:
         policy = cls()
         carried_out = attempts["pose"].map(len) > 0
         for row in parquet.records(attempts[attempts["purpose"].isin(LEARNT) & carried_out]):
-            pose = np.eye(4)
-            pose[:3] = np.reshape(row["pose"], (3, 4))
-            rest = Pose.of([row[name] for name in REST])
-            policy.remember(rest, PoseGrasp(pose, row["width"], row["score"]), row["success"])
+            policy.remember(*read_attempt(row), row["success"])
         return policy
 
     def remember(self, rest: Pose, grasp: PoseGrasp, success: bool) -> None:
@@ -108,3 +106,11 @@ class ReferencePolicy:
         near = (apart <= NEAR) & (np.abs(axes) >= ALIKE) & (approaches >= ALIKE)
         expected: Floats = (near @ success + prior) / (near.sum(axis=1) + 1)
         return expected
+
+
+def read_attempt(row: Mapping[str, Any]) -> tuple[Pose, PoseGrasp]:
+    """Where the object lay, and the grasp, of a row of `tables.failures.FAILURE_ATTEMPTS`."""
+    pose = np.eye(4)
+    pose[:3] = np.reshape(row["pose"], (3, 4))
+    rest = Pose.of([row[name] for name in REST])
+    return rest, PoseGrasp(pose, row["width"], row["score"])

@@ -3,21 +3,19 @@
 from collections import defaultdict
 from collections.abc import Callable
 
-import numpy as np
 import pandas as pd
 import trimesh
 
 from egad._util.arrays import RgbImage
-from egad.detectors import PoseGrasp
 from egad.errors import UserError
 from egad.failures.bench import Bench, open_bench
 from egad.failures.examine import ON_ROUGH, model_of_attempts
 from egad.failures.parameters import FailureParameters
-from egad.failures.reference import REST
+from egad.failures.reference import read_attempt
 from egad.outcomes import Outcome
-from egad.sim import EngineName, Film, Pose
+from egad.sim import EngineName, Film
 from egad.tables.grasping import GRASPS
-from egad.tables.parquet import empty
+from egad.tables.parquet import empty, records
 
 
 def repeat_attempts(
@@ -49,7 +47,7 @@ def repeat_attempts(
         purpose: model_of_attempts(mesh, purpose, settings)
         for purpose in dict.fromkeys(purpose for purpose, _ in groups)
     }
-    outcomes = {}
+    outcomes, tried = {}, list(map(read_attempt, records(attempts)))
     for (purpose, engine), numbers in groups.items():
         with open_bench(
             engine,
@@ -61,7 +59,7 @@ def repeat_attempts(
         ) as bench:
             for number in numbers:
                 watch(number, bench)
-                outcomes[number] = bench.execute(*read_attempt(attempts.iloc[number]))
+                outcomes[number] = bench.execute(*tried[number])
     return [outcomes[number] for number in range(len(attempts))]
 
 
@@ -89,11 +87,3 @@ def film_attempts(
                 f"{outcome}; machine, settings or the version of the engine must differ"
             )
     return [films[number].frames for number in range(len(attempts))]
-
-
-def read_attempt(row: pd.Series) -> tuple[Pose, PoseGrasp]:
-    """Where the object lay, and the grasp, of a row of `tables.failures.FAILURE_ATTEMPTS`."""
-    pose = np.eye(4)
-    pose[:3] = np.reshape(np.asarray(row["pose"], dtype=np.float64), (3, 4))
-    rest = Pose.of([float(row[name]) for name in REST])
-    return rest, PoseGrasp(pose, float(row["width"]), float(row["score"]))

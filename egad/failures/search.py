@@ -117,7 +117,7 @@ class Search:
         self.archive = empty_archive(settings)
         known = before.attempts[before.attempts["who"] == "detector"]
         has_worked = bool((known["failure"] == "").any())
-        self._monitor = FailureMonitor(2**31, keep_going=has_worked, remedy="")
+        self._monitor = FailureMonitor(None, keep_going=has_worked, remedy="")
         self._asked, self._successes = len(known), int(known["success"].sum())
         self._seen: set[str] = set()
         self._failures: set[str] = set()

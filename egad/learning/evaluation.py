@@ -139,7 +139,7 @@ def total_score(index: pd.DataFrame, judgements: Sequence[ImageScore]) -> Score:
     """Put the judgements of some images together.
 
     Args:
-        index: Rows of `Dataset.index`,
+        index: Rows of `ImageDataset.index`,
         judgements: and what was answered to each.
     """
     hits = [each.hit for each in judgements]

@@ -62,7 +62,7 @@ class TrainedNetwork:
         title: Name of the network.
         parameters: How many weights it has.
         source: Where the images are.
-        index: `egad.learning.dataset.Dataset.index`.
+        index: `egad.learning.dataset.ImageDataset.index`.
         history: Columns of `tables.training.HISTORY`.
         score: On the split `test`.
         outline: What the outline alone reaches there.

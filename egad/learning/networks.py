@@ -8,18 +8,16 @@ import math
 from collections.abc import Callable, Collection, Mapping
 from typing import TypeVar
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import nn
 
+from egad._util.arrays import Singles
 from egad.random import entropy
 
 TYPICAL_SPREAD = 0.01  # metres; standard deviation of the depths in images of objects on a table
 SMALL = 0.1  # times the usual weights of a layer
 OUTPUTS = ("pos_output", "cos_output", "sin_output", "width_output")
-Image = NDArray[np.float32]
-Infer = Callable[[Image], Image]
+Infer = Callable[[Singles], Singles]
 Network = TypeVar("Network", bound=nn.Module)
 
 
@@ -139,19 +137,20 @@ def parameters(network: nn.Module) -> int:
 
 
 def inference(network: nn.Module) -> Infer:
-    """A network as a function of arrays.
+    """A network as a function of arrays, on one core: the same input gives the same answer.
 
     Returns:
-        From a depth image of 300 x 300, as `targets.prepare_input` gives it, to quality,
-        cos 2a, sin 2a and width, (4, 300, 300). It runs on one core, so that the same image gives
-        the same answer.
+        From an image or a grid to channels of the same size. GG-CNN: from a depth image of
+        300 x 300, as `targets.prepare_input` gives it, to quality, cos 2a, sin 2a and width,
+        (4, 300, 300). VGN: from a grid (40, 40, 40) to quality, quaternion and width,
+        (6, 40, 40, 40).
     """
     network.eval()
     torch.set_num_threads(1)
 
     @torch.inference_mode()
-    def infer(depth: Image) -> Image:
-        answer: Image = network(torch.from_numpy(depth[None, None]))[0].numpy()
+    def infer(seen: Singles) -> Singles:
+        answer: Singles = network(torch.from_numpy(seen[None, None]))[0].numpy()
         return answer
 
     return infer

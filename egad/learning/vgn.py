@@ -4,16 +4,11 @@ Breyer et al., "Volumetric grasping network", CoRL 2020. The layers have the nam
 the published weights.
 """
 
-from collections.abc import Callable
-
 import torch
 from torch import nn
 from torch.nn import functional
 
-from egad._util.arrays import Singles
 from egad.learning.networks import with_initial_weights
-
-Infer = Callable[[Singles], Singles]
 
 HEADS = (1, 4, 1)  # channels of quality, rotation and width
 REACH = 5  # voxels; side of the cube that the heads look at
@@ -96,21 +91,3 @@ def _layers(channels: tuple[int, ...], sizes: tuple[int, ...], stride: int) -> d
 
 def _layer(before: int, after: int, size: int, stride: int) -> nn.Conv3d:
     return nn.Conv3d(before, after, size, stride=stride, padding=size // 2)
-
-
-def inference(network: VgnNetwork) -> Infer:
-    """The network as a function of arrays.
-
-    Returns:
-        From a grid (40, 40, 40) to quality, quaternion and width, (6, 40, 40, 40). It runs on one
-        core, so that the same grid gives the same answer.
-    """
-    network.eval()
-    torch.set_num_threads(1)
-
-    @torch.inference_mode()
-    def infer(grid: Singles) -> Singles:
-        answer: Singles = network(torch.from_numpy(grid[None, None]))[0].numpy()
-        return answer
-
-    return infer

@@ -8,7 +8,8 @@ there are as many as certainty needs.
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import trimesh
@@ -20,6 +21,7 @@ from egad.errors import NoGraspError, RejectedError
 from egad.geometry import RayCaster, bounding_box, box_sides, check_mesh, scale_factor
 from egad.grasps import (
     ContactPairs,
+    Sampling,
     SamplingStatistics,
     ferrari_canny,
     join,
@@ -40,6 +42,10 @@ from egad.measures.percentile import (
 from egad.samplers import draw_grasps
 
 MOST_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
+_Sample: TypeAlias = Callable[
+    [RayCaster, float, int, Sampling, np.random.Generator],
+    tuple[ContactPairs, SamplingStatistics],
+]
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 
@@ -165,7 +171,6 @@ def spaced_graspability(
     settings: MeasureParameters,
     count: int,
     rng: np.random.Generator,
-    com: Floats | None = None,
 ) -> GraspabilityEstimate:
     """The paper's estimator: a percentile of grasps that keep a distance from each other.
 
@@ -176,7 +181,6 @@ def spaced_graspability(
         settings: As for `graspability`.
         count: Grasps to sample.
         rng: Where chance comes from.
-        com: Center of mass in the frame of the mesh; else the centroid of the volume.
 
     Raises:
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
@@ -184,8 +188,8 @@ def spaced_graspability(
 
     Source: EGAD, section III-C.
     """
-    grasps = _RatedGrasps(mesh, settings, rng, com)
-    grasps.draw_spaced(count)
+    grasps = _RatedGrasps(mesh, settings, rng)
+    grasps.draw(count, sample_contacts)
     return GraspabilityEstimate(grasps.percentile(), math.nan, math.nan, len(grasps))
 
 
@@ -220,21 +224,13 @@ class _RatedGrasps:
     def __len__(self) -> int:
         return len(self._sample)
 
-    def draw(self, candidates: int) -> None:
-        """Draw more candidates."""
+    def draw(self, candidates: int, sample: _Sample = valid_contacts) -> None:
+        """Draw more candidates: antipodal ones, by a sampler, or those of another gripper."""
         if self._settings.gripper.grasps_with != ANTIPODAL:
             self._draw_others(candidates)
             return
         opening, sampling = self._settings.gripper.opening, self._settings.sampling
-        self._add(*valid_contacts(self._caster, opening, candidates, sampling, self._rng))
-
-    def draw_spaced(self, count: int) -> None:
-        """Sample grasps that keep a distance from each other; only antipodal ones do."""
-        if self._settings.gripper.grasps_with != ANTIPODAL:
-            self._draw_others(count)
-            return
-        opening, sampling = self._settings.gripper.opening, self._settings.sampling
-        self._add(*sample_contacts(self._caster, opening, count, sampling, self._rng))
+        self._add(*sample(self._caster, opening, candidates, sampling, self._rng))
 
     def _draw_others(self, candidates: int) -> None:
         """Draw grasps of another sampler; those of a cup that does not seal have the quality 0."""

@@ -71,7 +71,7 @@ class ClutterRunner:
 
         Args:
             world: A running simulation of the objects of a round, with walls for a pile, and the
-                robot `egad.sim.robot.free_hand`.
+                robot `egad.sim.robots.free_hand`.
             settings: Rules, and errors of the cell.
         """
         self.world = world

@@ -48,7 +48,7 @@ class FreeHand(Fingers):
         """Open a hand in a world.
 
         Args:
-            world: A world of `egad.sim.robot.free_hand`; the hand is gone when it is reset.
+            world: A world of `egad.sim.robots.free_hand`; the hand is gone when it is reset.
             pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
             width: Distance of the finger pads, metres.
         """
@@ -163,7 +163,7 @@ def execute_pose(
     It depends on the arguments alone, if the world was reset before the objects were placed.
 
     Args:
-        world: With the objects where they lie, and the robot `egad.sim.robot.free_hand`.
+        world: With the objects where they lie, and the robot `egad.sim.robots.free_hand`.
         pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
         width: How far the hand opens, metres.
         rules: What contacts mean.

@@ -11,8 +11,9 @@ import numpy as np
 import trimesh
 
 from egad._util.kernel_cache import compiled_marker
-from egad.config import Settings, Shape
+from egad.config import Settings
 from egad.config.stages import select
+from egad.cppn import Shape
 from egad.cppn.surface import surface
 from egad.geometry import decompose
 from egad.geometry.repair import repair

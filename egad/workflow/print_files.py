@@ -12,10 +12,16 @@ import trimesh
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad._util.progress import progress
-from egad.config import PrintExport
 from egad.config.stages import PrintFiles
 from egad.errors import RejectedError
-from egad.evalset import PrintItem, engrave, plan_prints, print_problems, print_settings
+from egad.evalset import (
+    PrintExport,
+    PrintItem,
+    engrave,
+    plan_prints,
+    print_problems,
+    print_settings,
+)
 from egad.geometry import scale_suffix
 from egad.io import PlacedMesh, read_mesh, write_3mf, write_stl_mm
 from egad.tables import parquet

@@ -14,8 +14,7 @@ import torch
 from torch import nn
 
 from egad._util.markdown import table
-from egad.config import Training
-from egad.learning import ImageDataset, PositiveFilter, networks
+from egad.learning import ImageDataset, PositiveFilter, Training, networks
 from egad.learning.targets import prepare_input
 from egad.perception import fill_missing
 

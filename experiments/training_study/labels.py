@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from egad._util.markdown import table
-from egad.config import Training
+from egad.learning import Training
 from egad.perception import COLUMNS, NARROW, files, summary
 from egad.tables import parquet
 

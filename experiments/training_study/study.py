@@ -15,14 +15,16 @@ import yaml
 from pydantic import ConfigDict, Field, GetCoreSchemaHandler, ValidationError, model_validator
 from typing_extensions import TypedDict
 
-from egad._util.parameters import Name, Parameters, UserPath
-from egad.config import DetectorConfig, ImageNoise, Render, Settings, Training, TrialProtocol
+from egad._util.parameters import Name, ParameterGroup, Parameters, UserPath
+from egad.config import Settings
 from egad.config.check import check
 from egad.config.files import read_values
 from egad.config.references import unknown_names
-from egad.config.stages import StageSettings
+from egad.detectors import DetectorConfig
 from egad.errors import UserError
-from egad.perception import STEREO
+from egad.learning import Training
+from egad.perception import STEREO, ImageNoise, Render
+from egad.sim import TrialProtocol
 
 FOLDER = Path("results/training_study")
 SET_SECTIONS = ("render", "image_noise", "training")  # those that a training set may change
@@ -204,7 +206,7 @@ class Study(NamedTuple):
         return values
 
 
-class PageSettings(StageSettings):
+class PageSettings(ParameterGroup):
     """What the page about the study reads."""
 
     plan: Plan  # with the training sets that are compared, and those that they show images of

@@ -10,8 +10,7 @@ from time import process_time
 
 import torch
 
-from egad.config import Training
-from egad.learning import ImageDataset, PositiveFilter, networks
+from egad.learning import ImageDataset, PositiveFilter, Training, networks
 from egad.learning.dataset import Stream
 from egad.learning.evaluation import map_losses
 

@@ -16,7 +16,8 @@ from typer.main import get_command
 from egad import __version__
 from egad.cli.commands import app
 from egad.cli.common import settings_in
-from egad.config import Gripper, Settings
+from egad.config import Settings
+from egad.grippers import Gripper
 from egad.tables import parquet
 from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED

@@ -7,14 +7,15 @@ from scipy.stats import percentileofscore
 
 from egad.cli.export_meshes import write_meshes
 from egad.cli.locate import locate_files, reference
-from egad.config import MeasureSpace, Settings
+from egad.config import Settings
 from egad.config.archive_settings import provenance
-from egad.config.stages import LocateMeshes, select
+from egad.config.stages import MeasureMeshes, select
 from egad.errors import TableError, UserError
 from egad.geometry.repair import repair
 from egad.io import read_mesh, write_obj
 from egad.map_elites import Archive, EvolutionParameters
 from egad.map_elites.island import evolve
+from egad.measures import MeasureSpace
 from egad.reeb import graph as reeb
 from egad.reeb.similarity import similarity
 from egad.report.locations import location_map, page
@@ -32,7 +33,7 @@ SETTINGS = Settings.model_validate(
         "space": {"neighbors": 3},
     }
 )
-READ = select(SETTINGS, LocateMeshes)
+READ = select(SETTINGS, MeasureMeshes)
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +137,7 @@ def test_a_file_that_is_not_there_is_refused(tmp_path):
 
 def test_what_does_not_fit_the_configuration_is_refused(home, tmp_path):
     coarse = {"space": {"cells": 2}, "shape": {"resolution": 16}}
-    other = select(Settings.model_validate(coarse), LocateMeshes)
+    other = select(Settings.model_validate(coarse), MeasureMeshes)
     with pytest.raises(UserError, match="2 along each axis; name the one of that dataset"):
         reference(home / "archive.parquet", other)
     parquet.write(parquet.empty(REJECTED), REJECTED, tmp_path / "rejected.parquet")

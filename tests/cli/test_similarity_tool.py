@@ -5,8 +5,8 @@ import pytest
 import trimesh
 
 from egad.cli.similarity import graph_of, similarity_of_files
-from egad.config import Similarity
 from egad.errors import UserError
+from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb.similarity import similarity
 

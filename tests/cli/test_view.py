@@ -4,9 +4,10 @@ import pytest
 import trimesh
 
 from egad.cli import view
-from egad.config import GraspLabel, Settings
+from egad.config import Settings
 from egad.config.stages import ViewMesh, select
 from egad.errors import UserError
+from egad.grasps import GraspLabel
 from egad.report.scenes import scenes
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49

@@ -3,7 +3,7 @@ import pytest
 
 from egad.config import Settings
 from egad.config.archive_settings import check_provenance, provenance
-from egad.config.stages import LocateMeshes, select
+from egad.config.stages import MeasureMeshes, select
 from egad.errors import TableError, UserError
 from egad.map_elites.parameters import EvolutionParameters
 from egad.tables import parquet
@@ -23,7 +23,7 @@ def archive(tmp_path):
 
 def test_the_same_settings_pass(archive):
     check_provenance(archive, settings())
-    check_provenance(archive, select(Settings(), LocateMeshes), ("shape",))
+    check_provenance(archive, select(Settings(), MeasureMeshes), ("shape",))
 
 
 def test_the_budget_of_the_graspability_matters(archive):

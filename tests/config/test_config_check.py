@@ -3,9 +3,10 @@ import importlib.util
 
 import pytest
 
-from egad.config import GRIPPERS, Settings
+from egad.config import Settings
 from egad.config.check import check, check_engines
 from egad.errors import UserError
+from egad.grippers import GRIPPERS
 
 
 def problems(config):

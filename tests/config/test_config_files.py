@@ -6,10 +6,11 @@ import pytest
 from snakemake.utils import update_config
 
 from egad._util.parameters import allowed
-from egad.config import Settings, TrainingScenes, files, manual
+from egad.config import Settings, files, manual
 from egad.config.check import check
 from egad.config.files import merged
 from egad.config.schema import node_at, schema
+from egad.scenes import TrainingScenes
 
 ROOT = Path(__file__).parents[2]
 DATASETS = ["datasets/ycb.yaml", "datasets/egad.yaml"]

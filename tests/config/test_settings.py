@@ -3,10 +3,11 @@ import json
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from egad._util.parameters import ParameterGroup
-from egad.config import DatasetSection, Gripper, Parameters, Settings
-from egad.config.stages import RescaleMeshes, StageSettings, select
+from egad._util.parameters import ParameterGroup, Parameters
+from egad.config import DatasetSection, Settings
+from egad.config.stages import RescaleMeshes, select
 from egad.exchange import FORMATS, settings_class
+from egad.grippers import Gripper
 from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import MeasureParameters, SizeEffectParameters
 
@@ -136,7 +137,7 @@ def test_models_are_closed():
     for model in (DatasetSection, Gripper, Settings, EvolutionParameters):
         assert issubclass(model, BaseModel)
         assert model.model_config["extra"] == "forbid"
-    assert StageSettings.model_config["frozen"]
+    assert ParameterGroup.model_config["frozen"]
 
 
 def test_friction_of_a_gripper_is_that_of_its_pads_if_none_is_given() -> None:

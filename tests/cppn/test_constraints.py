@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Region
-from egad.cppn import constraints, voxels
+from egad.cppn import Region, constraints, voxels
 from egad.cppn.constraints import (
     UNBOUND,
     Rules,

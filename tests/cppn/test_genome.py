@@ -4,8 +4,7 @@ import sys
 
 import pytest
 
-from egad.config import Neat
-from egad.cppn import genome
+from egad.cppn import Neat, genome
 
 
 def grown(config, seed, generations=30):

@@ -3,8 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from egad.config import Neat
-from egad.cppn import genome
+from egad.cppn import Neat, genome
 from egad.cppn import query as cppn
 from egad.tables.evolution import GENOME
 

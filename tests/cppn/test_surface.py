@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from egad.config import Shape
+from egad.cppn import Shape
 from egad.cppn.surface import surface
 
 SHAPE = Shape()

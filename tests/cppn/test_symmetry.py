@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from egad.config import Neat, Symmetry
+from egad.cppn import Neat, Symmetry
 from egad.cppn import query as cppn
 from egad.cppn.constraints import folded, is_whole, turned
 from egad.cppn.genome import neat_config, random_genome

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import GRIPPERS, Gripper, ImageNoise
 from egad.detectors.antipodal import _Edges, _edges, _pairs, _uneven, antipodal_depth
 from egad.detectors.base import Grasp
+from egad.grippers import GRIPPERS, Gripper
+from egad.perception import ImageNoise
 from egad.perception.camera import WHOLE, DepthCamera, Intrinsics, View, camera_above, table_depth
 from egad.perception.heightmap import heightmap_of
 from egad.perception.noise import add_sensor_noise

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from egad.config import GRIPPERS
 from egad.detectors.base import MOST_GRASPS, Grasp, best_grasp, rank_grasps
+from egad.grippers import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
 FINE = Grasp((0.0, 0.0, 0.02), 0.0, 0.05, 0.01, 0.5)

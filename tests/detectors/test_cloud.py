@@ -7,10 +7,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.config import GRIPPERS
 from egad.detectors.cloud import LEAST_CLEARANCE, TORQUE_SCALING, _blocked, antipodal_cloud
 from egad.grasps import TABLE_CLEARANCE
-from egad.grippers import BoxBody
+from egad.grippers import GRIPPERS, BoxBody
 from egad.perception import PointCloud
 
 HAND = GRIPPERS["panda"]

@@ -8,9 +8,10 @@ import pytest
 import trimesh
 import yaml
 
-from egad.config import GRIPPERS, DetectorConfig
 from egad.config.check import check
+from egad.detectors import DetectorConfig
 from egad.detectors.registry import make_detector
+from egad.grippers import GRIPPERS
 from egad.stats.records import COLUMNS
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -9,11 +9,12 @@ import trimesh
 from scipy import ndimage
 
 import egad.learning
-from egad.config import GRIPPERS, ImageNoise
 from egad.detectors.base import LEAST_BITE
 from egad.detectors.ggcnn import GGCNN, MapDetector, check_ggcnn, middle
 from egad.errors import UserError
+from egad.grippers import GRIPPERS
 from egad.learning.targets import prepare_input
+from egad.perception import ImageNoise
 from egad.perception.camera import View, camera_above
 from egad.perception.noise import add_sensor_noise
 

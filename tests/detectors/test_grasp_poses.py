@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from egad.config import GRIPPERS
 from egad.detectors import GraspPoses, PoseGrasp
 from egad.detectors.base import Grasp
 from egad.detectors.poses import best_pose, best_poses, infeasibility, pose_of, poses_of
-from egad.grippers import finger_span
+from egad.grippers import GRIPPERS, finger_span
 from egad.outcomes import Outcome
 
 HAND = GRIPPERS["panda"]

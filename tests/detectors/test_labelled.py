@@ -5,10 +5,13 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.config import GRIPPERS, Bundle, ImageNoise, TrialProtocol
 from egad.detectors.labels import Labels
+from egad.evalset import Bundle
+from egad.grippers import GRIPPERS
+from egad.perception import ImageNoise
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.perception.noise import add_sensor_noise
+from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
 from egad.sim.engines import open_world
 from egad.sim.model import build

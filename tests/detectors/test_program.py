@@ -11,10 +11,10 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import GRIPPERS
 from egad.detectors import DetectorConfig, DetectorError, DetectorTimeoutError, opened
 from egad.detectors.program import Program
 from egad.errors import UserError
+from egad.grippers import GRIPPERS
 
 EXAMPLE = Path(__file__).parents[2] / "examples/detector_program.py"
 HEAD = """

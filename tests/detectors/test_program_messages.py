@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from egad.config import GRIPPERS
 from egad.detectors import Grasp, GraspPoses
 from egad.detectors.messages import answered, packed, question, unpacked
+from egad.grippers import GRIPPERS
 
 SHAPES = arrays.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=4)
 DTYPES = st.sampled_from(["|b1", "|u1", "<i2", "<i8", ">i4", "<f4", "<f8", ">f8"])

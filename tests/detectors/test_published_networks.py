@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import GRIPPERS, DetectorConfig
+from egad.detectors import DetectorConfig
 from egad.detectors.parameters import SHIPPED_NETWORK
 from egad.detectors.registry import make_detector
 from egad.detectors.subprocess import Child
+from egad.grippers import GRIPPERS
 
 pytest.importorskip("torch")
 FOLDER = os.environ.get("EGAD_GGCNN")

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import DETECTORS, GRIPPERS, DetectorConfig
+from egad.detectors import DETECTORS, DetectorConfig
 from egad.detectors.base import Grasp
 from egad.detectors.parameters import SHIPPED, SHIPPED_WEIGHTS
 from egad.detectors.registry import QUICK, fingerprint, make_detector
 from egad.detectors.subprocess import Child, DetectorError, DetectorTimeoutError
 from egad.errors import UserError
+from egad.grippers import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
 CODE = """

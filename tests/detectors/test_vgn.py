@@ -8,10 +8,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.config import GRIPPERS
 from egad.detectors import Vgn, wanted_input
 from egad.errors import UserError
-from egad.grippers import finger_span
+from egad.grippers import GRIPPERS, finger_span
 from egad.learning import encode
 from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
 

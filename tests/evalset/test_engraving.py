@@ -4,7 +4,7 @@ import trimesh
 from matplotlib.path import Path
 from trimesh.transformations import random_rotation_matrix
 
-from egad.config import Engraving
+from egad.evalset import Engraving
 from egad.evalset.engraving import Patch, best_patch, cut_text, engrave, outlines
 from egad.geometry.rays import RayCaster
 

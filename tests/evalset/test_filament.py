@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import PrintExport
-from egad.evalset import filament
+from egad.evalset import PrintExport, filament
 from egad.evalset.filament import filament_mass
 
 LINE = 0.45 - 0.2 * (1 - np.pi / 4)  # mm, between the middles of neighboring lines

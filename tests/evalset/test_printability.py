@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import PrintCheck
+from egad.evalset import PrintCheck
 from egad.evalset.printability import print_problems, shell_volumes, thinness
 from egad.geometry.manifold import to_mesh
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import PrintCheck, PrintExport
+from egad.evalset import PrintCheck, PrintExport
 from egad.evalset.plates import pack, plan_prints
 from egad.evalset.print_poses import first_layer_area, lie_down, overhang_area
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import MeasureSpace, SelectEval
+from egad.evalset import SelectEval
 from egad.evalset.selection import (
     LABEL,
     best_of_random,
@@ -21,6 +21,7 @@ from egad.evalset.selection import (
     select,
     total,
 )
+from egad.measures import MeasureSpace
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from egad.config import PrintCheck, PrintExport
+from egad.evalset import PrintCheck, PrintExport
 from egad.evalset.plates import pack, plan_prints
 from egad.io.plates import PlacedMesh, write_3mf
 

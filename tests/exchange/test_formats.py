@@ -3,7 +3,6 @@
 import pytest
 
 import egad
-from egad.config import GRIPPERS
 from egad.errors import UserError
 from egad.exchange import (
     FORMATS,
@@ -15,6 +14,7 @@ from egad.exchange import (
     module_of,
     needs_run,
 )
+from egad.grippers import GRIPPERS
 from egad.io import WRITERS, write_mesh
 
 HAND = NamedGripper("panda", GRIPPERS["panda"])

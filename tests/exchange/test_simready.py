@@ -12,13 +12,12 @@ from PIL import Image
 pxr = pytest.importorskip("pxr")
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation  # noqa: E402 (an extra)
 
-from egad.config import GRIPPERS  # noqa: E402
 from egad.config.stages import select  # noqa: E402
 from egad.errors import UserError  # noqa: E402
 from egad.exchange import NamedGripper, sources, write_format  # noqa: E402
 from egad.exchange.grasps.simready import write  # noqa: E402
 from egad.exchange.parameters import AllObjects  # noqa: E402
-from egad.grippers import Gripper  # noqa: E402
+from egad.grippers import GRIPPERS, Gripper  # noqa: E402
 from egad.grippers.hand import JAW_CLEARANCE  # noqa: E402
 from egad.tables import parquet  # noqa: E402
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS  # noqa: E402

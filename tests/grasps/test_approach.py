@@ -2,13 +2,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Gripper
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps.approach import best_approaches, first_approaches
 from egad.grasps.collision import blocked_turns, box_meets_triangle
 from egad.grasps.sampler import ContactPairs
-from egad.grippers import BoxBody, Part
+from egad.grippers import BoxBody, Gripper, Part
 
 HAND = Gripper(
     opening=0.06,

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from egad.config import GRIPPERS
 from egad.grasps.collision import SIDE_CLEARANCE, roomy
+from egad.grippers import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
 

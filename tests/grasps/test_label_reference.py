@@ -6,9 +6,10 @@ import trimesh
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from egad.config import GraspLabel, Settings
+from egad.config import Settings
 from egad.config.stages import select
 from egad.geometry.rays import RayCaster
+from egad.grasps import GraspLabel
 from egad.grasps.labels import rate_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
 from egad.grippers import BoxBody

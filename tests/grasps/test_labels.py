@@ -3,10 +3,11 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.config import GraspLabel, Settings
+from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
+from egad.grasps import GraspLabel
 from egad.grasps.labels import label_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.sampler import SamplingStatistics, sample_contacts

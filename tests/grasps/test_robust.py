@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Quality, Robust, Sampling
 from egad.geometry.rays import RayCaster
+from egad.grasps import Quality, Robust, Sampling
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import close_fingers, robust_ferrari_canny
 from egad.grasps.sampler import ContactPairs, sample_contacts

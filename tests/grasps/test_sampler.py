@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Sampling
 from egad.geometry.rays import RayCaster
+from egad.grasps import Sampling
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import (
     ContactPairs,

@@ -738,7 +738,6 @@ NESTED = (
 TURN = {"mesh": 0, "rotation": [-HALF, 0, 0, HALF]}
 MATRIX = [0, 2.0, 0, 0, -1.0, 0, 0, 0, 0, 0, 1.0, 0, 0.5, 0, 0, 1]  # x to 2 y, y to -x, by columns
 STRIP = [0, 1, 2, 3, 6, 7, 4, 5, 0, 1]
-FLAT_BOX = [QUADS[0], QUADS[3], QUADS[1], QUADS[2]]
 FAN = [0, 1, 3, 2, 6, 4, 5, 1]  # around corner 0
 REST = [7, 5, 4, 6, 2, 3, 1, 5]  # around the opposite one
 VISIBILITY = "KHR_node_visibility"
@@ -951,7 +950,6 @@ SMALL = solid_xml(2, V / 2)
 UPRIGHT_TURN = "0 1 0 -1 0 0 0 0 1 5 6 7"  # x to y, y to -x
 MIRROR = "-1 0 0 0 1 0 0 0 1 0 0 0"
 PART = 'p:path="/3D/part.model"'
-PRODUCED = ' requiredextensions="p" xmlns:u="urn:none"'
 
 
 def encrypted(data):

@@ -7,8 +7,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from shapes import ShapeScenes
 
-from egad.config import GRIPPERS
-from egad.grippers import finger_span
+from egad.grippers import GRIPPERS, finger_span
 from egad.learning.scene_examples import (
     Move,
     NetworkGrasps,

@@ -7,8 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 from shapes import ShapeScenes
 
-from egad.config import GRIPPERS, VgnTraining
 from egad.errors import UserError
+from egad.grippers import GRIPPERS
+from egad.learning import VgnTraining
 from egad.learning.scene_examples import SceneExample, SceneStream
 from egad.learning.scene_scores import scene_score
 from egad.tables.training import SCENE_HISTORY

@@ -9,11 +9,11 @@ from typer.testing import CliRunner
 
 import egad.learning
 from egad.cli.commands import app
-from egad.config import Settings, Training
+from egad.config import Settings
 from egad.config.stages import TrainNetwork, select
 from egad.detectors.ggcnn import GGCNN, middle
 from egad.errors import TableError, UserError
-from egad.learning import prepare_input
+from egad.learning import Training, prepare_input
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 from egad.workflow.train import open_dataset, train

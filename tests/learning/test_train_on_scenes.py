@@ -15,10 +15,12 @@ from typer.testing import CliRunner
 
 import egad.learning
 from egad.cli.commands import app
-from egad.config import GRIPPERS, DetectorConfig, VgnTraining
 from egad.config.stages import TrainOnScenes
+from egad.detectors import DetectorConfig
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
+from egad.grippers import GRIPPERS
+from egad.learning import VgnTraining
 from egad.perception import DepthCamera, Intrinsics, cameras_around, pose_values, render_scene
 from egad.scenes import MadeScene, SceneDataset, write_shard
 from egad.scenes.making import view_columns

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import Training
 from egad.errors import UserError
+from egad.learning import Training
 from egad.learning import evaluation as scoring
 from egad.learning.dataset import ImageDataset, PositiveFilter, example
 from egad.tables.training import HISTORY

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 import yaml
 
-from egad.config import GRIPPERS, DetectorConfig
 from egad.config.check import check
+from egad.detectors import DetectorConfig
 from egad.detectors.registry import make_detector
+from egad.grippers import GRIPPERS
 from egad.plugins import find
 
 PAGE = (Path(__file__).parents[2] / "docs" / "vision.md").read_text()

@@ -5,9 +5,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import MeasureSpace, Similarity
 from egad.map_elites.archive import Archive, Elite, elites_of, merge, ribs_frame
+from egad.measures import MeasureSpace
 from egad.measures.grid import complexity_cells, difficulty_cells
+from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb.similarity import similarity
 from egad.tables import parquet

@@ -5,15 +5,19 @@ import pandas as pd
 import pytest
 
 from egad._util.workers import workers
-from egad.config import Evolution, Graspability, Settings, Shape, Similarity
+from egad.config import Settings
 from egad.config.stages import select
+from egad.cppn import Shape
 from egad.errors import UserError
+from egad.map_elites import Evolution
 from egad.map_elites.ancestry import ancestors
 from egad.map_elites.archive import Archive, elites_of, merge
 from egad.map_elites.evaluation import GenomeVoxels, measure, refine
 from egad.map_elites.island import Island, evolve
 from egad.map_elites.parameters import EvolutionParameters
 from egad.map_elites.variation import LEAST, breed, parent_odds
+from egad.measures import Graspability
+from egad.reeb import Similarity
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY
 

@@ -3,9 +3,10 @@ from functools import partial
 import pytest
 import trimesh
 
-from egad.config import CustomMeasures, Settings
+from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import RejectedError, UserError
+from egad.measures import CustomMeasures
 from egad.measures.custom import check_measures, plugin_name, plugin_value, source_hash
 from egad.measures.graspability import rough_graspability
 from egad.measures.measure import measure_mesh

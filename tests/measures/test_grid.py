@@ -2,7 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import MeasureSpace
+from egad.measures import MeasureSpace
 from egad.measures import grid as space
 
 SPACE = MeasureSpace()

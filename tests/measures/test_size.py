@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Settings, SizeEffect
+from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import RejectedError
+from egad.measures import SizeEffect
 from egad.measures.parameters import SizeEffectParameters
 from egad.measures.size_effect import size_effect, summarize
 from egad.tables.grasping import SIZE_EFFECT

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import GRIPPERS
 from egad.grasps.collision import TABLE_CLEARANCE
+from egad.grippers import GRIPPERS
 from egad.perception.heightmap import PROBE, heightmap_of, min_fingertip_height
 
 HAND = GRIPPERS["egad_75mm"]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from egad.config import GRIPPERS
 from egad.detectors.ggcnn import MapDetector
+from egad.grippers import GRIPPERS
 from egad.learning.targets import targets
 from egad.perception.rectangles import half_turn
 from egad.perception.rendering import Labelled, views_of

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import ImageNoise
-from egad.perception import NoiseName
+from egad.perception import ImageNoise, NoiseName
 from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above
 from egad.perception.noise import (
     BASELINE,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import CAMERAS
 from egad.grasps.collision import roomy
+from egad.perception import CAMERAS
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.perception.rectangles import half_turn, project_grasps
 from egad.perception.scenes import CameraScene, sample_scene

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import ImageNoise
+from egad.perception import ImageNoise
 from egad.perception.camera import DepthCamera, Intrinsics, View, camera_above, object_mask
 from egad.perception.noise import add_sensor_noise
 from egad.perception.restoration import fill_missing, noise_of, restore

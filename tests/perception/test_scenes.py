@@ -5,8 +5,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.config import CAMERAS, Settings
+from egad.config import Settings
 from egad.geometry.stable_poses import stable_poses
+from egad.perception import CAMERAS
 from egad.perception.camera import LOOKING_DOWN, Intrinsics, camera_above
 from egad.perception.scenes import sample_object_poses, sample_scene
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import Render
+from egad.perception import Render
 from egad.perception.splits import SPLITS, evenly, shard_count, shares, split_of
 
 RENDER = Render(images=1000)

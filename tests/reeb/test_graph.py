@@ -9,8 +9,8 @@ import pytest
 import trimesh
 from scipy.stats import spearmanr
 
-from egad.config import Similarity
 from egad.errors import RejectedError, UserError
+from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb.graph import ReebGraph, levels
 from egad.reeb.ranges import Parts

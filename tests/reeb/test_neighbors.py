@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Similarity
 from egad.errors import UserError
+from egad.reeb import Similarity, neighbors
 from egad.reeb import graph as reeb
-from egad.reeb import neighbors
 from egad.reeb.neighbors import Neighborhood, diversities
 from egad.reeb.similarity import similarity_matrix
 

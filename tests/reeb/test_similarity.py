@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Similarity
 from egad.errors import UserError
+from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 from egad.reeb.forest import Forest, space
 from egad.reeb.similarity import bound, compare, similarity, similarity_matrix

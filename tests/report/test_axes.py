@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from egad.cli.terminal_tables import measured
-from egad.config import CustomMeasures, MeasureSpace
+from egad.measures import CustomMeasures, MeasureSpace
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.report.axes import USUAL, axis_pair
 from egad.report.locations import location_map

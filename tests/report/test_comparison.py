@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from svg_text import SVG, texts
 
-from egad.config import MeasureSpace
+from egad.measures import MeasureSpace
 from egad.report.comparison import PUBLISHED, comparison_chart, comparison_text, dataset_maps
 
 

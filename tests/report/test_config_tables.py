@@ -1,4 +1,5 @@
-from egad.config import Settings, TrialProtocol
+from egad.config import Settings
+from egad.sim import TrialProtocol
 from egad.workflow.config_tables import entry_tables, parameter_tables
 
 

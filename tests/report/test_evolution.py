@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from egad.config import MeasureSpace
+from egad.measures import MeasureSpace
 from egad.report.evolution import (
     coverage_animation,
     coverage_curves,

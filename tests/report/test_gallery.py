@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from egad.config import GRIPPERS
+from egad.grippers import GRIPPERS
 from egad.map_elites import Lineage
 from egad.report.axes import USUAL
 from egad.report.gallery import details, sheets

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from egad.config import Shape
+from egad.cppn import Shape
 from egad.cppn.surface import surface
 from egad.errors import RejectedError
 from egad.report.pictures import CAMERA, FILL, png_bytes, render, voxel_picture, voxel_png

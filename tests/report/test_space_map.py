@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from egad.config import MeasureSpace
+from egad.measures import MeasureSpace
 from egad.report.space_map import GROUND, collage, shown_objects, space_map
 
 

@@ -9,12 +9,13 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import GRIPPERS, GraspLabel, Settings
+from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import UserError
+from egad.grasps import GraspLabel
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
-from egad.grippers import BoxBody
+from egad.grippers import GRIPPERS, BoxBody
 from egad.report import viewer
 from egad.report.viewer import GraspScene
 from egad.tables import parquet

@@ -6,12 +6,14 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, start
 
-from egad.config import GRIPPERS, Bundle, Gripper, TrialProtocol
 from egad.detectors.base import Grasp
 from egad.detectors.poses import Detector
 from egad.detectors.registry import QUICK
+from egad.evalset import Bundle
+from egad.grippers import GRIPPERS, Gripper
 from egad.outcomes import Outcome
 from egad.perception.camera import View
+from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
 from egad.sim.attempts import columns_of, failed_attempts, read_attempt, run_attempts
 from egad.sim.model import Model, build

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from egad.config import GRIPPERS
 from egad.detectors import Grasp, PoseGrasp
+from egad.grippers import GRIPPERS
 from egad.sim.cell_errors import EXACT, Deviation, draw
 from egad.sim.parameters import NAMED_ERRORS, CellErrors
 

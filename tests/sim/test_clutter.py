@@ -8,8 +8,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from worlds import EACH_ENGINE, HAND
 
-from egad.config import Bundle
 from egad.detectors import GraspPoses, PoseGrasp
+from egad.evalset import Bundle
 from egad.grasps import hand_poses
 from egad.outcomes import Outcome
 from egad.perception import Observation, cameras_around

@@ -7,15 +7,17 @@ import trimesh
 from worlds import EACH_ENGINE
 
 import egad
-from egad.config import GRIPPERS, Bundle, TrialProtocol
 from egad.detectors import GraspPoses
 from egad.detectors.antipodal import antipodal_depth
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.suction import suction_cloud, suction_depth
 from egad.errors import UserError
+from egad.evalset import Bundle
+from egad.grippers import GRIPPERS
 from egad.outcomes import Outcome
 from egad.perception import SceneKind
+from egad.sim import TrialProtocol
 from egad.sim.attempts import run_attempts
 from egad.sim.labelled_trials import execute_labelled_grasps
 from egad.sim.model import build

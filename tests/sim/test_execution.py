@@ -8,10 +8,11 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, start
 
-from egad.config import Bundle, TrialProtocol
 from egad.detectors.base import Grasp
 from egad.detectors.registry import QUICK
+from egad.evalset import Bundle
 from egad.outcomes import Outcome
+from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, Stillness, Stopping, execute
 from egad.sim.model import Model, build

@@ -5,7 +5,8 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, hung, start, twist
 
-from egad.config import GRIPPERS, Bundle, Gripper
+from egad.evalset import Bundle
+from egad.grippers import GRIPPERS, Gripper
 from egad.sim.arms import HandPose
 from egad.sim.gripper import COLLISION_FORCE, Hand
 from egad.sim.model import build

@@ -9,9 +9,11 @@ from scipy.spatial.transform import Rotation
 from worlds import EACH_ARM, EACH_ENGINE
 
 import egad
-from egad.config import Bundle, Gripper, TrialProtocol
 from egad.detectors import Grasp
+from egad.evalset import Bundle
+from egad.grippers import Gripper
 from egad.outcomes import Outcome
+from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
 from egad.sim.engines import open_world
 from egad.sim.execution import LIFT_SPEED, Execution, execute

@@ -6,8 +6,9 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, start
 
-from egad.config import Bundle, Settings
+from egad.config import Settings
 from egad.config.stages import select
+from egad.evalset import Bundle
 from egad.grasps.poses import hand_poses
 from egad.grippers import finger_span
 from egad.outcomes import Outcome

@@ -10,9 +10,10 @@ from test_clutter import MODELS, from_above, in_turn, knowing, nowhere
 from test_pose_execution import CUBE, DOWN, SIDE, UPRIGHT, grasp, stand
 from worlds import EACH_ENGINE, HAND
 
-from egad.config import GRIPPERS, Bundle
 from egad.detectors import GraspPoses, PoseGrasp
 from egad.errors import UserError
+from egad.evalset import Bundle
+from egad.grippers import GRIPPERS
 from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.random import generator

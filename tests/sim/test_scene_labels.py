@@ -7,8 +7,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from worlds import HAND
 
-from egad.config import Bundle
 from egad.detectors import PoseGrasp
+from egad.evalset import Bundle
 from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
 from egad.grippers import BoxBody

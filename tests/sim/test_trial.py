@@ -5,12 +5,14 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, HAND, start
 
-from egad.config import Bundle, Gripper, TrialProtocol
 from egad.detectors.base import Grasp
 from egad.detectors.poses import Detector
 from egad.detectors.subprocess import DetectorTimeoutError
+from egad.evalset import Bundle
+from egad.grippers import Gripper
 from egad.outcomes import Outcome
 from egad.perception.camera import View
+from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import build

@@ -9,8 +9,8 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, hung, start
 
-from egad.config import Bundle
 from egad.errors import UserError
+from egad.evalset import Bundle
 from egad.sim import mujoco_world
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world

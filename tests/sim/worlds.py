@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from egad.config import GRIPPERS
-from egad.grippers import Gripper
+from egad.grippers import GRIPPERS, Gripper
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
 from egad.sim.gripper import Hand

@@ -14,9 +14,9 @@ import trimesh
 
 import egad
 from egad.cli import main
-from egad.config import GRIPPERS
 from egad.detectors import Grasp
 from egad.geometry import mass_properties
+from egad.grippers import GRIPPERS
 from egad.sim import TrialParameters, TrialProtocol, model_of, run_attempts
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER

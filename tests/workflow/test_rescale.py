@@ -3,8 +3,9 @@
 import pytest
 import trimesh
 
-from egad.config import GRIPPERS, Settings
+from egad.config import Settings
 from egad.config.stages import RescaleMeshes, select
+from egad.grippers import GRIPPERS
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 from egad.workflow.rescale import rescale_files

@@ -174,12 +174,6 @@ def detector_code(wildcards):
         raise WorkflowError(f"The detector {wildcards.detector} cannot be used: {error}")
 
 
-def touched_surface(wildcards):
-    """The grasps that engraved labels avoid; none without engraving."""
-    file = f"results/{wildcards.dataset}/grasps/{wildcards.gripper}.parquet"
-    return [file] if SETTINGS.engraving.enabled else []
-
-
 def island_count(wildcards, input):
     """The number of islands. Because of `input`, its changes do not re-run finished islands."""
     return len(ISLANDS)
@@ -190,22 +184,9 @@ def parts(pattern, shards=SHARDS):
     return lambda wildcards: expand(pattern, shard=shards, **wildcards)
 
 
-def held_out(wildcards):
-    """The evaluation set, if it is held out for testing."""
-    file = f"results/{wildcards.dataset}/eval49.parquet"
-    return [file] if SETTINGS.render.hold_out else []
-
-
-def held_out_of_scenes(wildcards):
-    """The evaluation set, if it is held out of labelled scenes."""
-    file = f"results/{wildcards.dataset}/eval49.parquet"
-    return [file] if SETTINGS.scenes.hold_out else []
-
-
-def parts_of_images(wildcards):
-    """The convex parts of the objects, if images are made with a simulation."""
-    file = f"results/{wildcards.dataset}/convex_parts/{wildcards.gripper}.parquet"
-    return [file] if SETTINGS.render.needs_convex_parts else []
+def only_if(wanted, file):
+    """An input that a setting decides about."""
+    return [file] if wanted else []
 
 
 def gripper_files(wildcards):

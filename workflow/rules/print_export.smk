@@ -13,7 +13,8 @@ rule print_export:
         again_if_incomplete("results/{dataset}/print/{gripper}/manifest.parquet"),
         evaluation="results/{dataset}/eval49.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
-        grasps=touched_surface,
+        # engraved labels avoid them
+        grasps=only_if(SETTINGS.engraving.enabled, "results/{dataset}/grasps/{gripper}.parquet"),
     output:
         manifest=ensure("results/{dataset}/print/{gripper}/manifest.parquet", non_empty=True),
     log:

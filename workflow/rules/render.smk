@@ -21,8 +21,10 @@ rule render:
     input:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
-        evaluation=held_out,
-        convex_parts=parts_of_images,
+        evaluation=only_if(SETTINGS.render.hold_out, "results/{dataset}/eval49.parquet"),
+        convex_parts=only_if(
+            SETTINGS.render.needs_convex_parts, "results/{dataset}/convex_parts/{gripper}.parquet"
+        ),
         hand=gripper_files,
     output:
         out=ensure("results/{dataset}/images/{gripper}/images-{shard}.parquet", non_empty=True),

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import CAMERAS, Settings
+from egad.config import Settings
 from egad.config.stages import select
 from egad.grasps.collision import SIDE_CLEARANCE
+from egad.perception import CAMERAS
 from egad.perception.arrangement import PlacedObject, TableGrasps
 from egad.perception.parameters import RenderParameters
 from egad.perception.rendering import Labelled, views_of

@@ -8,9 +8,9 @@ import pytest
 from autolab_core import TensorDataset
 from scipy.spatial.transform import Rotation
 
-from egad.config import GRIPPERS
 from egad.errors import UserError
 from egad.exchange.images import gqcnn
+from egad.grippers import GRIPPERS
 
 GRIPPER = GRIPPERS["panda"]
 STEPS = np.meshgrid(*2 * [3 * (np.arange(32) - 15.5)])  # from the center, pixels of the image

@@ -11,10 +11,11 @@ import pytest
 import tifffile
 from PIL import Image
 
-from egad.config import CAMERAS, GRIPPERS
 from egad.errors import UserError
 from egad.exchange.images.cornell import write_image as write_cornell
 from egad.exchange.images.jacquard import write_image as write_jacquard
+from egad.grippers import GRIPPERS
+from egad.perception import CAMERAS
 
 GRIPPER = GRIPPERS["egad_75mm"]
 

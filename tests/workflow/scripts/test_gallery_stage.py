@@ -14,9 +14,10 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import MeasureSpace, Settings
+from egad.config import Settings
 from egad.config.stages import Gallery, select
 from egad.data import released
+from egad.measures import MeasureSpace
 from egad.report.viewer import STEPS
 from egad.tables import parquet
 from egad.tables.columns import LABEL

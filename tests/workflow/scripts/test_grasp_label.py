@@ -8,13 +8,14 @@ import rescale
 import trimesh
 
 import egad
-from egad.config import GraspLabel, Gripper, Settings
+from egad.config import Settings
 from egad.config.stages import RescaleMeshes, select
 from egad.errors import UserError
 from egad.grasping import dataset_grasps
+from egad.grasps import GraspLabel
 from egad.grasps.labels import label_parameters
 from egad.grasps.parameters import LabelParameters
-from egad.grippers import hand_body
+from egad.grippers import Gripper, hand_body
 from egad.io import write_obj
 from egad.named_meshes import named_meshes, scaled_solid
 from egad.tables import parquet

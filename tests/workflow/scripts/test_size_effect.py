@@ -3,8 +3,9 @@ import pytest
 import size_effect
 import trimesh
 
-from egad.config import Settings, SizeEffect
+from egad.config import Settings
 from egad.config.stages import select
+from egad.measures import SizeEffect
 from egad.measures.parameters import SizeEffectParameters
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
