@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, Parameters, PositiveFraction
+from egad.perception import NoiseName
 
 NetworkName = Literal["ggcnn", "ggcnn2", "vgn"]
 SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
@@ -98,4 +99,10 @@ class VgnTraining(Parameters):
         le=20,
         description="how far a scene is moved up or down in its cube, at most, voxels; it is "
         "sampled anew for every example, as are quarter turns and the views that are seen",
+    )
+    noise: tuple[NoiseName, ...] = Field(
+        ("none",),
+        min_length=1,
+        description="noise that is added anew for every example to scenes whose images have none; "
+        "one of these is drawn",
     )

@@ -17,11 +17,10 @@ from egad._util.arrays import Floats, Singles
 from egad.grippers import Gripper
 from egad.learning.dataset import Passes
 from egad.learning.volumes import encode, hand_in_network_frame
-from egad.perception import Observation, Tsdf
+from egad.perception import NoiseName, Observation, Tsdf, add_noise
 from egad.random import generator
 
 WINDOW = 128  # scenes that are shuffled together, about
-HALF_TURN = np.diag([-1.0, -1.0, 1.0])  # about the approach: the same grasp
 
 
 class Scene(Protocol):
@@ -32,8 +31,12 @@ class Scene(Protocol):
         """How many depth images there are."""
 
     @property
+    def noise(self) -> NoiseName:
+        """What noise they have."""
+
+    @property
     def grasps(self) -> pd.DataFrame:
-        """One row per grasp, with `success` and `width`, metres."""
+        """One row per grasp, with `success`, `width`, metres, and `yaws`, see `NetworkGrasps`."""
 
     @property
     def poses(self) -> Floats:
@@ -66,11 +69,14 @@ class NetworkGrasps(NamedTuple):
         poses: (n, 4, 4) in the world.
         success: (n,) 1 or 0.
         widths: (n,) distances of the pads when they hold, metres; 0 for a failed grasp.
+        yaws: (n, y) whether the hand holds, too, when it is turned about the approach by 0, 1, ...
+            of y parts of half a turn.
     """
 
     poses: Floats
     success: Singles
     widths: Singles
+    yaws: NDArray[np.bool_]
 
 
 class SceneExample(NamedTuple):
@@ -80,7 +86,9 @@ class SceneExample(NamedTuple):
         grid: (n, n, n) distances, encoded.
         voxels: (m, 3) voxels of the grasps.
         success: (m,) 1 or 0.
-        rotations: (m, 2, 4) both quaternions (x, y, z, w) that mean the grasp, in the frame of VGN.
+        rotations: (m, 2 y, 4) quaternions (x, y, z, w) at which the grasp holds, in the frame of
+            VGN: those of its yaws, and half a turn further, which is the same grasp. Yaws at which
+            it does not hold are replaced by that of the label.
         widths: (m,) voxels; 0 for a failed grasp.
         voxel: Side of a voxel, metres.
     """
@@ -118,7 +126,8 @@ def labelled_grasps(scene: Scene, gripper: Gripper) -> NetworkGrasps:
     poses = scene.poses @ np.linalg.inv(hand_in_network_frame(gripper))
     success = scene.grasps["success"].to_numpy(bool)
     widths = np.where(success, scene.grasps["width"].to_numpy(np.float64), 0)
-    return NetworkGrasps(poses, success.astype(np.float32), widths.astype(np.float32))
+    yaws = np.array([*scene.grasps["yaws"]] or np.empty((0, 1)), bool)
+    return NetworkGrasps(poses, success.astype(np.float32), widths.astype(np.float32), yaws)
 
 
 def scene_example(tsdf: Tsdf, grasps: NetworkGrasps, move: Move = UNMOVED) -> SceneExample:
@@ -133,16 +142,30 @@ def scene_example(tsdf: Tsdf, grasps: NetworkGrasps, move: Move = UNMOVED) -> Sc
     poses = moved_poses(grasps.poses, tsdf, move)
     voxels = np.round((poses[:, :3, 3] - tsdf.corner) / tsdf.voxel).astype(np.int64)
     kept = ((voxels >= 0) & (voxels < side)).all(axis=1)
-    both = np.stack([poses[kept, :3, :3], poses[kept, :3, :3] @ HALF_TURN], axis=1)
-    quaternions = Rotation.from_matrix(both.reshape(-1, 3, 3)).as_quat().reshape(-1, 2, 4)
     return SceneExample(
         moved_grid(grid, move),
         voxels[kept],
         grasps.success[kept],
-        quaternions.astype(np.float32),
+        held_rotations(poses[kept, :3, :3], grasps.yaws[kept]),
         grasps.widths[kept] / np.float32(tsdf.voxel),
         tsdf.voxel,
     )
+
+
+def held_rotations(matrices: Floats, yaws: NDArray[np.bool_]) -> Singles:
+    """The rotations of `SceneExample`, (m, 2 y, 4).
+
+    Args:
+        matrices: (m, 3, 3) of the labels.
+        yaws: (m, y) as of `NetworkGrasps`.
+    """
+    count, tried = yaws.shape
+    numbers = np.arange(2 * tried)
+    turns = np.where(np.tile(yaws, 2), numbers, numbers // tried * tried)
+    about = Rotation.from_rotvec(np.outer(np.pi * turns / tried, [0, 0, 1]))
+    labels = Rotation.from_matrix(np.repeat(matrices, 2 * tried, axis=0))
+    found: Singles = (labels * about).as_quat().reshape(count, 2 * tried, 4).astype(np.float32)
+    return found
 
 
 def moved_grid(grid: Singles, move: Move) -> Singles:
@@ -179,6 +202,7 @@ class SceneStream:
         rise: int = 0,
         seed: int = 0,
         most: int | None = None,
+        noise: Sequence[NoiseName] = ("none",),
     ) -> None:
         """Make a stream.
 
@@ -189,12 +213,13 @@ class SceneStream:
             rise: Voxels that a scene is moved up or down, at most.
             seed: Order, moves and the numbers of views follow from it.
             most: So many of the scenes, drawn at random, or all of them.
+            noise: Kinds of noise, one of which each example gets if its images have none.
 
         Raises:
             UserError: There are no such scenes.
         """
         self._scenes, self._gripper, self._length = scenes, gripper, length
-        self._rise, self._seed = rise, seed
+        self._rise, self._seed, self._noise = rise, seed, tuple(noise)
         numbers = scenes.indices("train")
         if most is not None:
             numbers = np.sort(generator(seed, "scenes").permutation(numbers)[:most])
@@ -213,5 +238,9 @@ class SceneStream:
         count = int(rng.integers(1, scene.view_count + 1))
         views = sorted(rng.permutation(scene.view_count)[:count].tolist())
         move = Move(int(rng.integers(4)), int(rng.integers(-self._rise, self._rise + 1)))
-        tsdf = scene.observation(views).tsdf
-        return scene_example(tsdf, labelled_grasps(scene, self._gripper), move)
+        seen = scene.observation(views)
+        noise = self._noise[rng.integers(len(self._noise))]
+        if scene.noise == "none" and noise != "none":
+            noisy = tuple(add_noise(noise, view, rng) for view in seen.views)
+            seen = Observation(noisy[0], noisy, seen.side)
+        return scene_example(seen.tsdf, labelled_grasps(scene, self._gripper), move)

@@ -32,8 +32,8 @@ the same kind.
 
 {score}
 The average precision of guesses is the share of grasps that succeeded, their balanced accuracy is
-50 %. The rotation is that of the hand, up to half a turn about the approach, at grasps that
-succeeded. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
+50 %. The rotation is that of the hand, compared with the nearest one at which it held, at
+grasps that succeeded. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
 
 The quality is that of a set in which as many grasps succeed as fail. The detector smooths it, which
 lowers its peaks, and proposes what is left above `threshold`, {threshold} by default for these

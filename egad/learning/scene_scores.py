@@ -22,8 +22,7 @@ class GraspAnswers(NamedTuple):
     Attributes:
         success: (m,) whether the grasp succeeded.
         quality: (m,) predicted.
-        angles: (m,) between the predicted and the labelled rotation, or its half turn about the
-            approach if that is less, degrees.
+        angles: (m,) between the predicted rotation and the nearest one that holds, degrees.
         widths: (m,) how far the predicted width is off, metres.
         losses: (m, 3) of quality, rotation and width, weighted.
     """

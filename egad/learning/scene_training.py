@@ -1,9 +1,10 @@
 """What VGN's network learns from labelled scenes, and its answers to them.
 
 The loss is VGN's: binary cross-entropy of the quality and, at grasps that succeeded, the distance
-1 - |q.q'| of the rotation to the nearer of the two quaternions that mean the grasp, and 0.01 times
-the squared error of the width in voxels. VGN leaves out failed grasps until there are as many of
-them as of others; here all count, with weights that have the same sums.
+1 - |q.q'| of the rotation to the nearest one that holds, and 0.01 times the squared error of the
+width in voxels. VGN knows one yaw of a grasp, and its half turn; here all that were tried and held
+are right. VGN leaves out failed grasps until there are as many of them as of others; here all
+count, with weights that have the same sums.
 """
 
 from collections.abc import Sequence
@@ -82,7 +83,13 @@ class SceneTask:
         rate = settings.learning_rate
         self.schedule = LearningSchedule(settings.examples, settings.epoch, settings.batch, rate)
         self._stream = SceneStream(
-            scenes, gripper, settings.examples, settings.rise, seed, settings.scenes
+            scenes,
+            gripper,
+            settings.examples,
+            settings.rise,
+            seed,
+            settings.scenes,
+            settings.noise,
         )
         counts = self._stream.index[["grasps", "positive"]]
         grasps, positive = (int(counts[name].sum()) for name in counts)

@@ -44,9 +44,10 @@ from egad.sim import make_scene as put_objects
 from egad.tables.columns import POSE_PARTS
 from egad.tables.scenes import SCENE_GRASPS
 
-# As in VGN's code (Breyer et al. 2020)
-LEAST_RISE = -0.1  # z of the outward normal of a grasp point: not from below
-DEPTHS = (-0.1, 1.1)  # of the finger length: how far the fingertips reach below the surface
+LEAST_RISE = -0.1  # z of the outward normal of a grasp point: not from below, as in VGN's code
+# Of the finger length: how far the fingertips reach below the surface. In VGN's code from -0.1 on,
+# where nothing is held.
+DEPTHS = (0.1, 1.1)
 
 
 class MadeScene(NamedTuple):
@@ -67,13 +68,13 @@ class YawTrials(NamedTuple):
     Attributes:
         pose: (4, 4) of the hand at the kept yaw.
         width: Distance of the pads after the lift, metres; NaN without success.
-        yaws: How many of the yaws succeeded.
+        yaws: Whether each yaw succeeded, from the kept one on.
         outcome: Of the kept yaw.
     """
 
     pose: Floats
     width: float
-    yaws: int
+    yaws: list[bool]
     outcome: Outcome
 
 
@@ -225,7 +226,8 @@ def try_yaws(
     held = [result.outcome == Outcome.SUCCESS for result, _ in done]
     kept = middle_of_run(held)
     result, width = done[kept]
-    return YawTrials(poses[kept], width if held[kept] else np.nan, sum(held), result.outcome)
+    yaws = held[kept:] + held[:kept]
+    return YawTrials(poses[kept], width if yaws[0] else np.nan, yaws, result.outcome)
 
 
 def try_grasp(
@@ -277,7 +279,7 @@ def grasp_table(
             "id": ids[owner],
             **dict(zip(POSE_PARTS, pose_values(each.pose), strict=True)),
             "width": each.width,
-            "success": each.yaws > 0,
+            "success": each.yaws[0],
             "yaws": each.yaws,
             "outcome": each.outcome.value,
         }

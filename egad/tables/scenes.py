@@ -70,7 +70,12 @@ SCENE_GRASPS = pa.schema(
             "width", FLOAT, "distance of the finger pads after the lift; no value if it failed", "m"
         ),
         column("success", BOOL, "whether the hand lifted an object at one of the tried yaws"),
-        column("yaws", INT, "number of tried yaws at which it did"),
+        column(
+            "yaws",
+            pa.list_(BOOL),
+            "whether it did at each of the n tried yaws: the k-th, from 0, is this pose turned by "
+            "k / n of half a turn about the approach",
+        ),
         column("outcome", STRING, "what came of the kept yaw"),
     ]
 )

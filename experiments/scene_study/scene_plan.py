@@ -2,17 +2,20 @@
 
 import json
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any, NamedTuple
 
 from pydantic import Field, ValidationError
 
-from egad._util.parameters import Fraction, Name, Parameters
+from egad._util.parameters import Fraction, Name, Parameters, UserPath
 from egad.config import Settings
 from egad.config.check import check
 from egad.errors import UserError
 from egad.sim import NAMED_PROTOCOLS, SceneCameras
 
 FOLDER = "results/scene_study"
+PAIRS = (("evolved", "primitives"), ("tuned-evolved", "tuned-primitives"))  # ours and its rival
+PUBLISHED = ("vgn", "vgn-low")
 
 
 class SceneSet(Parameters):
@@ -21,6 +24,10 @@ class SceneSet(Parameters):
     dataset: Name = Field(description="dataset of the scenes")
     scenes: int | None = Field(None, ge=1, description="most training scenes; nothing: all")
     networks: int | None = Field(None, ge=1, description="networks; nothing: as for all sets")
+    start: UserPath | None = Field(None, description="weights to begin with; nothing: random ones")
+    examples: int | None = Field(
+        None, ge=1, description="training examples; nothing: as in `egad.training_vgn`"
+    )
 
 
 class TestCameras(Parameters):
@@ -92,7 +99,7 @@ def study_of(config: Mapping[str, Any]) -> SceneStudy:
     )
     if wrong:
         raise UserError(f"not defined: {', '.join(wrong)}")
-    if needed := {"evolved", "primitives", "vgn", "vgn-half"} - {*plan.sets, *plan.references}:
+    if needed := {*chain(*PAIRS), *PUBLISHED} - {*plan.sets, *plan.references}:
         raise UserError(f"the goals compare these, too: {', '.join(sorted(needed))}")
     if "six" not in plan.cameras:
         raise UserError("the goals are about the cameras `six`")
@@ -119,8 +126,9 @@ def training_scenes(study: SceneStudy) -> dict[str, int]:
 
 def training_settings(study: SceneStudy, training_set: str, seed: int) -> Settings:
     """The settings of a training."""
-    scenes = study.plan.sets[training_set].scenes
-    training = study.settings.training_vgn.model_copy(update={"scenes": scenes})
+    chosen, usual = study.plan.sets[training_set], study.settings.training_vgn
+    update = {"scenes": chosen.scenes, "examples": chosen.examples or usual.examples}
+    training = usual.model_copy(update=update)
     return study.settings.model_copy(
         update={"seed": study.settings.seed + seed, "training_vgn": training}
     )

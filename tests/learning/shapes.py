@@ -61,7 +61,7 @@ def grasps_of(shapes, count, rng):
         shift = [*rng.normal(0, 0.02, 2), rng.uniform(-0.3, 0.3) * center[2]]
         place = center + shift
         good = bool(np.linalg.norm((place - center)[:2]) < 0.02 and 2 * size[0] < OPENING)
-        rows.append({"success": good, "width": 2 * size[0] if good else np.nan})
+        rows.append({"success": good, "width": 2 * size[0] if good else np.nan, "yaws": [good]})
         places.append(place)
         axes.append([np.cos(turn), np.sin(turn), 0.0])
     down = np.tile([0.0, 0.0, -1.0], (count, 1))
@@ -80,6 +80,7 @@ class ShapeScenes:
             if shuffled:
                 table["success"] = rng.permutation(table["success"])
                 table["width"] = np.where(table["success"], 0.05, np.nan)
+                table["yaws"] = [[each] for each in table["success"]]
             self._scenes.append(Shown(shapes, table, poses))
             split = next(name for name, end in PARTS if number < end * count)
             rows.append(

@@ -17,7 +17,7 @@ from egad.learning.scene_examples import (
     scene_example,
 )
 from egad.learning.volumes import encode
-from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
+from egad.perception import DepthCamera, Intrinsics, Observation, Tsdf, cameras_around, fuse
 
 HAND = GRIPPERS["panda"]
 CAMERA = Intrinsics(320, 240, 208.0, (159.5, 119.5))
@@ -41,13 +41,14 @@ def sampled_poses(count, seed=0):
 
 def grasps_at(poses):
     ones = np.ones(len(poses), np.float32)
-    return NetworkGrasps(poses, ones, 0.04 * ones)
+    return NetworkGrasps(poses, ones, 0.04 * ones, np.ones((len(poses), 1), bool))
 
 
 class OneScene:
     def __init__(self, poses, success, width):
         self.poses = poses
-        self.grasps = pd.DataFrame({"success": success, "width": width})
+        yaws = [[each] for each in success]
+        self.grasps = pd.DataFrame({"success": success, "width": width, "yaws": yaws})
 
 
 def test_a_grasp_becomes_a_voxel_a_rotation_and_a_width():
@@ -71,6 +72,20 @@ def test_a_grasp_becomes_a_voxel_a_rotation_and_a_width():
             np.testing.assert_allclose(turned[:, 2], pose[:3, 2], atol=1e-6)
     np.testing.assert_allclose(example.widths, 4, rtol=1e-6)
     assert example.voxel == 0.0075
+
+
+def test_every_yaw_that_holds_is_a_right_answer_and_no_other():
+    """Of five yaws 36 degrees apart, the first, second and fourth hold."""
+    poses = sampled_poses(20)
+    grasps = grasps_at(poses)._replace(yaws=np.tile([True, True, False, True, False], (20, 1)))
+    example = scene_example(empty_field(), grasps)
+    assert example.rotations.shape == (20, 10, 4)
+    right = {round(angle) % 360 for angle in (0, 36, 108, 180, 216, 288)}
+    for pose, answers in zip(poses, example.rotations, strict=True):
+        turns = Rotation.from_matrix(pose[:3, :3]).inv() * Rotation.from_quat(answers)
+        x, y, z = turns.as_rotvec(degrees=True).T
+        np.testing.assert_allclose([x, y], 0, atol=1e-4)
+        assert set(np.round(z).astype(int) % 360) == right
 
 
 def test_failed_grasps_have_no_width():
@@ -172,6 +187,26 @@ class TestStream:
                 np.testing.assert_array_equal(one, other)
         other = SceneStream(scenes, HAND, 40, 2, seed=2)
         assert any(not np.array_equal(stream[n].grid, other[n].grid) for n in range(3))
+
+    def test_noise_is_added_to_some_examples_of_scenes_without_any(self):
+        """The oracle is the same stream without noise."""
+        eye = DepthCamera(trimesh.creation.box((0.03, 0.1, 0.06)))
+        cameras = cameras_around(np.array([0, 0, 0.0]), 3, 0.6, np.radians(30), 0.3)
+        views = tuple(eye.render(np.eye(4), CAMERA, camera) for camera in cameras)
+        scenes = ShapeScenes(5, 3)
+        for number in range(5):
+            scenes.scene(number).noise = "dex" if number == 1 else "none"
+            scenes.scene(number).observation = lambda chosen: Observation(
+                views[chosen[0]], tuple(views[n] for n in chosen), 0.3
+            )
+        clear = SceneStream(scenes, HAND, 24)
+        noisy = SceneStream(scenes, HAND, 24, noise=("none", "dex"))
+        shown = [noisy._passes[number] for number in range(24)]
+        same = [np.array_equal(clear[n].grid, noisy[n].grid) for n in range(24)]
+        assert all(equal for equal, number in zip(same, shown, strict=True) if number == 1)
+        others = [equal for equal, number in zip(same, shown, strict=True) if number != 1]
+        assert 4 <= sum(others) <= 12
+        np.testing.assert_array_equal(clear[5].voxels, noisy[5].voxels)
 
     def test_views_turns_and_heights_are_all_seen(self, monkeypatch):
         """One camera, two or all three, any of them, each number of them about as often."""

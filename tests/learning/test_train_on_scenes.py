@@ -61,7 +61,8 @@ def scene(number, split, noise="none", successes=None):
         **view_columns(views),
     }
     grasps = pd.DataFrame([pose_values(pose) for pose in poses], columns=list(POSE_PARTS))
-    labels = table.assign(scene=number, object=0, id=f"box{number}", yaws=1, outcome="success")
+    labels = table.assign(scene=number, object=0, id=f"box{number}", outcome="success")
+    labels["yaws"] = [[each] for each in labels["success"]]
     return MadeScene(row, pd.concat([grasps, labels], axis=1)[SCENE_GRASPS.names])
 
 
