@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import trimesh
 
+from egad._util.markdown import table as markdown
 from egad.evalset.parameters import Bundle
 from egad.evalset.parts import make_parts, measure_parts, warn_if_beyond
 from egad.geometry import (
@@ -217,10 +218,8 @@ they stick out of the object at most, mostly in narrow hollows. `buried` is the 
 that fingers can touch that lies more than {depth:g} mm inside a part. `!` marks a volume error
 beyond the bound of {bound:.1%}, or a buried share beyond {buried:.0%}.
 
-| object | parts | volume error | deviation, mm | buried | mass, g | poses |
-| --- | --- | --- | --- | --- | --- | --- |
-{rows}
-{rejected}"""
+{objects}{rejected}"""
+HEAD = ("object", "parts", "volume error", "deviation, mm", "buried", "mass, g", "poses")
 
 
 def page(
@@ -234,7 +233,6 @@ def page(
         density: Density of the objects, kg/m3.
         bundle: How their parts were made.
     """
-    rows = map(_line, parquet.records(table))
     missing = [f"- {row['id']}: {row['reason']}" for row in left_out]
     return PAGE.format(
         count=len(table),
@@ -243,15 +241,15 @@ def page(
         bound=bundle.volume_error,
         depth=1000 * bundle.deviation,
         buried=MOST_BURIED,
-        rows="\n".join(rows),
+        objects=markdown(HEAD, map(_cells, parquet.records(table))),
         rejected="\n".join(["", "## Left out", "", *missing, ""]) if missing else "",
     )
 
 
-def _line(row: dict[str, Any]) -> str:
+def _cells(row: dict[str, Any]) -> list[Any]:
     mark = "" if row["within"] else " !"
-    buried = f"{row['buried']:.1%}"
-    return (
-        f"| {row['label']} | {row['parts']} | {row['volume_error']:.1%}{mark} |"
-        f" {1000 * row['deviation']:.2f} | {buried} | {1000 * row['mass']:.1f} | {row['poses']} |"
-    )
+    return [
+        *(row["label"], row["parts"], f"{row['volume_error']:.1%}{mark}"),
+        *(f"{1000 * row['deviation']:.2f}", f"{row['buried']:.1%}", f"{1000 * row['mass']:.1f}"),
+        row["poses"],
+    ]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from egad._util.markdown import table
 from egad.evalset.filament import print_settings
 from egad.evalset.parameters import PrintExport
 from egad.tables import parquet
@@ -30,10 +31,11 @@ INTRODUCTION = """# Evaluation set of {dataset}
 {count} of {cells} cells of the grid are filled. Rows A, B, ... go from easy to hard to grasp,
 columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects on one page.
 {missing}"""
-OBJECTS = """
-| label | object | row | column | complexity, bit | graspability, 1e-3 | distance to the nearest |
-| --- | --- | --- | --- | --- | --- | --- |
-"""
+OBJECTS = (
+    *("label", "object", "row", "column"),
+    *("complexity, bit", "graspability, 1e-3", "distance to the nearest"),
+)
+PRINTED = ("label", "scale", "size, mm", "mass, g", "best quality, 1e-3", "plate", "note")
 REPORTING = """
 ## How to report results
 
@@ -71,18 +73,19 @@ def page(
         export: How it is printed.
         introduction: What stands above the tables; by default, what the rows and columns are.
     """
-    head = (introduction or _introduction(dataset, chosen, empty)) + OBJECTS
+    head = introduction or _introduction(dataset, chosen, empty)
     rows = [
-        f"| {row['label']} | {row['object_label']} | {row['row']} | {row['column']} "
-        f"| {row['complexity']:.2f} | {1000 * row['graspability']:.2f} "
-        f"| {_number(row['nearest'], 2)} |"
+        (
+            *(row[name] for name in ("label", "object_label", "row", "column")),
+            *(f"{row['complexity']:.2f}", f"{1000 * row['graspability']:.2f}"),
+            _number(row["nearest"], 2),
+        )
         for row in parquet.records(chosen)
     ]
     names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
     tables = [_gripper_section(name, each, names) for name, each in grippers.items()]
-    return head + "\n".join(
-        [*rows, *tables, REPORTING.format(settings=print_settings(export), attempts=ATTEMPTS)]
-    )
+    reporting = REPORTING.format(settings=print_settings(export), attempts=ATTEMPTS)
+    return "\n".join([head, table(OBJECTS, rows) + "".join(tables) + reporting])
 
 
 def _introduction(dataset: str, chosen: pd.DataFrame, empty: list[str]) -> str:
@@ -99,22 +102,23 @@ def _introduction(dataset: str, chosen: pd.DataFrame, empty: list[str]) -> str:
 
 
 def _gripper_section(name: str, known: ForGripper, objects: Mapping[str, str]) -> str:
-    lines = [
-        f"\n## For {name}\n",
-        "Sizes are those of the box as printed. Mass is that of the filament, without supports. "
-        "The best quality is that of the best labelled grasp that the hand reaches.\n",
-        "| label | scale | size, mm | mass, g | best quality, 1e-3 | plate | note |",
-        "| --- | --- | --- | --- | --- | --- | --- |",
-    ]
+    rows = []
     for row in parquet.records(known.manifest):
         size = " x ".join(_number(row[f"extents_{axis}"], 0) for axis in "xyz")
         best = 1000 * known.best.get(objects.get(row["label"], ""), float("nan"))
         plate = "" if pd.isna(row["plate"]) else f"{row['plate']:.0f}"
-        lines.append(
-            f"| {row['label']} | {_number(row['factor'], 3)} | {size} "
-            f"| {_number(row['filament'], 0)} | {_number(best, 2)} | {plate} | {row['note']} |"
+        rows.append(
+            (
+                *(row["label"], _number(row["factor"], 3), size, _number(row["filament"], 0)),
+                *(_number(best, 2), plate, row["note"]),
+            )
         )
-    return "\n".join(lines)
+    return (
+        f"\n## For {name}\n\n"
+        "Sizes are those of the box as printed. Mass is that of the filament, without supports. "
+        f"The best quality is that of the best labelled grasp that the hand reaches.\n\n"
+        f"{table(PRINTED, rows)}"
+    )
 
 
 def _number(value: float, digits: int) -> str:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from egad._util.markdown import table
 from egad.evalset import label_at
 from egad.failures.matched import ROW, MatchedSet, percent
 from egad.failures.matching import REFERENCE
@@ -20,10 +21,7 @@ engine. Nothing was chosen by these attempts, so their rates are not biased by t
 
 {rates}
 
-{head}
-{rule}
-{rows}
-
+{pairs}
 The similarity of the two shapes of a pair is that of `egad.similarity`. `pairs.parquet` has these
 counts, and `attempts.parquet` all attempts.
 
@@ -63,9 +61,7 @@ def introduction(found: MatchedSet, name: str, detector: str) -> str:
         within=found.rules.within,
         attempts=int(found.table[f"n_pairs_{engines[0]}"].iloc[0]),
         rates="\n".join(_rates(found, engine) for engine in engines),
-        head=_line(columns),
-        rule=_line(["---"] * len(columns)),
-        rows="\n".join(_line(_cells(row, engines)) for row in parquet.records(found.table)),
+        pairs=table(columns, [_cells(row, engines) for row in parquet.records(found.table)]),
         chosen=_chosen(found),
     )
 
@@ -92,10 +88,6 @@ def _cells(row: dict[str, Any], engines: list[Any]) -> list[str]:
     ]
     partner = label_at(ROW[not row["is_failure"]], row["pair"])
     return [row["label"], partner, f"{row['similarity']:.2f}", *counts]
-
-
-def _line(cells: list[str]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def _chosen(found: MatchedSet) -> str:

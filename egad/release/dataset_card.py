@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import pandas as pd
 import yaml
 
+from egad._util.markdown import table
 from egad.perception import SPLITS
 from egad.tables.columns import markdown_table
 from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
@@ -90,16 +91,10 @@ and `evaluation_set`. `pandas.read_parquet("data/objects/train.parquet")` reads 
 
 ## What is in it
 
-| path | what it is | files | size |
-| --- | --- | --- | --- |
 {contents}
-
 ## Splits
 
-| | train | validation | test |
-| --- | --- | --- | --- |
 {splits}
-
 No family of objects is in both training and validation. A family is all objects with the same
 founder along the line of first parents. A first parent gives its child the structure of its genome;
 a second one gives only weights, and may be of another family. An object whose ancestors are not
@@ -232,9 +227,12 @@ def card_page(
         paper=PAPER["title"],
         bibtex_title=str(PAPER["title"]).removeprefix("EGAD! "),
         **{name: value for name, value in PAPER.items() if name != "title"},
-        contents="\n".join(
-            f"| `{pattern}` | {meaning} | {files:,} | {_bytes(size)} |"
-            for pattern, meaning, files, size in contents
+        contents=table(
+            ["path", "what it is", "files", "size"],
+            [
+                (f"`{pattern}`", meaning, files, _bytes(size))
+                for pattern, meaning, files, size in contents
+            ],
         ),
         splits=_splits(objects, success),
         density=facts.density,
@@ -255,16 +253,14 @@ def card_page(
 def _splits(objects: pd.DataFrame, success: Mapping[str, float]) -> str:
     parts = [objects[objects["split"] == name] for name in SPLITS]
     held = [success.get(name) for name in SPLITS]
-    rows = {
-        "objects": [f"{len(part):,}" for part in parts],
-        "of these, in the evaluation set": [
-            f"{part['in_evaluation_set'].sum():,}" for part in parts
-        ],
-        "families": [f"{part['family'].nunique():,}" for part in parts],
-        "grasps": [f"{part['n_grasps'].sum():,}" for part in parts],
-        "grasps that held": ["" if share is None else f"{share:.1%}" for share in held],
-    }
-    return "\n".join(f"| {title} | {' | '.join(cells)} |" for title, cells in rows.items())
+    rows = [
+        ("objects", *map(len, parts)),
+        ("of these, in the evaluation set", *(int(p["in_evaluation_set"].sum()) for p in parts)),
+        ("families", *(part["family"].nunique() for part in parts)),
+        ("grasps", *(int(part["n_grasps"].sum()) for part in parts)),
+        ("grasps that held", *("" if share is None else f"{share:.1%}" for share in held)),
+    ]
+    return table(["", *SPLITS], rows)
 
 
 def _size(count: int) -> str:
