@@ -1,8 +1,8 @@
 """How many failures a search finds with the same attempts, by where objects come from.
 
     python experiments/failures.py FOLDER --weights GGCNN2.pt --vgn VGN.pth [--detectors ...]
-        [--strategies ...] [--seeds 5] [--attempts 2000] [--least-regret 0.5] [--show]
-        [--chart FILE.svg]
+        [--strategies ...] [--seeds 5] [--attempts 2000] [--shards 1] [--least-regret 0.5]
+        [--show] [--chart FILE.svg]
 
 FOLDER keeps an atlas of each detector, strategy and seed (`egad.find_failures`); a second call goes
 on where the first was cut off. Printed are confirmed failures and cells with one per 1000 attempts,
@@ -62,9 +62,10 @@ def search(
     strategy: Strategy,
     seed: int,
     attempts: int,
+    shards: int,
     least_regret: float,
 ) -> None:
-    """One search, unless it has been made; its CPU time is kept beside it."""
+    """One search, unless it has been made, on a core for each shard; its CPU time is kept, too."""
     done = folder / "cpu.txt"
     if done.exists():
         return
@@ -75,7 +76,8 @@ def search(
         strategy=strategy,
         least_regret=least_regret,
         seed=seed,
-        shards=1,
+        shards=shards,
+        jobs=shards,
         out=folder,
     )
     done.write_text(f"{cpu_time() - start:.0f}\n", encoding="utf-8")
@@ -201,6 +203,7 @@ def main() -> None:
     parser.add_argument("--strategies", nargs="+", default=STRATEGIES, choices=STRATEGIES)
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--attempts", type=int, default=2000)
+    parser.add_argument("--shards", type=int, default=1, help="of each search, a core each")
     parser.add_argument("--least-regret", type=float, default=0.5)
     parser.add_argument("--show", action="store_true", help="search no further")
     parser.add_argument("--chart", type=Path, help="SVG file to write")
@@ -210,7 +213,8 @@ def main() -> None:
         for name in given.detectors or known:
             for strategy in given.strategies:
                 place = given.folder / name / f"{strategy}-{seed}"
-                search(place, known[name], strategy, seed, given.attempts, given.least_regret)
+                rest = (given.attempts, given.shards, given.least_regret)
+                search(place, known[name], strategy, seed, *rest)
     show(given.folder)
     if given.chart:
         write_text(given.chart, chart(given.folder, given.attempts))

@@ -91,7 +91,7 @@ def reference(source: Path, settings: MeasureMeshes) -> "Dataset":
     """
     from egad.objects import load
 
-    found = load(source)
+    found = load(str(source))
     cells = found.table[["complexity_cell", "difficulty_cell"]].to_numpy()
     if len(cells) and cells.max() >= settings.space.cells:
         raise UserError(

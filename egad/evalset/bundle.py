@@ -249,7 +249,11 @@ def page(
 def _cells(row: dict[str, Any]) -> list[Any]:
     mark = "" if row["within"] else " !"
     return [
-        *(row["label"], row["parts"], f"{row['volume_error']:.1%}{mark}"),
-        *(f"{1000 * row['deviation']:.2f}", f"{row['buried']:.1%}", f"{1000 * row['mass']:.1f}"),
+        row["label"],
+        row["parts"],
+        f"{row['volume_error']:.1%}{mark}",
+        f"{1000 * row['deviation']:.2f}",
+        f"{row['buried']:.1%}",
+        f"{1000 * row['mass']:.1f}",
         row["poses"],
     ]

@@ -32,8 +32,13 @@ INTRODUCTION = """# Evaluation set of {dataset}
 columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects on one page.
 {missing}"""
 OBJECTS = (
-    *("label", "object", "row", "column"),
-    *("complexity, bit", "graspability, 1e-3", "distance to the nearest"),
+    "label",
+    "object",
+    "row",
+    "column",
+    "complexity, bit",
+    "graspability, 1e-3",
+    "distance to the nearest",
 )
 PRINTED = ("label", "scale", "size, mm", "mass, g", "best quality, 1e-3", "plate", "note")
 REPORTING = """
@@ -76,8 +81,12 @@ def page(
     head = introduction or _introduction(dataset, chosen, empty)
     rows = [
         (
-            *(row[name] for name in ("label", "object_label", "row", "column")),
-            *(f"{row['complexity']:.2f}", f"{1000 * row['graspability']:.2f}"),
+            row["label"],
+            row["object_label"],
+            row["row"],
+            row["column"],
+            f"{row['complexity']:.2f}",
+            f"{1000 * row['graspability']:.2f}",
             _number(row["nearest"], 2),
         )
         for row in parquet.records(chosen)
@@ -109,14 +118,19 @@ def _gripper_section(name: str, known: ForGripper, objects: Mapping[str, str]) -
         plate = "" if pd.isna(row["plate"]) else f"{row['plate']:.0f}"
         rows.append(
             (
-                *(row["label"], _number(row["factor"], 3), size, _number(row["filament"], 0)),
-                *(_number(best, 2), plate, row["note"]),
+                row["label"],
+                _number(row["factor"], 3),
+                size,
+                _number(row["filament"], 0),
+                _number(best, 2),
+                plate,
+                row["note"],
             )
         )
     return (
         f"\n## For {name}\n\n"
         "Sizes are those of the box as printed. Mass is that of the filament, without supports. "
-        f"The best quality is that of the best labelled grasp that the hand reaches.\n\n"
+        "The best quality is that of the best labelled grasp that the hand reaches.\n\n"
         f"{table(PRINTED, rows)}"
     )
 

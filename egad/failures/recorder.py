@@ -67,7 +67,7 @@ class Recorder:
         return drop.bench.propose(self._detect, drop.rest, rng)
 
     def ask(self, drop: Drop, learner: ReferencePolicy | None = None) -> bool:
-        """Whether the first proposal of the detector holds; a learner remembers what it was."""
+        """Whether the first proposal of the detector holds; a learner, if given, remembers it."""
         proposed = self.propose(drop)
         if isinstance(proposed, Failure):
             return self.note(drop, "detector", proposed.outcome, failure=proposed.text)

@@ -104,5 +104,5 @@ class VgnTraining(Parameters):
         ("none",),
         min_length=1,
         description="noise that is added anew for every example to scenes whose images have none; "
-        "one of these is drawn",
+        "one of these is drawn; validation and test see the images as they are",
     )

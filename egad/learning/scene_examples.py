@@ -69,8 +69,8 @@ class NetworkGrasps(NamedTuple):
         poses: (n, 4, 4) in the world.
         success: (n,) 1 or 0.
         widths: (n,) distances of the pads when they hold, metres; 0 for a failed grasp.
-        yaws: (n, y) whether the hand holds, too, when it is turned about the approach by 0, 1, ...
-            of y parts of half a turn.
+        yaws: (n, y) whether the hand holds when it is turned about the approach by k / y of half a
+            turn, k = 0, ..., y - 1.
     """
 
     poses: Floats
@@ -89,7 +89,7 @@ class SceneExample(NamedTuple):
         rotations: (m, 2 y, 4) quaternions (x, y, z, w) at which the grasp holds, in the frame of
             VGN: those of its yaws, and half a turn further, which is the same grasp. Yaws at which
             it does not hold are replaced by that of the label.
-        widths: (m,) voxels; 0 for a failed grasp.
+        widths: (m,) voxels, at the yaw of the label; 0 for a failed grasp.
         voxel: Side of a voxel, metres.
     """
 

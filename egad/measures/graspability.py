@@ -42,11 +42,11 @@ from egad.measures.percentile import (
 from egad.samplers import draw_grasps
 
 MOST_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
+FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 _Sample: TypeAlias = Callable[
     [RayCaster, float, int, Sampling, np.random.Generator],
     tuple[ContactPairs, SamplingStatistics],
 ]
-FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 
 
 class GraspabilityEstimate(NamedTuple):
@@ -225,7 +225,7 @@ class _RatedGrasps:
         return len(self._sample)
 
     def draw(self, candidates: int, sample: _Sample = valid_contacts) -> None:
-        """Draw more candidates: antipodal ones, by a sampler, or those of another gripper."""
+        """Draw more candidates: antipodal ones by `sample`, or those of another gripper."""
         if self._settings.gripper.grasps_with != ANTIPODAL:
             self._draw_others(candidates)
             return

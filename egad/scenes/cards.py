@@ -7,11 +7,11 @@ import pandas as pd
 from egad._util.markdown import table
 from egad.outcomes import Outcome
 from egad.perception import SPLITS
-from egad.scenes.parameters import SceneParameters
+from egad.scenes.parameters import DEPTHS, SceneParameters
 from egad.scenes.planning import Splits
 
 SCENE_COLUMNS = ["scene", "kind", "split", "objects", "noise"]
-GRASP_COLUMNS = ["scene", "success", "yaws", "outcome"]
+GRASP_COLUMNS = ["scene", "success", "outcome"]
 KINDS = ("packed", "pile")
 PICTURE = "scene.png"
 
@@ -59,7 +59,7 @@ def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
         "## Labels",
         f"In each scene {scenes.grasps} grasps, at random points of the surface that the cameras "
         "see, if they see any. The fully open hand comes against the normal, until its fingertips "
-        "are between a tenth of the finger length above the surface and 1.1 of it below. "
+        f"are {_range(DEPTHS)} of the finger length below the surface. "
         f"{scenes.yaws} turns about the approach are simulated, evenly over half a turn. A grasp "
         "succeeds if one of them holds an object after the retreat; the middle of the widest run "
         "of successes is kept, or else the first turn. A contact during the approach of more than "

@@ -22,7 +22,7 @@ from egad.perception import (
     render_scene,
 )
 from egad.random import generator
-from egad.scenes.parameters import SceneParameters
+from egad.scenes.parameters import DEPTHS, SceneParameters
 from egad.scenes.planning import PlannedScene
 from egad.sim import (
     WORKSPACE,
@@ -45,9 +45,6 @@ from egad.tables.columns import POSE_PARTS
 from egad.tables.scenes import SCENE_GRASPS
 
 LEAST_RISE = -0.1  # z of the outward normal of a grasp point: not from below, as in VGN's code
-# Of the finger length: how far the fingertips reach below the surface. In VGN's code from -0.1 on,
-# where nothing is held.
-DEPTHS = (0.1, 1.1)
 
 
 class MadeScene(NamedTuple):

@@ -19,6 +19,9 @@ from egad.sim import (
 )
 
 MOST_OBJECTS = 20  # in a scene
+# Of the finger length: how far the fingertips reach below the surface. In VGN's code from -0.1 on,
+# where nothing is held.
+DEPTHS = (0.1, 1.1)
 TRAINING_CAMERAS: SceneCameras = SceneCameras(
     distance=(0.48, 0.72), tilt=(5.0, 65.0), azimuth=(0.0, 360.0)
 )

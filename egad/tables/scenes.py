@@ -74,7 +74,7 @@ SCENE_GRASPS = pa.schema(
             "yaws",
             pa.list_(BOOL),
             "whether it did at each of the n tried yaws: the k-th, from 0, is this pose turned by "
-            "k / n of half a turn about the approach",
+            "k / n of half a turn about the approach; half a turn is the same grasp",
         ),
         column("outcome", STRING, "what came of the kept yaw"),
     ]

@@ -1,4 +1,5 @@
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -128,6 +129,11 @@ def test_the_page_shows_places_pictures_and_reasons(among, placed):
     assert text.count("data:image/png") == 3 * (1 + 3)
     assert "&lt;no&gt; faces" in text
     assert "http" not in text.replace("http-equiv", "")
+
+
+@pytest.mark.parametrize(("name", "count"), [("released", 2198), ("evaluation-set", 49)])
+def test_what_egad_ships_is_found_by_its_name(name, count):
+    assert len(reference(Path(name), select(Settings(), MeasureMeshes))) == count
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):

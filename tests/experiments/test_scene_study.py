@@ -153,31 +153,32 @@ def test_a_lead_must_be_certain():
     table["cleared"] = table["detector"].map(counts).fillna(5)
     table.loc[table["name"] == "primitives", "cleared"] = 3
     first, second, *_ = rows_of(goals(table))
-    assert first[3].startswith("13.3 (-40.0 to 40.0")
+    assert first[3].startswith("13.3 (-52.0 to 46.0")
     assert (first[4], second[4]) == ("no", "no")
 
 
 def test_tests_that_count_together_are_more_certain_than_each():
     """But the chance of the networks stays, as they are the same in all."""
     certain, uncertain = [0.7] * 3, [0.5, 0.7, 0.9]
-    for ours, shrinks in ((certain, 0.5), (uncertain, 0.0)):
+    for ours, least, most in ((certain, 0.4, 0.7), (uncertain, 0.85, 1.15)):
         tests = [rounds({"one": ours, "other": [0.6]}, test=name) for name in "abcd"]
         alone, together = (
             np.subtract(*difference(some, "one", "other")[1][::-1]) for some in (tests[:1], tests)
         )
-        assert together == pytest.approx((1 - shrinks) * alone, rel=0.25)
+        assert least < together / alone < most
 
 
-def test_intervals_hold_the_truth_in_19_of_20_cases():
-    """Of a difference between networks whose shares vary around 0.8 and 0.7."""
-    covered = []
-    for seed in range(60):
+def test_intervals_hold_the_truth_though_there_are_three_networks():
+    """They are too wide: the chance of rounds is in the spread of networks, and is drawn again."""
+    covered, widths = [], []
+    for seed in range(150):
         rng = np.random.default_rng(seed)
-        table = rounds({"one": rng.normal(0.8, 0.02, 8), "other": rng.normal(0.7, 0.02, 8)})
+        table = rounds({"one": rng.normal(0.8, 0.02, 3), "other": rng.normal(0.7, 0.02, 3)})
         low, high = np.quantile(draws(table, "one", "other"), [0.025, 0.975])
         covered.append(low < 0.1 < high)
-        assert high - low < 0.2
-    assert np.mean(covered) > 0.85
+        widths.append(high - low)
+    assert np.mean(covered) > 0.93
+    assert np.mean(widths) < 0.25
 
 
 def test_a_scene_with_both_kinds_of_noise_is_one_scene():

@@ -5,9 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
+import trimesh
 
 from egad.grasps import hand_poses
-from egad.perception import Tsdf
+from egad.perception import DepthCamera, Intrinsics, Observation, Tsdf, cameras_around
 
 SIDE = 20  # voxels; an eighth of the work of 40
 CUBE, BELOW = 0.3, 0.05
@@ -105,6 +106,22 @@ class ShapeScenes:
 
     def scene(self, number):
         return self._scenes[number]
+
+
+def look_at_a_box(scenes):
+    """Show cameras of each scene instead of its field: they see a box. Only scene 1 has noise."""
+    eye = DepthCamera(trimesh.creation.box((0.03, 0.1, 0.06)))
+    cameras = cameras_around(np.array([0, 0, 0.0]), 3, 0.6, np.radians(30), 0.3)
+    camera = Intrinsics(320, 240, 208.0, (159.5, 119.5))
+    views = tuple(eye.render(np.eye(4), camera, pose) for pose in cameras)
+
+    def observation(chosen=(0, 1, 2)):
+        return Observation(views[chosen[0]], tuple(views[n] for n in chosen), 0.3)
+
+    for number in range(len(scenes.index)):
+        scenes.scene(number).noise = "dex" if number == 1 else "none"
+        scenes.scene(number).observation = observation
+    return scenes
 
 
 class Shown:

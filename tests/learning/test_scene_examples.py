@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
-from shapes import ShapeScenes
+from shapes import ShapeScenes, look_at_a_box
 
 from egad.grippers import GRIPPERS, finger_span
 from egad.learning.scene_examples import (
@@ -17,7 +17,7 @@ from egad.learning.scene_examples import (
     scene_example,
 )
 from egad.learning.volumes import encode
-from egad.perception import DepthCamera, Intrinsics, Observation, Tsdf, cameras_around, fuse
+from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
 
 HAND = GRIPPERS["panda"]
 CAMERA = Intrinsics(320, 240, 208.0, (159.5, 119.5))
@@ -190,15 +190,7 @@ class TestStream:
 
     def test_noise_is_added_to_some_examples_of_scenes_without_any(self):
         """The oracle is the same stream without noise."""
-        eye = DepthCamera(trimesh.creation.box((0.03, 0.1, 0.06)))
-        cameras = cameras_around(np.array([0, 0, 0.0]), 3, 0.6, np.radians(30), 0.3)
-        views = tuple(eye.render(np.eye(4), CAMERA, camera) for camera in cameras)
-        scenes = ShapeScenes(5, 3)
-        for number in range(5):
-            scenes.scene(number).noise = "dex" if number == 1 else "none"
-            scenes.scene(number).observation = lambda chosen: Observation(
-                views[chosen[0]], tuple(views[n] for n in chosen), 0.3
-            )
+        scenes = look_at_a_box(ShapeScenes(5, 3))
         clear = SceneStream(scenes, HAND, 24)
         noisy = SceneStream(scenes, HAND, 24, noise=("none", "dex"))
         shown = [noisy._passes[number] for number in range(24)]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from shapes import ShapeScenes
+from shapes import ShapeScenes, look_at_a_box
 
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
@@ -77,10 +77,21 @@ class TestNetwork:
         assert (features.flatten(2).amax(dim=2) > 0).all()
 
 
-def example_of(success, rotations, widths):
-    """Labels at as many voxels of an empty grid."""
-    both = np.stack([rotations, [(q * Rotation.from_euler("z", np.pi)) for q in rotations]], axis=1)
-    quaternions = np.array([[each.as_quat() for each in pair] for pair in both])
+def test_the_noise_of_the_settings_is_learnt_from():
+    """The first example is of a scene without noise, with grasps at the same voxels."""
+    network, scenes = vgn.new_vgn(0), look_at_a_box(ShapeScenes(5, 20))
+    tasks = (
+        lessons.SceneTask(scenes, HAND, SHORT.model_copy(update={"noise": noise}), 0)
+        for noise in (("none",), ("dex",))
+    )
+    clear, noisy = (task.losses(network, 0) for task in tasks)
+    assert not torch.allclose(clear, noisy)
+
+
+def example_of(success, rotations, widths, turns=(0, 180)):
+    """Labels at as many voxels of an empty grid, right at some turns, degrees."""
+    about = [Rotation.from_euler("z", turn, degrees=True) for turn in turns]
+    quaternions = np.array([[(each * turn).as_quat() for turn in about] for each in rotations])
     return SceneExample(
         np.zeros((20, 20, 20), np.float32),
         np.zeros((len(success), 3), np.int64),
@@ -110,6 +121,18 @@ class TestLoss:
             else:
                 wanted = 0.75 * np.array([-math.log(1 - quality), 0, 0])
             np.testing.assert_allclose(found[k], wanted, rtol=1e-5)
+
+    def test_the_nearest_of_all_turns_that_hold_counts(self):
+        """Three turns hold; the answer is 10 degrees beyond the last."""
+        turn = Rotation.from_euler("xyz", [2.5, 0.3, 0.4])
+        example = example_of([1], [turn], [2], turns=(0, 36, 108, 180, 216, 288))
+        answer = (turn * Rotation.from_euler("z", 118, degrees=True)).as_quat()
+        answers = np.array([[1 - 1e-6, *answer, 2]])
+        weights = lessons.ClassWeights(1, 1)
+        losses = lessons.grasp_losses(torch.from_numpy(answers).float(), example, weights)
+        assert losses[0, 1] == pytest.approx(1 - math.cos(math.radians(5)), abs=1e-5)
+        read = lessons.read_answers(answers, losses.double().numpy(), example)
+        assert read.angles == pytest.approx(10, abs=0.05)
 
     def test_both_rotations_that_mean_a_grasp_are_right(self):
         turn = Rotation.from_euler("xyz", [2.5, 0.3, 0.4])
