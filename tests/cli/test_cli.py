@@ -312,7 +312,7 @@ def test_locate_writes_a_page_and_a_table(folder, tmp_path):
         (["measure", "--units", "m", "--gripper", "yumy"], "did you mean yumi?"),
         (["similarity", "--units", "m", "--bases", "odd"], "not one of 'even', 'scan'"),
         (["locate", "--units", "m"], "--in"),
-        (["locate", "--units", "m", "--in", "nothing.parquet"], "no such file"),
+        (["locate", "--units", "m", "--in", "nothing.parquet"], "nothing.parquet is neither"),
     ],
 )
 def test_tools_say_what_is_allowed(folder, arguments, sentence):
