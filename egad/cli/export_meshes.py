@@ -19,7 +19,7 @@ from egad.cli.common import (
     check_spare,
     settings_in,
 )
-from egad.config.stages import MeasureMeshes, select
+from egad.config.stages import select
 from egad.cppn import COARSEST, FINEST, Shape
 from egad.errors import RejectedError, UserError
 
@@ -58,9 +58,10 @@ def export_meshes(
     if archive.is_dir() and not (archive / "archive.parquet").is_file():
         raise UserError(f"{archive} has no archive.parquet: its objects come from meshes")
     archive = archive / "archive.parquet" if archive.is_dir() else archive
-    check_provenance(archive, select(settings, MeasureMeshes), ("shape",))
+    breeding = select(settings, EvolutionParameters)
+    check_provenance(archive, breeding, ("shape",))
     ids = None if objects is None else load(archive).select(objects).table["id"].tolist()
-    rules = partial(rules_of, select(settings, EvolutionParameters))
+    rules = partial(rules_of, breeding)
     count = write_meshes(archive, out, settings.shape, resolution, rules, ids, jobs)
     typer.echo(f"{count} meshes in {out}")
 

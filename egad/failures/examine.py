@@ -148,7 +148,7 @@ class Examination:
                 for rank, grasp in enumerate(proposed if isinstance(proposed, list) else []):
                     if rank and recorder.execute(drop, "detector", grasp, rank):
                         break
-        return self._recorder.table()
+        return recorder.table()
 
     def paired(
         self, purpose: str, count: int, before: pd.DataFrame, least: int = 0

@@ -170,7 +170,8 @@ def draws(rounds: pd.DataFrame, first: str, second: str | None = None) -> Floats
         rng = generator(0, "networks", name)
         count = len(networks)
         chosen = rng.integers(count, size=(count, DRAWS))
-        shares, mean = won / there, (won / there).mean(axis=0)
+        shares = won / there
+        mean = shares.mean(axis=0)
         away = np.take_along_axis(shares, chosen, axis=0).mean(axis=0) - mean
         values += sign * (mean + np.sqrt(count / max(count - 1, 1)) * away)
     return values
