@@ -10,16 +10,12 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
-from PIL import Image, ImageDraw
+from pictures import chosen, save_sheet
 
-from egad._util.arrays import RgbImage
-from egad._util.files import atomic_output
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, select
 from egad.outcomes import EXECUTION, Outcome
-from egad.sim import ROBOT_COLOR
 from egad.stats import object_positions, trend, trial_grid
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
@@ -29,7 +25,6 @@ from egad.workflow.replays import repeat_attempt
 DOCS = Path(__file__).parents[1] / "docs"
 FRAMES = 6
 LOST = [each for each in EXECUTION if each not in (Outcome.SUCCESS, Outcome.COLLIDED)]
-WIDTH, HEIGHT, TEXT = 180, 200, 16
 
 
 def main(folder: Path, gripper: str, *detectors: str) -> None:
@@ -68,34 +63,13 @@ def draw(bundle: Path, gripper: str, trials: pd.DataFrame) -> None:
     """Frames of the first attempt with each outcome."""
     settings = select(Settings(), SimulatedTrials, gripper)
     shown = [trials[trials["outcome"] == outcome].head(1) for outcome in EXECUTION]
-    rows = parquet.records(pd.concat(shown))
-    sheet = Image.new("RGB", (FRAMES * WIDTH, len(rows) * (HEIGHT + TEXT)), "white")
-    pen = ImageDraw.Draw(sheet)
-    for place, row in enumerate(rows):
-        top = place * (HEIGHT + TEXT)
-        pen.text(
-            (4, top + 2), f"{row['outcome']}: {row['label']}, attempt {row['attempt']}", "black"
-        )
-        _, frames = repeat_attempt(settings, row, bundle_models(bundle))
-        for column, number in enumerate(chosen(frames, FRAMES)):
-            small = Image.fromarray(frames[number]).resize((WIDTH, HEIGHT))
-            sheet.paste(small, (column * WIDTH, top + TEXT))
-    with atomic_output(DOCS / "trials.png") as out:
-        sheet.quantize(64).save(out, "png", optimize=True)
-
-
-def chosen(frames: list[RgbImage], count: int) -> list[int]:
-    """Numbers of frames at equal distances, from the first that shows the hand to the last."""
-    shown = [number for number, frame in enumerate(frames) if shows_hand(frame)]
-    found: list[int] = np.linspace(shown[0], shown[-1], count).astype(int).tolist()
-    return found
-
-
-def shows_hand(frame: RgbImage) -> bool:
-    """Whether there is much of the color of the robot, in whatever light."""
-    color = frame / np.maximum(frame.max(axis=2, keepdims=True), 1)
-    robot = np.array(ROBOT_COLOR) / max(ROBOT_COLOR)
-    return bool((np.abs(color - robot).max(axis=2) < 0.02).mean() > 0.02)
+    models = bundle_models(bundle)
+    rows = []
+    for row in parquet.records(pd.concat(shown)):
+        _, frames = repeat_attempt(settings, row, models)
+        title = f"{row['outcome']}: {row['label']}, attempt {row['attempt']}"
+        rows.append((title, chosen(frames, FRAMES)))
+    save_sheet(rows, DOCS / "trials.png", colors=64)
 
 
 if __name__ == "__main__":

@@ -16,11 +16,10 @@ import pandas as pd
 from PIL import Image, ImageDraw
 
 sys.path.append(str(Path(__file__).parents[1]))
+from pictures import chosen, save_sheet, typical  # type: ignore[import-not-found]
 from study import read_study
-from trials import HEIGHT, TEXT, WIDTH, chosen  # type: ignore[import-not-found]
 
 from egad._util.arrays import RgbImage
-from egad._util.files import atomic_output
 from egad.config.stages import SimulatedTrials, select
 from egad.detectors import Grasp
 from egad.perception import DepthCamera, Intrinsics, camera_above
@@ -47,43 +46,22 @@ def main(results: Path, noise: str, name: str) -> None:
     for test in study.plan.tests:
         folder = results / "trials" / test / noise
         tables = [parquet.read(folder / f"{network}.parquet", TRIALS) for network in networks]
-        shown = typical(pd.concat(tables))
+        shown = typical(pd.concat(tables), "label", SHARE)
         for attempt in parquet.records(shown):
             title = f"{test}, {attempt['label']}: {attempt['outcome'].replace('_', ' ')}"
             rows.append((title, pictures(trials, attempt, results.parent / test / "bundle" / hand)))
-    sheet = Image.new("RGB", ((FRAMES + 1) * WIDTH, len(rows) * (HEIGHT + TEXT)), "white")
-    for place, (title, row) in enumerate(rows):
-        top = place * (HEIGHT + TEXT)
-        ImageDraw.Draw(sheet).text((4, top + 2), title, "black")
-        for column, picture in enumerate(row):
-            small = Image.fromarray(picture).resize((WIDTH, HEIGHT))
-            sheet.paste(small, (column * WIDTH, top + TEXT))
-    with atomic_output(DOCS / "training_failures.png") as out:
-        sheet.quantize(256).save(out, "png", optimize=True)
+    save_sheet(rows, DOCS / "training_failures.png", colors=256)
 
 
 def pictures(trials: SimulatedTrials, attempt: dict[str, Any], bundle: Path) -> list[RgbImage]:
     """The depth image of an attempt and frames of its film."""
     models = bundle_models(bundle)
     again, frames = repeat_attempt(trials, attempt, models)
-    found = [frames[number] for number in chosen(frames, FRAMES)]
+    found: list[RgbImage] = chosen(frames, FRAMES)
     if again.rest and again.grasp:
         found.insert(
             0, depth_picture(models[attempt["id"]], again.rest, again.grasp, trials.trials)
         )
-    return found
-
-
-def typical(trials: pd.DataFrame) -> pd.DataFrame:
-    """The attempts that are shown, the most frequent outcome first."""
-    lost = trials[~trials["success"] & trials["width"].notna()]
-    shown = [lost.head(0)]
-    for outcome, count in lost["outcome"].value_counts().items():
-        own = lost[lost["outcome"] == outcome]
-        worst = own["label"].value_counts().index[0]
-        if count > SHARE * len(lost):
-            shown.append(own[own["label"] == worst].head(1))
-    found: pd.DataFrame = pd.concat(shown)
     return found
 
 

@@ -1,4 +1,4 @@
-"""The failures that docs/studies/training.md shows."""
+"""The pictures of attempts in docs."""
 
 import runpy
 from pathlib import Path
@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-STUDY = Path(__file__).parents[2] / "experiments/training_study"
+PICTURES = Path(__file__).parents[2] / "experiments/pictures.py"
 
 
 def test_typical_failures_are_those_of_the_object_that_is_lost_most():
-    typical = runpy.run_path(str(STUDY / "failures.py"))["typical"]
+    typical = runpy.run_path(str(PICTURES))["typical"]
     rows = [
         *[("A0", "missed", 0.05)] * 2,
         *[("B1", "missed", 0.05)] * 3,
@@ -20,7 +20,7 @@ def test_typical_failures_are_those_of_the_object_that_is_lost_most():
     ]
     trials = pd.DataFrame(rows, columns=["label", "outcome", "width"])
     trials = trials.assign(success=trials["outcome"] == "success", attempt=range(len(trials)))
-    found = typical(trials)
+    found = typical(trials, "label", 0.01)
     assert found[["label", "outcome"]].to_numpy().tolist() == [
         ["B1", "missed"],
         ["A0", "slipped_lifting"],
