@@ -115,8 +115,8 @@ def pressed_into_mujoco(force: float, impedance: float | None = None) -> float:
     return 1000 * (SIDE - held(scene, arm, nothing).opening())
 
 
-def twisting(stiffness: float | None, load: float = 0.8) -> float:
-    """How fast a ball turns between pads under a part of the torque they can bear, degrees/s."""
+def twisting(stiffness: float | None) -> float:
+    """How fast a ball turns between pads under 0.8 of the torque they can bear, degrees/s."""
     ball = trimesh.creation.icosphere(4, SIDE / 2)
     model = build(ball, 400.0, Bundle(deviation=1e-5, max_vertices=1000))
     scene, arm = opened_in_mujoco(model, 20.0, stiffness, None)
@@ -125,9 +125,9 @@ def twisting(stiffness: float | None, load: float = 0.8) -> float:
     hand.close()
     hand.lift(0.1, 1.0)
     friction, radius = arm.robot.gripper.pad
+    body = scene.engine.body("object0").id
     for _ in range(60):
-        body = scene.engine.body("object").id
-        scene.data.xfrc_applied[body, 3] = load * 2 * friction * 20.0 * 2 / 3 * radius
+        scene.data.xfrc_applied[body, 3] = 0.8 * 2 * friction * 20.0 * 2 / 3 * radius
         scene.step()
     return float(np.degrees(scene.speeds()[1]))
 

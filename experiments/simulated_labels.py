@@ -2,7 +2,7 @@
 
 Prints what became of the simulated grasps of all objects; the area under the ROC curve of each
 rating of a grasp against its simulated success, with a 95 % interval for other objects; the same by
-thirds of the objects by difficulty and by complexity; and rank correlations over objects of the
+thirds of the objects by graspability; and rank correlations over objects of the
 share of their grasps that hold (`antipodal_success_rate`) with other measures of them.
 """
 
@@ -37,25 +37,18 @@ def main(results: Path, gripper: str) -> None:
         found = area(known[rating].to_numpy(), success, names)
         low, high = found.interval
         print(f"| {rating} | {found.value:.3f} ({low:.3f} to {high:.3f}) | {found.within:.3f} |")
-    for axis in ("difficulty", "complexity"):
-        print(f"\n| rating | {' | '.join(bands(axis))} |\n{'| --- ' * (THIRDS + 1)}|")
-        for rating in RATINGS:
-            print(f"| {rating} | {' | '.join(by_thirds(known, objects, axis, rating))} |")
+    print("\n| rating | hardest third | middle | easiest third |\n| --- | --- | --- | --- |")
+    for rating in RATINGS:
+        print(f"| {rating} | {' | '.join(by_thirds(known, objects, rating))} |")
     summary = antipodal_success_rates(known)
     print("\n| measure | rank correlation with antipodal_success_rate |\n| --- | --- |")
     for name, rho in correlations(summary, table, objects):
         print(f"| {name} | {rho} |")
 
 
-def bands(axis: str) -> list[str]:
-    """Names of the thirds of an axis; a high graspability is easy."""
-    names = [f"least {axis}", "middle", f"most {axis}"]
-    return names[::-1] if axis == "graspability" else names
-
-
-def by_thirds(known: pd.DataFrame, objects: pd.DataFrame, axis: str, rating: str) -> Iterator[str]:
-    """The area under the ROC curve of a rating in each third of the objects."""
-    rank = objects.set_index("id")[axis].rank(pct=True).reindex(known["id"]).to_numpy()
+def by_thirds(known: pd.DataFrame, objects: pd.DataFrame, rating: str) -> Iterator[str]:
+    """The area under the ROC curve of a rating in each third of the objects, the hardest first."""
+    rank = objects.set_index("id")["graspability"].rank(pct=True).reindex(known["id"]).to_numpy()
     third = np.minimum((rank * THIRDS).astype(np.int64), THIRDS - 1)
     for number in range(THIRDS):
         own = known[third == number]
