@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
@@ -18,19 +18,16 @@ from egad.detectors import (
     with_checked_answers,
 )
 from egad.errors import RejectedError, UserError
-from egad.evalset import Bundle
-from egad.geometry import Material
-from egad.grasping import dataset_grasps
+from egad.grasping import grasps_or_none
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper
-from egad.named_meshes import NamedMesh, scaled_solid
+from egad.named_meshes import NamedMesh, simulated
 from egad.sim import (
     ClutterParameters,
     Model,
     Propose,
     Round,
     SceneLabels,
-    build,
     proposed_by,
     run_round,
     timed,
@@ -100,17 +97,14 @@ def _prepared(
 ) -> SceneObject | None:
     """An object as it is simulated; None if that is impossible."""
     try:
-        mesh = scaled_solid(target, gripper, rule)
-        model = build(mesh, Material().density, Bundle(), target.label)
+        mesh, model = simulated(target, gripper, rule)
     except RejectedError as reason:
         log.warning("%s is left out: %s", target.label, reason)
         return None
-    grasps = empty(GRASPS)
-    if label_seed is not None:
-        with suppress(RejectedError):  # it has no grasp, but is there
-            wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
-            grasps = dataset_grasps(mesh, target.id, wanted)
-    return SceneObject(target.id, model, grasps)
+    if label_seed is None:
+        return SceneObject(target.id, model, empty(GRASPS))
+    wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
+    return SceneObject(target.id, model, grasps_or_none(mesh, target.id, wanted))
 
 
 def clear_rounds(

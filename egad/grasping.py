@@ -1,5 +1,6 @@
 """Grasps of a mesh, labelled."""
 
+import logging
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,10 @@ from egad.meshes import center_or_given
 from egad.random import generator
 from egad.samplers import check_sampler, draw_grasps
 from egad.suction import label_cups
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
+
+log = logging.getLogger(__name__)
 
 
 class LabelledGrasps(NamedTuple):
@@ -180,6 +185,17 @@ def dataset_grasps(
     """
     rng = generator(parameters.seed, "grasps", object_id)
     return _table(Labeller(parameters)(mesh, center_of_mass(mesh), rng))
+
+
+def grasps_or_none(
+    mesh: trimesh.Trimesh, object_id: str, parameters: LabelParameters
+) -> pd.DataFrame:
+    """The same as `dataset_grasps`, but no grasps, and a line in the log, if there are none."""
+    try:
+        return dataset_grasps(mesh, object_id, parameters)
+    except RejectedError as reason:
+        log.warning("%s: %s", object_id, reason)
+        return empty(GRASPS)
 
 
 def _table(found: LabelledGrasps) -> pd.DataFrame:

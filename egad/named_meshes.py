@@ -1,4 +1,4 @@
-"""Meshes by name: those of a dataset, or a user's own, and what is grasped of each."""
+"""Meshes by name: those of a dataset, or a user's own, and each as it is grasped and simulated."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -7,9 +7,11 @@ from typing import NamedTuple
 import trimesh
 
 from egad.errors import UserError
-from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
+from egad.evalset import Bundle
+from egad.geometry import SIDE_FRACTION, Material, check_units, rescale, wind_outwards
 from egad.grippers import Gripper
 from egad.objects import Dataset
+from egad.sim import Model, build
 
 
 class NamedMesh(NamedTuple):
@@ -72,6 +74,26 @@ def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trim
     check_units(mesh, f"the mesh {target.label!r}")
     solid = wind_outwards(mesh)
     return rescale(solid, rule, gripper.opening, SIDE_FRACTION)[0]
+
+
+def simulated(target: NamedMesh, gripper: Gripper, rule: str) -> tuple[trimesh.Trimesh, Model]:
+    """The mesh of an object as it is grasped, and the model that simulations have of it by default.
+
+    Args:
+        target: The object.
+        gripper: What it is scaled to.
+        rule: See `egad.rescale`.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, is flat, or has no convex parts.
+        UserError: It is not a mesh, or its file is missing.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests another unit than the metre.
+        PartsWarning: The object needs more convex parts than are allowed.
+    """
+    mesh = scaled_solid(target, gripper, rule)
+    return mesh, build(mesh, Material().density, Bundle(), target.label)
 
 
 def _itself(mesh: trimesh.Trimesh) -> trimesh.Trimesh:

@@ -25,12 +25,10 @@ from egad.detectors import (
     with_checked_answers,
 )
 from egad.errors import RejectedError, UserError, check_name
-from egad.evalset import Bundle
-from egad.geometry import Material
-from egad.grasping import dataset_grasps
+from egad.grasping import grasps_or_none
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
-from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import NamedMesh, named_meshes, simulated
 from egad.objects import Dataset
 from egad.outcomes import Outcome
 from egad.sim import (
@@ -38,14 +36,11 @@ from egad.sim import (
     EngineName,
     TrialParameters,
     TrialProtocol,
-    build,
     check_engine,
     failed_attempts,
     run_attempts,
 )
 from egad.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
-from egad.tables.grasping import GRASPS
-from egad.tables.parquet import empty
 
 log = logging.getLogger(__name__)
 LABELS = "labels"
@@ -207,8 +202,7 @@ def _attempts(
 ) -> pd.DataFrame:
     """All attempts at an object, columns of `tables.evaluation.TRIALS`."""
     try:
-        mesh = scaled_solid(target, parameters.gripper, rule)
-        model = build(mesh, Material().density, Bundle(), target.label)
+        mesh, model = simulated(target, parameters.gripper, rule)
     except RejectedError as reason:
         log.warning("%s cannot be simulated: %s", target.label, reason)
         return failed_attempts(target.label, target.id, parameters, Outcome.FAILED)
@@ -231,10 +225,5 @@ def _detector(
         return with_checked_answers(detect)
     if detect != LABELS:
         return make_detector(DetectorConfig(detector=detect))
-    try:
-        wanted = label_parameters(parameters.gripper, GraspLabel().grasps, parameters.seed)
-        grasps = dataset_grasps(mesh, name, wanted)
-    except RejectedError as reason:
-        log.warning("%s: %s", name, reason)
-        grasps = empty(GRASPS)
-    return Labels(grasps)
+    wanted = label_parameters(parameters.gripper, GraspLabel().grasps, parameters.seed)
+    return Labels(grasps_or_none(mesh, name, wanted))

@@ -23,12 +23,10 @@ import egad
 from egad._util.files import atomic_output
 from egad._util.workers import workers
 from egad.detectors import DETECTORS, GGCNN, Detector, Labels, make_detector
-from egad.evalset import Bundle
-from egad.geometry import Material
 from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
 from egad.grippers import GRIPPERS
-from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import NamedMesh, named_meshes, simulated
 from egad.sim import (
     ENGINES,
     NAMED_ERRORS,
@@ -36,7 +34,6 @@ from egad.sim import (
     Model,
     TrialParameters,
     TrialProtocol,
-    build,
     run_attempts,
 )
 from egad.stats import Interval, compare, mean_rate, results
@@ -66,9 +63,8 @@ class Prepared(NamedTuple):
 
 def prepare(target: NamedMesh) -> Prepared:
     """Scale an object, split it into convex parts, and label 100 grasps of it."""
-    mesh = scaled_solid(target, HAND, "paper")
+    mesh, model = simulated(target, HAND, "paper")
     grasps = dataset_grasps(mesh, target.id, label_parameters(HAND, 100, 0))
-    model = build(mesh, Material().density, Bundle(), target.label)
     return Prepared(target.label, target.id, model, Labels(grasps))
 
 

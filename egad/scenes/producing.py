@@ -15,11 +15,9 @@ from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError, UserError, check_name
-from egad.evalset import Bundle
-from egad.geometry import Material
 from egad.grippers import Gripper, as_gripper, check_jaws
 from egad.map_elites import Lineage
-from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import NamedMesh, named_meshes, simulated
 from egad.objects import Dataset
 from egad.perception import NoiseName
 from egad.scenes.making import MadeScene, make_scene
@@ -34,7 +32,7 @@ from egad.scenes.planning import (
 )
 from egad.scenes.reading import SceneDataset
 from egad.scenes.writing import describe_set, set_notes, write_shard
-from egad.sim import ClutterProtocol, EngineName, Model, SceneCameras, build, check_engine
+from egad.sim import ClutterProtocol, EngineName, Model, SceneCameras, check_engine
 from egad.tables.objects import REJECTED
 
 
@@ -215,7 +213,6 @@ def models_of(
 def _model(target: NamedMesh, gripper: Gripper, rule: str) -> Model | str:
     """An object as it is simulated, or why it cannot be."""
     try:
-        mesh = scaled_solid(target, gripper, rule)
-        return build(mesh, Material().density, Bundle(), target.label)
+        return simulated(target, gripper, rule)[1]
     except RejectedError as reason:
         return str(reason)

@@ -9,14 +9,12 @@ from typing import Any, TypeVar
 import pandas as pd
 
 from egad.config import Settings
-from egad.evalset import Bundle
 from egad.exchange import read_simulation_object
-from egad.geometry import Material
 from egad.grippers import Gripper
-from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
+from egad.named_meshes import NamedMesh, named_meshes, simulated
 from egad.objects import EVALUATION_SET, load
 from egad.outcomes import Outcome
-from egad.sim import Model, Models, build, model_of
+from egad.sim import Model, Models, model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
 
@@ -87,12 +85,11 @@ def bundle_models(bundle: Path) -> Models:
 def evaluation_set_models(gripper: Gripper, rule: str) -> Models:
     """The objects of the released evaluation set, scaled to a gripper."""
     targets = named_meshes(load(EVALUATION_SET))
-    return LazyModels({each.id: partial(_built, each, gripper, rule) for each in targets})
+    return LazyModels({each.id: partial(_simulated, each, gripper, rule) for each in targets})
 
 
-def _built(target: NamedMesh, gripper: Gripper, rule: str) -> Model:
-    mesh = scaled_solid(target, gripper, rule)
-    return build(mesh, Material().density, Bundle(), target.label)
+def _simulated(target: NamedMesh, gripper: Gripper, rule: str) -> Model:
+    return simulated(target, gripper, rule)[1]
 
 
 def outlived(
