@@ -16,7 +16,6 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.clearing import (
     LABELS,
-    Detect,
     SceneObject,
     check_detector,
     clear_rounds,
@@ -26,6 +25,7 @@ from egad.clearing import (
 from egad.detectors import (
     IN_SCENES,
     SHIPPED_NETWORKS,
+    Detect,
     DetectorConfig,
     FailureMonitor,
     wanted_input,

@@ -4,19 +4,13 @@ import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.detectors import (
-    DetectorConfig,
-    FailureMonitor,
-    check_gripper,
-    opened,
-    with_checked_answers,
-)
+from egad.detectors import Detect, DetectorConfig, FailureMonitor, check_gripper, opened
 from egad.errors import RejectedError, UserError
 from egad.grasping import grasps_or_none
 from egad.grasps import GraspLabel, label_parameters
@@ -39,7 +33,6 @@ log = logging.getLogger(__name__)
 
 LABELS = "labels"
 Cleared: TypeAlias = tuple[pd.DataFrame, list[float]]  # attempts; planning times in seconds
-Detect: TypeAlias = Callable[..., Any] | DetectorConfig
 
 
 class SceneObject(NamedTuple):
@@ -166,16 +159,13 @@ def _proposer(
     protocol = settings.clutter.protocol
     if isinstance(detect, DetectorConfig):
         check_gripper(detect.name, settings.gripper)
-    if knows_scene(detect):
-        yield lambda ids, models: SceneLabels(list(map(grasps, ids)), models, settings.gripper)
-    elif isinstance(detect, DetectorConfig):
         if detect.detector == "vgn" and detect.threshold is None:
             detect = detect.model_copy(update={"threshold": protocol.threshold})
+    if knows_scene(detect):
+        yield lambda ids, models: SceneLabels(list(map(grasps, ids)), models, settings.gripper)
+    else:
         with opened(detect, settings.clutter.planning_time) as found:
             yield lambda *_: proposed_by(found, settings.gripper, protocol)
-    else:
-        checked = with_checked_answers(detect)
-        yield lambda *_: proposed_by(checked, settings.gripper, protocol)
 
 
 def knows_scene(detect: Detect) -> bool:

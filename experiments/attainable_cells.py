@@ -28,9 +28,9 @@ def best_grasp() -> float:
     return float(ferrari_canny(points, [[[0, 0, -1], [0, 0, 1]]], [[0, 0, 1]], [0, 0, 0])[0])
 
 
-def hairy_cube(side: float, hair: float = 1e-5) -> trimesh.Trimesh:
+def hairy_cube(side: float) -> trimesh.Trimesh:
     """A cube with hairs along its axes, which make its box 40 mm wide; sides in metres."""
-    bars = [np.where(np.eye(3)[k], 0.04, hair) for k in range(3)]
+    bars = [np.where(np.eye(3)[k], 0.04, 1e-5) for k in range(3)]
     solids = [trimesh.creation.box([side] * 3), *map(trimesh.creation.box, bars)]
     return trimesh.boolean.union(solids, engine="manifold")
 

@@ -26,14 +26,13 @@ import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output, write_text
 from egad.config.stages import TrainOnScenes
-from egad.detectors import Detector, DetectorConfig
+from egad.detectors import Detector, DetectorConfig, opened
 from egad.errors import RejectedError
 from egad.failures import (
     Examination,
     FailureAtlas,
     FailureParameters,
     ObjectVerdict,
-    open_detector,
 )
 from egad.failures.attempts import pairs_of
 from egad.failures.search import scaled_surface, surface_of
@@ -245,7 +244,7 @@ def try_failures(
     settings = atlases[0].searched_with()
 
     def work() -> None:
-        with open_detector(detector(weights), settings) as asked:
+        with opened(detector(weights), settings.failures.planning_time) as asked:
             rows = [row for name in names for row in retried(name, _one_with(name, atlases), asked)]
         write(pd.DataFrame(rows), out)
 

@@ -22,9 +22,9 @@ import trimesh
 from failures import detectors
 
 from egad._util.files import atomic_output
-from egad.detectors import DetectorConfig
+from egad.detectors import DetectorConfig, opened
 from egad.errors import RejectedError
-from egad.failures import Examination, FailureAtlas, FailureParameters, open_detector
+from egad.failures import Examination, FailureAtlas, FailureParameters
 from egad.failures.attempts import pairs_of
 from egad.failures.search import scaled_surface
 from egad.geometry import to_mesh, to_solid
@@ -83,7 +83,7 @@ def tried(
     counts = {}
     try:
         solid = changed(mesh, change, row["id"])
-        with open_detector(config, own) as asked:
+        with opened(config, own.failures.planning_time) as asked:
             attempts = Examination(solid, row["id"], asked, own).paired("again", drops, past)
     except RejectedError:
         return counts

@@ -36,6 +36,7 @@ from .registry import make_detector as make_detector
 from .registry import with_checked_answers as with_checked_answers
 from .subprocess import STARTING_TIME as STARTING_TIME
 from .subprocess import Child as Child
+from .subprocess import Detect as Detect
 from .subprocess import asked_for as asked_for
 from .subprocess import opened as opened
 from .vgn import Vgn as Vgn

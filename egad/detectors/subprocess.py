@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from typing import Self
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 
@@ -14,11 +14,12 @@ from egad.detectors.failures import failure_text
 from egad.detectors.parameters import DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses
 from egad.detectors.program import Program
-from egad.detectors.registry import IN_SCENES, make_detector
+from egad.detectors.registry import IN_SCENES, make_detector, with_checked_answers
 from egad.errors import UserError
 from egad.grippers import Gripper
 from egad.perception import Observation, View
 
+Detect: TypeAlias = Callable[..., Any] | DetectorConfig
 STARTING_TIME = 300.0  # seconds; large libraries and weights take a while to load
 
 Question = tuple[View | Observation, Gripper, np.random.Generator]
@@ -91,25 +92,26 @@ class Child:
 
 
 @contextmanager
-def opened(config: DetectorConfig, limit: float) -> Iterator[Detector]:
+def opened(detect: Detect, limit: float) -> Iterator[Detector]:
     """A detector for as long as the block lasts, in a process of its own if it needs one.
 
     Args:
-        config: The detector; not `labels`.
-        limit: Seconds that an answer may take.
+        detect: The detector, a function or named; not `labels`.
+        limit: Seconds that an answer may take; a function has no limit.
 
     Raises:
         UserError: It cannot be found or made.
     """
-    if config.detector in IN_SCENES:
-        yield IN_SCENES[config.detector]
-        return
-    if config.command:
-        with Program(config.command, limit, STARTING_TIME) as program:
+    if not isinstance(detect, DetectorConfig):
+        yield with_checked_answers(detect)
+    elif detect.detector in IN_SCENES:
+        yield IN_SCENES[detect.detector]
+    elif detect.command:
+        with Program(detect.command, limit, STARTING_TIME) as program:
             yield program
-        return
-    with Child(config, limit) as child:
-        yield child
+    else:
+        with Child(detect, limit) as child:
+            yield child
 
 
 def asked_for(detect: Detector) -> str:

@@ -7,7 +7,6 @@ from .features import shape_features as shape_features
 from .features import shares as shares
 from .finding import find_failures as find_failures
 from .finding import join as join
-from .finding import open_detector as open_detector
 from .finding import run_shard as run_shard
 from .finding import search_failures as search_failures
 from .matched import MatchedSet as MatchedSet

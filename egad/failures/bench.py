@@ -36,7 +36,6 @@ from egad.sim import (
     Clutter,
     ClutterRunner,
     EngineName,
-    Film,
     Model,
     Pose,
     RestingObject,
@@ -65,10 +64,12 @@ class Bench(ABC):
     Attributes:
         engine: What computes the physics.
         gripper: The hand.
+        world: The table with the object and the hand.
     """
 
     engine: EngineName
     gripper: Gripper
+    world: World
 
     @abstractmethod
     def drop(self, rng: np.random.Generator) -> Pose | None:
@@ -102,10 +103,6 @@ class Bench(ABC):
     def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
         """Carry a grasp out."""
 
-    @abstractmethod
-    def film(self) -> Film:
-        """Film the table from now on."""
-
     def can_do(self, grasp: PoseGrasp) -> bool:
         """Whether the hand can come to a grasp."""
         return infeasibility(grasp, self.gripper) is None
@@ -132,6 +129,7 @@ class BenchFromAbove(Bench):
             grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
         """
         self.engine, self.gripper = runner.trials.engine, runner.gripper
+        self.world = runner.world
         self._runner, self._labels = runner, Labels(grasps)
 
     @override
@@ -142,7 +140,7 @@ class BenchFromAbove(Bench):
     @override
     def labelled(self, rest: Pose) -> list[PoseGrasp]:
         self._place(rest)
-        matrix = rest.matrix @ self._runner.world.model.to_principal
+        matrix = rest.matrix @ self.world.model.to_principal
         found = self._labels.propose(matrix, self._runner.render_view(), self.gripper)
         grasps = ranked(found, self.gripper, MOST_PROPOSALS)
         return [] if isinstance(grasps, Outcome) else grasps
@@ -151,10 +149,6 @@ class BenchFromAbove(Bench):
     def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
         outcome = self._runner.carry_out(rest, _upright(grasp, self.gripper)).outcome
         return outcome or Outcome.FAILED
-
-    @override
-    def film(self) -> Film:
-        return Film(self._runner.world)
 
     @override
     def can_do(self, grasp: PoseGrasp) -> bool:
@@ -172,8 +166,8 @@ class BenchFromAbove(Bench):
         return from_above(detect(self._runner.noisy_view(camera_rng), self.gripper, detector_rng))
 
     def _place(self, rest: Pose) -> None:
-        self._runner.world.reset()
-        self._runner.world.place(rest)
+        self.world.reset()
+        self.world.place(rest)
 
 
 def _upright(grasp: PoseGrasp, gripper: Gripper) -> Grasp:
@@ -206,7 +200,7 @@ class BenchFromAnywhere(Bench):
             gripper: The hand.
             noise: Whether depth images have the noise of a stereo camera.
         """
-        self.engine, self.gripper, self._world = engine, gripper, world
+        self.engine, self.gripper, self.world = engine, gripper, world
         self._noise: NoiseName = "stereo" if noise else "none"
         self._runner = ClutterRunner(world, Clutter())
         self._labels = SceneLabels([grasps], world.models, gripper)
@@ -214,7 +208,7 @@ class BenchFromAnywhere(Bench):
     @override
     def drop(self, rng: np.random.Generator) -> Pose | None:
         try:
-            return make_scene(self._world, "single", rng)[0].pose
+            return make_scene(self.world, "single", rng)[0].pose
         except UnstableError:
             return None
 
@@ -224,12 +218,8 @@ class BenchFromAnywhere(Bench):
 
     @override
     def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
-        put(self._world, [RestingObject(0, rest)])
-        return execute_pose(self._world, grasp.pose, grasp.width).outcome
-
-    @override
-    def film(self) -> Film:
-        return Film(self._world)
+        put(self.world, [RestingObject(0, rest)])
+        return execute_pose(self.world, grasp.pose, grasp.width).outcome
 
     @override
     def _ask(

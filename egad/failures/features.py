@@ -6,7 +6,6 @@ where and how the hand touched it, whoever proposed them.
 
 import math
 import warnings
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -117,9 +116,9 @@ def shape_features(
             sizes.append(math.dist(*contacts) / gripper.opening)
         curvatures += [patch_curvature(points, normals, contact) for contact in contacts]
     return {
-        "grasp_size": _median(sizes),
+        "grasp_size": float(pd.Series(sizes, dtype=float).median()),
         "wall_thickness": wall_thickness(caster, points, normals),
-        "contact_curvature": _median(curvatures),
+        "contact_curvature": float(pd.Series(curvatures, dtype=float).median()),
         "concavity": concavity(mesh),
         "asymmetry": asymmetry(mesh),
     }
@@ -248,11 +247,6 @@ def asymmetry(mesh: trimesh.Trimesh) -> float:
         return float("nan")
     mirrors = np.ones((3, 3)) - 2 * np.eye(3)
     return float(min(1 - caster.contains(inside * mirror).mean() for mirror in mirrors))
-
-
-def _median(values: Sequence[float]) -> float:
-    known = np.asarray(values)[~np.isnan(values)] if len(values) else np.empty(0)
-    return float(np.median(known)) if len(known) else float("nan")
 
 
 class ExplainedShare(NamedTuple):

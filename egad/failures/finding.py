@@ -1,8 +1,8 @@
 """Find the failures of a detector: shards of a search, in processes, that can be resumed."""
 
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Sequence
+from contextlib import nullcontext
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,14 +14,7 @@ from egad._util.files import as_path
 from egad._util.parameters import from_arguments
 from egad._util.progress import count_done, progress, shared_progress
 from egad._util.workers import workers
-from egad.detectors import (
-    IN_SCENES,
-    SHIPPED_NETWORKS,
-    Detector,
-    DetectorConfig,
-    opened,
-    with_checked_answers,
-)
+from egad.detectors import IN_SCENES, SHIPPED_NETWORKS, Detect, DetectorConfig, opened
 from egad.errors import UserError, check_name
 from egad.failures.atlas import FailureAtlas, merge
 from egad.failures.attempts import by_object, explanation
@@ -34,7 +27,7 @@ from egad.failures.parameters import (
     check_searchable,
 )
 from egad.failures.search import NOTHING, Found, Search, joined, scaled_surface
-from egad.failures.store import Detect, Store
+from egad.failures.store import Store
 from egad.grippers import Gripper, as_gripper
 from egad.objects import Dataset, load
 from egad.sim import ENGINES, EngineName, check_engine
@@ -181,7 +174,7 @@ def run_shard(
     found = [NOTHING if store is None else store.read(shard)]
     report = int if done is None else partial(count_done, done)
     written = time.monotonic()
-    with open_detector(detect, settings) as asked:
+    with opened(detect, settings.failures.planning_time) as asked:
         search = Search(archive, asked, settings, shard, found[0], report)
         report(search.spent)
         try:
@@ -219,7 +212,7 @@ def join(
     reasons = [explanation(known[name], engine, search.explain) for name in table["id"]]
     explained = pd.DataFrame(reasons, index=table.index)
     failures = table.join(explained)[FAILURES.names] if len(table) else parquet.empty(FAILURES)
-    with open_detector(detect, settings) as asked:
+    with opened(detect, settings.failures.planning_time) as asked:
         approach = approach_of(asked, search)
     search = search.model_copy(update={"approach": approach})
     kept = {name: getattr(settings, name) for name in FailureParameters.model_fields}
@@ -235,7 +228,7 @@ def _explained(
     settings: FailureParameters,
 ) -> pd.DataFrame:
     mesh = scaled_surface(row["voxels"], settings)
-    with open_detector(detect, settings) as asked:
+    with opened(detect, settings.failures.planning_time) as asked:
         return Examination(mesh, row["id"], asked, settings).explain(known[row["id"]])
 
 
@@ -244,16 +237,6 @@ def name_of(detect: Detect) -> str:
     if isinstance(detect, DetectorConfig):
         return detect.name
     return str(getattr(detect, "__name__", type(detect).__name__))
-
-
-@contextmanager
-def open_detector(detect: Detect, settings: FailureParameters) -> Iterator[Detector]:
-    """A detector, for as long as the block lasts."""
-    if isinstance(detect, DetectorConfig):
-        with opened(detect, settings.failures.planning_time) as found:
-            yield found
-    else:
-        yield with_checked_answers(detect)
 
 
 def _found(detector: Detect | str, gripper: Gripper) -> Detect:

@@ -16,16 +16,15 @@ from egad._util.parameters import check_count
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cppn import Shape
+from egad.detectors import Detect, opened
 from egad.errors import UserError
 from egad.evalset import label_at
 from egad.failures.atlas import FailureAtlas
 from egad.failures.attempts import counts_of
 from egad.failures.examine import Examination
-from egad.failures.finding import open_detector
 from egad.failures.matching import Matching, PartnerRules, Row
 from egad.failures.parameters import FailureParameters
 from egad.failures.search import elite_of, scaled_surface
-from egad.failures.store import Detect
 from egad.map_elites import Archive
 from egad.objects import Dataset, dataset_of, load
 from egad.reeb import graph as reeb
@@ -214,7 +213,7 @@ def _try_fresh(
 ) -> pd.DataFrame:
     """The attempts at an object that nothing is chosen by."""
     row, past = item
-    with open_detector(detect, settings) as asked:
+    with opened(detect, settings.failures.planning_time) as asked:
         examination = Examination(
             scaled_surface(row["voxels"], settings), row["id"], asked, settings
         )

@@ -13,16 +13,14 @@ from scipy.optimize import linear_sum_assignment
 from egad._util.arrays import Flags, Floats
 from egad._util.progress import progress
 from egad._util.workers import Mapper
-from egad.detectors import FailureMonitor
+from egad.detectors import Detect, FailureMonitor, opened
 from egad.errors import RejectedError, UserError, most_common
 from egad.evalset import print_problems
 from egad.failures.atlas import CELL, FailureAtlas
 from egad.failures.attempts import by_object, pairs_of
 from egad.failures.examine import Examination
-from egad.failures.finding import open_detector
 from egad.failures.parameters import FailureParameters
 from egad.failures.search import scaled_surface, surface_of
-from egad.failures.store import Detect
 from egad.failures.verdict import ObjectVerdict
 from egad.measures import cell_of
 from egad.reeb import Forest, similarities
@@ -290,7 +288,7 @@ def _qualify(
         return CandidateTrial(nothing, "it cannot be printed")
     rates = {"detector": rules.succeeds, "reference": REFERENCE}
     least = math.ceil(round(min(rates.values()) * count, 6))
-    with open_detector(detect, settings) as asked:
+    with opened(detect, settings.failures.planning_time) as asked:
         examination = Examination(mesh, name, asked, settings)
         try:
             attempts = examination.paired("qualify", count, past, least)

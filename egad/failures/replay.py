@@ -78,7 +78,7 @@ def film_attempts(
     """
     films: dict[int, Film] = {}
     again = repeat_attempts(
-        mesh, attempts, settings, lambda number, bench: films.update({number: bench.film()})
+        mesh, attempts, settings, lambda number, bench: films.update({number: Film(bench.world)})
     )
     for row, outcome in zip(attempts.to_dict("records"), again, strict=True):
         if row["outcome"] != outcome:

@@ -2,21 +2,18 @@
 
 import hashlib
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeAlias
 
 import pandas as pd
 
-from egad.detectors import DetectorConfig, fingerprint
+from egad.detectors import Detect, DetectorConfig, fingerprint
 from egad.errors import UserError
 from egad.failures.parameters import FailureParameters
 from egad.failures.search import NOTHING, Found
 from egad.tables import parquet
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
-
-Detect: TypeAlias = Callable[..., Any] | DetectorConfig
 
 
 class Store:

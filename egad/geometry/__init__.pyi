@@ -17,6 +17,7 @@ from .distance import distance_field as distance_field
 from .distance import largest_deviation as largest_deviation
 from .distance import nearest as nearest
 from .manifold import is_solid as is_solid
+from .manifold import joined as joined
 from .manifold import to_mesh as to_mesh
 from .manifold import to_solid as to_solid
 from .manifold import wind_outwards as wind_outwards

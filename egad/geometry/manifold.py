@@ -68,3 +68,10 @@ def union(solids: Iterable[Solid]) -> Solid:
 def box(low: NDArray[np.float64], high: NDArray[np.float64]) -> Solid:
     """An axis-aligned box."""
     return manifold3d.Manifold.cube(tuple(high - low)).translate(tuple(low))
+
+
+def joined(meshes: Iterable[trimesh.Trimesh]) -> trimesh.Trimesh:
+    """Meshes as one, which lie apart or touch."""
+    parts = list(meshes)
+    vertices, faces = [each.vertices for each in parts], [each.faces for each in parts]
+    return trimesh.Trimesh(*trimesh.util.append_faces(vertices, faces), process=False)

@@ -15,8 +15,8 @@ import trimesh
 
 from egad._util.arrays import Floats
 from egad.errors import RejectedError, UserError
-from egad.geometry import RayCaster, decompose, is_solid, to_mesh, to_solid
-from egad.grippers.jaw_faces import Facing, find_facing, joined, solids_of
+from egad.geometry import RayCaster, decompose, is_solid, joined, to_mesh, to_solid
+from egad.grippers.jaw_faces import Facing, find_facing, solids_of
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink, LinkJoint
 from egad.grippers.stroke import LARGEST_OPENING, LEAST_OPENING, LEVELS

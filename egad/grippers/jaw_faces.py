@@ -1,6 +1,6 @@
 """Where a moving jaw and a fixed one look at each other, on solids of the shapes of their links."""
 
-from collections.abc import Iterable
+from contextlib import suppress
 from typing import NamedTuple
 
 import mujoco
@@ -47,26 +47,13 @@ def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
     """The collision shapes of a link in its frame; a surface that is open by its convex hull."""
     solids = []
     for points, faces in shape_surfaces(model, body):
-        try:
-            mesh = trimesh.Trimesh(points, faces) if len(faces) else _hull(points)
-            solids.append(wind_outwards(mesh))
-        except RejectedError:
+        with suppress(QhullError):  # it is flat, and touches nothing
             try:
+                mesh = trimesh.Trimesh(points, faces) if len(faces) else _hull(points)
+                solids.append(wind_outwards(mesh))
+            except RejectedError:
                 solids.append(_hull(points))
-            except QhullError:  # it is flat, and touches nothing
-                continue
-        except QhullError:
-            continue
     return solids
-
-
-def joined(solids: Iterable[trimesh.Trimesh]) -> trimesh.Trimesh:
-    """Several surfaces as one."""
-    parts = list(solids)
-    vertices, faces = trimesh.util.append_faces(
-        [np.asarray(mesh.vertices) for mesh in parts], [np.asarray(mesh.faces) for mesh in parts]
-    )
-    return trimesh.Trimesh(vertices, faces, process=False)
 
 
 def find_facing(

@@ -79,9 +79,7 @@ class SceneScore:
         return self.positive / self.grasps if self.grasps else np.nan
 
 
-def average_precision(
-    success: NDArray[np.bool_], quality: Floats, weights: Floats | None = None
-) -> float:
+def average_precision(success: NDArray[np.bool_], quality: Floats) -> float:
     """Mean of the precisions at each positive, grasps of equal quality taken together.
 
     That is the sum over the distinct qualities of the precision times the rise in recall, without
@@ -90,14 +88,12 @@ def average_precision(
     Args:
         success: (n,) what is true.
         quality: (n,) what is predicted; higher is better.
-        weights: (n,) how often each one counts; once if None.
 
     Returns:
         0 to 1; NaN without a positive one.
     """
     ranked = np.argsort(-quality, kind="stable")
-    counts = np.ones(len(quality)) if weights is None else weights
-    return _ranked_average_precision(success[ranked], counts[ranked], _ends(quality[ranked]))
+    return _ranked_average_precision(success[ranked], np.ones(len(ranked)), _ends(quality[ranked]))
 
 
 def _ends(ranked: Floats) -> NDArray[np.int64]:
@@ -186,8 +182,7 @@ def _average_precision_estimate(
         counts = (np.bincount(draw, minlength=len(answers)).astype(float) for draw in draws)
         return np.array([_ranked_average_precision(right, count[scene], ends) for count in counts])
 
-    value = _ranked_average_precision(right, np.ones(len(right)), ends)
-    return SceneEstimate(value, bootstrap(of_draws, len(answers)))
+    return SceneEstimate(average_precision(success, quality), bootstrap(of_draws, len(answers)))
 
 
 def _balanced_accuracy(answers: Sequence[GraspAnswers]) -> SceneEstimate:

@@ -59,6 +59,7 @@ from .restoration import restore as restore
 from .splits import SPLITS as SPLITS
 from .splits import Share as Share
 from .splits import check_splits as check_splits
+from .splits import evenly as evenly
 from .splits import shard_count as shard_count
 from .splits import shares as shares
 from .tsdf import Tsdf as Tsdf

@@ -174,9 +174,8 @@ def near_level(up: Floats, tilt: float) -> Callable[[Floats], Flags]:
 def _on_table(objects: Sequence[PlacedObject]) -> trimesh.Trimesh:
     """Objects as one mesh in the frame of the table."""
     vertices = [each.mesh.vertices @ each.matrix[:3, :3].T + each.matrix[:3, 3] for each in objects]
-    firsts = np.cumsum([0, *map(len, vertices)])
-    faces = [each.mesh.faces + first for each, first in zip(objects, firsts, strict=False)]
-    return trimesh.Trimesh(np.concatenate(vertices), np.concatenate(faces), process=False)
+    faces = [each.mesh.faces for each in objects]
+    return trimesh.Trimesh(*trimesh.util.append_faces(vertices, faces), process=False)
 
 
 def _grasps_of(

@@ -80,7 +80,7 @@ def encoded(picture: RenderedImage) -> dict[str, Any]:
         "focal": intrinsics.focal,
         "center_u": intrinsics.center[0],
         "center_v": intrinsics.center[1],
-        **_pose_columns("camera", picture.view.pose),
+        **_camera_columns(picture.view.pose),
         **{name: getattr(grasps, name) for name in LISTS},
     }
 
@@ -105,7 +105,7 @@ def decoded(row: Mapping[str, Any]) -> RenderedImage:
         view=View(
             depth_of(row),
             intrinsics,
-            _pose_matrix("camera", row),
+            _camera_pose(row),
             pixels(row, "mask", "L").astype(np.uint8),
         ),
         grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
@@ -118,13 +118,13 @@ def pose_values(matrix: Floats) -> list[float]:
     return [*matrix[:3, 3].tolist(), *quaternion.tolist()]
 
 
-def _pose_columns(name: str, matrix: Floats) -> dict[str, float]:
+def _camera_columns(matrix: Floats) -> dict[str, float]:
     pairs = zip(POSE_PARTS, pose_values(matrix), strict=True)
-    return {f"{name}_{part}": value for part, value in pairs}
+    return {f"camera_{part}": value for part, value in pairs}
 
 
-def _pose_matrix(name: str, row: Mapping[str, Any]) -> Floats:
-    return pose_matrix(np.array([float(row[f"{name}_{part}"]) for part in POSE_PARTS]))
+def _camera_pose(row: Mapping[str, Any]) -> Floats:
+    return pose_matrix(np.array([float(row[f"camera_{part}"]) for part in POSE_PARTS]))
 
 
 def pose_matrix(values: Floats) -> Floats:

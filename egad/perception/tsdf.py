@@ -52,13 +52,7 @@ class Tsdf:
         return points, -normals.astype(np.float64)  # they point to where the distances fall
 
 
-def fuse(
-    views: Sequence[View],
-    corner: Floats,
-    side: float,
-    resolution: int,
-    truncation: float = TRUNCATION,
-) -> Tsdf:
+def fuse(views: Sequence[View], corner: Floats, side: float, resolution: int) -> Tsdf:
     """Fuse depth images (Curless and Levoy 1996, with equal weights and projected distances).
 
     A voxel's distance in an image is that from its center to the surface along the line of sight
@@ -69,7 +63,6 @@ def fuse(
         corner: Corner of the cube with the least coordinates, (3,), metres.
         side: Side of the cube, metres.
         resolution: Voxels along a side.
-        truncation: In voxels.
     """
     voxel = side / resolution
     distances = np.zeros((resolution,) * 3, dtype=np.float32)
@@ -86,9 +79,9 @@ def fuse(
             np.ascontiguousarray(voxel * to_camera[:3, :3].T),
             camera.focal,
             np.array(camera.center),
-            truncation * voxel,
+            TRUNCATION * voxel,
         )
-    return Tsdf(distances, weights, corner, voxel, truncation * voxel)
+    return Tsdf(distances, weights, corner, voxel, TRUNCATION * voxel)
 
 
 @kernel()

@@ -43,10 +43,10 @@ def scene_picture(scene: LabelledScene, gripper: Gripper, view: int = 0) -> RgbI
     return np.asarray(picture)
 
 
-def scene_png(scene: LabelledScene, gripper: Gripper, view: int = 0) -> bytes:
-    """The same as a PNG file."""
+def scene_png(scene: LabelledScene, gripper: Gripper) -> bytes:
+    """The same of the first view, as a PNG file."""
     buffer = io.BytesIO()
-    Image.fromarray(scene_picture(scene, gripper, view)).save(buffer, "png", compress_level=6)
+    Image.fromarray(scene_picture(scene, gripper)).save(buffer, "png", compress_level=6)
     return buffer.getvalue()
 
 

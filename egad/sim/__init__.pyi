@@ -26,7 +26,6 @@ from .image_scenes import simulate_contacts as simulate_contacts
 from .labelled_trials import execute_labelled_grasps as execute_labelled_grasps
 from .labelled_trials import failed_labelled_grasps as failed_labelled_grasps
 from .labelled_trials import sample_labelled_grasps as sample_labelled_grasps
-from .labelled_trials import shares as shares
 from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of

@@ -8,11 +8,10 @@ as long as the load stays within the limits of the cup (`World.attach`).
 from collections.abc import Sequence
 
 import numpy as np
-import trimesh
 from typing_extensions import override
 
 from egad._util.arrays import Floats
-from egad.geometry import RayCaster
+from egad.geometry import RayCaster, joined
 from egad.grippers import SuctionCup
 from egad.outcomes import Outcome
 from egad.sim.gripper import Fingers, Hand
@@ -108,12 +107,6 @@ class CupHand(Cup, Hand):
     def _lift_from(self) -> float:
         # From where an arm is that sags, it would jerk.
         return self._stance.height
-
-
-def joined(meshes: Sequence[trimesh.Trimesh]) -> trimesh.Trimesh:
-    """Meshes as one, which lie apart or touch."""
-    vertices, faces = [each.vertices for each in meshes], [each.faces for each in meshes]
-    return trimesh.Trimesh(*trimesh.util.append_faces(vertices, faces), process=False)
 
 
 def _frame_of(pose: Floats) -> tuple[Floats, Floats]:

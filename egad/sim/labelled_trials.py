@@ -32,11 +32,6 @@ CLEAR = 0.1  # metres of air below the object at least
 RATINGS = ("quality", "robust_quality", "robust_success_rate")
 
 
-def shares(total: int, objects: int) -> list[int]:
-    """The number of grasps of each object: `total`, split as evenly as possible."""
-    return [(n + 1) * total // objects - n * total // objects for n in range(objects)]
-
-
 def sample_labelled_grasps(
     grasps: pd.DataFrame, object_id: str, count: int, seed: int
 ) -> pd.DataFrame:

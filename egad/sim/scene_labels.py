@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
 from egad.detectors import PoseGrasp
-from egad.geometry import RayCaster
+from egad.geometry import RayCaster, joined
 from egad.grasps import blocked_turns, hand_poses, vectors
 from egad.grippers import BoxBody, Gripper, ModelBody, SuctionCup, body_of
 from egad.outcomes import Outcome
 from egad.perception import Observation
-from egad.sim.cup import joined
 from egad.sim.model import Model
 from egad.sim.pose_execution import STANDOFF
 from egad.sim.scenes import WORKSPACE, RestingObject

@@ -4,6 +4,7 @@ How many networks per training set show a difference of 5 points between two set
 cases, and how large a difference has to be for 2 and for 8 networks.
 """
 
+import bisect
 from collections.abc import Callable, Iterable
 
 import numpy as np
@@ -58,11 +59,8 @@ def smallest_gain(spread: float, networks: int, objects: int, level: float) -> i
 
 def first(numbers: range, power: Callable[[int], float]) -> int:
     """The first of ascending numbers with enough power; bisected, as power grows with them."""
-    low, high = numbers.start, numbers.stop
-    while low < high:
-        middle = (low + high) // 2
-        low, high = (low, middle) if power(middle) >= POWER else (middle + 1, high)
-    return low
+    found: int = numbers.start + bisect.bisect_left(numbers, POWER, key=power)
+    return found
 
 
 def share(spread: float, objects: int, networks: int, gain: float, level: float) -> float:

@@ -8,11 +8,10 @@ from partial_tables import fill_columns
 
 from egad.cppn import packed_surface
 from egad.cppn.voxels import identity, pack
-from egad.detectors import Grasp
+from egad.detectors import Grasp, opened
 from egad.failures import Examination, FailureAtlas, FailureSearch
 from egad.failures.attempts import counts_of
 from egad.failures.defaults import failure_parameters
-from egad.failures.finding import open_detector
 from egad.failures.search import scaled_to
 from egad.geometry.repair import repair_for_files
 from egad.grippers import gripper
@@ -72,7 +71,7 @@ def mesh_of(bar):
 
 def examined(bar):
     """What a search would find of a bar."""
-    with open_detector(thick_only, settings()) as asked:
+    with opened(thick_only, 60.0) as asked:
         return Examination(mesh_of(bar), name_of(bar), asked, settings()).run()
 
 

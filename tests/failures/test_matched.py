@@ -12,11 +12,10 @@ from scipy.spatial.transform import Rotation
 
 import egad
 from egad.cppn import Shape
-from egad.detectors import OnlyFailuresError, PoseGrasp
+from egad.detectors import OnlyFailuresError, PoseGrasp, opened
 from egad.errors import RejectedError, UserError
 from egad.failures import Examination, FailureAtlas, MatchedSet, match_failures
 from egad.failures.attempts import pairs_of
-from egad.failures.finding import open_detector
 from egad.failures.matching import assign, spread
 from egad.failures.reference import REST, ReferencePolicy
 from egad.measures import cell_of
@@ -63,7 +62,7 @@ def thin(failing, tmp_path_factory):
 
 
 def again(bar, purpose, count, before, least=0, detect=thick_only):
-    with open_detector(detect, settings()) as asked:
+    with opened(detect, 60.0) as asked:
         examination = Examination(mesh_of(bar), name_of(bar), asked, settings())
         return examination.paired(purpose, count, before, least)
 

@@ -13,17 +13,13 @@ from egad.learning.scene_scores import (
 from egad.tables.training import SCENE_SCORE
 
 
-def slow_precision(success, quality, weights):
+def slow_precision(success, quality):
     """For each threshold from the highest: precision times the rise in recall."""
-    total, before, area = sum(w for s, w in zip(success, weights, strict=True) if s), 0.0, 0.0
+    before, area = 0, 0.0
     for threshold in sorted(set(quality), reverse=True):
-        above = [
-            (s, w) for s, q, w in zip(success, quality, weights, strict=True) if q >= threshold
-        ]
-        right, shown = sum(w for s, w in above if s), sum(w for _, w in above)
-        if shown:
-            area += right / shown * (right - before) / total
-        before = right
+        above = [s for s, q in zip(success, quality, strict=True) if q >= threshold]
+        area += sum(above) / len(above) * (sum(above) - before) / sum(success)
+        before = sum(above)
     return area
 
 
@@ -34,15 +30,7 @@ def test_average_precision_is_that_of_the_definition(seed):
     success = rng.random(count) < 0.4
     success[0] = True
     quality = rng.integers(0, 8, count) / 8  # with ties
-    weights = rng.integers(0, 3, count).astype(float)
-    weights[0] = 1
-    ones = np.ones(count)
-    assert average_precision(success, quality) == pytest.approx(
-        slow_precision(success, quality, ones)
-    )
-    assert average_precision(success, quality, weights) == pytest.approx(
-        slow_precision(success, quality, weights)
-    )
+    assert average_precision(success, quality) == pytest.approx(slow_precision(success, quality))
 
 
 def test_values_of_average_precision_that_are_known():

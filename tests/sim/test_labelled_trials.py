@@ -17,7 +17,6 @@ from egad.sim.labelled_trials import (
     failed_labelled_grasps,
     floating_pose,
     sample_labelled_grasps,
-    shares,
 )
 from egad.sim.model import build
 from egad.sim.parameters import LabelTrialParameters
@@ -133,13 +132,6 @@ def test_the_sample_is_of_free_grasps_and_only_the_object_decides_it():
     )
     assert len(sample_labelled_grasps(table, "id", 99, 0)) == 25
     assert len(sample_labelled_grasps(table.head(0), "id", 10, 0)) == 0
-
-
-def test_grasps_are_split_evenly():
-    assert shares(2000, 49).count(40) + shares(2000, 49).count(41) == 49
-    assert sum(shares(2000, 49)) == 2000
-    assert shares(3, 5).count(1) == 3
-    assert shares(3, 0) == []
 
 
 def test_an_object_without_a_model_has_its_grasps_marked():

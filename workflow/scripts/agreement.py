@@ -8,11 +8,11 @@ import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
+from egad.perception import evenly
 from egad.sim import (
     LabelTrialParameters,
     failed_labelled_grasps,
     sample_labelled_grasps,
-    shares,
 )
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
@@ -49,7 +49,7 @@ def run(
             `targets.agreement` is true.
     """
     objects = parquet.read(evaluation, EVAL49)
-    share = dict(zip(objects["id"], shares(settings.agreement.grasps, len(objects)), strict=True))
+    share = dict(zip(objects["id"], evenly(settings.agreement.grasps, len(objects)), strict=True))
     chosen = parquet.records(rows_in_shard(objects, *shard))
     labelled = parquet.read(grasps, GRASPS)
     known = rows_by_id(bundle)
