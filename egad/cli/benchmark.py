@@ -94,7 +94,7 @@ def benchmark(
     chosen = select(settings, ClearedTables, gripper, name)
     arguments = {"objects": Path(objects).name, "rule": settings.rescale.rule}
     with recorded("benchmark", settings=chosen, inputs=files, arguments=arguments):
-        result = write_benchmark(chosen, settings.rescale.rule, targets, path, jobs)
+        result = _cleared(chosen, settings.rescale.rule, targets, path, jobs)
     cleared({name: result.rates()}, {name: engine_names(result.table)})
     typer.echo(f"protocol: {settings.clutter.protocol.name}")
     outcomes = result.table["outcome"].value_counts()
@@ -105,22 +105,10 @@ def benchmark(
             result.film(kind, 0, films / f"{name}-{kind}.gif", settings.clutter.noises[0])
 
 
-def write_benchmark(
-    settings: "ClearedTables",
-    rule: str,
-    targets: "Sequence[NamedMesh]",
-    out: Path,
-    jobs: int = 1,
+def _cleared(
+    settings: "ClearedTables", rule: str, targets: "Sequence[NamedMesh]", out: Path, jobs: int
 ) -> "Benchmark":
-    """Let a detector clear tables, and write a table of its attempts.
-
-    Args:
-        settings: Settings of the benchmark.
-        rule: How they are scaled: see `egad.rescale`.
-        targets: The objects.
-        out: One attempt per row.
-        jobs: Processes; the result does not depend on it.
-    """
+    """Let a detector clear tables of objects, and write a table of its attempts."""
     from egad.benchmark import clear_tables
     from egad.clearing import check_detector, prepare_objects
     from egad.detectors import keep_failure

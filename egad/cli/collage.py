@@ -7,7 +7,6 @@ from typing import Annotated
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cli.common import CORES, Config, Dataset, Jobs, out_option, settings_in
-from egad.measures import CustomMeasures, MeasureSpace
 
 SIZE = 96
 
@@ -19,39 +18,24 @@ def collage(
     jobs: Jobs = CORES,
 ) -> None:
     """Draw the objects of a dataset, arranged in the space, as one PNG picture."""
-    from egad.io import check_ending
-
-    check_ending(out, (".png",))
-    settings = settings_in(config)
-    draw_collage(dataset, out, settings.space, settings.measures, jobs)
-
-
-def draw_collage(
-    dataset: Path, out: Path, space: MeasureSpace, axes: CustomMeasures, jobs: int = 1
-) -> None:
-    """Draw the most diverse object of every cell.
-
-    Args:
-        dataset: Folder of a dataset, with `objects.parquet` and `meshes/`.
-        out: PNG file.
-        space: The cells.
-        axes: What spans them.
-        jobs: Processes; the picture does not depend on it.
-    """
     from egad._util.files import atomic_output
+    from egad.io import check_ending
     from egad.report.axes import axis_pair
     from egad.report.space_map import collage as arranged
     from egad.report.space_map import most_diverse
     from egad.tables import parquet
     from egad.tables.objects import OBJECTS
 
+    check_ending(out, (".png",))
+    settings = settings_in(config)
     shown = most_diverse(parquet.read(dataset / "objects.parquet", OBJECTS))
     labels = shown["label"].tolist()
     with workers(jobs) as mapper:
         drawn = mapper(partial(_picture, meshes=dataset / "meshes"), labels)
         pictures = dict(zip(labels, progress(drawn, "drawing", len(labels)), strict=True))
+    axes = axis_pair(settings.measures)
     with atomic_output(out) as temporary:
-        temporary.write_bytes(arranged(shown, pictures, space, axes=axis_pair(axes)))
+        temporary.write_bytes(arranged(shown, pictures, settings.space, axes=axes))
 
 
 def _picture(label: str, meshes: Path) -> bytes:

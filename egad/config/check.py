@@ -41,15 +41,14 @@ def check(config: Mapping[str, Any]) -> Settings:
         raise UserError(f"a configuration is a table of sections, not {_shown(config)}")
     plain = with_built_in(json.loads(json.dumps(config, default=str)))
     problems: dict[str, None] = {}
-    errors = _errors(plain)
+    settings, errors = _validated(plain)
     # Rules between settings are looked at only where each is right by itself, hence again.
     while errors:
         before = copy.deepcopy(plain)
         problems |= dict.fromkeys(line for error in errors for line in _sentences(error))
         for error in errors:
             _mend(plain, error)
-        errors = _errors(plain) if plain != before else []
-    settings = None if _errors(plain) else _validated(plain)
+        settings, errors = _validated(plain) if plain != before else (None, [])
     if settings:
         problems |= dict.fromkeys(wrong_references(settings))
     if problems or not settings:
@@ -71,17 +70,13 @@ def check_engines(settings: Settings) -> Settings:
     return settings
 
 
-def _validated(config: dict[str, Any]) -> Settings:
-    # JSON, for lists are tuples there; strict, for a number in quotes is a mistake
-    return Settings.model_validate_json(json.dumps(config), strict=True)
-
-
-def _errors(config: dict[str, Any]) -> list[Problem]:
+def _validated(config: dict[str, Any]) -> tuple[Settings | None, list[Problem]]:
+    """The settings, or what is wrong with them."""
     try:
-        _validated(config)
+        # JSON, for lists are tuples there; strict, for a number in quotes is a mistake
+        return Settings.model_validate_json(json.dumps(config), strict=True), []
     except ValidationError as error:
-        return list(error.errors(include_url=False))
-    return []
+        return None, list(error.errors(include_url=False))
 
 
 def _sentences(error: Problem) -> list[str]:

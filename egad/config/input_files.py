@@ -7,7 +7,7 @@ from pathlib import Path
 from egad.config.sections import DatasetSection
 from egad.config.settings import Settings
 from egad.detectors import fingerprint
-from egad.errors import TableError, UserError
+from egad.errors import UserError
 from egad.exchange import NamedGripper, check_format
 from egad.grippers import Gripper, files_of
 from egad.io import EVERY_FILE, check_unit_known, mesh_files
@@ -31,7 +31,7 @@ def check_input_files(settings: Settings) -> None:
     for where, check in _checks(settings):
         try:
             check()
-        except UserError as error:
+        except (TableError, UserError) as error:
             prefix = f"{where}: " if where else ""
             problems |= dict.fromkeys(f"{prefix}{line}" for line in str(error).split("\n"))
     if problems:
@@ -74,14 +74,7 @@ def _check_dataset(dataset: DatasetSection) -> None:
         check_unit_known(files, dataset.units)
     if dataset.archive not in (None, "released"):
         check_readable([Path(dataset.archive)])
-        _check_archive(Path(dataset.archive))
-
-
-def _check_archive(path: Path) -> None:
-    try:
-        check_columns(path, ["id", *GENOME.names, "voxels"])
-    except TableError as error:
-        raise UserError(str(error)) from error
+        check_columns(Path(dataset.archive), ["id", *GENOME.names, "voxels"])
 
 
 def _check_gripper(gripper: Gripper) -> None:

@@ -116,12 +116,11 @@ def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
             pairs[f"{one} vs {other}"] = compare_clearing(tables[one], tables[other])
     engines = {name: engine_names(table) for name, table in tables.items()}
     rates = {name: clearing_rates(table) for name, table in tables.items()}
-    return ClearingResults(engines, rates, pairs, dict(map(_rules, tables, tables.values())))
-
-
-def _rules(name: str, table: pd.DataFrame) -> tuple[str, str]:
-    """The name of a table, and the rules by which it was cleared."""
-    return name, ", ".join([*table["protocol"].unique(), *unusual(table, {"errors": "none"})])
+    rules = {
+        name: ", ".join([*table["protocol"].unique(), *unusual(table, {"errors": "none"})])
+        for name, table in tables.items()
+    }
+    return ClearingResults(engines, rates, pairs, rules)
 
 
 def page(results: ClearingResults) -> str:

@@ -53,8 +53,8 @@ def evaluation_view(
     rows: int,
     columns: int,
     pictures: Mapping[str, bytes],
-    scenes: Sequence[GraspScene] = (),
-    gripper: Gripper | None = None,
+    scenes: Sequence[GraspScene],
+    gripper: Gripper,
 ) -> EvaluationView:
     """What there is to show of an evaluation set.
 
@@ -62,31 +62,17 @@ def evaluation_view(
         evalset: Columns of `tables.evaluation.EVAL49`.
         rows: Letters of the set.
         columns: Digits of the set.
-        pictures: PNG by label, of the evaluation set or of the dataset.
-        scenes: Its objects with grasps.
-        gripper: What the grasps are for; needed with scenes.
-    """
-    viewer = viewer_data(scenes, gripper) if scenes and gripper else None
-    slots = evaluation_slots(evalset, rows, columns, pictures)
-    return EvaluationView(slots, len(evalset), viewer)
-
-
-def evaluation_slots(
-    evalset: pd.DataFrame, rows: int, columns: int, pictures: Mapping[str, bytes]
-) -> list[list[Slot]]:
-    """Rows of the evaluation set, hardest first; each from simplest to most complex.
-
-    Args:
-        evalset: Columns of `tables.evaluation.EVAL49`.
-        rows: Letters of the set.
-        columns: Digits of the set.
         pictures: PNG by label of the evaluation set; where it has none, by label of the dataset.
+        scenes: Its objects with grasps.
+        gripper: What the grasps are for.
     """
     items = {item["label"]: item for item in evalset.to_dict("records")}
-    return [
+    slots = [
         [_slot(label_at(row, column), items, pictures) for column in range(columns)]
         for row in reversed(range(rows))
     ]
+    viewer = viewer_data(scenes, gripper) if scenes else None
+    return EvaluationView(slots, len(evalset), viewer)
 
 
 def _slot(

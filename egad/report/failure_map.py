@@ -9,7 +9,7 @@ import pandas as pd
 from egad.measures import MeasureSpace, cell_name, complexity_cells, difficulty_cells
 from egad.report.axes import USUAL, AxisPair
 from egad.report.live_map import MARGIN, UNIT, map_values, picture_of
-from egad.report.page import DASH, render_template
+from egad.report.page import DASH, counted, render_template
 
 REGRETS = ("regret_mujoco", "regret_pybullet")
 REGRET_STEPS = (0.6, 0.7, 0.8, 0.9)
@@ -74,59 +74,56 @@ def failure_map(
     """
     tried = examined[examined["attempts"] > 0]
     cells = {
-        name: MapCell(NO_FAILURE, f"{name}: {_objects(len(rows))} tried, no failure")
+        name: MapCell(NO_FAILURE, f"{name}: {counted(len(rows), 'object')} tried, no failure")
         for name, rows in _by_cell(tried)
     }
     for name, rows in _by_cell(table.assign(regret=lowest_regret(table))):
         worst = rows.iloc[int(rows["regret"].to_numpy().argmax())]
         cells[name] = MapCell(
             _color(worst["regret"], REGRET_STEPS, REGRET_COLORS),
-            f"{name}: {_failures(len(rows))}, regret {worst['regret']:.2f}",
+            f"{name}: {counted(len(rows), 'failure')}, regret {worst['regret']:.2f}",
             _picture(worst["voxels"]),
             len(rows),
         )
     words = ["< 60", *(f"{a}{DASH}{a + 10}" for a in (60, 70, 80)), f"{AT_LEAST} 90"]
     legend = [LegendEntry(*each) for each in zip(REGRET_COLORS, words, strict=True)]
-    found = len(_names(table))
+    found = len(dict(_by_cell(table)))
     return _draw(
         cells,
-        f"Regret, points: {_failures(len(table))} in {_cells(found)}",
+        f"Regret, points: {counted(len(table), 'failure')} in {counted(found, 'cell')}",
         [*legend, LegendEntry(NO_FAILURE, "no failure")],
         space,
         axes,
     )
 
 
-def dataset_map(
-    objects: pd.DataFrame, space: MeasureSpace | None = None, axes: AxisPair = USUAL
-) -> str:
+def dataset_map(objects: pd.DataFrame, space: MeasureSpace, axes: AxisPair) -> str:
     """The map of the objects that a search may begin with: how many each cell holds.
 
     Args:
         objects: Columns complexity and graspability.
-        space: The cells; by default those of the released objects.
+        space: The cells.
         axes: What the axes are called.
 
     Returns:
         SVG text.
     """
-    known = space or MeasureSpace()
     placed = pd.DataFrame(
         {
-            "complexity_cell": complexity_cells(objects["complexity"], known),
-            "difficulty_cell": difficulty_cells(objects["graspability"], known),
+            "complexity_cell": complexity_cells(objects["complexity"], space),
+            "difficulty_cell": difficulty_cells(objects["graspability"], space),
         }
     )
     cells = {
         name: MapCell(
-            _color(len(rows), COUNT_STEPS, COUNT_COLORS), f"{name}: {_objects(len(rows))}"
+            _color(len(rows), COUNT_STEPS, COUNT_COLORS), f"{name}: {counted(len(rows), 'object')}"
         )
         for name, rows in _by_cell(placed)
     }
     words = ("1", "2", "3", f"{AT_LEAST} 4")
     legend = [LegendEntry(*each) for each in zip(COUNT_COLORS, words, strict=True)]
-    title = f"Dataset: {_objects(len(objects))} in {_cells(len(cells))}"
-    return _draw(cells, title, legend, known, axes)
+    title = f"Dataset: {counted(len(objects), 'object')} in {counted(len(cells), 'cell')}"
+    return _draw(cells, title, legend, space, axes)
 
 
 def _draw(
@@ -153,10 +150,6 @@ def _by_cell(table: pd.DataFrame) -> Iterable[tuple[str, pd.DataFrame]]:
         yield str(name), rows
 
 
-def _names(table: pd.DataFrame) -> set[str]:
-    return {name for name, _ in _by_cell(table)}
-
-
 def _color(value: float, steps: Sequence[float], colors: Sequence[str]) -> str:
     return colors[sum(value >= step for step in steps)]
 
@@ -164,15 +157,3 @@ def _color(value: float, steps: Sequence[float], colors: Sequence[str]) -> str:
 def _picture(voxels: bytes) -> str:
     resolution = round((8 * len(voxels)) ** (1 / 3))
     return picture_of(voxels, resolution, 2 * (UNIT - MARGIN))
-
-
-def _objects(count: int) -> str:
-    return "1 object" if count == 1 else f"{count} objects"
-
-
-def _failures(count: int) -> str:
-    return "1 failure" if count == 1 else f"{count} failures"
-
-
-def _cells(count: int) -> str:
-    return "1 cell" if count == 1 else f"{count} cells"

@@ -1,5 +1,6 @@
 """A page that explains the failures of a detector: where, why, of which shape, and films."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -10,12 +11,12 @@ from matplotlib.axes import Axes
 
 from egad._util.arrays import Floats
 from egad.measures import MeasureSpace, cell_name, labels
-from egad.report.axes import USUAL, AxisPair
+from egad.report.axes import AxisPair
 from egad.report.colors import FAINT, INK, LINES, SOFT, UNKNOWN
 from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
 from egad.report.failure_map import dataset_map, failure_map, lowest_regret
 from egad.report.page import render_template
-from egad.report.trial_charts import outcome_chart
+from egad.report.trial_charts import outcome_chart, outcome_counts
 from egad.stats import Rate
 
 MOST_OF_CELL = 2  # failures of a cell among the worst
@@ -160,8 +161,8 @@ def page(
     dataset: pd.DataFrame,
     features: Sequence[FeatureShare],
     examples: Mapping[str, Example],
-    space: MeasureSpace | None = None,
-    axes: AxisPair = USUAL,
+    space: MeasureSpace,
+    axes: AxisPair,
 ) -> str:
     """Explain the failures of a detector.
 
@@ -244,15 +245,8 @@ def lost_outcomes(fresh: pd.DataFrame) -> dict[str, tuple[int, int]]:
         attempt is more frequent.
     """
     lost = fresh[(fresh["who"] == "detector") & ~fresh["success"].astype(bool)]
-    counts = lost["outcome"].value_counts()
-    usual = lost.groupby("id")["outcome"].agg(_most_frequent).value_counts()
-    order = sorted(counts.index, key=lambda name: (-counts[name], name))
-    return {str(name): (int(counts[name]), int(usual.get(name, 0))) for name in order}
-
-
-def _most_frequent(outcomes: pd.Series) -> str:
-    counts = outcomes.value_counts()
-    return str(min(counts.index, key=lambda name: (-counts[name], name)))
+    usual = Counter(next(iter(outcome_counts(rows))) for _, rows in lost.groupby("id"))
+    return {name: (count, usual[name]) for name, count in outcome_counts(lost).items()}
 
 
 def _verdicts(examined: pd.DataFrame) -> list[tuple[str, int, str]]:

@@ -22,7 +22,7 @@ from egad.map_elites import Archive, Elite
 from egad.measures import MeasureSpace, cell_name, complexity_cells, difficulty_cells
 from egad.report.axes import USUAL, AxisPair, named_axes
 from egad.report.drawing import data_uri
-from egad.report.page import render_template
+from egad.report.page import counted, render_template
 from egad.report.pictures import voxel_picture, voxel_png
 
 log = logging.getLogger(__name__)
@@ -168,15 +168,11 @@ def archive_map(archive: Archive, measures: tuple[str, str] | None = None) -> st
     cells = filled_cells(archive.elites, archive.space, picture)
     axes = USUAL if measures is None else named_axes(*measures)
     caption = (
-        f"{_objects(len(archive))} in {len(cells)} of {archive.space.cells**2} cells, "
+        f"{counted(len(archive), 'object')} in {len(cells)} of {archive.space.cells**2} cells, "
         f"coverage {100 * archive.coverage:.1f} %; darker: more objects"
     )
     values = map_values(cells, archive.space, axes)
     return render_template("archive_map.svg.j2", **values, unit=unit, caption=caption)
-
-
-def _objects(count: int) -> str:
-    return "1 object" if count == 1 else f"{count} objects"
 
 
 def map_values(cells: Cells, space: MeasureSpace, axes: AxisPair) -> dict[str, Any]:

@@ -110,3 +110,8 @@ def _code(text: str) -> Markup:
         for index, part in enumerate(text.split("`"))
     ]
     return Markup("").join(parts)
+
+
+def counted(count: int, noun: str) -> str:
+    """A number with a noun whose plural ends with s."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

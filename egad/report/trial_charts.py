@@ -14,11 +14,11 @@ from egad.evalset import LABEL, cell_of_label, label_at
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import FAINT, INK, SOFT, ink_on, line_color
 from egad.report.drawing import new_figure, show_percent
+from egad.report.page import DASH
 from egad.stats import Mean, Rate, TrialGrid, by_object, trial_grid
 
 GAP = 0.35
 MOST_BARS = 30
-DASH = "\N{EN DASH}"
 OUTCOMES = {
     "success": "#0072b2",
     "slipped_closing": "#9bd5f5",

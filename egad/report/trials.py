@@ -191,38 +191,34 @@ def _view(
         heat_map=svg_uri(
             trial_heat_map(grid, evaluation_set.rows, evaluation_set.columns, present, axes)
         ),
-        reliability=svg_uri(reliability_chart({name: bins})) if bins else "",
+        reliability=svg_uri(reliability_chart(bins, name)) if bins else "",
         discrimination=discrimination(table),
         trends=trends,
         trend_figure=svg_uri(trend_chart(objects, trends, means, axes)),
     )
 
 
-def reliability_chart(bins: Mapping[str, Sequence[Bin]]) -> str:
+def reliability_chart(bins: Sequence[Bin], name: str) -> str:
     """Success rate against the quality that a detector gave, with Wilson intervals of 95 %.
 
     Args:
-        bins: From `egad.stats.roc`, by detector.
+        bins: From `egad.stats.roc`, at least one.
+        name: The detector.
 
     Returns:
         SVG text. If all qualities lie between 0 and 1, a diagonal shows where they would be the
         probability of success.
     """
-    shown = {name: each for name, each in bins.items() if each}
+    qualities = [each.quality for each in bins]
     with new_figure(3.7, 3.0) as drawing:
         axes = drawing.figure.add_subplot()
-        for number, (name, each) in enumerate(shown.items()):
-            x, rates = [b.quality for b in each], [b.rate for b in each]
-            draw_rates(axes, x, rates, line_color(number), name)
-        qualities = [b.quality for each in shown.values() for b in each]
-        if qualities and min(qualities) >= 0 and 0.1 < max(qualities) <= 1:
+        draw_rates(axes, qualities, [each.rate for each in bins], line_color(0), name)
+        if min(qualities) >= 0 and 0.1 < max(qualities) <= 1:
             axes.plot([0, 1], [0, 1], color=SOFT, lw=0.8, ls=DASHED, zorder=0)
         axes.set(ylim=(-0.02, 1.02), xlabel="quality predicted by the detector")
         axes.set_ylabel("success rate")
         show_percent(axes.yaxis)
         axes.grid(axis="y")
-        if len(shown) > 1:
-            drawing.figure.legend(loc="outside upper center", ncols=3, fontsize=9)
     return drawing.svg
 
 

@@ -6,34 +6,14 @@ from pathlib import Path
 import pandas as pd
 
 from egad._util.files import write_text
-from egad.errors import UserError
 from egad.perception import COLUMNS, RenderParameters, card, files, summary
 from egad.report.training import openings_chart
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 from egad.workflow.job import run_job
-from egad.workflow.shards import join
+from egad.workflow.shards import join, remove_leftovers
 
 log = logging.getLogger(__name__)
-
-
-def tidy(images: Path, shards: int) -> list[Path]:
-    """The shards of a set; leftover shards of an earlier, larger set are removed.
-
-    Args:
-        images: Folder of the images.
-        shards: Number of shards of the set.
-
-    Raises:
-        UserError: Shards are missing, or belong to different sets.
-    """
-    if parquet.notes(images / "images-0.parquet").get("shards") != shards:
-        raise UserError(f"{images}: expected images in {shards} shards; render them again")
-    wanted = {f"images-{number}.parquet" for number in range(shards)}
-    for path in images.glob("images-*.parquet"):
-        if path.name not in wanted:
-            path.unlink()
-    return files(images)
 
 
 def run(
@@ -60,7 +40,8 @@ def run(
         figure: How far the hand opens for the good grasps in them.
         rejected: The objects without images, with reasons.
     """
-    batches = [rows for path in tidy(images, shards) for rows in parquet.batches(path, COLUMNS)]
+    remove_leftovers(images, ["images"], shards)
+    batches = [rows for path in files(images) for rows in parquet.batches(path, COLUMNS)]
     rows = pd.concat(batches) if batches else pd.DataFrame(columns=COLUMNS)
     left_out = join(rejects, REJECTED, ["id", "stage"])
     found = summary(rows, settings.render.quality)

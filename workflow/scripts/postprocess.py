@@ -124,17 +124,12 @@ def from_folder(
     folder: Path, units: str | None, shard: int, shards: int, pattern: str = EVERY_FILE
 ) -> tuple[Sources, pd.Series]:
     """The objects of the mesh files of a shard, without a graspability used for selection."""
-    files = files_of_shard(folder, shard, shards, pattern)
-    sources: Sources = {name: partial(read_mesh, path, units) for name, path in files.items()}
+    sources: Sources = {
+        name: partial(read_mesh, path, units)
+        for name, path in objects_in(folder, pattern).items()
+        if in_shard(name, shard, shards)
+    }
     return sources, pd.Series(dtype=float)
-
-
-def files_of_shard(
-    folder: Path, shard: int, shards: int, pattern: str = EVERY_FILE
-) -> dict[str, Path]:
-    """The mesh files of a shard, by the names of their objects."""
-    files = objects_in(folder, pattern)
-    return {name: path for name, path in files.items() if in_shard(name, shard, shards)}
 
 
 def from_primitives(

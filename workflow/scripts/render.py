@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.config.stages import RenderImages
 from egad.errors import RejectedError, UserError
@@ -46,7 +46,6 @@ from egad.workflow.job import run_job
 from egad.workflow.shards import rejection
 
 log = logging.getLogger(__name__)
-Floats = NDArray[np.float64]
 KEPT = 200  # objects that stay in memory
 
 

@@ -3,11 +3,10 @@
 import logging
 from pathlib import Path
 
-from egad.errors import UserError
 from egad.scenes import SceneParameters, describe_set
-from egad.tables import parquet
 from egad.workflow.job import run_job
 from egad.workflow.scene_inputs import read_plan
+from egad.workflow.shards import remove_leftovers
 
 log = logging.getLogger(__name__)
 
@@ -38,13 +37,7 @@ def run(
         evaluation: Evaluation set that is held out.
         ancestry: Objects and their ancestors.
     """
-    if parquet.notes(folder / "scenes-0.parquet").get("shards") != shards:
-        raise UserError(f"{folder}: expected scenes in {shards} shards; make them again")
-    wanted = {f"{name}-{n}.parquet" for name in ("scenes", "grasps") for n in range(shards)}
-    for name in ("scenes", "grasps"):
-        for path in folder.glob(f"{name}-*.parquet"):
-            if path.name not in wanted:
-                path.unlink()
+    remove_leftovers(folder, ["scenes", "grasps"], shards)
     plan = read_plan(settings, objects, scales, convex_parts, evaluation, ancestry)
     title = f"Labelled scenes of {dataset} for {gripper}"
     found = describe_set(folder, settings, title, len(plan.scenes), plan.splits, plan.rejected)

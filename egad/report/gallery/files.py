@@ -34,6 +34,6 @@ def _json(value: object) -> str:
     return json.dumps(value, separators=(",", ":"), allow_nan=False)
 
 
-def rounded(value: float | None, digits: int = 6) -> float | None:
-    """A number with some significant digits; None if it is unknown."""
-    return None if value is None or value != value else float(f"{value:.{digits}g}")
+def rounded(value: float | None) -> float | None:
+    """A number with six significant digits; None if it is unknown."""
+    return None if value is None or value != value else float(f"{value:.6g}")

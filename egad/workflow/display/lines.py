@@ -3,7 +3,7 @@
 import threading
 import time
 from collections.abc import Iterator
-from typing import Protocol, TextIO
+from typing import TextIO
 
 from egad._util.progress import duration
 from egad.workflow.display.jobs import Job, Jobs
@@ -11,22 +11,6 @@ from egad.workflow.display.jobs import Job, Jobs
 FIRST, NEXT = 4.0, 8.0  # seconds after the start of a job, and between lines
 TICK = 0.5
 MOST = 10  # jobs that have lines; more are counted
-
-
-class JobView(Protocol):
-    """What shows the jobs.
-
-    Attributes:
-        stream: Where others may write meanwhile.
-    """
-
-    stream: TextIO
-
-    def print(self, text: str, style: str = "") -> None:
-        """Print lines that stay."""
-
-    def close(self) -> None:
-        """Show nothing more."""
 
 
 class Lines:

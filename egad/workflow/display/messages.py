@@ -10,11 +10,14 @@ import re
 import time
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from egad._util.progress import duration, parse_marked
 from egad.workflow.display.jobs import Job, Jobs, last_lines
-from egad.workflow.display.lines import JobView, Lines, clock
+from egad.workflow.display.lines import Lines, clock
+
+if TYPE_CHECKING:
+    from egad.workflow.display.bars import Bars
 
 LOGGER = logging.getLogger("snakemake.logging")
 SNAKEMAKE_HANDLER = "DefaultStreamHandler"
@@ -152,7 +155,7 @@ def _is_kept(record: logging.LogRecord) -> bool:
     return not (event in REPLACED or explained or record.msg == SELECTING)
 
 
-def _view(jobs: Jobs, stream: TextIO) -> JobView:
+def _view(jobs: Jobs, stream: TextIO) -> "Lines | Bars":
     """Bars on a terminal that can move its cursor, else lines."""
     if not stream.isatty() or os.environ.get("TERM") == "dumb":
         return Lines(jobs, stream)
