@@ -7,9 +7,10 @@ import trimesh
 from partial_tables import fill_columns
 
 import egad
+from egad.cppn.constraints import UNBOUND, solid
 from egad.cppn.parameters import Shape
 from egad.cppn.query import query
-from egad.cppn.voxels import identity, solid
+from egad.cppn.voxels import identity
 from egad.data import released
 from egad.errors import RejectedError, TableError, UserError
 from egad.geometry.checks import UnitsWarning
@@ -41,7 +42,7 @@ def test_an_object_has_voxels_that_its_id_is_the_hash_of(objects):
 def test_the_genome_describes_the_voxels(objects):
     each, shape = objects["M14_3"], Shape()
     output = query(each.genome, shape.resolution)
-    assert np.array_equal(solid(output, shape.threshold), each.voxels)
+    assert np.array_equal(solid(output, shape.threshold, UNBOUND), each.voxels)
 
 
 def test_the_mesh_has_the_volume_of_the_voxels(objects):

@@ -7,7 +7,7 @@ from pathlib import Path
 from egad.config.sections import DatasetSection
 from egad.config.settings import Settings
 from egad.detectors import fingerprint
-from egad.errors import UserError
+from egad.errors import TableError, UserError
 from egad.exchange import NamedGripper, check_format
 from egad.grippers import Gripper, files_of
 from egad.io import EVERY_FILE, check_unit_known, mesh_files

@@ -218,8 +218,10 @@ def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
 def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     """The one solid body that the output of a network describes within the rules.
 
-    As `egad.cppn.voxels.solid`; what is required is added and what is not allowed cut away both
-    before hidden voxels are filled and after thin parts are removed.
+    Voxels above the threshold, with holes filled that no axis-parallel view shows, thin parts
+    removed by an opening with the 6-neighborhood, and only the largest body kept. What is required
+    is added and what is not allowed cut away both before hidden voxels are filled and after thin
+    parts are removed.
 
     Returns:
         Boolean array of its shape, not empty.
@@ -227,12 +229,10 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     Raises:
         RejectedError: Nothing is left, or what is left is against the rules.
     """
-    if rules.allowed is None and rules.required is None:
-        body = voxels.solid(output, threshold)
-    else:
-        filled = voxels.fill_orthographic(rules.clip(output > threshold))
-        opened = rules.clip(ndimage.binary_opening(filled))
-        body = _without_voids(voxels.largest_body(opened), rules)
+    filled = voxels.fill_orthographic(rules.clip(output > threshold))
+    body = voxels.largest_body(rules.clip(ndimage.binary_opening(filled)))
+    if rules.allowed is not None or rules.required is not None:
+        body = _without_voids(body, rules)
     if not body.any():
         raise RejectedError("empty")
     if rules.required is not None and not body[rules.required].all():

@@ -11,20 +11,6 @@ from egad.errors import UserError
 Solid = NDArray[np.bool_]
 
 
-def solid(field: NDArray[np.float32], threshold: float) -> Solid:
-    """The one solid body that a field describes.
-
-    Voxels above the threshold, with holes filled that no axis-parallel view shows, thin parts
-    removed by an opening with the 6-neighborhood, and only the largest body kept.
-
-    Returns:
-        Boolean array of the field's shape; all false if nothing is left.
-    """
-    filled = fill_orthographic(field > threshold)
-    opened = ndimage.binary_opening(filled)
-    return largest_body(opened)
-
-
 def fill_orthographic(voxels: Solid) -> Solid:
     """Fill voxels that are hidden along all three axes from both sides."""
     hidden = np.ones_like(voxels)

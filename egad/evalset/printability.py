@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
+from trimesh.graph import connected_component_labels
 
-from egad._util.arrays import Flags, Floats, Ints
+from egad._util.arrays import Flags, Floats
 from egad.evalset.parameters import PrintCheck
 from egad.geometry import RayCaster, nearest, rims, spread
 
@@ -102,7 +102,7 @@ def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
     balls = _thinned(balls, GRAIN * radius)
     tree = _tree(balls)
     near = tree.query_pairs(radius, output_type="ndarray")
-    parts = _linked(near, len(balls))
+    parts = connected_component_labels(near, node_count=len(balls))
     rest = np.flatnonzero(parts != np.bincount(parts).argmax())
     if not len(rest):
         return np.empty(0)
@@ -110,7 +110,7 @@ def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
     far = np.column_stack([rest[around["i"]], around["j"]])
     far = far[parts[far[:, 0]] != parts[far[:, 1]]]
     far = far[_fits(mesh, balls[far].mean(axis=1), radius)]
-    parts = _linked(np.concatenate([near, far]), len(balls))
+    parts = connected_component_labels(np.concatenate([near, far]), node_count=len(balls))
     main = parts == np.bincount(parts).argmax()
     return _away(balls[~main], balls[main])
 
@@ -133,12 +133,6 @@ def _away(points: Floats, others: Floats) -> Floats:
 def _tree(points: Floats) -> cKDTree:
     """Points to search among: made quickly, as it is not asked often."""
     return cKDTree(points, balanced_tree=False, compact_nodes=False)
-
-
-def _linked(pairs: Ints, count: int) -> Ints:
-    """The connected component of each of n nodes."""
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    return np.asarray(csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
@@ -177,9 +171,8 @@ def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
 
 def shell_volumes(mesh: trimesh.Trimesh) -> list[float]:
     """Volume within each closed shell, m3; that of a shell around a void is negative."""
-    shells = trimesh.graph.connected_components(
-        mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1
-    )
+    shells = connected_component_labels(mesh.face_adjacency, node_count=len(mesh.faces))
     corners = np.asarray(mesh.triangles) - np.asarray(mesh.bounds).mean(axis=0)
     parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
-    return [float(parts[shell].sum()) for shell in shells]
+    volumes: list[float] = np.bincount(shells, weights=parts).tolist()
+    return volumes

@@ -5,7 +5,6 @@ from typing import NamedTuple, cast, get_args
 import manifold3d
 import numpy as np
 import trimesh
-from scipy.sparse import coo_array, csgraph
 from scipy.spatial import cKDTree
 
 from egad._util.arguments import check_number
@@ -350,10 +349,7 @@ def _welded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     pairs = cKDTree(mesh.vertices[rim]).query_pairs(
         CRACK * _size(mesh.vertices), output_type="ndarray"
     )
-    near = rim[pairs]
-    count = len(mesh.vertices)
-    links = coo_array((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=(count, count))
-    _, group = csgraph.connected_components(links, directed=False)
+    group = trimesh.graph.connected_component_labels(rim[pairs], node_count=len(mesh.vertices))
     _, first = np.unique(group, return_index=True)
     return trimesh.Trimesh(mesh.vertices, first[group][mesh.faces], process=False)
 

@@ -4,7 +4,6 @@ from contextlib import suppress
 
 import numpy as np
 import trimesh
-from scipy.sparse import coo_array, csgraph
 
 from egad._util.arrays import Floats, Ints
 from egad._util.extras import needed_for
@@ -84,10 +83,8 @@ def _level_set(mesh: trimesh.Trimesh, thickness: float) -> tuple[Floats, Ints]:
 
 def _without_voids(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     """The components of a surface that bound something from outside."""
-    count = len(vertices)
-    start, end = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
-    links = coo_array((np.ones(len(start), np.int8), (start, end)), shape=(count, count))
-    _, group = csgraph.connected_components(links, directed=False)
+    edges = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
+    group = trimesh.graph.connected_component_labels(edges, node_count=len(vertices))
     corners = (vertices - vertices.mean(axis=0))[faces]
     volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     outer = np.bincount(group[faces[:, 0]], weights=volumes) > 0

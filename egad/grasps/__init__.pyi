@@ -1,5 +1,5 @@
 from .approach import first_approaches as first_approaches
-from .approach import swallowed as swallowed
+from .approach import touching_turns as touching_turns
 from .collision import FIXED_SIDE_CLEARANCE as FIXED_SIDE_CLEARANCE
 from .collision import LEAST_BITE as LEAST_BITE
 from .collision import TABLE_CLEARANCE as TABLE_CLEARANCE

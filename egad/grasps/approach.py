@@ -15,6 +15,8 @@ from egad.grasps.collision import blocked_turns
 from egad.grasps.sampler import ContactPairs
 from egad.grippers import HandBody, Part
 
+STRAIGHT = np.zeros(1)  # radians; not turned
+
 
 class Approaches(NamedTuple):
     """The best approach to each of n grasps.
@@ -57,7 +59,6 @@ def best_approaches(
         angles: Approaches to try.
         way: Length of the straight way in, metres.
     """
-    triangles = caster.triangles
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
     turns = 2 * np.pi * np.arange(angles) / angles
@@ -65,9 +66,10 @@ def best_approaches(
     opening = np.array([body.gripper.opening])
     behind = body.reach(grasps.widths) - body.reach(opening)
     origins = grasps.centers + body.aside(grasps.widths, opening)[:, None] * grasps.axes
-    there = blocked_turns(triangles, hand, origins, frames, turns, behind=behind)
-    there |= swallowed(caster, hand, origins, frames, turns, behind)
-    coming = blocked_turns(triangles, swept, origins, frames, turns, known=there, behind=behind)
+    there = touching_turns(caster, hand, origins, frames, turns, behind=behind)
+    coming = blocked_turns(
+        caster.triangles, swept, origins, frames, turns, known=there, behind=behind
+    )
     fits, free = ~there.all(axis=1), ~coming.all(axis=1)
     best = np.where(free, _roomiest(coming), _roomiest(there))
     turn = turns[best][:, None]
@@ -85,13 +87,41 @@ def first_approaches(axes: Floats) -> Floats:
     return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
 
 
-def swallowed(
+def touching_turns(
+    caster: RayCaster,
+    parts: Sequence[Part],
+    origins: Floats,
+    frames: Floats,
+    turns: Floats = STRAIGHT,
+    *,
+    known: Flags | None = None,
+    behind: Floats | None = None,
+) -> Flags:
+    """In which poses a part of a hand shares a point with the object, surface or inside: (n, k).
+
+    Args:
+        caster: Ray caster of the object, closed, metres.
+        parts: As of `blocked_turns`, and so are all others.
+        origins: (n, 3).
+        frames: (n, 3, 3).
+        turns: (k,).
+        known: (n, k).
+        behind: (n,).
+    """
+    inside = _swallowed(caster, parts, origins, frames, turns, behind)
+    known = inside if known is None else inside | known
+    return blocked_turns(
+        caster.triangles, parts, origins, frames, turns, known=known, behind=behind
+    )
+
+
+def _swallowed(
     caster: RayCaster,
     hand: Sequence[Part],
     origins: Floats,
     frames: Floats,
     turns: Floats,
-    behind: Floats | None = None,
+    behind: Floats | None,
 ) -> Flags:
     """In which poses a part of the hand has its middle in the object: (n, k).
 

@@ -4,12 +4,9 @@ import numpy as np
 
 from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
-from egad.grasps.approach import swallowed
-from egad.grasps.collision import blocked_turns
+from egad.grasps.approach import touching_turns
 from egad.grasps.sampler import ContactPairs
 from egad.grippers import CLEARANCE, FINGERS, FIRST_FINGER, SECOND_FINGER, ModelBody
-
-STRAIGHT = np.zeros(1)
 
 
 def needed_openings_of_model(
@@ -43,9 +40,8 @@ def needed_openings_of_model(
             continue
         parts = body.at(int(level), bodies=FINGERS)
         behind = body.reach(grasps.widths[rows]) - body.reach(np.array([opening]))
-        where = grasps.centers[rows], frames[rows], STRAIGHT
-        inside = swallowed(caster, parts, *where, behind)
-        blocked = blocked_turns(caster.triangles, parts, *where, known=inside, behind=behind)
+        where = grasps.centers[rows], frames[rows]
+        blocked = touching_turns(caster, parts, *where, behind=behind)
         needed[rows[~blocked[:, 0]]] = opening
     return needed
 
@@ -87,10 +83,9 @@ def _blocked(
     frames = _frames(chosen, approaches[rows])
     clearance = {"clearance": 0.0} if side == SECOND_FINGER else {}
     aside = body.aside(chosen.widths, body.model.openings[[level]], **clearance)
-    where = chosen.centers + aside[:, None] * chosen.axes, frames, STRAIGHT
+    origins = chosen.centers + aside[:, None] * chosen.axes
     parts = body.at(level, bodies=(side,))
-    inside = swallowed(caster, parts, *where)
-    return np.asarray(blocked_turns(caster.triangles, parts, *where, known=inside)[:, 0])
+    return np.asarray(touching_turns(caster, parts, origins, frames)[:, 0])
 
 
 def _frames(grasps: ContactPairs, approaches: Floats) -> Floats:

@@ -5,14 +5,11 @@ import pandas as pd
 
 from egad._util.arrays import Flags, Floats
 from egad.geometry import RayCaster
-from egad.grasps.approach import swallowed
-from egad.grasps.collision import blocked_turns
+from egad.grasps.approach import touching_turns
 from egad.grasps.opening import needed_openings
 from egad.grasps.sampler import ContactPairs
-from egad.grippers import HandBody, Part
+from egad.grippers import HandBody
 from egad.tables.columns import vector_names
-
-STRAIGHT = np.zeros(1)  # the only turn about the closing axis
 
 
 def label_poses(
@@ -44,7 +41,8 @@ def label_poses(
     pairs = ContactPairs(points, np.stack(ends, axis=1), axes)
     behind = body.reach(widths) - body.reach(np.array([opening]))
     there, coming = (
-        _blocked(caster, body.parts(back), centers, frames, behind) for back in (0, way)
+        touching_turns(caster, body.parts(back), centers, frames, behind=behind)[:, 0]
+        for back in (0, way)
     )
     return posed_table(
         centers,
@@ -110,14 +108,3 @@ def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float)
     hits = caster.first_hits(centers + reach * outwards, -outwards)
     met = hits.entering & (hits.distances < 2 * reach)
     return np.where(met[:, None], hits.normals, np.nan)
-
-
-def _blocked(
-    caster: RayCaster, parts: list[Part], centers: Floats, frames: Floats, behind: Floats
-) -> Flags:
-    """(n,) whether parts of a hand touch the object."""
-    inside = swallowed(caster, parts, centers, frames, STRAIGHT, behind)
-    touching = blocked_turns(
-        caster.triangles, parts, centers, frames, STRAIGHT, known=inside, behind=behind
-    )
-    return np.asarray(touching[:, 0])

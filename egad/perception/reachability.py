@@ -12,14 +12,12 @@ from egad.grasps import (
     FIXED_SIDE_CLEARANCE,
     LEAST_BITE,
     TABLE_CLEARANCE,
-    blocked_turns,
     first_approaches,
     roomy,
-    swallowed,
+    touching_turns,
 )
 from egad.grippers import HandBody, finger_span
 
-STRAIGHT = np.zeros(1)
 GAP = 1e-5  # metres; by how much nearer than the contact something else must be to be in the way
 
 
@@ -98,8 +96,5 @@ def _touching(
         if not len(rows):
             continue
         moved = origins[rows] + np.einsum("ni,nij->nj", shifts, frames[rows])
-        known = result[rows] | swallowed(scene, parts, moved, frames[rows], STRAIGHT)
-        result[rows] = blocked_turns(
-            scene.triangles, parts, moved, frames[rows], STRAIGHT, known=known
-        )
+        result[rows] = touching_turns(scene, parts, moved, frames[rows], known=result[rows])
     return result[:, 0]

@@ -12,7 +12,7 @@ from egad._util.arrays import Flags, Floats
 from egad._util.parameters import from_arguments
 from egad.errors import NoGraspError, UserError, most_common
 from egad.geometry import Material, RayCaster, box_sides, check_solid, mass_properties
-from egad.grasps import blocked_turns, hand_poses, swallowed, vectors
+from egad.grasps import hand_poses, touching_turns, vectors
 from egad.grippers import Part, SuctionCup
 from egad.random import generator
 from egad.suction.parameters import RobustSuction, SuctionSampling
@@ -138,11 +138,7 @@ def collision_free(
     way = _prism(cup.radius, top - cup.approach, top)
     stem = _prism(cup.stem_radius, top - cup.stem_length - cup.approach, top)
     behind = -np.where(np.abs(depths) <= cup.height, depths, 0.0)
-    straight = np.zeros(1)
-    inside = swallowed(caster, [way, stem], origins, frames, straight, behind)
-    touching = blocked_turns(
-        caster.triangles, [way, stem], origins, frames, straight, known=inside, behind=behind
-    )
+    touching = touching_turns(caster, [way, stem], origins, frames, behind=behind)
     return np.asarray(~touching[:, 0])
 
 

@@ -33,9 +33,22 @@ def solid(field, rules):
     return constraints.solid(field, 0.0, rules)
 
 
-def test_without_rules_a_solid_is_what_it_was():
-    for seed in range(10):
-        assert np.array_equal(solid(noise(seed), UNBOUND), voxels.solid(noise(seed), 0.0))
+def test_a_solid_has_no_thin_sheets_and_nothing_that_is_not_a_number():
+    field = np.full((9, 9, 9), -1.0, np.float32)
+    field[2:7, 2:7, 2:7] = 1.0
+    field[:, 8, :] = 1.0  # one voxel thin
+    field[0, 0, 0] = np.nan
+    found = solid(field, UNBOUND)
+    assert found[4, 4, 4]
+    assert not found[:, 8, :].any()
+
+
+def test_nothing_solid_is_rejected():
+    with pytest.raises(RejectedError, match="empty"):
+        solid(np.full((9, 9, 9), -1.0, np.float32), UNBOUND)
+
+
+def test_by_default_nothing_is_required_or_forbidden():
     default = rules()
     assert default.allowed is None
     assert default.required is None

@@ -42,19 +42,6 @@ def test_largest_body_keeps_the_bigger_one():
     assert not kept[0, 0, 0]
 
 
-def test_solid_drops_thin_sheets_and_nan():
-    field = np.where(box(np.s_[2:7, 2:7, 2:7]), 1.0, 0.0).astype(np.float32)
-    field[:, 8, :] = 1.0  # one voxel thin
-    field[0, 0, 0] = np.nan
-    result = voxels.solid(field, 0.5)
-    assert result[4, 4, 4]
-    assert not result[:, 8, :].any()
-
-
-def test_nothing_solid_gives_nothing():
-    assert not voxels.solid(np.zeros((9, 9, 9), np.float32), 0.5).any()
-
-
 @pytest.mark.parametrize("size", [8, 9, 25])
 def test_pack_round_trip(size):
     solid = np.random.default_rng(size).random((size,) * 3) < 0.5
