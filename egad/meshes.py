@@ -5,7 +5,7 @@ from pathlib import Path
 import trimesh
 from numpy.typing import ArrayLike
 
-from egad._util.arguments import check_array, check_number
+from egad._util.arguments import check_array, check_positive
 from egad._util.arrays import Floats
 from egad._util.files import as_path
 from egad._util.parameters import MAX_SIDE_FRACTION, from_arguments
@@ -86,7 +86,7 @@ def rescale(
         UnitsWarning: The size of the mesh suggests another unit than the metre.
     """
     check_units(mesh)
-    fraction = check_number("side_fraction", side_fraction, above=0, most=MAX_SIDE_FRACTION)
+    fraction = check_positive("side_fraction", side_fraction, MAX_SIDE_FRACTION)
     scaled, row = scaling.rescale(mesh, rule, as_gripper(gripper).opening, fraction)
     return scaled, row["factor"]
 

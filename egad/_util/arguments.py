@@ -10,13 +10,12 @@ from egad._util.arrays import Floats
 from egad.errors import UserError
 
 
-def check_number(name: str, given: object, *, above: float, most: float = math.inf) -> float:
-    """A finite number within bounds.
+def check_positive(name: str, given: object, most: float = math.inf) -> float:
+    """A finite number above 0.
 
     Args:
         name: What the argument is called.
         given: What was passed: a number of Python or numpy, no text.
-        above: It must be greater than this.
         most: The largest value allowed.
 
     Raises:
@@ -26,11 +25,11 @@ def check_number(name: str, given: object, *, above: float, most: float = math.i
     if isinstance(given, SupportsFloat) and not isinstance(given, bool):
         with suppress(TypeError, ValueError):  # of arrays
             number = float(given)
-    if not (above < number <= most and math.isfinite(number)):
+    if not (0 < number <= most and math.isfinite(number)):
         kind, limit = "a number", f", at most {most:g}"
         if math.isinf(most):
             kind, limit = "a finite number", ""
-        raise UserError(f"{name} is {given!r}; allowed: {kind}, above {above:g}{limit}")
+        raise UserError(f"{name} is {given!r}; allowed: {kind}, above 0{limit}")
     return number
 
 

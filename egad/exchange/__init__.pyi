@@ -15,7 +15,6 @@ from .objects.simulation import read_simulation_object as read_simulation_object
 from .objects.simulation import write_simulation_object as write_simulation_object
 from .parameters import Acronym as Acronym
 from .parameters import DexNet as DexNet
-from .parameters import DexNetDatabase as DexNetDatabase
 from .parameters import NamedGripper as NamedGripper
 from .registry import ALL as ALL
 from .registry import EVALUATION_SET as EVALUATION_SET

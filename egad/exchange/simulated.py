@@ -29,5 +29,5 @@ def check_simulated(grasps: Path) -> None:
 
 def simulated_by_object(grasps: Path) -> Iterator[tuple[str, pd.DataFrame]]:
     """The grasps of one object after the other, with progress: see `by_object`."""
-    labels = {label for rows in parquet.batches(grasps, ["label"]) for label in rows["label"]}
+    labels = parquet.distinct(grasps, "label")
     return progress(by_object(grasps, COLUMNS), "writing grasps", len(labels))

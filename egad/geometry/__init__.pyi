@@ -1,11 +1,9 @@
-from .checks import USUAL_SIDES as USUAL_SIDES
 from .checks import DroppedBodiesWarning as DroppedBodiesWarning
 from .checks import ScaleWarning as ScaleWarning
 from .checks import check_mesh as check_mesh
 from .checks import check_solid as check_solid
 from .checks import check_surface as check_surface
 from .checks import check_units as check_units
-from .checks import has_usual_size as has_usual_size
 from .checks import units_doubt as units_doubt
 from .checks import warn_user as warn_user
 from .coacd import coacd_parts as coacd_parts

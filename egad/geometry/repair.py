@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from egad._util.arguments import check_number
+from egad._util.arguments import check_positive
 from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
 from egad.errors import RejectedError, check_name
@@ -225,7 +225,7 @@ def dropped_text(bodies: int, volume: float) -> str:
 def _check_options(open_surfaces: str, thickness: float) -> None:
     allowed = get_args(OpenSurfaces)
     check_name("open_surfaces", open_surfaces, allowed)
-    check_number("thickness", thickness, above=0)
+    check_positive("thickness", thickness)
 
 
 def _is_sound(mesh: trimesh.Trimesh) -> bool:

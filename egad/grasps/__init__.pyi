@@ -40,9 +40,7 @@ from .sampler import join as join
 from .sampler import sample_contacts as sample_contacts
 from .sampler import valid_contacts as valid_contacts
 from .simulated import FREE as FREE
-from .simulated import SHAKEN_AND_HELD as SHAKEN_AND_HELD
 from .simulated import TABLE as TABLE
-from .simulated import SuccessRate as SuccessRate
 from .simulated import antipodal_success_rates as antipodal_success_rates
 from .simulated import held_when_shaken as held_when_shaken
 from .simulated import naive_success_rates as naive_success_rates

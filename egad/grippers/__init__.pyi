@@ -24,7 +24,6 @@ from .parameters import PADS as PADS
 from .parameters import SIZES as SIZES
 from .parameters import SUCTION as SUCTION
 from .parameters import Gripper as Gripper
-from .parameters import Pad as Pad
 from .robot import base_link as base_link
 from .robot import base_pose as base_pose
 from .robot import files_of as files_of

@@ -9,7 +9,6 @@ the opening, and faces of a jaw that turns are parallel at one opening only.
 
 from typing import NamedTuple
 
-import mujoco
 import numpy as np
 import trimesh
 
@@ -17,10 +16,11 @@ from egad._util.arrays import Floats
 from egad.errors import RejectedError, UserError
 from egad.geometry import RayCaster, decompose, is_solid, joined, to_mesh, to_solid
 from egad.grippers.jaw_faces import Facing, find_facing, solids_of
+from egad.grippers.links import link_joint
 from egad.grippers.mechanism import Mechanism
-from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink, LinkJoint
+from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink
 from egad.grippers.stroke import LARGEST_OPENING, LEAST_OPENING, LEVELS
-from egad.grippers.tree import body_name, joint_name
+from egad.grippers.tree import body_name
 
 GRID = 5e-4  # metres, between points of a jaw's face
 BREADTH = (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)  # metres from the middle of a jaw's breadth
@@ -368,10 +368,8 @@ def jaw_links(
 
 def _moving_link(jaws: JawSolids) -> HandLink:
     model, body = jaws.mechanism.model, jaws.body
-    joint = int(model.body_jntadr[body])
-    rest = jaws.positions(float(model.qpos0[model.jnt_qposadr[joint]]))
-    turns, places = jaws.mechanism.placement(rest)
-    slides = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    joint = link_joint(model, body)
+    turns, places = jaws.mechanism.placement(jaws.positions(joint.zero if joint else 0.0))
     place = np.eye(4)
     place[:3, :3], place[:3, 3] = turns[body], places[body]
     return HandLink(
@@ -381,13 +379,7 @@ def _moving_link(jaws: JawSolids) -> HandLink:
         mass=float(model.body_mass[body]),
         carrier=0,
         place=place,
-        joint=LinkJoint(
-            joint_name(model, joint),
-            "prismatic" if slides else "revolute",
-            np.array(model.jnt_axis[joint]),
-            np.array(model.jnt_pos[joint]),
-            float(model.qpos0[model.jnt_qposadr[joint]]),
-        ),
+        joint=joint,
     )
 
 

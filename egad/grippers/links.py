@@ -43,11 +43,16 @@ def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides)
         mass=float(model.body_mass[body]),
         carrier=bodies.index(carrier) if moves else -1,
         place=place,
-        joint=_link_joint(model, body) if moves else None,
+        joint=link_joint(model, body) if moves else None,
     )
 
 
-def _link_joint(model: mujoco.MjModel, body: int) -> LinkJoint | None:
+def link_joint(model: mujoco.MjModel, body: int) -> LinkJoint | None:
+    """The joint by which a link moves; None if it does not.
+
+    Raises:
+        UserError: It has more than one.
+    """
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
     if count == 0:
         return None

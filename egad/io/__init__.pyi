@@ -11,7 +11,6 @@ from .frames import write_matrix as write_matrix
 from .glb import GREY_LINEAR as GREY_LINEAR
 from .glb import ROUGHNESS as ROUGHNESS
 from .glb import write_glb as write_glb
-from .gltf import TO_Y_UP as TO_Y_UP
 from .mesh import ENDINGS as ENDINGS
 from .mesh import WRITERS as WRITERS
 from .mesh import check_unit_known as check_unit_known
@@ -31,5 +30,4 @@ from .sums import missing_files as missing_files
 from .sums import read_sums as read_sums
 from .sums import sums_path as sums_path
 from .sums import write_sums as write_sums
-from .units import ALLOWED as ALLOWED
 from .units import METRES as METRES

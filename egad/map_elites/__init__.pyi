@@ -14,6 +14,4 @@ from .island import evolve as evolve
 from .parameters import Evolution as Evolution
 from .parameters import EvolutionParameters as EvolutionParameters
 from .rules import rules_of as rules_of
-from .variation import Offspring as Offspring
-from .variation import Parent as Parent
 from .variation import breed as breed

@@ -5,7 +5,6 @@ from .contents import ABSTRACT as ABSTRACT
 from .contents import OTHER_FILES as OTHER_FILES
 from .contents import TABLES as TABLES
 from .croissant import Files as Files
-from .croissant import Table as Table
 from .croissant import croissant_json as croissant_json
 from .dataset_card import LICENSE_URL as LICENSE_URL
 from .dataset_card import PAPER as PAPER

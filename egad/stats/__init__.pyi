@@ -8,7 +8,6 @@ from .paired import Comparison as Comparison
 from .paired import NothingInCommonError as NothingInCommonError
 from .paired import boschloo as boschloo
 from .paired import compare as compare
-from .paired import sign_flip as sign_flip
 from .power import ObjectRates as ObjectRates
 from .power import Plan as Plan
 from .power import fit_object_rates as fit_object_rates
@@ -19,7 +18,6 @@ from .ranking import Lead as Lead
 from .ranking import Ranks as Ranks
 from .ranking import leads as leads
 from .ranking import ranks as ranks
-from .rate_tables import object_rates as object_rates
 from .rate_tables import read_rates as read_rates
 from .rates import Interval as Interval
 from .rates import Mean as Mean

@@ -110,7 +110,7 @@ def compare_clearing(first: pd.DataFrame, second: pd.DataFrame) -> list[Clearing
     return found
 
 
-def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame, thirds: int = 3) -> pd.DataFrame:
+def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame) -> pd.DataFrame:
     """Successes, attempts and presences by thirds of the objects by complexity and by difficulty.
 
     A detector may avoid objects that it cannot grasp. So look at `present`, too, in how many rounds
@@ -119,7 +119,6 @@ def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame, thirds: int = 3) -
     Args:
         table: Columns of `tables.clutter.CLUTTER`.
         objects: Columns `id`, `complexity`, `graspability` of all objects.
-        thirds: How many bands.
 
     Returns:
         Columns axis (`complexity`, `difficulty`), band (1 is the simplest or the easiest),
@@ -131,9 +130,9 @@ def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame, thirds: int = 3) -
     found = []
     for axis, measure in (("complexity", "complexity"), ("difficulty", "graspability")):
         rank = objects.set_index("id")[measure].rank(pct=True, ascending=axis == "complexity")
-        band = np.ceil(rank.reindex(tried["id"]).to_numpy() * thirds)
-        band_there = np.ceil(rank.reindex(there).to_numpy() * thirds)
-        for number in range(1, thirds + 1):
+        band = np.ceil(rank.reindex(tried["id"]).to_numpy() * 3)
+        band_there = np.ceil(rank.reindex(there).to_numpy() * 3)
+        for number in (1, 2, 3):
             rows = tried[band == number]
             present = int((band_there == number).sum())
             found.append((axis, number, int(rows["success"].sum()), len(rows), present))

@@ -35,10 +35,8 @@ def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:
     return float(found.low), float(found.high)
 
 
-def bootstrap(
-    statistic: Callable[[NDArray[np.int64]], Floats], count: int, confidence: float = 0.95
-) -> Interval:
-    """Interval of a statistic of objects, had others of their kind been taken in their place.
+def bootstrap(statistic: Callable[[NDArray[np.int64]], Floats], count: int) -> Interval:
+    """The 95 % interval of a statistic of objects, had others of their kind been taken.
 
     Objects are drawn with replacement, 10,000 times, with chance that is always the same. Of what
     comes out, the percentiles are those that make up for the few objects: widened as Student's t
@@ -49,7 +47,6 @@ def bootstrap(
         statistic: From (draws, n) indices of the objects drawn to (draws,) values; NaN where a
             draw has none.
         count: Objects, n.
-        confidence: Level of the two-sided interval, 0 to 1.
 
     Returns:
         Lower and upper end; NaN if there are less than two objects, or no values.
@@ -59,14 +56,14 @@ def bootstrap(
     values = statistic(generator(0, "bootstrap").integers(count, size=(DRAWS, count)))
     if np.isnan(values).all():
         return np.nan, np.nan
-    far = expanded_quantile(count, confidence)
+    far = expanded_quantile(count)
     ends: Floats = np.nanquantile(values, scipy.stats.norm.cdf(np.array([-far, far])))
     return float(ends[0]), float(ends[1])
 
 
-def expanded_quantile(count: int, confidence: float = 0.95) -> float:
-    """The two-sided normal quantile, further out for few objects; see `bootstrap`."""
-    student = scipy.stats.t.ppf((1 + confidence) / 2, count - 1)
+def expanded_quantile(count: int) -> float:
+    """The two-sided normal quantile of 95 %, further out for few objects; see `bootstrap`."""
+    student = scipy.stats.t.ppf(0.975, count - 1)
     return float(np.sqrt(count / (count - 1)) * student)
 
 
@@ -283,9 +280,13 @@ def trend(values: Floats, rates: Floats) -> Trend:
 
 def rank_correlation(x: Floats, y: Floats) -> Floats:
     """Rank correlation of each row of x with that of y, (draws,); NaN if either is constant."""
+    return correlation(*(scipy.stats.rankdata(values, axis=1) for values in (x, y)))
+
+
+def correlation(x: Floats, y: Floats) -> Floats:
+    """Pearson correlation of each row of x with that of y, (draws,); NaN if either is constant."""
     if x.shape[1] < 2:
         return np.full(len(x), np.nan)
     with warnings.catch_warnings(action="ignore", category=scipy.stats.ConstantInputWarning):
-        ranks = (scipy.stats.rankdata(values, axis=1) for values in (x, y))
-        found: Floats = scipy.stats.pearsonr(*ranks, axis=1).statistic
+        found: Floats = scipy.stats.pearsonr(x, y, axis=1).statistic
     return found

@@ -138,12 +138,13 @@ class Bin:
     rate: Rate
 
 
-def reliability(trials: pd.DataFrame, bins: int = BINS) -> list[Bin]:
+def reliability(trials: pd.DataFrame) -> list[Bin]:
     """Success rates of attempts, binned by the quality that the detector gave.
+
+    There are at most ten bins with about as many attempts each; equal qualities stay together.
 
     Args:
         trials: Columns quality and success; attempts without a quality are left out.
-        bins: Most bins. Each holds about as many attempts; equal qualities stay together.
 
     Returns:
         From low to high quality; empty if no attempt has a quality.
@@ -152,8 +153,8 @@ def reliability(trials: pd.DataFrame, bins: int = BINS) -> list[Bin]:
     if len(quality) == 0:
         return []
     edges = np.unique(quality)[1:]
-    if len(edges) >= bins:
-        edges = np.unique(np.quantile(quality, np.linspace(0, 1, bins + 1)[1:-1]))
+    if len(edges) >= BINS:
+        edges = np.unique(np.quantile(quality, np.linspace(0, 1, BINS + 1)[1:-1]))
     number = np.searchsorted(edges, quality, side="right")
     return [
         Bin(float(quality[chosen].mean()), Rate(int(success[chosen].sum()), int(chosen.sum())))

@@ -1,18 +1,16 @@
 """Simulated against real success rates: object by object, and detector by detector."""
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import scipy  # scipy.stats is loaded when it is used
 
 from egad._util.arrays import Floats, Ints
 from egad.stats.paired import NothingInCommonError
 from egad.stats.prediction_powered import MIN_OBJECTS, PredictedRate, prediction_powered_rate
-from egad.stats.rates import bootstrap, rank_correlation
+from egad.stats.rates import bootstrap, correlation, rank_correlation
 
 CHUNK = 4_000_000  # pairs of rates that are compared at once
 FEW_DETECTORS = 5  # correlations of less say nearly nothing
@@ -207,7 +205,7 @@ def _agreement(
         real=float(real.mean()),
         difference=estimate(lambda sim, rob: (rob - sim).mean(axis=1)),
         spearman=estimate(rank_correlation),
-        pearson=estimate(_correlation),
+        pearson=estimate(correlation),
         mmrv=estimate(mmrv),
         limit=limit,
     )
@@ -246,15 +244,6 @@ def _violations(simulated: Floats, real: Floats) -> Floats:
     gaps = np.abs(real[:, :, None] - real[:, None, :])
     worst: Floats = np.where(orders[0] != orders[1], gaps, 0.0).max(axis=2).mean(axis=1)
     return worst
-
-
-def _correlation(x: Floats, y: Floats) -> Floats:
-    """Pearson correlation of each row of x with that of y; NaN if either is constant."""
-    if x.shape[1] < 2:
-        return np.full(len(x), np.nan)
-    with warnings.catch_warnings(action="ignore", category=scipy.stats.ConstantInputWarning):
-        found: Floats = scipy.stats.pearsonr(x, y, axis=1).statistic
-    return found
 
 
 def _reliability(table: pd.DataFrame) -> float:

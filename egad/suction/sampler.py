@@ -7,7 +7,7 @@ import pandas as pd
 import trimesh
 from numpy.typing import ArrayLike
 
-from egad._util.arguments import check_array, check_number
+from egad._util.arguments import check_array, check_positive
 from egad._util.arrays import Flags, Floats
 from egad._util.parameters import from_arguments
 from egad.errors import NoGraspError, UserError, most_common
@@ -72,8 +72,8 @@ def sample_suction(
     """
     check_solid(mesh)
     settings = from_arguments(SuctionSampling, seed=seed, n=n)
-    solid = mass_properties(mesh, check_number("density", density, above=0))
-    heavy = solid.mass if mass is None else check_number("mass", mass, above=0)
+    solid = mass_properties(mesh, check_positive("density", density))
+    heavy = solid.mass if mass is None else check_positive("mass", mass)
     com = solid.com if center_of_mass is None else _vector("center_of_mass", center_of_mass)
     caster = RayCaster(mesh)
     origins, frames = _candidates(caster, settings)

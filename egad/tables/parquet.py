@@ -25,6 +25,7 @@ __all__ = [
     "batches",
     "check_columns",
     "columns",
+    "distinct",
     "empty",
     "notes",
     "origin_of",
@@ -206,3 +207,8 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
             yield frame
     except DAMAGED as error:
         raise unreadable(path, error) from error
+
+
+def distinct(path: Path, name: str) -> set[Any]:
+    """The different values of a column of a table; raises as `batches`."""
+    return {value for rows in batches(path, [name]) for value in rows[name]}

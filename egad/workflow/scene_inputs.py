@@ -67,14 +67,14 @@ def read_plan(
     """
     table = parquet.read(objects, OBJECTS)[["id", "label"]]
     lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
-    held_out = _names(evaluation, "id") if evaluation else set()
+    held_out = parquet.distinct(evaluation, "id") if evaluation else set()
     splits = split_objects(table["id"].tolist(), lineage, held_out, settings)
     if len(table) and not splits.split_of:
         raise UserError(
             f"{objects}: all {len(table)} objects are in the evaluation set, or are parents or "
             "children of objects in it; set scenes.hold_out: false"
         )
-    scaled, simulated = _names(scales, "label"), _names(convex_parts, "label")
+    scaled, simulated = parquet.distinct(scales, "label"), parquet.distinct(convex_parts, "label")
     reasons = {
         row["id"]: "it could not be scaled to the gripper"
         if row["label"] not in scaled
@@ -122,7 +122,3 @@ class StoredModels:
         label = self._labels[name]
         mesh = read_mesh(self._meshes / f"{label}.obj", "m")
         return model_at_size(mesh, read_parts(self._parts[label]), 1.0, self._density)
-
-
-def _names(path: Path, column: str) -> set[str]:
-    return {name for rows in parquet.batches(path, [column]) for name in rows[column]}

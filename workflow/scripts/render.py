@@ -131,8 +131,8 @@ def planned(
             else "render.hold_out is false: no evaluation set must be given"
         )
     table = parquet.read(objects, OBJECTS)[["id", "label", "complexity"]]
-    scaled = _names(meshes / "scales.parquet", "label")
-    held_out = _names(evaluation, "id") if evaluation else set()
+    scaled = parquet.distinct(meshes / "scales.parquet", "label")
+    held_out = parquet.distinct(evaluation, "id") if evaluation else set()
     known = table[table["label"].isin(scaled)]
     return shares(known, held_out, settings.render, settings.seed)
 
@@ -231,10 +231,6 @@ class Studio:
         rows = self._parts.get(label)
         parts = () if rows is None else read_parts(rows)
         return KnownObject(self._ids[label], mesh, parts)
-
-
-def _names(path: Path, column: str) -> set[str]:
-    return {name for rows in parquet.batches(path, [column]) for name in rows[column]}
 
 
 if __name__ == "__main__":

@@ -68,7 +68,7 @@ def run(
         TableError: The table is damaged, or is not one of grasps.
     """
     check_names(dataset, gripper, grasps)
-    homes, labels = _homes(parts, (dataset / "parts").resolve()), _labels(grasps)
+    homes, labels = _homes(parts, (dataset / "parts").resolve()), parquet.distinct(grasps, "label")
     if lost := sorted(labels - homes.keys()):
         raise UserError(f"{grasps}: object {lost[0]!r} is not among the written objects")
     found = by_object(grasps, COLUMNS)
@@ -116,11 +116,6 @@ def _keys(part: Path, ours: bool) -> list[str]:
             f"{part}: truncated or damaged ({error.reason}); it was removed, and the next run of "
             "snakemake makes it anew"
         ) from error
-
-
-def _labels(grasps: Path) -> set[str]:
-    """The objects that have grasps."""
-    return {label for rows in parquet.batches(grasps, ["label"]) for label in rows["label"]}
 
 
 def _grasps(

@@ -139,7 +139,7 @@ def run(settings: GripperFormat, gripper: str, meshes: Path, grasps: Path, out: 
     name = check_key(gripper, "gripper")
     with new_folder(out) as folder:
         start_suction(folder, name, cup)
-        labels = {label for rows in parquet.batches(grasps, ["label"]) for label in rows["label"]}
+        labels = parquet.distinct(grasps, "label")
         found = progress(by_object(grasps, COLUMNS), "writing grasps", len(labels))
         for label, rows in found:
             file = f"{check_key(label)}.obj"
