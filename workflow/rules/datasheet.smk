@@ -43,6 +43,7 @@ rule datasheet:
         settings=settings_of(DataSheets),
         grippers=SETTINGS.targets.grippers,
         out=subpath(output.page, parent=True),
+        introduction="",
         code=code_of("datasheet"),
     message:
         "Writing the datasheet of {wildcards.dataset}"
