@@ -8,10 +8,10 @@ axis, in [-pi/2, pi/2); the opening along that axis and the breadth of the jaws 
 from typing import Any, NamedTuple
 
 import numpy as np
+from manifold3d import CrossSection
 from numpy.typing import NDArray
 
 from egad._util.arrays import Flags, Floats, Ints
-from egad._util.kernels import kernel
 from egad.grasps import roomy
 from egad.grippers import Gripper
 from egad.perception.arrangement import TableGrasps
@@ -111,55 +111,11 @@ def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
     return any(overlap(np.append(proposed, row[4]), row) > LEAST_OVERLAP for row in near)
 
 
-@kernel()
 def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Intersection over union of two rectangles (5,), exact; 0 if one has no area."""
-    area = one[3] * one[4]
-    other_area = other[3] * other[4]
-    if area <= 0 or other_area <= 0:
-        return 0.0
-    # In the frame of the other, the four half-planes that it is made of are |x| < w, |y| < h.
-    turn = one[2] - other[2]
-    across_u, across_v = one[0] - other[0], one[1] - other[1]
-    cosine, sine = np.cos(other[2]), np.sin(other[2])
-    x, y = cosine * across_u - sine * across_v, -sine * across_u - cosine * across_v
-    corners = np.empty((4, 2))
-    for k in range(4):
-        along = one[3] / 2 * (1 if k in (0, 3) else -1)
-        aside = one[4] / 2 * (1 if k < 2 else -1)
-        corners[k, 0] = x + np.cos(turn) * along - np.sin(turn) * aside
-        corners[k, 1] = y + np.sin(turn) * along + np.cos(turn) * aside
-    for axis, limit in ((0, other[3] / 2), (1, other[4] / 2)):
-        for sign in (1.0, -1.0):
-            corners = _clipped(corners, axis, sign, limit)
-    common = _area(corners)
-    result: float = common / (area + other_area - common)
-    return result
-
-
-@kernel()
-def _clipped(
-    corners: NDArray[np.float64], axis: int, sign: float, limit: float
-) -> NDArray[np.float64]:
-    """The part of a convex polygon (n, 2) where sign * coordinate <= limit."""
-    kept = np.empty((2 * len(corners), 2))
-    count = 0
-    for k in range(len(corners)):
-        here, there = corners[k], corners[(k + 1) % len(corners)]
-        inside, outside = limit - sign * here[axis], limit - sign * there[axis]
-        if inside >= 0:
-            kept[count] = here
-            count += 1
-        if inside * outside < 0:
-            kept[count] = here + (there - here) * (inside / (inside - outside))
-            count += 1
-    return kept[:count]
-
-
-@kernel()
-def _area(corners: NDArray[np.float64]) -> float:
-    total = 0.0
-    for k in range(len(corners)):
-        here, there = corners[k], corners[(k + 1) % len(corners)]
-        total += here[0] * there[1] - here[1] * there[0]
-    return abs(total) / 2
+    """Intersection over union of two rectangles (5,); 0 if they have no area in common."""
+    first, second = (
+        CrossSection.square((opening, breadth), True).rotate(-np.degrees(angle)).translate((u, v))
+        for u, v, angle, opening, breadth in (one, other)  # v points down
+    )
+    common: float = (first ^ second).area()
+    return common / (first.area() + second.area() - common) if common else 0.0
