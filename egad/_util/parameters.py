@@ -79,6 +79,32 @@ class Archived:
 SEARCH_ONLY = Archived(keys=frozenset())
 
 
+def by_name(what: str, known: Mapping[str, Parameters], given: object) -> object:
+    """The values of a name; of a section, lists as the tuples that they are in Python.
+
+    Args:
+        what: What the section is called.
+        known: What has a name, all of one kind.
+        given: A name, or a section.
+
+    Raises:
+        ValueError: There is no such name.
+    """
+    if not isinstance(given, str):
+        return _with_tuples(given)
+    if given not in known:
+        keys = ", ".join(type(next(iter(known.values()))).model_fields)
+        allowed = f"{', '.join(known)}, or a section with {keys}"
+        raise ValueError(f"{what} is {given!r}; allowed: {allowed}")
+    return known[given]
+
+
+def _with_tuples(given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
+    if isinstance(given, dict):
+        return {name: _with_tuples(each) for name, each in given.items()}
+    return tuple(map(_with_tuples, given)) if isinstance(given, list) else given
+
+
 def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)
     """Parameters from the arguments of a public function.
 

@@ -1,6 +1,7 @@
 """Settings of simulated grasping trials."""
 
 import importlib.util
+from functools import partial
 from typing import Annotated, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -13,6 +14,7 @@ from egad._util.parameters import (
     Range,
     Seed,
     UserParameters,
+    by_name,
 )
 from egad.errors import UserError, check_name
 from egad.grasps import Quality
@@ -126,21 +128,7 @@ NAMED_ERRORS = {
 }
 
 
-def _by_name(given: object) -> object:
-    """The errors of a name; of a section, lists as the tuples that they are in Python."""
-    if isinstance(given, dict):
-        return {
-            name: tuple(each) if isinstance(each, list) else each for name, each in given.items()
-        }
-    if not isinstance(given, str):
-        return given
-    if given not in NAMED_ERRORS:
-        known = f"{', '.join(NAMED_ERRORS)}, or a section with {', '.join(CellErrors.model_fields)}"
-        raise ValueError(f"errors is {given!r}; allowed: {known}")
-    return NAMED_ERRORS[given]
-
-
-Errors = Annotated[CellErrors, BeforeValidator(_by_name)]
+Errors = Annotated[CellErrors, BeforeValidator(partial(by_name, "errors", NAMED_ERRORS))]
 
 
 class TrialProtocol(Lifting):

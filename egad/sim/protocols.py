@@ -1,10 +1,11 @@
 """Rules by which tables are cleared, and those that published benchmarks use."""
 
-from typing import Annotated, Any, Literal, Self
+from functools import partial
+from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from egad._util.parameters import Length, Pixels, Range, UserParameters
+from egad._util.parameters import Length, Pixels, Range, UserParameters, by_name
 from egad.perception import NOISES, NoiseName
 
 # A Panda stops at about this contact force; lighter touches only push the object aside.
@@ -220,22 +221,6 @@ NAMED_PROTOCOLS = {
 }
 
 
-def _by_name(given: object) -> object:
-    """The rules of a name; of a section, lists as the tuples that they are in Python."""
-    if not isinstance(given, str):
-        return _with_tuples(given)
-    if given not in NAMED_PROTOCOLS:
-        known = f"{', '.join(NAMED_PROTOCOLS)}, or a section with "
-        raise ValueError(
-            f"protocol is {given!r}; allowed: {known}{', '.join(ClutterProtocol.model_fields)}"
-        )
-    return NAMED_PROTOCOLS[given]
-
-
-def _with_tuples(given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
-    if isinstance(given, dict):
-        return {name: _with_tuples(each) for name, each in given.items()}
-    return tuple(given) if isinstance(given, list) else given
-
-
-Protocol = Annotated[ClutterProtocol, BeforeValidator(_by_name)]
+Protocol = Annotated[
+    ClutterProtocol, BeforeValidator(partial(by_name, "protocol", NAMED_PROTOCOLS))
+]
