@@ -1,17 +1,26 @@
-"""Searches for failures that take seconds, and detectors for them."""
+"""Searches for failures that take seconds: coarse objects, and detectors for them."""
+
+from contextlib import contextmanager
+from functools import cache
 
 import numpy as np
+import pandas as pd
+import pytest
 
 from egad.config import Settings
 from egad.config.stages import DetectorFailures, select
+from egad.cppn import UNBOUND
 from egad.detectors import Grasp
-from egad.objects import load
+from egad.map_elites import evolution_parameters, express
+from egad.objects import dataset_of, load
+from egad.tables.evolution import GENOME
 
+SHAPE = load().shape.model_copy(update={"resolution": 10})
 FEW = {
-    "attempts": 30,
+    "attempts": 32,
     "engines": ["mujoco"],
     "screen": 1,
-    "choose": 2,
+    "choose": 1,
     "confirm": 4,
     "explain": 1,
     "least_reference": 0.5,
@@ -19,19 +28,39 @@ FEW = {
     "confidence": 0.3,
 }
 QUICK = {
-    "bundle": {"max_parts": 8, "deviation": 0.004},
+    "bundle": {"max_parts": 2, "deviation": 0.01, "volume_error": 0.5},
+    "print_check": {"wall": 0.003, "blunting": 0.01},
     "grasp_label": {"grasps": 20},
     "robust": {"samples": 5},
     "similarity": {"vertices": 1000, "base_count": 20},
+    "shape": SHAPE.model_dump(mode="json"),
 }
+
+
+@contextmanager
+def parts_kept(folder):
+    """Let convex parts be made once, and be kept in a folder, for as long as the block lasts."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("EGAD_CACHE_DIR", str(folder))
+        yield
+
+
+@cache
+def coarse_objects():
+    """The released objects of which something is left in coarse voxels, with their old measures."""
+    breeding = evolution_parameters(0).model_copy(update={"shape": SHAPE})
+    rows = []
+    for row in load().archive.to_dict("records"):
+        solid = express({name: row[name] for name in GENOME.names}, breeding, UNBOUND)
+        if not isinstance(solid, str):
+            rows.append(row | {"id": solid.id, "voxels": solid.packed})
+    return dataset_of(pd.DataFrame(rows).drop_duplicates("id", ignore_index=True), SHAPE)
 
 
 def settings_of(detector="random", **changes):
     """Settings of a small search with the panda, and others of its section."""
-    shape = load().shape.model_dump(mode="json")
     whole = {
         "failures": FEW | changes,
-        "shape": shape,
         "detectors": {"own": {"detector": detector}},
         **QUICK,
     }

@@ -5,10 +5,9 @@ import re
 import pytest
 import yaml
 from commands import egad
-from failure_searches import FEW, QUICK
+from failure_searches import FEW, QUICK, SHAPE, coarse_objects, parts_kept
 from partial_tables import write_rows
 
-from egad import load
 from egad.failures import FailureAtlas
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
@@ -24,6 +23,12 @@ def beside(view, gripper, rng):
 FAILING = "def failing(view, gripper, rng):\n    return 1 / 0\n"
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _parts_kept(tmp_path_factory):
+    with parts_kept(tmp_path_factory.mktemp("parts")):
+        yield
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """The current folder, with a detector, a configuration and few objects."""
@@ -31,8 +36,8 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "beside.py").write_text(OWN)
     (tmp_path / "failing.py").write_text(FAILING)
     (tmp_path / "few.yaml").write_text(yaml.safe_dump({"failures": FEW, **QUICK}))
-    notes = {"shape": load().shape.model_dump(mode="json")}
-    parquet.write(load().archive.iloc[::300], ARCHIVE, tmp_path / "few.parquet", notes)
+    notes = {"shape": SHAPE.model_dump(mode="json")}
+    parquet.write(coarse_objects().archive.iloc[::300], ARCHIVE, tmp_path / "few.parquet", notes)
     return tmp_path
 
 

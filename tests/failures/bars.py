@@ -9,6 +9,7 @@ from partial_tables import fill_columns
 from egad.cppn import packed_surface
 from egad.cppn.voxels import identity, pack
 from egad.detectors import Grasp, opened
+from egad.evalset import PrintCheck
 from egad.failures import Examination, FailureAtlas, FailureSearch
 from egad.failures.attempts import counts_of
 from egad.failures.defaults import failure_parameters
@@ -58,8 +59,11 @@ def name_of(bar):
 
 
 def settings():
-    search = FailureSearch(approach="above", engines=("mujoco",), screen=3, confirm=24)
-    return failure_parameters(gripper("panda"), search)
+    search = FailureSearch(
+        approach="above", engines=("mujoco",), screen=3, choose=4, confirm=8, confidence=0.6
+    )
+    found = failure_parameters(gripper("panda"), search)
+    return found.model_copy(update={"print_check": PrintCheck(wall=0.004)})
 
 
 def mesh_of(bar):

@@ -9,6 +9,7 @@ import trimesh
 import egad
 from egad.detectors import Grasp
 from egad.detectors.antipodal import antipodal_depth
+from egad.evalset import PrintCheck
 from egad.failures import FailureSearch, failure_parameters
 from egad.sim import ENGINES
 
@@ -52,7 +53,8 @@ def both(view, gripper, rng):
 def parameters(**search):
     """Settings of a quick search for failures from above."""
     found = FailureSearch(**{"approach": "above", "shards": 1, "engines": USED, **QUICK, **search})
-    return failure_parameters(PANDA, found)
+    settings = failure_parameters(PANDA, found)
+    return settings.model_copy(update={"print_check": PrintCheck(wall=0.003)})
 
 
 def rng():

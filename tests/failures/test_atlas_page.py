@@ -13,6 +13,7 @@ import egad
 from egad.cppn.voxels import pack
 from egad.detectors import DetectorConfig, Grasp
 from egad.errors import UserError
+from egad.failures import features
 from egad.failures.atlas import FailureAtlas
 from egad.failures.atlas_page import animation, film_rows, solved_objects, write_page
 from egad.failures.defaults import failure_parameters
@@ -30,10 +31,17 @@ def beside(_view, gripper, rng):
     return [Grasp((x, y, 0.01), 0.0, gripper.opening, 0.0, 1.0)]
 
 
+@pytest.fixture(autouse=True)
+def _rough_features(monkeypatch):
+    monkeypatch.setattr(features, "POINTS", 1000)
+
+
 @pytest.fixture(scope="module")
 def atlas():
     """Of two boxes; the second one and its twin count as solved, whatever came of them."""
-    search = FailureSearch(approach="above", confirm=12, confidence=0.5, choose=4, screen=4)
+    search = FailureSearch(
+        approach="above", engines=("mujoco",), confirm=6, confidence=0.5, choose=4, screen=4
+    )
     settings = failure_parameters(egad.gripper("panda"), search)
     rows, attempts = [], []
     for number, sides in enumerate([(8, 10, 14), (9, 9, 16)]):
@@ -79,7 +87,9 @@ def test_detectors_have_names():
     assert name_of(DetectorConfig(detector="random")) == "random"
 
 
-def test_a_page_needs_no_other_file(atlas, tmp_path):
+def test_a_page_needs_no_other_file(atlas, tmp_path, monkeypatch):
+    drawn = np.random.default_rng(0).integers(0, 255, (48, 64, 3), np.uint8)
+    monkeypatch.setattr("egad.sim.film.draw", lambda *_: drawn)
     path = tmp_path / "page.html"
     atlas.page(path, films=1)
     text = path.read_text(encoding="utf-8")

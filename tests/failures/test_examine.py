@@ -7,6 +7,7 @@ from failing import CUBE, beside, both, broken, nothing, parameters
 
 import egad
 from egad.detectors.antipodal import antipodal_depth
+from egad.evalset import PrintCheck
 from egad.failures.attempts import explanation, failed_drops, pairs_of
 from egad.failures.examine import Examination
 from egad.failures.verdict import ObjectVerdict
@@ -70,7 +71,9 @@ def test_what_cannot_be_printed_is_no_failure():
     thin = trimesh.creation.box((0.05, 0.05, 0.0008))
     post = trimesh.creation.box((0.03, 0.03, 0.04))
     post.apply_translation((0, 0, 0.02))
-    found = examined(trimesh.boolean.union([thin, post], engine="manifold"), beside)
+    plate = trimesh.boolean.union([thin, post], engine="manifold")
+    settings = SETTINGS.model_copy(update={"print_check": PrintCheck()})
+    found = examined(plate, beside, settings)
     assert found.verdict == ObjectVerdict.NOT_PRINTABLE
     assert "thinner than 1.2 mm" in found.reason
 

@@ -2,14 +2,15 @@
 
 import pandas as pd
 import pytest
-from failing import CUBE, QUICK, beside, both
+from failing import CUBE, QUICK, USED, beside, both
+from failure_searches import coarse_objects
 
 import egad
 from egad.detectors import IN_SCENES, DetectorConfig
 from egad.failures import FailureAtlas, FailureSearch, finding
 from egad.failures.examine import approach_of
 
-FEW = egad.load()[["C03_0", "H01_2", "E03_0", "G03_0"]]
+FEW = coarse_objects()[["C03_0", "H01_2", "E03_0", "G03_0"]]
 
 
 @pytest.fixture(autouse=True)
@@ -25,7 +26,8 @@ def quick(monkeypatch):
 
 
 def found(**options):
-    arguments = {"objects": FEW, "attempts": 25, "strategy": "screening"} | options
+    arguments = {"objects": FEW, "attempts": 13, "strategy": "screening", "engines": ["mujoco"]}
+    arguments |= options
     return egad.find_failures(arguments.pop("detector", beside), **arguments)
 
 
@@ -60,13 +62,14 @@ def test_it_does_not_depend_on_processes_nor_on_interruptions(tmp_path):
 
 
 def test_another_search_is_not_mixed_in(tmp_path):
-    found(out=tmp_path, attempts=1)
+    first = found(out=tmp_path, attempts=1, engines=None)
+    assert first.settings.failures.engines == USED
     with pytest.raises(egad.UserError, match="another folder"):
-        found(out=tmp_path, attempts=1, seed=1)
+        found(out=tmp_path, attempts=1, engines=None, seed=1)
 
 
 def test_the_parts_of_regret_are_kept_apart():
-    assert found(detector=both, attempts=15).table["n_not_chosen"].sum() > 0
+    assert found(detector=both, attempts=1).table["n_not_chosen"].sum() > 0
 
 
 @pytest.mark.parametrize(

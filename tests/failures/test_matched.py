@@ -71,7 +71,7 @@ def test_a_reference_made_of_attempts_gives_the_grasps_of_the_first_one(thin):
     """On the drops that confirmed the failure, to the last digit."""
     first = thin[thin["purpose"] == "confirm"].reset_index(drop=True)
     found = again("thin", "confirm", len(pairs_of(first, "mujoco")), thin)
-    assert len(first) > 20
+    assert len(first) >= 10
     pd.testing.assert_frame_equal(found[POSE].map(tuple_of), first[POSE].map(tuple_of))
 
 
@@ -199,12 +199,6 @@ def test_the_counts_are_those_of_drops_that_nothing_was_chosen_by(matched):
         assert not set(fresh["rest_x"]) & set(rows.loc[rows["purpose"] == "qualify", "rest_x"])
 
 
-def test_processes_change_nothing(failing, matched):
-    found = match_failures(failing, thick_only, pairs=2, attempts=5, objects=NONE, jobs=2)
-    pd.testing.assert_frame_equal(found.table, matched.table)
-    pd.testing.assert_frame_equal(found.attempts, matched.attempts)
-
-
 def without(atlas, *bars):
     """The atlas without some of the objects that the detector succeeds at."""
     gone = atlas.examined["id"].isin(list(map(name_of, bars)))
@@ -219,6 +213,13 @@ def test_a_failure_without_a_partner_is_left_out(failing):
     assert (len(found), found.unmatched) == (1, 1)
 
 
+def test_pairs_are_at_most_as_many_as_asked_for(failing):
+    """The worst failures; of equals the first one by its id."""
+    found = match_failures(failing, thick_only, pairs=1, attempts=1, objects=NONE)
+    assert found.table["id"][0] == min(name_of("thin"), name_of("flat"))
+    assert (len(found), found.unmatched) == (1, 0)
+
+
 def test_objects_that_the_search_did_not_try_may_become_partners(failing):
     """They are put into cells by their measures."""
     space = settings().breeding.space
@@ -231,9 +232,9 @@ def test_objects_that_the_search_did_not_try_may_become_partners(failing):
     )
     few = without(failing, "thick", "broad", "liar")
     few.attempts = few.attempts[few.attempts["id"] != name_of("broad")]
-    found = match_failures(few, thick_only, attempts=3, objects=objects)
+    found = match_failures(few, thick_only, attempts=1, objects=objects)
     assert found.table["id"].tolist()[1:] == [name_of("broad")]
-    assert found.table["detector_successes_mujoco"].tolist() == [0, 3]
+    assert found.table["detector_successes_mujoco"].tolist() == [0, 1]
 
 
 def test_a_partner_may_lie_farther_away_if_that_is_allowed(failing):
@@ -253,16 +254,16 @@ def test_a_partner_may_be_grasped_less_often_if_that_is_allowed(failing):
         x, y, z = grasp.center
         return [replace(grasp, center=(x + 0.2 * (rng.random() < 1 / 3), y, z))]
 
-    with pytest.raises(UserError, match="the detector succeeds in less than 80 %"):
-        match_failures(failing, luckless, attempts=12, objects=NONE)
-    found = match_failures(failing, luckless, attempts=12, succeeds=0.3, objects=NONE)
-    assert len(found) == 2
+    with pytest.raises(UserError, match="the detector succeeds in less than 100 %"):
+        match_failures(failing, luckless, pairs=1, attempts=6, succeeds=1, objects=NONE)
+    found = match_failures(failing, luckless, pairs=1, attempts=6, succeeds=0.3, objects=NONE)
+    assert len(found) == 1
     assert 0.3 < found.success_rate("mujoco", failures=False).value < 0.95
 
 
 def test_a_failure_is_left_out_after_some_objects_that_are_no_partners(failing, monkeypatch):
     monkeypatch.setattr("egad.failures.matching.PATIENCE", 1)
-    found = match_failures(failing, thick_only, attempts=3, objects=NONE)
+    found = match_failures(failing, thick_only, attempts=1, objects=NONE)
     assert (found.table["id"][0], found.unmatched) == (name_of("flat"), 1)
 
 

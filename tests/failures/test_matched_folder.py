@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+from contextlib import nullcontext
 
 import bars
 import pandas as pd
@@ -27,7 +28,7 @@ LABELS = ["A0", "A1", "B0", "B1"]
 @pytest.fixture(scope="module")
 def folder(matched, tmp_path_factory):
     out = tmp_path_factory.mktemp("matched") / "bars"
-    write_matched_set(Settings(), "panda", matched, "thick-only", out)
+    write_matched_set(Settings(), "panda", matched, "bars", out)
     return out
 
 
@@ -77,7 +78,7 @@ def test_the_bundle_has_all_objects(folder):
 
 def test_the_datasheet_says_how_often_each_was_held(folder):
     text = (folder / "eval49/README.md").read_text()
-    assert "Failures of the detector thick-only" in text
+    assert "Failures of the detector bars" in text
     lines = [line for line in text.splitlines() if re.match(r"\| [AB]\d \| [AB]\d ", line)]
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     assert [row[:2] for row in cells] == [["A0", "B0"], ["A1", "B1"], ["B0", "A0"], ["B1", "A1"]]
@@ -123,32 +124,32 @@ def test_a_detector_clears_tables_of_its_objects(folder, tmp_path):
     assert "outcomes:" in done.stdout
 
 
-def test_the_same_set_is_written_again_to_the_last_byte(folder, matched, tmp_path):
+def test_a_command_makes_it_of_an_atlas_with_several_processes_to_the_last_byte(
+    failing, folder, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("egad.failures.matched.load", lambda: bars.NONE)
+    monkeypatch.setattr("egad.provenance.record.recorded", lambda *_, **__: nullcontext())
+    monkeypatch.setenv("EGAD_CACHE_DIR", "off")  # convex parts are made again, too
+    failing.save(tmp_path / "atlas")
     out = tmp_path / "bars"
-    write_matched_set(Settings(), "panda", matched, "thick-only", out, jobs=2)
+
+    def command(*more):
+        given = ("--detector", f"{bars.__file__}:thick_only", "--out", out, "--jobs", 2)
+        return run("matched-set", tmp_path / "atlas", *given, *more)
+
+    done = command("--pairs", 2, "--attempts", 5)
+    assert done.returncode == 0, done.stderr
+    assert "MatchedSet(2 pairs; mujoco: detector 0 % at failures and 100 % at" in done.stdout
+    assert "fewer pairs" not in done.stdout
+    assert (out / "log.html").read_text().count("<figure>") == 4
+    manifest = parquet.read(out / "print/panda/manifest.parquet", MANIFEST)
+    assert manifest["file"].tolist() == [f"{label}_paper_80mm.stl" for label in LABELS]
+    (out / "log.html").unlink()  # written besides the set
     files = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     assert files == sorted(path.relative_to(out) for path in out.rglob("*") if path.is_file())
     assert [
         name for name in files if (folder / name).read_bytes() != (out / name).read_bytes()
     ] == []
-
-
-def test_a_command_makes_it_of_an_atlas(failing, tmp_path):
-    failing.save(tmp_path / "atlas")
-    out = tmp_path / "set"
-
-    def command(*more):
-        given = ("--detector", f"{bars.__file__}:thick_only", "--out", out, "--jobs", 1)
-        return run("matched-set", tmp_path / "atlas", *given, *more)
-
-    done = command("--pairs", 1, "--attempts", 2)
-    assert done.returncode == 0, done.stderr
-    assert "MatchedSet(1 pairs; mujoco: detector 0 % at failures and 100 % at" in done.stdout
-    assert "fewer pairs" not in done.stdout
-    assert (out / "log.html").read_text().count("<figure>") == 2
-    manifest = parquet.read(out / "print/panda/manifest.parquet", MANIFEST)
-    assert manifest["file"].tolist() == ["A0_paper_80mm.stl", "B0_paper_80mm.stl"]
-    assert "of the detector bars," in (out / "eval49/README.md").read_text()
     other = command("--gripper", "yumi")
     assert "found with another gripper" in other.stderr
     (out / "pairs.parquet").unlink()

@@ -5,21 +5,20 @@ import re
 
 import pandas as pd
 import pytest
-from failure_searches import Aside, failing, settings_of
+from failure_searches import Aside, coarse_objects, failing, settings_of
 
 from egad.detectors import DetectorConfig, OnlyFailuresError
 from egad.errors import UserError
 from egad.failures import FailureAtlas, finding, run_shard, search, search_failures
 from egad.failures.store import Store
-from egad.objects import load
 
 ONLY_FAILS = r"all \d+ attempts of the first 3 objects$"
 
 
 @pytest.fixture(scope="module")
 def objects():
-    """A few of the released ones."""
-    return load().archive.iloc[:400:10].reset_index(drop=True)
+    """A few of the coarse ones."""
+    return coarse_objects().archive.iloc[:400:10].reset_index(drop=True)
 
 
 @pytest.fixture(autouse=True)
@@ -49,6 +48,7 @@ def assert_same(one, other):
 def test_a_search_that_is_cut_off_goes_on_to_the_same_tables(whole, objects, tmp_path):
     assert len(whole.examined) >= 5
     assert whole.examined["shard"].nunique() == 2
+    assert "child" in set(whole.examined["source"])
     with pytest.raises(KeyboardInterrupt):
         search_failures(objects, Aside(last=7), settings_of(), folder=tmp_path)
     kept = Store(tmp_path, objects, Aside(), settings_of()).read(0)

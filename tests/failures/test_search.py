@@ -2,16 +2,18 @@
 
 import pandas as pd
 import pytest
-from failing import beside, broken, nothing, parameters
+from failing import beside, broken, nothing
+from failure_searches import coarse_objects, settings_of
 
 import egad
-from egad.failures.search import Found, Search, attempts_of, elite_of
+from egad.failures import search as stepwise
+from egad.failures.search import Search, attempts_of, elite_of, joined
 from egad.failures.verdict import ObjectVerdict
 from egad.tables import parquet
 from egad.tables.evolution import GENOME
 
-RELEASED = egad.load()
-FEW = RELEASED[["C03_0", "H01_2", "E03_0", "G03_0"]].archive
+OBJECTS = coarse_objects()
+FEW = OBJECTS[["C03_0", "H01_2", "E03_0", "G03_0"]].archive
 CELL = ["complexity_cell", "difficulty_cell"]
 
 
@@ -21,8 +23,8 @@ def run(settings, detect=beside, archive=FEW, before=None, shard=0):
     return [before, *search.steps()] if before else list(search.steps())
 
 
-def joined(found):
-    return Found(*(pd.concat(tables, ignore_index=True) for tables in zip(*found, strict=True)))
+def parameters(**search):
+    return settings_of(**{"shards": 1} | search)
 
 
 def same(first, second):
@@ -60,20 +62,21 @@ def test_attempts_end_a_search():
     assert found.examined["parents"].map(len).eq(0).all()
 
 
-def test_evolution_breeds_failures_and_is_the_same_after_an_interruption():
-    settings = parameters(strategy="evolution", attempts=70)
+def test_evolution_breeds_failures_and_is_the_same_after_an_interruption(monkeypatch):
+    monkeypatch.setattr(stepwise, "LITTER", 1)
+    settings = parameters(strategy="evolution", attempts=30)
     steps = run(settings)
     whole = joined(steps)
     children = whole.examined[whole.examined["source"] == "child"]
     failures = whole.examined[whole.examined["verdict"] == ObjectVerdict.FAILURE]
     assert len(children)
     assert set().union(*children["parents"]) <= set(failures["id"])
-    assert len(steps) > 1
-    same(joined(run(settings, before=joined(steps[:1]))), whole)
+    assert len(steps) > 3
+    same(joined(run(settings, before=joined(steps[:3]))), whole)
 
 
 def test_a_cell_full_of_failures_is_closed():
-    twins = RELEASED[["H01_2", "H01_0"]].archive
+    twins = OBJECTS[["H01_2", "H01_0"]].archive
     assert len(twins[CELL].drop_duplicates()) == 1
     settings = parameters(strategy="screening", elites_per_cell=1)
     found = joined(run(settings, archive=twins)).examined
@@ -105,6 +108,6 @@ def test_seeds_decide_the_order_of_the_archive():
     orders = []
     for seed in (0, 0, 1):
         settings = parameters().model_copy(update={"seed": seed})
-        search = Search(RELEASED.archive.iloc[:50], beside, settings)
+        search = Search(OBJECTS.archive.iloc[:50], beside, settings)
         orders.append([each.id for each in search._targets])
     assert orders[0] == orders[1] != orders[2]

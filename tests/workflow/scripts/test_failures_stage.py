@@ -5,7 +5,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import search_failures
-from failure_searches import FEW, QUICK, settings_of
+from failure_searches import FEW, QUICK, SHAPE, coarse_objects, parts_kept, settings_of
 from script_jobs import run_as_job
 
 from egad import load
@@ -31,6 +31,12 @@ def failing(view, gripper, rng):
 """
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _parts_kept(tmp_path_factory):
+    with parts_kept(tmp_path_factory.mktemp("parts")):
+        yield
+
+
 @pytest.fixture(scope="module")
 def own(tmp_path_factory):
     path = tmp_path_factory.mktemp("code") / "own.py"
@@ -40,16 +46,17 @@ def own(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def archive(tmp_path_factory):
-    """A file with few of the released objects."""
-    path, few = tmp_path_factory.mktemp("dataset") / "archive.parquet", load().archive.iloc[::300]
-    parquet.write(few, ARCHIVE, path, {"shape": load().shape.model_dump(mode="json")})
+    """A file with few objects."""
+    path = tmp_path_factory.mktemp("dataset") / "archive.parquet"
+    few = coarse_objects().archive.iloc[::300]
+    parquet.write(few, ARCHIVE, path, {"shape": SHAPE.model_dump(mode="json")})
     return path
 
 
 @pytest.fixture(scope="module")
 def made(own, archive, tmp_path_factory):
     """The folder with what the jobs of a search have written, and the settings."""
-    folder, given = tmp_path_factory.mktemp("made"), settings_of(f"{own}:beside", attempts=14)
+    folder, given = tmp_path_factory.mktemp("made"), settings_of(f"{own}:beside", attempts=10)
     for shard in range(2):
         names = {name: folder / f"{name}-{shard}.parquet" for name in ("examined", "attempts")}
         search_failures.run(given, archive, shard, **names)
@@ -80,7 +87,7 @@ def test_the_tables_have_their_columns_and_are_a_dataset(made):
     table = parquet.read(folder / "own.parquet", FAILURES)
     objects = load(folder / "own.parquet")
     assert set(objects.table["id"]) == set(table["id"])
-    assert objects.shape == load().shape
+    assert objects.shape == SHAPE
     assert all(each.mesh.is_watertight for each in objects)
 
 
@@ -111,14 +118,14 @@ def test_a_detector_that_only_fails_ends_the_job_and_leaves_its_traceback(own, a
 
 def test_objects_of_other_shapes_are_refused(own, archive, tmp_path):
     detectors = {"own": {"detector": f"{own}:beside"}}
-    whole = {"failures": FEW, "detectors": detectors, "shape": {"resolution": 30}, **QUICK}
+    whole = {"failures": FEW, "detectors": detectors} | QUICK | {"shape": {"resolution": 30}}
     other = select(Settings.model_validate(whole), DetectorFailures, "panda", "own")
-    with pytest.raises(UserError, match=r"shape.resolution: 25 in the archive, 30"):
+    with pytest.raises(UserError, match=r"shape.resolution: 10 in the archive, 30"):
         search_failures.run(other, archive, 0, tmp_path / "a.parquet", tmp_path / "b.parquet")
 
 
 def test_objects_that_were_measured_otherwise_are_measured_again(own, tmp_path):
-    few = load().archive.iloc[:1].assign(graspability=0.1)
+    few = coarse_objects().archive.iloc[:1].assign(graspability=0.1)
     given = settings_of(f"{own}:beside", attempts=1, shards=1)
     notes = {"graspability": given.breeding.graspability.model_dump(mode="json")}
     paths = [tmp_path / f"{name}.parquet" for name in ("archive", "examined", "attempts")]
