@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,6 @@ class SimulationObject:
         mesh: The surface, wound outwards.
         parts: Convex meshes that stand for it in contacts.
         physics: Mass properties of the solid within the surface, not of the parts.
-        poses: How it can rest on a table: 5 degrees apart, and at least 0.1 % probable.
         volume_error: Volume of the union of the parts / volume of the object - 1.
         deviation: Largest distance of what sticks out of the object from its surface.
         buried: Share of the surface that fingers can touch that lies deeper in a part than the
@@ -47,12 +47,17 @@ class SimulationObject:
     mesh: trimesh.Trimesh
     parts: tuple[trimesh.Trimesh, ...]
     physics: MassProperties
-    poses: tuple[StablePose, ...]
     volume_error: float
     deviation: float
     buried: float
     deviation_bound: float
     within: bool
+
+    @cached_property
+    def poses(self) -> tuple[StablePose, ...]:
+        """How it can rest on a table: 5 degrees apart, and at least 0.1 % probable."""
+        poses = group_poses(stable_poses(self.mesh, self.physics.com), SAME_POSE)
+        return tuple(pose for pose in poses if pose.probability >= LEAST_PROBABILITY)
 
 
 def make_simulation_object(
@@ -83,7 +88,6 @@ def make_simulation_object(
         mesh=solid,
         parts=tuple(found.parts),
         physics=physics,
-        poses=_resting_poses(solid, physics),
         deviation_bound=found.deviation,
         within=within,
         **errors._asdict(),
@@ -148,7 +152,6 @@ def simulation_object(
         mesh=solid,
         parts=read_parts(rows),
         physics=physics,
-        poses=_resting_poses(solid, physics),
         volume_error=float(first["volume_error"]),
         deviation=float(first["deviation"]),
         buried=float(first["buried"]),
@@ -165,11 +168,6 @@ def warn_of_row(row: Mapping[str, Any]) -> None:
     """
     name = row.get("label", row.get("id", "an object"))
     warn_if_beyond(name, bool(row["within"]), row["volume_error"], row["deviation_bound"])
-
-
-def _resting_poses(solid: trimesh.Trimesh, physics: MassProperties) -> tuple[StablePose, ...]:
-    poses = group_poses(stable_poses(solid, physics.com), SAME_POSE)
-    return tuple(pose for pose in poses if pose.probability >= LEAST_PROBABILITY)
 
 
 PAGE = """# Objects for simulators

@@ -331,7 +331,7 @@ def feature_chart(features: Sequence[FeatureShare]) -> str:
         axes = drawing.figure.add_subplot()
         axes.axvspan(0, 1, color=FAINT, lw=0)
         for number, each in enumerate(features):
-            width = max(each.high - each.low, np.finfo(float).tiny)
+            width = max(each.high - each.low, np.finfo(float).eps)
             for values, y, color, label, size in (
                 (each.solved, 0.17, SOFT, "solved", 3.0),
                 (each.failures, -0.17, LINES[1], "failures", 4.5),

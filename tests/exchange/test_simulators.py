@@ -49,9 +49,6 @@ def test_an_object_read_and_written_again_is_the_same(bundle, made, tmp_path):
 
 
 def test_damaged_files_are_named(bundle, made):
-    (bundle / "ell/poses.json").write_text("[{}]")
-    with pytest.raises(UserError, match=r"poses.json: missing or damaged; make the bundle again"):
-        read_simulation_object(bundle, row_of(made))
     (bundle / "ell/visual.obj").write_text("no mesh")
     with pytest.raises(UserError, match=r"ell: no faces; make the bundle again"):
         read_simulation_object(bundle, row_of(made))

@@ -12,7 +12,7 @@ from egad.exchange.grasp_tables import by_object
 from egad.exchange.object_meshes import PARTS, VISUAL, write_object_meshes
 from egad.exchange.objects.mjcf import mjcf_text
 from egad.exchange.objects.urdf import urdf_text
-from egad.exchange.poses import read_poses, write_poses
+from egad.exchange.poses import write_poses
 from egad.geometry import MassProperties
 from egad.io import read_mesh
 from egad.tables.columns import inertia_tensor
@@ -85,7 +85,6 @@ def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationOb
         mesh=mesh,
         parts=tuple(parts),
         physics=physics,
-        poses=read_poses(folder, mesh, physics.com),
         volume_error=row["volume_error"],
         deviation=row["deviation"],
         buried=row["buried"],
