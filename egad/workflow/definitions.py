@@ -62,9 +62,9 @@ def read_module(package: Path, name: str) -> Module:
 def _parsed(source: bytes, name: str, here: str) -> Module:
     """The definitions in the source of a module, which is in the package `here`."""
     tree = ast.parse(source, filename=name)
-    _drop_docstrings(tree)
     imports: dict[str, set[str]] = {}
     for node in ast.walk(tree):
+        _drop_docstring(node)
         for local, target in _imported(node, here):
             imports.setdefault(local, set()).add(target)
     foreign = {local for local, targets in imports.items() if not _ours(targets, name)}
@@ -82,17 +82,19 @@ def _parsed(source: bytes, name: str, here: str) -> Module:
     return Module(definitions, methods, imports)
 
 
-@cache
 def source_of(package: Path, name: str) -> Path | None:
     """The file of a module or script; None if there is none."""
     if name.endswith(SCRIPT):
         return Path(name) if Path(name).is_file() else None
-    top, *rest = name.split(".")
-    if top != package.name:
-        return None
-    path = package.joinpath(*rest)
-    candidates = (path / "__init__.py", path.with_suffix(".py"))
-    return next((file for file in candidates if file.is_file()), None)
+    return _sources(package).get(name)
+
+
+@cache
+def _sources(package: Path) -> Mapping[str, Path]:
+    """The files of all modules of a package, by their dotted names."""
+    files = sorted(package.rglob("*.py"), key=lambda path: path.name == "__init__.py")
+    paths = ((path, path.relative_to(package.parent).with_suffix("")) for path in files)
+    return {".".join(each.parts).removesuffix(".__init__"): path for path, each in paths}
 
 
 @cache
@@ -180,7 +182,6 @@ def _ours(targets: set[str], module: str) -> bool:
     return module.partition(".")[0] in {target.partition(".")[0] for target in targets}
 
 
-def _drop_docstrings(tree: ast.Module) -> None:
-    for node in ast.walk(tree):
-        if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
-            node.body = node.body[1:] or [ast.Pass()]
+def _drop_docstring(node: ast.AST) -> None:
+    if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
+        node.body = node.body[1:] or [ast.Pass()]
