@@ -21,6 +21,7 @@ from egad.geometry.refinement import triangulation
 from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above
+from egad.sim import film
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 
@@ -98,6 +99,12 @@ def pytest_ignore_collect(collection_path):
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0"
     is_test = collection_path.match("test_*.py")
     return True if checked and is_test and not checks_kernels(collection_path) else None
+
+
+@pytest.fixture
+def small_films(monkeypatch):
+    """Films have a sixteenth of the pixels, where only what they are made of matters."""
+    monkeypatch.setattr(film, "SIZE", tuple(side // 4 for side in film.SIZE))
 
 
 @pytest.fixture

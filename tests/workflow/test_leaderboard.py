@@ -93,6 +93,7 @@ def built(folder):
     return problems, (out / "index.html").read_text()
 
 
+@pytest.mark.usefixtures("small_films")
 def test_tables_are_verified_ranked_and_filmed(board, tables):
     assert tables["across"]["success"].sum() >= 4
     assert not tables["beside"]["success"].any()
@@ -250,6 +251,7 @@ def test_all_shipped_tables_are_verified(tmp_path):
     assert build(SHIPPED, tmp_path / "out", Checks(sample=10)) == []
 
 
+@pytest.mark.usefixtures("small_films")
 def test_tables_from_python_are_verified_and_filmed(tmp_path, monkeypatch, capsys):
     objects = egad.load("evaluation-set").select(["A0"])
     assert len(objects) == 1

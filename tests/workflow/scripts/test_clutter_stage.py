@@ -180,6 +180,7 @@ def test_a_bundle_without_objects_gives_an_empty_table(tmp_path):
     assert len(cleared(settings("random"), empty, tmp_path / "out.parquet")) == 0
 
 
+@pytest.mark.usefixtures("small_films")
 def test_a_round_is_filmed_again(table, made, tmp_path):
     given = select(WHOLE, ClutterParameters, GRIPPER)
     path = tmp_path / "own.parquet"
@@ -202,6 +203,7 @@ def test_pictures_show_scenes_of_each_kind(made):
     assert len({png for each in found.values() for png in each}) == 4
 
 
+@pytest.mark.usefixtures("small_films")
 def test_commands_benchmark_and_compare(own, tmp_path, monkeypatch, capsys):
     for name, mesh in MESHES.items():
         write_obj(mesh, tmp_path / "objects" / f"{name}.obj")

