@@ -122,9 +122,7 @@ class Checkout:
 
     def overlay(self, name, settings):
         """A configuration file to lay over the others."""
-        path = self.folder / name
-        path.write_text(yaml.safe_dump(settings))
-        return path
+        return written(self.folder / name, settings)
 
     def feed(self, *arguments, needs, command, guests=("one",)):
         """Run a workflow of one rule, `hungry`, that needs much; a job for each guest."""
@@ -164,6 +162,12 @@ def _words(arguments, configs):
     return [*map(str, arguments), *(["--configfile", *map(str, configs)] if configs else [])]
 
 
+def written(path, settings):
+    """A configuration file with some settings."""
+    path.write_text(yaml.safe_dump(settings))
+    return path
+
+
 def checkout(folder):
     """Copy the sources."""
     folder.mkdir()
@@ -172,6 +176,12 @@ def checkout(folder):
         copy = shutil.copytree if source.is_dir() else shutil.copy2
         copy(source, folder / name)
     return Checkout(folder)
+
+
+@pytest.fixture(scope="session")
+def kept(tmp_path_factory):
+    """Makes clean checkouts by name that several tests share."""
+    return lambda name: checkout(tmp_path_factory.mktemp(name) / "clean")
 
 
 @pytest.fixture
@@ -207,6 +217,17 @@ def finished(tmp_path_factory, worker_id):
         made.make("--cores", 2, NUMBA_DEBUG_CACHE="1")
         done.touch()
     return made
+
+
+@pytest.fixture
+def planned(finished, tmp_path):
+    """How many jobs of each rule the finished run would start with other settings."""
+
+    def _planned(*targets, **settings):
+        other = written(tmp_path / "other.yaml", settings)
+        return finished.planned(*targets, configs=[TEST_CONFIG, other])
+
+    return _planned
 
 
 @pytest.fixture

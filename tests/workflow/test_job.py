@@ -353,9 +353,7 @@ Path("rules.json").write_text(
 def rules(clean):
     """The rules that run scripts, and what they name."""
     (clean.folder / "listed.smk").write_text(LISTED)
-    listing = clean.start("--snakefile", "listed.smk", "--list-rules")
-    said, _ = listing.communicate()
-    assert listing.returncode == 0, said
+    clean.make("--snakefile", "listed.smk", "--list-rules")
     return json.loads((clean.folder / "rules.json").read_text())
 
 

@@ -41,28 +41,17 @@ def test_meshes_that_are_only_compared_have_a_report_and_it_stays_until_the_next
     assert report.read_bytes() == whole
 
 
-@pytest.mark.parametrize(
-    ("folder", "reason"),
-    [
-        ("partz", "datasets.mine: partz: there is no such folder of meshes; did you mean parts?"),
-        ("~/meshes", "/home/meshes: there is no such folder of meshes"),
-        ("empty", "datasets.mine: empty: no mesh files in it"),
-        ("links", "datasets.mine: links/cup.obj is a link to gone.obj, which does not exist"),
-    ],
-)
-def test_a_wrong_folder_stops_a_dry_run_even_where_an_older_report_is(clean, own, folder, reason):
+@pytest.mark.parametrize("replaced", [(), ("--replace-workflow-config",)], ids=["", "replaced"])
+def test_a_wrong_folder_stops_a_dry_run_even_where_an_older_report_is(clean, own, replaced):
     """Snakemake makes no file that it cannot, if the file is there."""
-    for name in ("empty", "links", "results"):
+    for name in ("links", "results"):
         (clean.folder / name).mkdir()
     (clean.folder / "links/cup.obj").symlink_to("gone.obj")
     (clean.results / "report.html").touch()
-    for more in ([], ["--replace-workflow-config"]):
-        status, said = clean.snakemake(
-            "--dry-run", "--cores", 1, *more, configs=own(folder), HOME="/home"
-        )
-        assert status != 0
-        assert reason in said
-        assert "Traceback" not in said
+    status, said = clean.snakemake("--dry-run", "--cores", 1, *replaced, configs=own("links"))
+    assert status != 0
+    assert "datasets.mine: links/cup.obj is a link to gone.obj, which does not exist" in said
+    assert "Traceback" not in said
 
 
 def test_the_home_directory_may_be_written_as_a_tilde(clean, own):

@@ -5,6 +5,7 @@ import merge
 import publish
 import pyarrow as pa
 import pytest
+from partial_tables import write_rows
 from postprocess import from_archive
 
 from egad.config import Settings
@@ -57,13 +58,13 @@ def test_evolution_refuses_to_go_on_from_a_foreign_archive(archive, tmp_path):
 def test_a_graspability_by_another_gripper_is_not_compared(tmp_path):
     """The objects are taken, what they were selected by is not."""
     path = tmp_path / "archive.parquet"
-    parquet.write(parquet.empty(ARCHIVE), ARCHIVE, path, provenance(settings()))
-    for gripper, count in (("yumi", 0), ("panda", 0)):
+    elite = {"id": "a", "graspability": 0.5}
+    write_rows(ARCHIVE, [elite], path, provenance(settings()))
+    for gripper, expected in (("yumi", {"a": 0.5}), ("panda", {})):
         config = Settings.model_validate({"graspability": {"gripper": gripper}})
-        read = select(config, PostprocessSolids)
-        _, known = from_archive(path, read, 0, 1)
-        assert len(known) == count
-        assert (known.name == "graspability") == (gripper == "yumi")
+        sources, known = from_archive(path, select(config, PostprocessSolids), 0, 1)
+        assert list(sources) == ["a"]
+        assert known.to_dict() == expected
 
 
 def test_an_evolution_that_keeps_nothing_says_why(tmp_path):
