@@ -14,6 +14,14 @@ from running_scripts import script_of
 GRIPPER, DETECTOR = "egad_75mm", "antipodal-depth"
 TRIALS = f"egad/trials/{GRIPPER}/{DETECTOR}.parquet"
 PART = f"egad/parts/trials-{GRIPPER}-{DETECTOR}-0.parquet"
+# What a new Python runs first: it waits for a file, but no longer than a minute.
+WAITING = """
+import os, time
+
+end = time.monotonic() + 60
+while not os.path.exists({file!r}) and time.monotonic() < end:
+    time.sleep(0.05)
+"""
 
 
 @contextmanager
@@ -124,17 +132,19 @@ def test_times_in_disorder_make_nothing_again_whose_inputs_are_the_same(copy):
     assert copy.planned(f"results/{TRIALS}") == {}
 
 
-def test_a_second_run_in_the_same_folder_is_refused_and_the_first_goes_on(copy):
+def test_a_second_run_in_the_same_folder_is_refused_and_the_first_goes_on(copy, tmp_path):
     expected = copy.bytes()
     (copy.results / TRIALS).unlink()
-    (copy.results / PART).unlink()
+    (tmp_path / "sitecustomize.py").write_text(WAITING.format(file=str(tmp_path / "refused")))
+    path = os.pathsep.join([str(tmp_path), copy.environment["PYTHONPATH"]])
     words = ["--cores", 1, f"results/{TRIALS}"]
     with ThreadPoolExecutor() as pool:
-        first = pool.submit(copy.make, *words, EGAD_TESTS_STARTED="1")  # takes its time
+        first = pool.submit(copy.make, *words, PYTHONPATH=path)
         locks = copy.folder / ".snakemake" / "locks"
         while not (first.done() or any(locks.glob("*"))):
             time.sleep(0.05)
         said = refused(copy)
+        (tmp_path / "refused").touch()
         first.result()
     assert "no other Snakemake process is trying to create the same files" in said
     assert "--unlock" in said

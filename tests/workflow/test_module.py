@@ -16,9 +16,8 @@ def test_another_workflow_uses_its_rules(empty, tmp_path):
             (tmp_path / block.file).write_text(block.text)
     config = tmp_path / "config.yaml"
     few = config.read_text().replace("objects: 10", "objects: 4")
-    config.write_text(
-        few + "  graspability: {candidates: 64}\n  postprocess: {max_candidates: 128}\n"
-    )
+    coarse = "graspability: {candidates: 64}\n  postprocess: {max_candidates: 128}\n"
+    config.write_text(f"{few}  shards: 1\n  {coarse}")
     (tmp_path / "path/to").mkdir(parents=True)
     (tmp_path / "path/to/egad").symlink_to(ROOT)
     empty.make("--cores", 2, configs=())

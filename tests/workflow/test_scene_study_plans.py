@@ -35,10 +35,10 @@ ASKED = {
 }
 
 
-@pytest.fixture
-def told(clean):
+@pytest.fixture(scope="module")
+def told(kept):
     """The jobs of a small study."""
-    return planned(clean, ASKED)
+    return planned(kept("study"), ASKED)
 
 
 def planned(clean, asked):

@@ -39,21 +39,30 @@ ASKED = {
 @pytest.fixture
 def clean(clean):
     """A checkout with the study."""
-    shutil.copytree(ROOT / STUDY, clean.folder / STUDY, ignore=shutil.ignore_patterns("__py*"))
-    return clean
+    return with_study(clean)
 
 
 @pytest.fixture
 def configs(clean):
     """A small study; the given weights are there."""
-    (clean.folder / "given.pt").write_bytes(b"weights")
-    return [clean.overlay("asked.yaml", ASKED)]
+    return configs_in(clean)
 
 
-@pytest.fixture
-def told(clean, configs):
+@pytest.fixture(scope="module")
+def told(kept):
     """The jobs of the study."""
-    return clean.told(TARGET, snakefile=SNAKEFILE, configs=configs)
+    made = with_study(kept("study"))
+    return made.told(TARGET, snakefile=SNAKEFILE, configs=configs_in(made))
+
+
+def with_study(made):
+    shutil.copytree(ROOT / STUDY, made.folder / STUDY, ignore=shutil.ignore_patterns("__py*"))
+    return made
+
+
+def configs_in(made):
+    (made.folder / "given.pt").write_bytes(b"weights")
+    return [made.overlay("asked.yaml", ASKED)]
 
 
 def of_rule(told, rule, part=""):
@@ -120,7 +129,8 @@ def test_networks_are_detectors_like_any_other(clean, configs):
     [f"{STUDY}/study.html.j2", f"{STUDY}/study_charts.py", "egad/report/templates/page.css"],
 )
 def test_the_page_alone_is_made_again_for_what_draws_it(clean, configs, told, path):
-    clean.take_library()
+    if path.startswith("egad/"):
+        clean.take_library()
     text = (clean.folder / path).read_text()
     changed = re.sub(r"<h1>|^body|\b9\b", "0", text, count=1, flags=re.MULTILINE)
     assert changed != text
