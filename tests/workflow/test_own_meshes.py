@@ -80,6 +80,7 @@ def test_a_file_that_is_deleted_in_a_folder_is_made_again(copy, pattern, rule):
     assert "collect" not in planned or rule == "collect"
 
 
+@pytest.mark.slow
 def test_a_deleted_mesh_comes_back_as_it_was(copy):
     expected = copy.bytes()
     target = "results/egad/rescaled/egad_75mm/scales.parquet"

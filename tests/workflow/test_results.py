@@ -371,6 +371,7 @@ def test_every_gripper_is_a_target(copy):
     assert len(scales) == len(list((copy.results / "egad/meshes").glob("*.obj")))
 
 
+@pytest.mark.slow
 def test_more_epochs_keep_the_archives_of_the_earlier_ones(copy):
     before = copy.bytes()
     longer = copy.overlay("longer.yaml", {"schedule": {"epochs": 3}})
