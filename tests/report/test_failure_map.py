@@ -10,6 +10,7 @@ from svg_text import texts
 
 from egad.cppn.voxels import pack
 from egad.measures import MeasureSpace
+from egad.report.axes import USUAL
 from egad.report.failure_map import (
     COUNT_COLORS,
     NO_FAILURE,
@@ -75,7 +76,7 @@ def test_the_map_of_the_dataset_counts_objects():
     objects = pd.DataFrame(
         [(0.5, 3.5)] + [(1.5, 3.5)] * 3 + [(9.0, -1.0)] * 7, columns=["complexity", "graspability"]
     )
-    svg = dataset_map(objects, space)
+    svg = dataset_map(objects, space, USUAL)
     assert colors(svg) == {"A00": COUNT_COLORS[0], "A01": COUNT_COLORS[2], "D03": COUNT_COLORS[3]}
     assert "Dataset: 11 objects in 3 cells" in texts(svg)
 

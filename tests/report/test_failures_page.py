@@ -9,6 +9,8 @@ from partial_tables import fill_columns
 from svg_text import texts
 
 from egad.cppn.voxels import pack
+from egad.measures import MeasureSpace
+from egad.report.axes import USUAL
 from egad.report.failures import (
     AttemptFilm,
     Example,
@@ -76,6 +78,8 @@ def made_page(tables, **changed):
         "dataset": pd.DataFrame({"complexity": [2.0], "graspability": [0.002]}),
         "features": [feature("thickness")],
         "examples": {"a": Example(b"png", FILMS)},
+        "space": MeasureSpace(),
+        "axes": USUAL,
     }
     return page(*tables, **known | changed)
 
