@@ -12,6 +12,8 @@ from egad._util.display import facts_html
 from egad.errors import RejectedError
 from egad.geometry.checks import check_mesh
 
+ROUNDING = 1e-9  # products of unit vectors differ by less, however they are added up
+
 
 class StablePose(NamedTuple):
     """An object at rest on the table z = 0, its center of mass above the origin.
@@ -128,10 +130,12 @@ def group_poses(poses: list[StablePose], angle: float) -> list[StablePose]:
         Those that others joined, with the probabilities of these; again the most probable first.
     """
     kept: list[StablePose] = []
+    normals, least = np.empty((len(poses), 3)), np.cos(angle)
     for pose in poses:
-        near = (k for k, other in enumerate(kept) if other.normal @ pose.normal > np.cos(angle))
-        place = next(near, None)
+        close = np.flatnonzero(normals[: len(kept)] @ pose.normal > least - ROUNDING)
+        place = next((k for k in close if kept[k].normal @ pose.normal > least), None)
         if place is None:
+            normals[len(kept)] = pose.normal
             kept.append(pose)
         else:
             chance = kept[place].probability + pose.probability
