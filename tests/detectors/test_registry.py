@@ -65,10 +65,7 @@ def asked(detect, view, seed=0):
     return detect(view, HAND, np.random.default_rng(seed))
 
 
-def test_every_shipped_detector_has_a_policy_of_its_name():
-    assert {name: detector.detector for name, detector in DETECTORS.items()} == {
-        name: name for name in SHIPPED
-    }
+def test_quick_detectors_are_shipped():
     assert set(QUICK) < set(SHIPPED)
 
 

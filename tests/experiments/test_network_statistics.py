@@ -126,29 +126,6 @@ def test_welch_by_hand():
     assert turned.interval == pytest.approx((-found.interval[1], -found.interval[0]))
 
 
-def test_p_of_networks_is_about_that_of_all_ways_to_deal_them_out():
-    """The slow twin: a permutation test of the t statistic."""
-    rng = np.random.default_rng(3)
-    values = rng.normal(0.6, 0.03, 16)
-    values[:8] += 0.03
-
-    def statistic(each):
-        return abs(stats.ttest_ind(each[:8], each[8:], equal_var=False).statistic)
-
-    least = statistic(values)
-    dealt = [statistic(rng.permutation(values)) >= least for _ in range(2000)]
-    assert difference(values[:8], values[8:]).p == pytest.approx(np.mean(dealt), abs=0.03)
-
-
-def test_a_difference_of_equal_sets_is_found_in_a_twentieth_of_the_cases():
-    rng = np.random.default_rng(4)
-    draws = rng.normal(0.6, 0.03, (600, 10))
-    found = [difference(values[:5], values[5:]) for values in draws]
-    assert np.mean([each.p < 0.05 for each in found]) == pytest.approx(0.05, abs=0.03)
-    covered = [each.interval[0] < 0 < each.interval[1] for each in found]
-    assert [each.p > 0.05 for each in found] == covered
-
-
 def test_a_single_network_is_a_fixed_number_for_the_others():
     found, turned = difference(ONE, [0.5]), difference([0.5], ONE)
     error = np.std(ONE, ddof=1) / np.sqrt(5)

@@ -109,12 +109,14 @@ def test_no_other_file_is_read(tmp_path, where):
             read_mesh(folder / name, "m")
 
 
-def test_many_materials_make_one_mesh(tmp_path):
+def test_many_materials_and_textures_make_one_mesh(tmp_path):
     """Apart they would take the vertices once for each."""
-    lines = [f"v {x} {y} {z}" for x, y, z in BALL.vertices.tolist()]
+    lines = ["mtllib absent.mtl"]
+    lines += [f"v {x} {y} {z}" for x, y, z in BALL.vertices.tolist()]
+    lines += [f"vt {k / 1000} 0" for k in range(len(BALL.faces))]
     for number, face in enumerate((BALL.faces + 1).tolist()):
         lines += [f"usemtl m{number}", f"g part{number} # a comment", "# usemtl none"]
-        lines.append("f " + " ".join(f"{corner}//{corner}" for corner in face))
+        lines.append("f " + " ".join(f"{corner}/{number + 1}/{corner}" for corner in face))
     (tmp_path / "ball.obj").write_text("\r\n".join(lines))
     mesh = read_mesh(tmp_path / "ball.obj", "m")
     assert mesh.is_volume

@@ -1,5 +1,7 @@
 """Intervals with the help of a simulation: what they hold, gain, and lose."""
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
@@ -8,10 +10,14 @@ from egad.stats.power import ObjectRates
 from egad.stats.prediction_powered import prediction_powered_rate
 
 
+@lru_cache
+def true_rates(correlation):
+    return ObjectRates(0.6, 0.3, correlation)
+
+
 def rates(correlation, both, simulated_only, rng, attempts=20, worse=0.2):
     """Real rates of few attempts, and simulated ones of many that are too high on average."""
-    model = ObjectRates(0.6, 0.3, correlation)
-    simulated, real = model.sample((both + simulated_only,), worse, rng)
+    simulated, real = true_rates(correlation).sample((both + simulated_only,), worse, rng)
     real = rng.binomial(attempts, real[:both]) / attempts
     simulated = rng.binomial(200, simulated) / 200
     return real, simulated[:both], simulated[both:]

@@ -34,7 +34,7 @@ def test_the_difference_is_that_of_the_sums_and_the_better_one_comes_first():
 
 def test_intervals_of_three_detectors_are_as_wide_as_tukeys():
     """Of three exchangeable ones, the largest of the three differences has a studentized range."""
-    count = 4000
+    count = 1000
     drawn = np.random.default_rng(0).integers(0, 21, (3, count))
     pairs = leads(dict(zip("abc", drawn, strict=True)), np.full(count, 20))
     expected = studentized_range.ppf(0.95, 3, np.inf) / np.sqrt(2)

