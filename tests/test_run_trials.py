@@ -134,12 +134,12 @@ def test_processes_give_the_same_table(good):
 
     two = {"bar": BAR, "short": BAR.copy().apply_scale(0.8)}
     one, more = (
-        egad.run_trials(detect, two, "panda", attempts=4, seed=2, jobs=jobs) for jobs in (1, 2)
+        egad.run_trials(detect, two, "panda", attempts=2, seed=2, jobs=jobs) for jobs in (1, 2)
     )
     pd.testing.assert_frame_equal(one.table, more.table)
-    assert one.table["label"].tolist() == ["bar"] * 4 + ["short"] * 4
-    pd.testing.assert_frame_equal(one.table[:4], good.table)
-    dataset = egad.load("released").select(["M14_3", "E08_0"])
+    assert one.table["label"].tolist() == ["bar"] * 2 + ["short"] * 2
+    pd.testing.assert_frame_equal(one.table[:2], good.table[:2])
+    dataset = egad.load("released").select(["C02_0", "E03_0"])
     one, more = (
         egad.run_trials("antipodal-depth", dataset, "panda", attempts=1, jobs=jobs)
         for jobs in (1, 2)

@@ -82,10 +82,9 @@ def clumsy(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Gr
 
 
 @EACH_ENGINE
-@pytest.mark.parametrize("noise", [0.0, 0.1])
 @pytest.mark.parametrize("model", [CUBE, BALL, CYLINDER], ids=["cube", "ball", "cylinder"])
-def test_simple_shapes_are_mostly_held(engine: EngineName, model: Model, noise: float) -> None:
-    trials = attempts(model, engine=engine, depth_noise=noise)
+def test_simple_shapes_are_mostly_held(engine: EngineName, model: Model) -> None:
+    trials = attempts(model, engine=engine, depth_noise=0.1)
     assert set(trials["engine"]) == {engine}
     assert trials["success"].sum() >= 5
     held = trials[trials["success"]]
@@ -147,11 +146,11 @@ def test_every_attempt_can_be_repeated_alone(
 @EACH_ENGINE
 def test_errors_far_larger_than_the_object_make_it_missed(engine: EngineName) -> None:
     off = CellErrors(calibration=0.1)
-    found = attempts(CUBE, engine=engine, errors=off)
-    assert attempts(CUBE, engine=engine)["success"].all()
+    found, exact = attempts(CUBE, engine=engine, errors=off), attempts(CUBE, engine=engine)
+    assert exact["success"].all()
     assert found["success"].mean() < 0.2
     assert found["calibration"].nunique() == 1
-    pd.testing.assert_series_equal(found["seed"], attempts(CUBE, engine=engine)["seed"])
+    pd.testing.assert_series_equal(found["seed"], exact["seed"])
 
 
 def test_a_session_has_twenty_attempts() -> None:

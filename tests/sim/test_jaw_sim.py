@@ -142,17 +142,24 @@ def test_the_joint_never_has_more_than_its_torque(swinging):
         assert np.abs(torque).max() <= most * (1 + 1e-9)
 
 
+@pytest.fixture(scope="module")
+def balls():
+    return {
+        diameter: build(trimesh.creation.icosphere(4, diameter / 2), 300.0, ROUND)
+        for diameter in (0.024, 0.045)
+    }
+
+
 @pytest.mark.parametrize(
     ("diameter", "friction", "held"),
     [(0.024, 0.1, True), (0.045, 0.1, False), (0.045, 0.3, True)],
 )
 def test_balls_are_squeezed_out_where_half_the_angle_exceeds_friction(
-    swinging, engine, diameter, friction, held
+    swinging, balls, engine, diameter, friction, held
 ):
     """At 24 mm the jaws are at 6 degrees, at 45 mm at 22; friction of 0.1 holds up to 11."""
-    ball = build(trimesh.creation.icosphere(4, diameter / 2), 300.0, ROUND)
     gripper = swinging.model_copy(update={"friction": friction})
-    with open_world(engine, [ball], on_axis(gripper)) as world:
+    with open_world(engine, [balls[diameter]], on_axis(gripper)) as world:
         height = 0.1
         world.place(Pose(np.array([0.0, 0.0, height]), UPRIGHT))
         world.set_gravity(WEIGHTLESS)

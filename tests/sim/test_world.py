@@ -15,7 +15,7 @@ from egad.sim import mujoco_world
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
 from egad.sim.gripper import Hand
-from egad.sim.model import build
+from egad.sim.model import Model, build
 from egad.sim.mujoco_model import scene_spec
 from egad.sim.parameters import EngineName, check_engine
 from egad.sim.world import (
@@ -102,10 +102,14 @@ def test_a_cube_slides_only_on_a_slope_beyond_the_friction_angle(
     assert moved == pytest.approx(pull / 2 * 0.25, rel=0.25, abs=0.0005)
 
 
+@pytest.fixture(scope="module")
+def fine_ball() -> Model:
+    return build(trimesh.creation.icosphere(4, 0.025), 1000.0, BUNDLE)
+
+
 @EACH_ENGINE
-def test_a_rolling_ball_comes_to_rest(engine: EngineName) -> None:
-    ball = build(trimesh.creation.icosphere(4, 0.025), 1000.0, BUNDLE)
-    with start(engine, ball) as world:
+def test_a_rolling_ball_comes_to_rest(engine: EngineName, fine_ball: Model) -> None:
+    with start(engine, fine_ball) as world:
         world.place(at(0, 0, 0.025), (0.2, 0, 0), (0, 8, 0))
         world.step(24)
         assert world.speeds()[0] > 0.1
