@@ -4,6 +4,7 @@ import ast
 import graphlib
 import importlib
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,13 @@ LAYERS = [
 ]
 
 
+@cache
+def import_nodes(source):
+    """What a module imports, in functions too."""
+    kinds = ast.Import | ast.ImportFrom
+    return [node for node in ast.walk(ast.parse(source)) if isinstance(node, kinds)]
+
+
 def imports(source, package):
     """What a module of egad imports from egad, in functions too: (module, name), name may be empty.
 
@@ -52,15 +60,13 @@ def imports(source, package):
         source: Its text.
         package: The package that it is in, such as `egad.grasps`: relative imports start there.
     """
-    for node in ast.walk(ast.parse(source)):
+    for node in import_nodes(source):
         if isinstance(node, ast.Import):
             found = [(alias.name, "") for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
+        else:
             above = package.split(".")[: len(package.split(".")) - node.level + 1]
             module = ".".join([*(above if node.level else []), *filter(None, [node.module])])
             found = [(module, alias.name) for alias in node.names]
-        else:
-            continue
         yield from (each for each in found if each[0].partition(".")[0] == "egad")
 
 
@@ -126,10 +132,10 @@ def test_only_tests_of_the_workflow_import_its_scripts():
 
 def top_modules(path):
     """The first part of every name that a module imports, but of relative ones."""
-    for node in ast.walk(ast.parse(path.read_bytes())):
+    for node in import_nodes(path.read_bytes()):
         if isinstance(node, ast.Import):
             yield from (alias.name.partition(".")[0] for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+        elif node.level == 0:
             yield node.module.partition(".")[0]
 
 

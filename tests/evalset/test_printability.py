@@ -48,9 +48,8 @@ def placed(mesh):
     """The mesh moved along and turned."""
     for shift in (0, 0.0005):
         yield mesh.copy().apply_translation([shift] * 3)
-    for seed in range(2):
-        random = np.random.default_rng(seed).random(3)
-        yield mesh.copy().apply_transform(trimesh.transformations.random_rotation_matrix(random))
+    random = np.random.default_rng(0).random(3)
+    yield mesh.copy().apply_transform(trimesh.transformations.random_rotation_matrix(random))
 
 
 @pytest.mark.parametrize("thick", [0.5, 1.0, 1.15, 1.25, 2.0])
@@ -71,15 +70,15 @@ def test_edges_and_tips_are_no_walls():
         assert (print_problems(cone, CHECK) == []) == passes
 
 
-@pytest.mark.parametrize("neck", [0.2, 0.6, 1.1, 1.3, 2.0])
-@pytest.mark.parametrize("length", [0.3, 0.5, 1.0, 3.0])
+@pytest.mark.parametrize("neck", [0.2, 1.1, 1.3])
+@pytest.mark.parametrize("length", [0.3, 1.0, 3.0])
 def test_a_neck_is_found_wherever_the_object_lies(length, neck):
     wrong = [] if neck >= 1.2 else THIN if length == 3 else JOINED
     for mesh in placed(dumbbell(length, neck)):
         assert print_problems(mesh, CHECK) == wrong
 
 
-@pytest.mark.parametrize("core", [0.5, 1.1, 1.3, 4.0])
+@pytest.mark.parametrize("core", [0.5, 1.1, 1.3])
 @pytest.mark.parametrize("width", [0.01, 0.3])
 def test_the_core_left_by_a_groove_all_round_is_measured(width, core):
     low, high = 10 - core / 2, 10 + core / 2
@@ -104,7 +103,7 @@ def test_a_fin_is_a_wall_from_half_a_wall_on(thick, high, wrong):
     assert print_problems(fin(thick, high), CHECK) == wrong
 
 
-@pytest.mark.parametrize("thick", [0.001, 0.02, 1.0])
+@pytest.mark.parametrize("thick", [0.001, 1.0])
 def test_a_film_between_thick_parts_is_found(thick):
     for mesh in placed(film(thick, 3.5, 3.5)):
         assert print_problems(mesh, CHECK) == THIN

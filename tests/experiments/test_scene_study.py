@@ -171,7 +171,7 @@ def test_tests_that_count_together_are_more_certain_than_each():
 def test_intervals_hold_the_truth_though_there_are_three_networks():
     """They are too wide: the chance of rounds is in the spread of networks, and is drawn again."""
     covered, widths = [], []
-    for seed in range(150):
+    for seed in range(75):
         rng = np.random.default_rng(seed)
         table = rounds({"one": rng.normal(0.8, 0.02, 3), "other": rng.normal(0.7, 0.02, 3)})
         low, high = np.quantile(draws(table, "one", "other"), [0.025, 0.975])

@@ -116,7 +116,7 @@ def test_volume_error_counts_overlaps_once() -> None:
     assert excess_volume([first, second], first) == pytest.approx(0.5, rel=1e-9)
 
 
-@pytest.mark.parametrize("most", [1, 2, 5, 9])
+@pytest.mark.parametrize("most", [1, 2, 9])
 def test_there_are_never_more_parts_than_allowed(torus: trimesh.Trimesh, most: int) -> None:
     parts = convex_parts(torus, most, 0.001)
     assert 1 <= len(parts) <= most
@@ -166,24 +166,6 @@ def test_what_is_no_solid_is_rejected(name: str) -> None:
         convex_parts(broken()[name], 64, 0.06)
 
 
-def shell() -> trimesh.Trimesh:
-    """A cup: half a ball of 30 mm with a wall of 5 mm."""
-    outer, inner = trimesh.creation.icosphere(4, 0.03), trimesh.creation.icosphere(4, 0.025)
-    lower = box((0.1, 0.1, 0.05), (0, 0, -0.025))
-    hollow = trimesh.boolean.difference([outer, inner], engine="manifold")
-    return trimesh.boolean.intersection([hollow, lower], engine="manifold")
-
-
-def test_a_thin_cup_is_covered_within_the_error() -> None:
-    cup = shell()
-    parts = convex_parts(cup, 256, 0.06)
-    assert len(parts) < 200
-    assert excess_volume(parts, cup) <= 0.06
-    bowl = trimesh.creation.icosphere(2, 0.023).vertices
-    assert min(outside(part, bowl).min() for part in parts) > 0  # nothing fills it
-    assert surface_distances(parts, cup).max() < 0.0007
-
-
 def surface_distances(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> np.ndarray:
     """How far random points of a surface lie outside the parts; negative within one."""
     points = trimesh.sample.sample_surface(mesh, 3000, seed=1)[0]
@@ -227,7 +209,7 @@ def test_the_surface_lies_neither_deep_in_a_part_nor_far_from_all(name: str) -> 
     assert np.mean(surface_distances(coarse, mesh) < -0.0005) > 0.05
 
 
-@pytest.mark.parametrize("most", [12, 32, 64])
+@pytest.mark.parametrize("most", [12, 64])
 def test_no_part_has_more_vertices_than_allowed_and_a_ball_stays_round(most: int) -> None:
     ball = trimesh.creation.icosphere(4, 0.03)
     parts = convex_parts(ball, 256, 0.06, max_vertices=most)
@@ -268,8 +250,10 @@ def mug(wall: float, sections: int = 64) -> trimesh.Trimesh:
     return trimesh.boolean.union([cup, handle], engine="manifold")
 
 
-@pytest.mark.parametrize("deviation", [0.0005, 0.002])
-@pytest.mark.parametrize(("wall", "sections"), [(0.004, 64), (0.004, 256), (0.001, 64)])
+@pytest.mark.parametrize(
+    ("wall", "sections", "deviation"),
+    [(0.004, 64, 0.0005), (0.004, 256, 0.0005), (0.001, 64, 0.0005), (0.001, 64, 0.002)],
+)
 def test_the_cavity_of_a_mug_stays_open(wall: float, sections: int, deviation: float) -> None:
     mesh = mug(wall, sections)
     found = decompose(mesh, 512, 0.06, deviation)
@@ -348,6 +332,7 @@ def test_what_is_hollow_stays_hollow_and_is_covered(
     mesh = make()
     found = decompose(mesh, 512, 0.06)
     assert (found.deviation, found.volume_error) == (0.0005, 0.06)
+    assert len(found.parts) < 200
     assert abs(excess_volume(found.parts, mesh)) <= 0.06
     distances = surface_distances(found.parts, mesh)
     assert np.mean(distances < -0.0005) <= 0.01

@@ -133,9 +133,16 @@ def output(arguments, given, folder):
     return done.stdout
 
 
-@pytest.mark.parametrize("program", [PROGRAM, GUARDED])
-@pytest.mark.parametrize("given", ["as a file", "in the command", "as input"])
-def test_programs_need_no_guard_and_no_file_for_what_they_define(tmp_path, program, given):
+@pytest.mark.parametrize(
+    ("given", "program"),
+    [
+        ("as a file", PROGRAM),
+        ("as a file", GUARDED),
+        ("in the command", PROGRAM),
+        ("as input", PROGRAM),
+    ],
+)
+def test_programs_need_no_guard_and_no_file_for_what_they_define(tmp_path, given, program):
     """As in a script of a beginner, or in a notebook."""
     (tmp_path / "program.py").write_text(program)
     options = {"as a file": ["program.py"], "in the command": ["-c", program], "as input": ["-"]}
