@@ -79,9 +79,9 @@ def test_the_example_clears_tables_without_egad(tmp_path):
     path.write_text(f"import sys; sys.modules['egad'] = None\n{EXAMPLE.read_text()}")
     config = DetectorConfig(command=(sys.executable, str(path)))
     boxes = {"box": trimesh.creation.box((0.03, 0.04, 0.05))}
-    few = {"rounds": 3, "rule": "none", "scenes": ["single"], "noise": ["none"]}
+    few = {"rounds": 2, "rule": "none", "scenes": ["single"], "noise": ["none"]}
     found = egad.run_benchmark(config, boxes, **few)
-    assert found.rates()[0].success.successes >= 2
+    assert found.rates()[0].success.successes == 2
     assert found.table.equals(egad.run_benchmark(config, boxes, jobs=2, **few).table)
 
 
@@ -93,13 +93,13 @@ def test_a_program_that_only_fails_stops_the_run_with_what_it_says(program, capl
             send({"error": "Traceback: line 7 of mine.py"})
     """)
     boxes = {"box": trimesh.creation.box((0.03, 0.04, 0.05))}
-    few = {"rounds": 4, "rule": "none", "scenes": ["single"], "noise": ["none"]}
+    few = {"rule": "none", "scenes": ["single"], "noise": ["none"]}
     config = DetectorConfig(command=tuple(command))
     with pytest.raises(UserError, match=r"all 6 attempts of the first 3 rounds"):
-        egad.run_benchmark(config, boxes, **few)
+        egad.run_benchmark(config, boxes, rounds=4, **few)
     assert "line 7 of mine" in caplog.text
-    found = egad.run_benchmark(config, boxes, keep_going=True, **few).table
-    assert found["outcome"].tolist() == ["error"] * 8
+    found = egad.run_benchmark(config, boxes, rounds=1, keep_going=True, **few).table
+    assert found["outcome"].tolist() == ["error"] * 2
     assert found["failure"].str.endswith("it says: Traceback: line 7 of mine.py").all()
 
 
