@@ -12,7 +12,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.detectors import Detect, DetectorConfig, FailureMonitor, check_gripper, opened
 from egad.errors import RejectedError, UserError
-from egad.grasping import grasps_or_none
+from egad.grasping import grasps_if_any
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper
 from egad.named_meshes import NamedMesh, simulated
@@ -97,7 +97,7 @@ def _prepared(
     if label_seed is None:
         return SceneObject(target.id, model, empty(GRASPS))
     wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
-    return SceneObject(target.id, model, grasps_or_none(mesh, target.id, wanted))
+    return SceneObject(target.id, model, grasps_if_any(mesh, target.id, wanted))
 
 
 def clear_rounds(

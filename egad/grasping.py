@@ -187,14 +187,14 @@ def dataset_grasps(
     return _table(Labeller(parameters)(mesh, center_of_mass(mesh), rng))
 
 
-def grasps_or_none(
+def grasps_if_any(
     mesh: trimesh.Trimesh, object_id: str, parameters: LabelParameters
 ) -> pd.DataFrame:
-    """The same as `dataset_grasps`, but no grasps, and a line in the log, if there are none."""
+    """As `dataset_grasps`; an empty table, and a line in the log, if there are none."""
     try:
         return dataset_grasps(mesh, object_id, parameters)
     except RejectedError as reason:
-        log.warning("%s: %s", object_id, reason)
+        log.info("%s has no grasps: %s", object_id, reason)
         return empty(GRASPS)
 
 

@@ -25,7 +25,7 @@ from egad.detectors import (
     with_checked_answers,
 )
 from egad.errors import RejectedError, UserError, check_name
-from egad.grasping import grasps_or_none
+from egad.grasping import grasps_if_any
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
 from egad.named_meshes import NamedMesh, named_meshes, simulated
@@ -226,4 +226,4 @@ def _detector(
     if detect != LABELS:
         return make_detector(DetectorConfig(detector=detect))
     wanted = label_parameters(parameters.gripper, GraspLabel().grasps, parameters.seed)
-    return Labels(grasps_or_none(mesh, name, wanted))
+    return Labels(grasps_if_any(mesh, name, wanted))

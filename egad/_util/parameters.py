@@ -80,11 +80,11 @@ SEARCH_ONLY = Archived(keys=frozenset())
 
 
 def by_name(what: str, known: Mapping[str, Parameters], given: object) -> object:
-    """The values of a name; of a section, lists as the tuples that they are in Python.
+    """What a name stands for; a section is kept, with its lists as tuples.
 
     Args:
         what: What the section is called.
-        known: What has a name, all of one kind.
+        known: The named values, all of one class.
         given: A name, or a section.
 
     Raises:

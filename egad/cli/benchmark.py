@@ -94,7 +94,7 @@ def benchmark(
     chosen = select(settings, ClearedTables, gripper, name)
     arguments = {"objects": Path(objects).name, "rule": settings.rescale.rule}
     with recorded("benchmark", settings=chosen, inputs=files, arguments=arguments):
-        result = _cleared(chosen, settings.rescale.rule, targets, path, jobs)
+        result = _clear_and_write(chosen, settings.rescale.rule, targets, path, jobs)
     cleared({name: result.rates()}, {name: engine_names(result.table)})
     typer.echo(f"protocol: {settings.clutter.protocol.name}")
     outcomes = result.table["outcome"].value_counts()
@@ -105,7 +105,7 @@ def benchmark(
             result.film(kind, 0, films / f"{name}-{kind}.gif", settings.clutter.noises[0])
 
 
-def _cleared(
+def _clear_and_write(
     settings: "ClearedTables", rule: str, targets: "Sequence[NamedMesh]", out: Path, jobs: int
 ) -> "Benchmark":
     """Let a detector clear tables of objects, and write a table of its attempts."""

@@ -18,15 +18,16 @@ def collage(
     jobs: Jobs = CORES,
 ) -> None:
     """Draw the objects of a dataset, arranged in the space, as one PNG picture."""
-    from egad._util.files import atomic_output
     from egad.io import check_ending
+
+    check_ending(out, (".png",))
+    from egad._util.files import atomic_output
     from egad.report.axes import axis_pair
     from egad.report.space_map import collage as arranged
     from egad.report.space_map import most_diverse
     from egad.tables import parquet
     from egad.tables.objects import OBJECTS
 
-    check_ending(out, (".png",))
     settings = settings_in(config)
     shown = most_diverse(parquet.read(dataset / "objects.parquet", OBJECTS))
     labels = shown["label"].tolist()

@@ -1,4 +1,7 @@
-"""A detector in a process of its own: it can be stopped, and what it breaks is only its own."""
+"""Detectors for as long as they are used, most in a process of their own.
+
+There they can be stopped, and what they break is only their own.
+"""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -96,7 +99,7 @@ def opened(detect: Detect, limit: float) -> Iterator[Detector]:
     """A detector for as long as the block lasts, in a process of its own if it needs one.
 
     Args:
-        detect: The detector, a function or named; not `labels`.
+        detect: A function, or a detector of the settings; not `labels`.
         limit: Seconds that an answer may take; a function has no limit.
 
     Raises:

@@ -12,6 +12,7 @@ from egad.errors import UserError
 from egad.failures.parameters import FailureParameters
 from egad.failures.search import Found, elite_of, empty_archive
 from egad.failures.verdict import ObjectVerdict
+from egad.measures import MeasureSpace
 from egad.objects import Dataset, dataset_of
 from egad.stats import Rate
 from egad.tables import parquet
@@ -100,7 +101,7 @@ class FailureAtlas:
         Raises:
             UserError: There are no failures.
         """
-        space = None if self.settings is None else self.settings.breeding.space
+        space = MeasureSpace() if self.settings is None else self.settings.breeding.space
         return draw("failure_map", "failure_map", self.table, self.examined, space)
 
     def searched_with(self) -> FailureParameters:

@@ -71,7 +71,7 @@ def box(low: NDArray[np.float64], high: NDArray[np.float64]) -> Solid:
 
 
 def joined(meshes: Iterable[trimesh.Trimesh]) -> trimesh.Trimesh:
-    """Meshes as one, which lie apart or touch."""
+    """One mesh of several that lie apart or touch."""
     parts = list(meshes)
     vertices, faces = [each.vertices for each in parts], [each.faces for each in parts]
     return trimesh.Trimesh(*trimesh.util.append_faces(vertices, faces), process=False)

@@ -101,7 +101,7 @@ def touching_turns(
 
     Args:
         caster: Ray caster of the object, closed, metres.
-        parts: As of `blocked_turns`, and so are all others.
+        parts: This and the other arguments are those of `blocked_turns`.
         origins: (n, 3).
         frames: (n, 3, 3).
         turns: (k,).

@@ -16,7 +16,7 @@ from egad._util.arrays import Floats
 from egad.errors import RejectedError, UserError
 from egad.geometry import RayCaster, decompose, is_solid, joined, to_mesh, to_solid
 from egad.grippers.jaw_faces import Facing, find_facing, solids_of
-from egad.grippers.links import link_joint
+from egad.grippers.links import joint_at
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink
 from egad.grippers.stroke import LARGEST_OPENING, LEAST_OPENING, LEVELS
@@ -368,8 +368,8 @@ def jaw_links(
 
 def _moving_link(jaws: JawSolids) -> HandLink:
     model, body = jaws.mechanism.model, jaws.body
-    joint = link_joint(model, body)
-    turns, places = jaws.mechanism.placement(jaws.positions(joint.zero if joint else 0.0))
+    joint = joint_at(model, int(model.body_jntadr[body]))
+    turns, places = jaws.mechanism.placement(jaws.positions(joint.zero))
     place = np.eye(4)
     place[:3, :3], place[:3, 3] = turns[body], places[body]
     return HandLink(

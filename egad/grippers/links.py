@@ -43,26 +43,24 @@ def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides)
         mass=float(model.body_mass[body]),
         carrier=bodies.index(carrier) if moves else -1,
         place=place,
-        joint=link_joint(model, body) if moves else None,
+        joint=_link_joint(model, body) if moves else None,
     )
 
 
-def link_joint(model: mujoco.MjModel, body: int) -> LinkJoint | None:
-    """The joint by which a link moves; None if it does not.
-
-    Raises:
-        UserError: It has more than one.
-    """
+def _link_joint(model: mujoco.MjModel, body: int) -> LinkJoint | None:
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-    if count == 0:
-        return None
     if count > 1:
         raise UserError(f"the link {body_name(model, body)} has more than one joint")
-    slides = int(model.jnt_type[first]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    return joint_at(model, first) if count else None
+
+
+def joint_at(model: mujoco.MjModel, number: int) -> LinkJoint:
+    """A joint by its number in the model."""
+    slides = int(model.jnt_type[number]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
     return LinkJoint(
-        joint_name(model, first),
+        joint_name(model, number),
         "prismatic" if slides else "revolute",
-        np.array(model.jnt_axis[first]),
-        np.array(model.jnt_pos[first]),
-        float(model.qpos0[model.jnt_qposadr[first]]),
+        np.array(model.jnt_axis[number]),
+        np.array(model.jnt_pos[number]),
+        float(model.qpos0[model.jnt_qposadr[number]]),
     )

@@ -104,7 +104,7 @@ def _ends(ranked: Floats) -> NDArray[np.int64]:
 def _ranked_average_precision(
     success: NDArray[np.bool_], weights: Floats, ends: NDArray[np.int64]
 ) -> float:
-    """The average precision of ranked grasps."""
+    """The average precision of ranked grasps, each as often as its weight says."""
     right, shown = np.cumsum(weights * success)[ends], np.cumsum(weights)[ends]
     if not len(ends) or right[-1] == 0:
         return np.nan

@@ -112,7 +112,10 @@ def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
 
 
 def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Intersection over union of two rectangles (5,); 0 if they have no area in common."""
+    """Intersection over union of two rectangles (5,); 0 if they have no area in common.
+
+    Corners are rounded to 1e-8 pixels.
+    """
     first, second = (
         CrossSection.square((opening, breadth), True).rotate(-np.degrees(angle)).translate((u, v))
         for u, v, angle, opening, breadth in (one, other)  # v points down

@@ -55,7 +55,7 @@ def lowest_regret(table: pd.DataFrame) -> pd.Series:
 def failure_map(
     table: pd.DataFrame,
     examined: pd.DataFrame,
-    space: MeasureSpace | None = None,
+    space: MeasureSpace,
     axes: AxisPair = USUAL,
 ) -> str:
     """The map of the regret: complexity to the right, difficulty upwards.
@@ -66,7 +66,7 @@ def failure_map(
     Args:
         table: Columns of `tables.failures.FAILURES`.
         examined: Columns of `tables.failures.EXAMINED`.
-        space: The cells; by default those of the released objects.
+        space: The cells.
         axes: What the axes are called.
 
     Returns:
@@ -87,7 +87,7 @@ def failure_map(
         )
     words = ["< 60", *(f"{a}{DASH}{a + 10}" for a in (60, 70, 80)), f"{AT_LEAST} 90"]
     legend = [LegendEntry(*each) for each in zip(REGRET_COLORS, words, strict=True)]
-    found = len(dict(_by_cell(table)))
+    found = len(table[["complexity_cell", "difficulty_cell"]].drop_duplicates())
     return _draw(
         cells,
         f"Regret, points: {counted(len(table), 'failure')} in {counted(found, 'cell')}",
@@ -130,12 +130,12 @@ def _draw(
     cells: dict[str, MapCell],
     title: str,
     legend: Sequence[LegendEntry],
-    space: MeasureSpace | None,
+    space: MeasureSpace,
     axes: AxisPair,
 ) -> str:
     return render_template(
         "failure_map.svg.j2",
-        **map_values({}, space or MeasureSpace(), axes) | {"cells": cells},
+        **map_values({}, space, axes) | {"cells": cells},
         unit=UNIT,
         title=title,
         legend=legend,

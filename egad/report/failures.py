@@ -174,7 +174,7 @@ def page(
         dataset: Columns complexity and graspability of the objects that the search began with.
         features: Of shape; none if nothing is known.
         examples: The worst failures, by id, in the order of the page.
-        space: The cells; by default those of the released objects.
+        space: The cells.
         axes: What the axes of the map are called.
 
     Returns:

@@ -6,6 +6,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
+from egad.geometry import joined
 from egad.grasps import hand_poses, vectors
 from egad.grippers import BoxBody, Gripper, GripperModel, SuctionCup, model_of
 
@@ -35,12 +36,9 @@ def link_shapes(model: GripperModel, opening: float) -> list[Colored]:
 
 def painted(shapes: list[Colored]) -> Painted:
     """One mesh of several, and the color of each of its faces."""
-    vertices, faces = trimesh.util.append_faces(
-        [mesh.vertices for mesh, _ in shapes], [mesh.faces for mesh, _ in shapes]
-    )
     counts = [len(mesh.faces) for mesh, _ in shapes]
     paint = np.repeat([color for _, color in shapes], counts).astype(np.uint8)
-    return trimesh.Trimesh(vertices, faces, process=False), paint
+    return joined(mesh for mesh, _ in shapes), paint
 
 
 def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) -> Painted | None:

@@ -113,5 +113,5 @@ def _code(text: str) -> Markup:
 
 
 def counted(count: int, noun: str) -> str:
-    """A number with a noun whose plural ends with s."""
+    """A number and its noun; the plural takes an s."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

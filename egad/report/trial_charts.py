@@ -164,7 +164,7 @@ def draw_intervals(axes: Axes, x: Iterable[float], means: Sequence[Mean], color:
 
 
 def draw_rates(
-    axes: Axes, x: Sequence[float], rates: Sequence[Rate], color: str, name: str
+    axes: Axes, x: Sequence[float], rates: Sequence[Rate], color: str, name: str = ""
 ) -> None:
     """A line through rates, with the interval of each."""
     axes.vlines(x, *zip(*(rate.interval for rate in rates), strict=True), color=color, lw=1)

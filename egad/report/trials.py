@@ -62,7 +62,6 @@ class TrialView:
     """Attempts of one detector; figures are addresses, empty if there is none.
 
     Attributes:
-        name: The detector.
         engine: What computed the physics, and with which errors; empty for a real robot.
         rate: Over all attempts.
         objects: How many objects were tried.
@@ -191,19 +190,18 @@ def _view(
         heat_map=svg_uri(
             trial_heat_map(grid, evaluation_set.rows, evaluation_set.columns, present, axes)
         ),
-        reliability=svg_uri(reliability_chart(bins, name)) if bins else "",
+        reliability=svg_uri(reliability_chart(bins)) if bins else "",
         discrimination=discrimination(table),
         trends=trends,
         trend_figure=svg_uri(trend_chart(objects, trends, means, axes)),
     )
 
 
-def reliability_chart(bins: Sequence[Bin], name: str) -> str:
+def reliability_chart(bins: Sequence[Bin]) -> str:
     """Success rate against the quality that a detector gave, with Wilson intervals of 95 %.
 
     Args:
         bins: From `egad.stats.roc`, at least one.
-        name: The detector.
 
     Returns:
         SVG text. If all qualities lie between 0 and 1, a diagonal shows where they would be the
@@ -212,7 +210,7 @@ def reliability_chart(bins: Sequence[Bin], name: str) -> str:
     qualities = [each.quality for each in bins]
     with new_figure(3.7, 3.0) as drawing:
         axes = drawing.figure.add_subplot()
-        draw_rates(axes, qualities, [each.rate for each in bins], line_color(0), name)
+        draw_rates(axes, qualities, [each.rate for each in bins], line_color(0))
         if min(qualities) >= 0 and 0.1 < max(qualities) <= 1:
             axes.plot([0, 1], [0, 1], color=SOFT, lw=0.8, ls=DASHED, zorder=0)
         axes.set(ylim=(-0.02, 1.02), xlabel="quality predicted by the detector")

@@ -36,7 +36,7 @@ def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:
 
 
 def bootstrap(statistic: Callable[[NDArray[np.int64]], Floats], count: int) -> Interval:
-    """The 95 % interval of a statistic of objects, had others of their kind been taken.
+    """The 95 % interval of a statistic of objects, for other objects of their kind.
 
     Objects are drawn with replacement, 10,000 times, with chance that is always the same. Of what
     comes out, the percentiles are those that make up for the few objects: widened as Student's t

@@ -141,7 +141,7 @@ class Bin:
 def reliability(trials: pd.DataFrame) -> list[Bin]:
     """Success rates of attempts, binned by the quality that the detector gave.
 
-    There are at most ten bins with about as many attempts each; equal qualities stay together.
+    There are at most ten bins with about equally many attempts each; equal qualities stay together.
 
     Args:
         trials: Columns quality and success; attempts without a quality are left out.

@@ -210,5 +210,5 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
 
 
 def distinct(path: Path, name: str) -> set[Any]:
-    """The different values of a column of a table; raises as `batches`."""
+    """The distinct values of a column; raises what `batches` raises."""
     return {value for rows in batches(path, [name]) for value in rows[name]}

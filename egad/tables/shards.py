@@ -52,3 +52,24 @@ def rows_of(paths: Iterable[Path], schema: pa.Schema, names: list[str]) -> pd.Da
     """
     parts = [rows for path in paths for rows in parquet.batches(path, names)]
     return pd.concat(parts, ignore_index=True) if parts else parquet.empty(schema)[names]
+
+
+def remove_leftovers(folder: Path, names: Sequence[str], shards: int) -> None:
+    """Remove the files of an earlier, larger set.
+
+    Args:
+        folder: Where they are.
+        names: Of the tables of a shard.
+        shards: How many there are of the set.
+
+    Raises:
+        UserError: The set that is there has another number of shards.
+        TableError: Its first file is missing or damaged.
+    """
+    if parquet.notes(folder / f"{names[0]}-0.parquet").get("shards") != shards:
+        raise UserError(f"{folder}: expected {names[0]} in {shards} shards; make them again")
+    for name in names:
+        wanted = {f"{name}-{number}.parquet" for number in range(shards)}
+        for path in list(folder.glob(f"{name}-*.parquet")):
+            if path.name not in wanted:
+                path.unlink()

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
+import trimesh
 
 from egad._util.files import atomic_output
 from egad._util.progress import progress
@@ -92,10 +93,13 @@ def _made(
     item: Item, units: str | None, settings: SimulationBundle
 ) -> tuple[SimulationObject | str, float]:
     """An object ready for simulators, or the reason why there is none; and its longest side."""
-    density, wanted = settings.material.density, settings.bundle
-    return use_mesh(
-        item.path, units, lambda mesh: make_simulation_object(mesh, density, wanted, item.label)
-    )
+
+    def make(mesh: trimesh.Trimesh) -> SimulationObject:
+        made = make_simulation_object(mesh, settings.material.density, settings.bundle, item.label)
+        _ = made.poses  # which take long for round objects: not where all of them are written
+        return made
+
+    return use_mesh(item.path, units, make)
 
 
 def _row(item: Item, made: SimulationObject, settings: SimulationBundle) -> dict[str, Any]:

@@ -1,14 +1,13 @@
 """A fixed assignment of objects to shards, independent of the other objects."""
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pyarrow as pa
 
-from egad.errors import UserError
 from egad.tables import parquet
 
 
@@ -44,25 +43,6 @@ def join(parts: list[Path], schema: pa.Schema, order: list[str]) -> pd.DataFrame
     if not filled:
         return parquet.empty(schema)
     return pd.concat(filled).sort_values(order, ignore_index=True)
-
-
-def remove_leftovers(folder: Path, names: Sequence[str], shards: int) -> None:
-    """Remove the shards of an earlier, larger set.
-
-    Args:
-        folder: Of the set.
-        names: What the names of its files begin with: `NAME-0.parquet`, ...
-        shards: Number of its shards.
-
-    Raises:
-        UserError: The set that is there has another number of shards.
-    """
-    if parquet.notes(folder / f"{names[0]}-0.parquet").get("shards") != shards:
-        raise UserError(f"{folder}: expected {names[0]} in {shards} shards; make them again")
-    wanted = {f"{name}-{number}.parquet" for name in names for number in range(shards)}
-    for path in [path for name in names for path in folder.glob(f"{name}-*.parquet")]:
-        if path.name not in wanted:
-            path.unlink()
 
 
 def rejection(object_id: str, stage: str, reason: object) -> dict[str, str]:

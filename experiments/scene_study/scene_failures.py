@@ -48,9 +48,9 @@ def main(run: Path, training_set: str) -> None:
         piles = attempts[(attempts["scene"] == SCENE) & (attempts["noise"] == NOISE)]
         for _, attempt in typical(piles, "id", SHARE).iterrows():
             this = select(settings, ClearedTables, hand, attempt["detector"])
-            before = attempts[attempts["detector"] == attempt["detector"]]
+            own = attempts[attempts["detector"] == attempt["detector"]]
             title = f"{test}, {attempt['id']}: {attempt['outcome'].replace('_', ' ')}"
-            rows.append((title, frames_of(attempt, before, models, this)))
+            rows.append((title, frames_of(attempt, own, models, this)))
     save_sheet(rows, PICTURE, colors=256)
 
 

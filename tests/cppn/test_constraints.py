@@ -37,9 +37,10 @@ def test_a_solid_has_no_thin_sheets_and_nothing_that_is_not_a_number():
     field = np.full((9, 9, 9), -1.0, np.float32)
     field[2:7, 2:7, 2:7] = 1.0
     field[:, 8, :] = 1.0  # one voxel thin
-    field[0, 0, 0] = np.nan
+    field[2, 4, 4] = np.nan  # in the middle of a face
     found = solid(field, UNBOUND)
     assert found[4, 4, 4]
+    assert not found[2, 4, 4]
     assert not found[:, 8, :].any()
 
 

@@ -45,9 +45,8 @@ def export(folder, style, out, *more):
 def test_the_evaluation_set_is_that_of_the_bundle(folder, tmp_path):
     assert export(folder, "simulation", tmp_path / "out").returncode == 0
     for path in (folder / "bundle" / GRIPPER / "A0").rglob("*.*"):
-        if path.name != "poses.json":
-            file = path.relative_to(folder / "bundle" / GRIPPER)
-            assert (tmp_path / "out" / file).read_bytes() == path.read_bytes()
+        file = path.relative_to(folder / "bundle" / GRIPPER)
+        assert (tmp_path / "out" / file).read_bytes() == path.read_bytes()
     noted = (tmp_path / "out/SHA256SUMS").read_text().splitlines()[0]
     assert json.loads(noted.partition("egad-origin ")[2])["arguments"]["format"] == "simulation"
 

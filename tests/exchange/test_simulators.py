@@ -38,14 +38,10 @@ def test_an_object_read_and_written_again_is_the_same(bundle, made, tmp_path):
     found = read_simulation_object(bundle, row_of(made))
     np.testing.assert_array_equal(found.physics.inertia, made.physics.inertia)
     assert found.physics.area == pytest.approx(made.physics.area)
-    for pose, other in zip(found.poses, made.poses, strict=True):
-        assert set(other.face) <= set(pose.face)
-        np.testing.assert_allclose(pose.matrix, other.matrix, atol=1e-12)
     write_simulation_object(tmp_path / "again", "ell", found, 0.4)
     for path in (bundle / "ell").rglob("*.*"):
-        if path.name != "poses.json":  # the last digit of an angle in degrees may differ
-            again = tmp_path / "again" / path.relative_to(bundle / "ell")
-            assert again.read_bytes() == path.read_bytes(), path
+        again = tmp_path / "again" / path.relative_to(bundle / "ell")
+        assert again.read_bytes() == path.read_bytes(), path
 
 
 def test_damaged_files_are_named(bundle, made):

@@ -111,6 +111,12 @@ def test_labels_are_those_that_loading_gives(tables):
     assert "C01_0" in words(made_page(tables))
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_feature_that_all_solved_objects_share_is_drawn(tables):
+    alike = feature("size")._replace(low=0.5, high=0.5, solved=np.full(20, 0.5))
+    assert "size" in words(made_page(tables, features=[alike]))
+
+
 def test_names_are_escaped(tables):
     text = made_page(tables, search=SEARCH.__class__("<b>x</b>", *list(vars(SEARCH).values())[1:]))
     assert "<b>x</b>" not in text

@@ -85,7 +85,7 @@ def drawn_charts(trials):
     return {
         "heat map": trial_heat_map(grid, 7, 7, {"A0", "C4", "G6"}),
         "outcomes": outcome_chart({"one": trials, "two": trials}),
-        "reliability": reliability_chart(reliability(trials), "one"),
+        "reliability": reliability_chart(reliability(trials)),
         "trends": trend_chart(
             objects,
             {"difficulty": trend, "complexity": Trend(np.nan, np.nan, np.nan)},
@@ -117,11 +117,11 @@ def test_rows_stand_beside_the_whole(trials):
 def test_reliability_of_any_quality(quality):
     """A diagonal would mislead where quality is no chance; then there is none."""
     table = pd.DataFrame({"quality": quality, "success": [True, False]})
-    svg = reliability_chart(reliability(table), "one")
+    svg = reliability_chart(reliability(table))
     assert "quality predicted by the detector" in texts(svg)
     assert "stroke-dasharray" not in svg
 
 
 def test_a_diagonal_where_quality_can_be_a_chance():
     table = pd.DataFrame({"quality": [0.1, 0.9], "success": [True, False]})
-    assert "stroke-dasharray" in reliability_chart(reliability(table), "one")
+    assert "stroke-dasharray" in reliability_chart(reliability(table))

@@ -216,10 +216,11 @@ def test_the_labels_detector_waits_for_the_grasps(copy):
 
 
 def test_engraved_labels_wait_for_the_grasps_that_they_keep_away_from(planned):
-    """Without labels, other grasps print nothing again: see the settings above."""
-    engraving = {"enabled": True}
+    engraving, others = {"enabled": True}, {"samples": 6}
     assert set(planned(engraving=engraving)) == {"print_export"} | AFTER_PRINTS
-    assert "print_export" in planned(engraving=engraving, robust={"samples": 6})
+    target = f"results/egad/print/{GRIPPER}/manifest.parquet"
+    assert "join_grasps" in planned(target, engraving=engraving, robust=others)
+    assert planned(target, robust=others) == {}
 
 
 def boxes_with_a_palm(folder):

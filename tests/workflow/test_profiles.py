@@ -62,7 +62,6 @@ def test_what_a_killed_run_left_is_made_anew_without_being_asked(clean):
     assert (clean.folder / "one.fed").read_text() == "all\n"
 
 
-@pytest.mark.slow
 def test_a_scheduler_makes_the_same_bytes(copy, finished):
     """Two jobs of the finished run again, one of them local."""
     tally = "results/egad/grasps/egad_75mm.sampling.parquet"

@@ -10,8 +10,9 @@ from egad.perception import COLUMNS, RenderParameters, card, files, summary
 from egad.report.training import openings_chart
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
+from egad.tables.shards import remove_leftovers
 from egad.workflow.job import run_job
-from egad.workflow.shards import join, remove_leftovers
+from egad.workflow.shards import join
 
 log = logging.getLogger(__name__)
 

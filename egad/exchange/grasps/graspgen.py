@@ -18,6 +18,7 @@ from egad.evalset import SimulationObject
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.exchange.simulated import check_simulated, simulated_by_object
+from egad.geometry import joined
 from egad.grasps import Grasps, held_when_shaken, with_outcome
 from egad.grippers import Gripper, ModelBody, base_pose, finger_span, hand_body
 from egad.io import write_obj
@@ -222,11 +223,9 @@ def _mesh(hand: GraspGenHand) -> trimesh.Trimesh:
         shapes = [trimesh.convex.convex_hull(points) for link in links for points in link]
     else:
         shapes = [trimesh.creation.box(bounds=part.box) for part in body.parts()]
-    corners, faces = trimesh.util.append_faces(
-        [shape.vertices for shape in shapes], [shape.faces for shape in shapes]
-    )
-    corners[:, 2] += hand.depth
-    return trimesh.Trimesh(corners, faces, process=False)
+    mesh = joined(shapes)
+    mesh.apply_translation([0, 0, hand.depth])
+    return mesh
 
 
 def write(

@@ -57,7 +57,7 @@ def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationOb
         row: Columns of `tables.evaluation.BUNDLE` of the object.
 
     Raises:
-        UserError: A file of the object is missing or damaged.
+        UserError: Its surface or a convex part is missing or damaged.
 
     Warns:
         PartsWarning: The convex parts do not keep to the bounds that they were made with.

@@ -18,7 +18,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS, REJECTED
-from egad.workflow.shards import remove_leftovers
+from egad.tables.shards import remove_leftovers
 
 FAST = {"grasps": 20, "test": 0.2, "validation": 0.2}
 NAMES = [f"B{number}" for number in range(8)]
