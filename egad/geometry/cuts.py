@@ -55,7 +55,7 @@ def best_plane(solid: Solid, planes_of_hull: Floats) -> Plane:
     if cut.before - cut.after > LEAST_GAIN * (cut.before - solid.volume()):
         return cut.plane
     halving = [_halving(solid, axis) for axis in range(3)]
-    return min(halving, key=lambda each: _volume_after(solid, each))
+    return min(halving, key=lambda each: volume_after(solid, each))
 
 
 def middle_plane(solid: Solid) -> Plane:
@@ -69,10 +69,13 @@ def _halving(solid: Solid, axis: int) -> Plane:
     return np.eye(3)[axis], float(low[axis] + high[axis]) / 2
 
 
-def _volume_after(solid: Solid, plane: Plane) -> float:
-    """The volume of the hulls after a cut and the best one of each half."""
+def volume_after(solid: Solid, plane: Plane) -> float:
+    """The volume of the hulls after a cut and the best of each half; infinite if one is empty."""
+    halves = solid.split_by_plane(tuple(plane[0]), plane[1])
+    if any(half.is_empty() for half in halves):  # the plane met a needle without volume
+        return np.inf
     volume = 0.0
-    for half in solid.split_by_plane(tuple(plane[0]), plane[1]):
+    for half in halves:
         hull = hull_of(arrays(half)[0])
         if len(hull.planes):
             cut = _best_cut(half, hull.planes)
