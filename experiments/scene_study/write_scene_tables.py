@@ -10,26 +10,24 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scene_charts import cleared_by, learning_chart
 from scene_plan import PAIRS, PUBLISHED
 
+from egad._util.arrays import Floats
 from egad._util.files import write_text
 from egad._util.markdown import table as markdown
 from egad.random import generator
 from egad.stats import by_difficulty
 from egad.tables import parquet
-from egad.tables.clutter import CLUTTER
+from egad.tables.clutter import CLUTTER, ROUND
 from egad.tables.objects import OBJECTS
 from egad.tables.training import SCENE_SCORE
 from egad.workflow.job import run_job
 
-Floats = NDArray[np.float64]
 SCENE, CAMERAS = "pile", "six"  # the condition that counts
 LEAD, MARGIN = 0.1, 0.05  # over published VGN; how far behind the rival is not behind
 SURE = 0.975  # of a goal, as either of two pairs of sets may reach it
 DRAWS = 10_000
-ROUND = ["scene", "noise", "round"]
 
 
 def run(
