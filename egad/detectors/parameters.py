@@ -1,7 +1,7 @@
 """Settings of grasp detectors."""
 
 from pathlib import Path
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -10,13 +10,14 @@ from egad.errors import UserError
 from egad.grippers import Gripper
 
 Execution = Literal["deepest", "published"]
-SHIPPED_NETWORK = "ggcnn2-evolved"
-SHIPPED_NETWORKS: dict[str, Execution] = {
-    SHIPPED_NETWORK: "deepest",
-    f"{SHIPPED_NETWORK}-published": "published",
-}
 # What `egad train` wrote; without `egad.data`, whose other files change no answer of a detector.
-SHIPPED_WEIGHTS = Path(__file__).parents[1] / "data" / SHIPPED_NETWORK / "weights.safetensors"
+NETWORKS = Path(__file__).parents[1] / "data" / "networks"
+_GGCNN2 = {"detector": "ggcnn", "weights": str(NETWORKS / "ggcnn2-evolved" / "weights.safetensors")}
+SHIPPED_NETWORKS: dict[str, dict[str, Any]] = {
+    "ggcnn2-evolved": _GGCNN2,
+    "ggcnn2-evolved-published": {**_GGCNN2, "execution": "published"},
+}
+"""Settings of the networks that egad ships, as of a detector with weights of the user's own."""
 SHIPPED = (
     "antipodal-cloud",
     "antipodal-depth",

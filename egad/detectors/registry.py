@@ -14,12 +14,7 @@ from egad.detectors.base import WHERE, DetectorError, Grasp
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
-from egad.detectors.parameters import (
-    GRASPGEN,
-    SHIPPED_NETWORKS,
-    SHIPPED_WEIGHTS,
-    DetectorConfig,
-)
+from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORKS, DetectorConfig
 from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.suction import suction_cloud, suction_depth
@@ -143,8 +138,6 @@ def fingerprint(config: DetectorConfig) -> list[str]:
 
 
 def _with_shipped_weights(config: DetectorConfig) -> DetectorConfig:
-    """The shipped network as `ggcnn` with its weights; any other detector as it is."""
-    if config.detector not in SHIPPED_NETWORKS:
-        return config
-    execution = SHIPPED_NETWORKS[config.detector]
-    return DetectorConfig(detector="ggcnn", weights=str(SHIPPED_WEIGHTS), execution=execution)
+    """A shipped network as the detector that loads its weights; any other detector as it is."""
+    settings = SHIPPED_NETWORKS.get(config.name)
+    return DetectorConfig(**settings) if settings else config

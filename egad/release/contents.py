@@ -48,7 +48,7 @@ OTHER_FILES = (
     ),
     Files(
         "network",
-        "grasp network that egad ships as the detector `ggcnn2-evolved`, with its model card",
+        "grasp networks that egad ships as detectors of their names, with their model cards",
         "networks/*/weights.safetensors",
         "application/octet-stream",
     ),

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.detectors import DetectorConfig
-from egad.detectors.parameters import SHIPPED_NETWORK
+from egad.detectors import DETECTORS, DetectorConfig
 from egad.detectors.registry import make_detector
 from egad.detectors.subprocess import Child
 from egad.grippers import GRIPPERS
@@ -24,7 +23,7 @@ SLOW = [
     pytest.mark.slow,
     pytest.mark.skipif(FOLDER is None, reason="EGAD_GGCNN names no folder"),
 ]
-SHIPPED = DetectorConfig(detector=SHIPPED_NETWORK)
+SHIPPED = DETECTORS["ggcnn2-evolved"]
 
 
 def published(name):

@@ -6,7 +6,7 @@ import trimesh
 
 from egad.detectors import DETECTORS, DetectorConfig
 from egad.detectors.base import Grasp
-from egad.detectors.parameters import SHIPPED, SHIPPED_WEIGHTS
+from egad.detectors.parameters import SHIPPED, SHIPPED_NETWORKS
 from egad.detectors.registry import QUICK, fingerprint, make_detector
 from egad.detectors.subprocess import Child, DetectorError, DetectorTimeoutError
 from egad.errors import UserError
@@ -136,8 +136,8 @@ def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
     weights.write_text("2")
     assert len({tuple(before), tuple(edited), tuple(fingerprint(detector))}) == 3
     assert fingerprint(DETECTORS["random"]) == []
-    shipped = DetectorConfig(detector="ggcnn", weights=str(SHIPPED_WEIGHTS))
-    assert fingerprint(DETECTORS["ggcnn2-evolved"]) == fingerprint(shipped)
+    for name, settings in SHIPPED_NETWORKS.items():
+        assert fingerprint(DETECTORS[name]) == fingerprint(DetectorConfig(**settings)) != []
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ from egad._util.kernel_cache import compile_kernels
 from egad._util.progress import MARKS
 from egad.measures import source_hash
 from egad.samplers import own_samplers
-from egad.detectors import SHIPPED_WEIGHTS, fingerprint
+from egad.detectors import NETWORKS, fingerprint
 from egad.perception import shard_count
 from egad.scenes import shard_count as scene_shard_count
 

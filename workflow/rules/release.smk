@@ -152,7 +152,7 @@ rule release_card:
     params:
         settings=settings_of(ReleaseCard),
         out=subpath(output.card, parent=True),
-        network=contents_of(shipped_network),
+        networks=contents_of(shipped_networks),
         code=code_of("release_card"),
     message:
         "Describing the release"

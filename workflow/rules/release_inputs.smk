@@ -16,9 +16,9 @@ def ancestry_of_release(wildcards):
     return ancestry_of(RELEASED["dataset"])
 
 
-def shipped_network(wildcards):
-    """The files of the network that egad ships, which the release has a copy of."""
-    return [str(path) for path in sorted(SHIPPED_WEIGHTS.parent.iterdir())]
+def shipped_networks(wildcards):
+    """The files of the networks that egad ships, which the release has a copy of."""
+    return sorted(str(path) for path in NETWORKS.rglob("*") if path.is_file())
 
 
 def archives_of_release(wildcards):

@@ -11,7 +11,7 @@ from egad import __version__
 from egad._util.files import atomic_output, write_text
 from egad.config import Release
 from egad.config.stages import ReleaseCard
-from egad.detectors import SHIPPED_WEIGHTS
+from egad.detectors import NETWORKS
 from egad.errors import UserError
 from egad.perception import SPLITS
 from egad.provenance.graph import provenance_graph
@@ -53,7 +53,7 @@ def run(
         gallery: The page of the gallery, and its folder.
         out: What explains the folder `release`: a dataset card as Hugging Face reads it, the same
             tables for tools that read Croissant, how to cite it, the licence of the data, what each
-            file was made from, the checksums of all files, and the network that egad ships. The
+            file was made from, the checksums of all files, and the networks that egad ships. The
             rule `release` makes the folder. See `docs/release.md`.
 
     Raises:
@@ -61,8 +61,7 @@ def run(
     """
     _check_archives(out, archives)
     with atomic_output(out / "networks") as folder:
-        network = SHIPPED_WEIGHTS.parent
-        shutil.copytree(network, folder / network.name)
+        shutil.copytree(NETWORKS, folder)
     release = settings.release
     objects = pd.concat(
         parquet.read(out / "data/objects" / f"{split}.parquet", RELEASED_OBJECTS)
