@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 LESS_MEMORY = "use fewer processes: `jobs` in Python, --jobs of a command, --cores of the workflow"
-MOST_NAMES = 12
+MAX_NAMES = 12
 
 
 class EgadError(Exception):
@@ -48,6 +48,6 @@ def check_name(what: str, name: object, names: Iterable[str], where: str = "") -
     if isinstance(name, str) and name in allowed:
         return name
     near = difflib.get_close_matches(str(name), allowed, n=5, cutoff=0.5)
-    few = ", ".join(allowed[:MOST_NAMES]) + (", ..." if len(allowed) > MOST_NAMES else "")
+    few = ", ".join(allowed[:MAX_NAMES]) + (", ..." if len(allowed) > MAX_NAMES else "")
     hint = f"did you mean {' or '.join(near)}?" if near else f"known: {few or 'none'}"
     raise UserError(f"{what} {name!r} is not known{where}; {hint}")

@@ -42,12 +42,12 @@ class LabelledGrasps(NamedTuple):
 
     Attributes:
         table: Columns of `tables.grasping.GRASPS` without `id` and `label`; none without grasps.
-        tally: What became of the candidates.
+        statistics: What became of the candidates.
         reason: Why there is no grasp; empty if there is one.
     """
 
     table: pd.DataFrame
-    tally: SamplingStatistics
+    statistics: SamplingStatistics
     reason: str = ""
 
 
@@ -87,10 +87,12 @@ class Labeller:
         settings, caster = self.settings, RayCaster(mesh)
         gripper, wanted = settings.gripper, settings.grasp_label
         if self._body is not None and gripper.grasps_with == ANTIPODAL:
-            pairs, tally = sample_for_labels(caster, settings, rng)
+            pairs, statistics = sample_for_labels(caster, settings, rng)
             if not len(pairs):
-                return LabelledGrasps(pd.DataFrame(), tally, f"no grasp ({tally})")
-            return LabelledGrasps(rate_grasps(caster, com, pairs, settings, rng, self._body), tally)
+                return LabelledGrasps(pd.DataFrame(), statistics, f"no grasp ({statistics})")
+            return LabelledGrasps(
+                rate_grasps(caster, com, pairs, settings, rng, self._body), statistics
+            )
         poses, widths, quality = draw_grasps(
             mesh,
             com,
@@ -105,7 +107,7 @@ class Labeller:
             table = label_cups(caster, gripper.cup, poses, quality, is_rate=is_rate)
         elif self._body is not None:
             table = label_poses(caster, poses, widths, quality, self._body, wanted.approach_way)
-        return LabelledGrasps(table, SamplingStatistics(tried=wanted.grasps))
+        return LabelledGrasps(table, SamplingStatistics(candidates=wanted.grasps))
 
 
 @phase_if_slow("sampling grasps")

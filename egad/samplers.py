@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import trimesh
 
-from egad import plugins as own_code
+from egad import plugins
 from egad._util.arrays import Flags, Floats
 from egad.errors import NoGraspError, RejectedError, UserError
 from egad.geometry import Material
@@ -94,7 +94,7 @@ def check_sampler(gripper: Gripper) -> None:
     if name == SUCTION and gripper.cup is None:
         raise UserError("the sampler `suction` is for cups; the gripper has jaws")
     if name not in BUILT_IN:
-        own_code.find(name, WHERE, "function")
+        plugins.find(name, WHERE, "function")
 
 
 def own_samplers(grippers: Iterable[Gripper]) -> list[str]:
@@ -104,19 +104,19 @@ def own_samplers(grippers: Iterable[Gripper]) -> list[str]:
         UserError: There is no such file.
     """
     names = [gripper.grasps_with for gripper in grippers]
-    return [own_code.source_hash(name, WHERE) for name in names if name not in BUILT_IN]
+    return [plugins.source_hash(name, WHERE) for name in names if name not in BUILT_IN]
 
 
 def _own(gripper: Gripper, mesh: trimesh.Trimesh, n: int, rng: np.random.Generator) -> Sampled:
     """The grasps of a sampler of the user's own."""
     name = gripper.grasps_with
-    function: OwnSampler = own_code.find(name, WHERE, "function")
+    function: OwnSampler = plugins.find(name, WHERE, "function")
     try:
         given = function(mesh.copy(), gripper, n, rng)
     except MemoryError:
         raise  # says nothing of the object
     except Exception as error:
-        what = f"{own_code.place_of(error)}: {type(error).__name__}: {error}"
+        what = f"{plugins.place_of(error)}: {type(error).__name__}: {error}"
         raise RejectedError(f"the sampler {name} failed{what}") from error
     found = _checked(gripper, given, n)
     if not len(found.quality):

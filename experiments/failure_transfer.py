@@ -34,7 +34,7 @@ from egad.stats import Rate
 
 CHANGES = ("none", "simplified", "noise", "smaller", "larger")
 WHO = ("detector", "reference")
-LEAST_REFERENCE, LEAST_REGRET = 0.8, 0.5
+MIN_REFERENCE, MIN_REGRET = 0.8, 0.5
 
 
 def changed(mesh: trimesh.Trimesh, change: str, name: str) -> trimesh.Trimesh:
@@ -104,7 +104,7 @@ def lasts(row: pd.Series, engines: list[str]) -> bool:
         - np.array([0, row[f"detector_{engine}"] / row[f"drops_{engine}"]])
         for engine in engines
     ]
-    return all(held >= LEAST_REFERENCE and regret >= LEAST_REGRET for held, regret in rates)
+    return all(held >= MIN_REFERENCE and regret >= MIN_REGRET for held, regret in rates)
 
 
 def show(table: pd.DataFrame) -> None:

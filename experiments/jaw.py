@@ -69,9 +69,9 @@ def carry_out(hand: Gripper, count: int) -> pd.DataFrame:
             with open_world(engine, [model], arm.robot) as world:
                 for row in free.to_dict("records"):
                     pose, grasp = floating_pose(model, row, gripper)
-                    stance = HandPose(*grasp.center[:2], grasp.tip, grasp.angle)
+                    hand_pose = HandPose(*grasp.center[:2], grasp.tip, grasp.angle)
                     contact = float(row["width"]) if first else gripper.opening
-                    found = simulate_grasp(world, arm, pose, stance, contact, LIFTING)
+                    found = simulate_grasp(world, arm, pose, hand_pose, contact, LIFTING)
                     kept = {name: row[name] for name in KEPT}
                     kept |= {"label": target.label, "engine": engine, "first": first}
                     kept |= {"outcome": found.outcome.value}

@@ -53,7 +53,7 @@ from egad.suction import (
 DOCS = Path(__file__).parents[1] / "docs"
 GRIPPER = "cup_30mm"
 CUP = SuctionCup()
-MOST_SEEDS, LIFT_FRAMES = 20, 70
+MAX_SEEDS, LIFT_FRAMES = 20, 70
 EDGE = 0.003  # metres: longest side of a colored triangle
 DISTANCE, YAW, PITCH = 1.95, 35.0, -32.0  # diagonals of the box; degrees
 FACING = 0.6  # cosine between the view and the approach of the grasp that is drawn
@@ -255,7 +255,7 @@ def draw_lift() -> None:
     model, arm = build(mesh, Material().density, Bundle()), ARMS["axis"](gripper)
     with open_world("mujoco", [model], arm.robot) as world:
         runner, film = TrialRunner(world, arm, TrialProtocol()), Film(world)
-        for seed in range(MOST_SEEDS):
+        for seed in range(MAX_SEEDS):
             film.frames.clear()
             if runner.attempt(suction_depth, seed).outcome == "success":
                 break

@@ -15,8 +15,8 @@ import trimesh
 
 ROOT = Path(__file__).parents[1]
 DIST = ROOT / "build/dist"
-MOST_PACKAGES = 49  # of the core, egad included: half of what all parts took together
-MOST_BYTES = 750_000_000  # of the core, without compiled modules
+MAX_PACKAGES = 49  # of the core, egad included: half of what all parts took together
+MAX_BYTES = 750_000_000  # of the core, without compiled modules
 PYTHON_OF_README = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
 CORE = """
 import egad
@@ -155,9 +155,9 @@ def test_the_core_is_light(core):
     sizes = json.loads(core.run("python", "-c", CONTENT))
     sizes = {name: size for name, size in sizes.items() if name not in {"pip", "setuptools"}}
     assert "egad" in sizes
-    assert len(sizes) <= MOST_PACKAGES
+    assert len(sizes) <= MAX_PACKAGES
     assert not {"matplotlib", "mujoco", "pybullet", "snakemake"} & set(sizes)
-    assert sum(sizes.values()) <= MOST_BYTES
+    assert sum(sizes.values()) <= MAX_BYTES
 
 
 def test_the_python_of_the_readme_runs_with_the_core(core):

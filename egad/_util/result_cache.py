@@ -25,7 +25,7 @@ from egad.errors import UserError
 
 PACKAGE = Path(__file__).parents[1]
 FOLDER, OFF = "EGAD_CACHE_DIR", "off"
-MOST_BYTES = 10**9  # of all results of a kind; the ones not used for longest are removed first
+MAX_BYTES = 10**9  # of all results of a kind; the ones not used for longest are removed first
 Arrays = dict[str, NDArray[Any]]
 
 
@@ -128,7 +128,7 @@ def _remove_oldest(folder: Path) -> None:
         with suppress(FileNotFoundError):  # another process removed it
             status = entry.stat()
             files.append((status.st_mtime, status.st_size, entry.path))
-    spare = sum(size for _, size, _ in files) - MOST_BYTES
+    spare = sum(size for _, size, _ in files) - MAX_BYTES
     for _, size, name in sorted(files):
         if spare <= 0:
             break

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 DASH = "-"
 WIDE = 200  # columns of a table that goes into a file
-MOST = 12  # columns of a matrix that still can be read
+MAX_COLUMNS = 12  # columns of a matrix that still can be read
 
 
 def measured(table: pd.DataFrame, axes: AxisPair, gripper: str) -> None:
@@ -99,7 +99,7 @@ def size_curves(table: pd.DataFrame) -> None:
 
 def square(matrix: pd.DataFrame) -> None:
     """Print a matrix of similarities, or a summary if it is too large."""
-    if len(matrix) > MOST:
+    if len(matrix) > MAX_COLUMNS:
         known = matrix.notna().any()
         print(f"{len(matrix)} meshes, {known.sum()} compared; --out writes their similarities")
         return

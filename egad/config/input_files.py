@@ -16,7 +16,7 @@ from egad.samplers import check_sampler
 from egad.tables.evolution import GENOME
 from egad.tables.parquet import check_columns
 
-MOST_LINES = 10
+MAX_LINES = 10
 
 
 def check_input_files(settings: Settings) -> None:
@@ -89,10 +89,10 @@ def check_readable(files: Iterable[Path]) -> None:
         UserError: Some cannot be opened; the text has a line for each.
     """
     lines = [f"{path} {reason}" for path in files if (reason := _unreadable(path))]
-    more = len(lines) - MOST_LINES
+    more = len(lines) - MAX_LINES
     if lines:
         end = [f"and {more} more files cannot be read"] if more > 0 else []
-        raise UserError("\n".join([*lines[:MOST_LINES], *end]))
+        raise UserError("\n".join([*lines[:MAX_LINES], *end]))
 
 
 def _unreadable(path: Path) -> str:

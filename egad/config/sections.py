@@ -51,7 +51,7 @@ class Postprocess(Parameters):
     )
 
 
-MOST_PRIMITIVES = 100_000  # their ids have five digits
+MAX_PRIMITIVES = 100_000  # their ids have five digits
 
 
 class DatasetSection(Parameters):
@@ -83,7 +83,7 @@ class DatasetSection(Parameters):
     objects: int | None = Field(
         None,
         ge=1,
-        le=MOST_PRIMITIVES,
+        le=MAX_PRIMITIVES,
         description="number of objects, each of 2 to 5 boxes, cylinders, spheres (source: "
         "primitives)",
     )

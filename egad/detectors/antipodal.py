@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from egad._util.arrays import Floats
-from egad.detectors.base import LEAST_BITE, Grasp, bite_share, rank_grasps
+from egad.detectors.base import MIN_DEPTH, Grasp, depth_weight, rank_grasps
 from egad.grasps import TABLE_CLEARANCE, roomy
 from egad.grippers import Gripper, check_jaws
 from egad.perception import (
@@ -21,7 +21,7 @@ from egad.perception import (
 
 MAX_EDGES = 400
 MAX_CANDIDATES = 400
-LEAST_CLEARANCE = 0.002  # on each side of the object
+MIN_CLEARANCE = 0.002  # on each side of the object
 TORQUE_SCALING = 100.0  # 1/m
 BLUR = 1.5  # pixels
 NEARLY = 1e-6
@@ -35,7 +35,7 @@ class _Edges(NamedTuple):
     outward: Floats  # (n, 2) unit vectors, towards the lower side
 
 
-class _Pairs(NamedTuple):
+class _EdgePairs(NamedTuple):
     """Candidates: two opposing edges each."""
 
     middle: Floats  # (n, 2)
@@ -54,11 +54,11 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     neighboring surface and palm allow. Holes and noise of the image are removed first, as
     `egad.perception.restore` does. The quality, from 0 to 1, is
 
-        cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(bite / 20 mm, 1),
+        cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(penetration / 20 mm, 1),
 
     the closed form of the Ferrari-Canny quality for small angles, as far as the image tells: the
     wider angle between line and edge normals, and the distance of the line from the centroid of
-    the volume below what is seen; the bite is how far the pads reach below the lower edge.
+    the volume below what is seen; the penetration is how far the pads reach below the lower edge.
 
     Args:
         view: A depth image from roughly above; the table is at height 0.
@@ -81,7 +81,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     # Probing the space for the hand is costly: first as if the palm stayed above everything.
     tip = max(heightmap.heights.max() - gripper.finger_length, 0.0) + TABLE_CLEARANCE
     hopeful = np.argsort(-_quality(pairs, centroid, tip), kind="stable")[:MAX_CANDIDATES]
-    return _grasps(_Pairs(*(values[hopeful] for values in pairs)), heightmap, centroid, gripper)
+    return _grasps(_EdgePairs(*(values[hopeful] for values in pairs)), heightmap, centroid, gripper)
 
 
 def _edges(view: View, window: Window, friction: float) -> _Edges:
@@ -115,7 +115,7 @@ def _uneven(view: View, friction: float) -> Window:
     return window_of(np.abs(view.heights()) > level, MARGIN)
 
 
-def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
+def _pairs(edges: _Edges, gripper: Gripper) -> _EdgePairs:
     """All pairs of edges that oppose each other within friction cones and opening."""
     cone = np.cos(np.arctan(gripper.pad.friction))
     # If a line lies in both cones, the normals are at most twice the angle of a cone from opposite.
@@ -123,7 +123,7 @@ def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
     first, second = np.nonzero(np.triu(opposed, 1))
     apart = edges.points[second, :2] - edges.points[first, :2]
     distance = np.sqrt(apart[:, 0] ** 2 + apart[:, 1] ** 2)
-    near = np.flatnonzero(distance <= gripper.opening - 2 * LEAST_CLEARANCE)
+    near = np.flatnonzero(distance <= gripper.opening - 2 * MIN_CLEARANCE)
     first, second, distance = first[near], second[near], distance[near]
     axis = apart[near] / np.maximum(distance, 1e-12)[:, None]
     cosines = np.minimum(
@@ -132,7 +132,7 @@ def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
     )
     fits = np.flatnonzero(cosines >= cone)
     first, second = first[fits], second[fits]
-    return _Pairs(
+    return _EdgePairs(
         middle=(edges.points[first, :2] + edges.points[second, :2]) / 2,
         axis=axis[fits],
         distance=distance[fits],
@@ -141,24 +141,26 @@ def _pairs(edges: _Edges, gripper: Gripper) -> _Pairs:
     )
 
 
-def _quality(pairs: _Pairs, centroid: Floats, tip: Floats | float) -> Floats:
+def _quality(pairs: _EdgePairs, centroid: Floats, tip: Floats | float) -> Floats:
     """The quality of pairs for fingertips at some height, (n,); see `antipodal_depth`."""
-    bite = pairs.top - tip
+    penetration = pairs.top - tip
     away = centroid[:2] - pairs.middle
     across = away[:, 0] * pairs.axis[:, 1] - away[:, 1] * pairs.axis[:, 0]
-    above = tip + bite / 2 - centroid[2]
+    above = tip + penetration / 2 - centroid[2]
     moment = np.sqrt(1 + TORQUE_SCALING**2 * (across**2 + above**2))
-    quality: Floats = pairs.squareness / moment * bite_share(bite)
+    quality: Floats = pairs.squareness / moment * depth_weight(penetration)
     return quality
 
 
-def _grasps(pairs: _Pairs, heightmap: Heightmap, centroid: Floats, gripper: Gripper) -> list[Grasp]:
+def _grasps(
+    pairs: _EdgePairs, heightmap: Heightmap, centroid: Floats, gripper: Gripper
+) -> list[Grasp]:
     """Candidates for which the hand has space, with their depths and qualities."""
     width = roomy(pairs.distance, gripper)
     tip = min_fingertip_height(pairs.middle, pairs.axis, width, heightmap, gripper)
-    bite = pairs.top - tip
-    level = tip + bite / 2
+    penetration = pairs.top - tip
+    level = tip + penetration / 2
     quality = _quality(pairs, centroid, tip)
     center = np.column_stack([pairs.middle, level])
-    columns = (center, pairs.axis, width, bite / 2, quality)
-    return rank_grasps(*(values[bite >= LEAST_BITE] for values in columns))
+    columns = (center, pairs.axis, width, penetration / 2, quality)
+    return rank_grasps(*(values[penetration >= MIN_DEPTH] for values in columns))

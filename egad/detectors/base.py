@@ -10,10 +10,10 @@ from egad._util.arrays import Floats
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
 
-MOST_GRASPS = 50  # kept of the candidates of a detector
+MAX_GRASPS = 50  # kept of the candidates of a detector
 SEARCH = 0.01  # metres beyond where a suction cup should meet an object that it looks for it
-LEAST_BITE = 0.005  # metres that the fingertips must reach below the surface that is seen
-FULL_BITE = 0.02  # metres; nothing is gained by reaching further
+MIN_DEPTH = 0.005  # metres that the fingertips must reach below the surface that is seen
+FULL_DEPTH = 0.02  # metres; nothing is gained by reaching further
 WHERE = "detectors"
 
 
@@ -56,13 +56,13 @@ class Grasp:
         return Outcome.BELOW_TABLE if self.tip < 0 else None
 
 
-def bite_share(bite: Floats) -> Floats:
-    """What a bite is worth, from 0 to 1: min(bite / 20 mm, 1).
+def depth_weight(penetration: Floats) -> Floats:
+    """The factor of a grasp's quality for its depth, from 0 to 1: min(penetration / 20 mm, 1).
 
     Args:
-        bite: How far the fingertips reach below the surface that is seen, metres.
+        penetration: How far the fingertips reach below the surface that is seen, metres.
     """
-    share: Floats = np.clip(bite / FULL_BITE, 0, 1)
+    share: Floats = np.clip(penetration / FULL_DEPTH, 0, 1)
     return share
 
 
@@ -80,7 +80,7 @@ def rank_grasps(
     """
     angle = np.arctan2(axis[:, 1], axis[:, 0])
     columns = np.column_stack([center, angle, width, depth, quality])
-    order = np.argsort(-quality, kind="stable")[:MOST_GRASPS]
+    order = np.argsort(-quality, kind="stable")[:MAX_GRASPS]
     return [Grasp((x, y, z), *others) for x, y, z, *others in columns[order].tolist()]
 
 

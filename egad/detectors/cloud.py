@@ -17,11 +17,11 @@ MAX_OBSTACLES = 3000  # points that the hand must not touch
 APPROACHES = 16  # around the closing axis
 UPWARD = 0.2  # the approach may point up by this sine
 WAY = 0.05  # metres; the straight way in is free, too
-LEAST_CLEARANCE = 0.002  # on each side of the object
+MIN_CLEARANCE = 0.002  # on each side of the object
 TORQUE_SCALING = 100.0  # 1/m
 
 
-class _Pairs(NamedTuple):
+class _PointPairs(NamedTuple):
     """Candidates: two opposing points each."""
 
     middle: Floats  # (n, 3)
@@ -57,7 +57,7 @@ def antipodal_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generato
     pairs = _pairs(cloud, gripper, rng)
     quality = pairs.squareness / _moment(pairs, obstacles, gripper.opening)
     best = np.argsort(-quality, kind="stable")[:MAX_CANDIDATES]
-    pairs, quality = _Pairs(*(values[best] for values in pairs)), quality[best]
+    pairs, quality = _PointPairs(*(values[best] for values in pairs)), quality[best]
     widths = roomy(pairs.distance, gripper)
     approaches = _around(pairs.axis)
     count = len(pairs.axis)
@@ -86,7 +86,7 @@ def _chosen(count: int, most: int, rng: np.random.Generator) -> Ints:
     return np.sort(rng.permutation(count)[:most])
 
 
-def _pairs(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> _Pairs:
+def _pairs(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> _PointPairs:
     """Pairs of some points that oppose each other within friction cones and opening."""
     chosen = _chosen(len(cloud.points), MAX_POINTS, rng)
     points, normals = cloud.points[chosen], cloud.normals[chosen]
@@ -99,14 +99,14 @@ def _pairs(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> _Pa
     cosines = np.minimum(
         -np.einsum("ij,ij->i", axis, normals[first]), np.einsum("ij,ij->i", axis, normals[second])
     )
-    widest = gripper.opening - 2 * LEAST_CLEARANCE
+    widest = gripper.opening - 2 * MIN_CLEARANCE
     fits = np.flatnonzero((cosines >= cone) & (distance <= widest))
     fits = fits[_chosen(len(fits), MAX_PAIRS, rng)]
     middle = (points[first[fits]] + points[second[fits]]) / 2
-    return _Pairs(middle, axis[fits], distance[fits], cosines[fits] ** 2)
+    return _PointPairs(middle, axis[fits], distance[fits], cosines[fits] ** 2)
 
 
-def _moment(pairs: _Pairs, points: Floats, radius: float) -> Floats:
+def _moment(pairs: _PointPairs, points: Floats, radius: float) -> Floats:
     """By how much the lever of the weight lowers the quality of pairs, (n,), at least 1."""
     offsets = points[None] - pairs.middle[:, None]
     near = (offsets**2).sum(axis=2) <= radius**2

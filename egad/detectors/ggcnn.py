@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from egad._util.arrays import Floats, Ints
 from egad._util.extras import needed_for
-from egad.detectors.base import FULL_BITE, LEAST_BITE, WHERE, Grasp, bite_share, rank_grasps
+from egad.detectors.base import FULL_DEPTH, MIN_DEPTH, WHERE, Grasp, depth_weight, rank_grasps
 from egad.detectors.parameters import Execution
 from egad.errors import UserError
 from egad.grasps import TABLE_CLEARANCE
@@ -30,13 +30,13 @@ from egad.perception import (
     restore,
 )
 
-MOST_BYTES = 1 << 24  # some 50 times those that were published
+MAX_BYTES = 1 << 24  # some 50 times those that were published
 GGCNN_WEIGHTS = (
     "`egad train` makes weights; the published ones are in the releases of the project "
     "dougsm/ggcnn, as files named "
     "ggcnn_epoch_23_cornell_statedict.pt (GG-CNN) and epoch_50_cornell_statedict.pt (GG-CNN2)"
 )
-SHALLOW, LOWEST_TIP = 0.01, 0.005  # metres below the surface, and above the table
+SHALLOW, MIN_TIP = 0.01, 0.005  # metres below the surface, and above the table
 Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
 
@@ -51,7 +51,7 @@ def check_ggcnn(weights: str | None) -> str:
         raise UserError(f"{WHERE}: ggcnn needs `weights: FILE`; {GGCNN_WEIGHTS}")
     if not Path(weights).is_file():
         raise UserError(f"{WHERE}: no such file: {weights}; {GGCNN_WEIGHTS}")
-    if _size(Path(weights)) > MOST_BYTES:
+    if _size(Path(weights)) > MAX_BYTES:
         raise UserError(f"{WHERE}: {weights} is too large for weights of GG-CNN; {GGCNN_WEIGHTS}")
     return weights
 
@@ -59,7 +59,7 @@ def check_ggcnn(weights: str | None) -> str:
 def _size(path: Path) -> int:
     """Bytes of a file, or of all that is in it if it is a zip, as those of PyTorch are."""
     size = path.stat().st_size
-    if size > MOST_BYTES or not zipfile.is_zipfile(path):
+    if size > MAX_BYTES or not zipfile.is_zipfile(path):
         return size
     try:
         with zipfile.ZipFile(path) as archive:
@@ -131,9 +131,9 @@ class MapDetector:
 
         How deep the hand goes is ours, as in `antipodal-depth`: as deep as table, neighboring
         surface and palm allow (`egad.perception.min_fingertip_height`) where a pixel of the
-        network says that a grasp is. The bite is how far the fingertips get below the surface
-        seen there. Without a bite of 5 mm there is no grasp; otherwise its quality is that of the
-        network times min(bite / 20 mm, 1). Proposed is the best of 21 x 21 pixels.
+        network says that a grasp is. The penetration is how far the fingertips get below the
+        surface seen there. Below 5 mm there is no grasp; otherwise its quality is that of the
+        network times min(penetration / 20 mm, 1). Proposed is the best of 21 x 21 pixels.
 
         The hand opens as wide as the network says or as it can. It is where the ray of the pixel
         is 10 mm below the surface, or half way down to the table if that is less. There its
@@ -200,7 +200,7 @@ def _shallow(maps: NDArray[np.floating], view: View, gripper: Gripper) -> Grasp:
     depth = crop.depth[place]
     ray = _rays(np.array([place[0]]), np.array([place[1]]), crop, view)[0]
     x, y, top = view.pose[:3, 3] + depth * ray
-    tip = max(top - SHALLOW, LOWEST_TIP)
+    tip = max(top - SHALLOW, MIN_TIP)
     level = (max(top, tip) + tip) / 2
     angle = answer.angle[place]
     axis = np.array([np.cos(angle), -np.sin(angle)]) @ view.pose[:2, :2].T
@@ -212,17 +212,17 @@ def _shallow(maps: NDArray[np.floating], view: View, gripper: Gripper) -> Grasp:
 
 
 def _spots(answer: Answer, view: View, gripper: Gripper) -> _Spots:
-    """The pixels with a positive quality whose surface is high enough for the smallest bite."""
+    """The pixels with a positive quality whose surface is high enough for the least penetration."""
     crop = middle(view.depth)
     row, column = (each.ravel() for each in np.indices((SIZE, SIZE)))
     rays = _rays(row, column, crop, view)
     depth = crop.depth[row, column]
     top = view.pose[2, 3] + depth * rays[:, 2]
-    hopeful = (top >= TABLE_CLEARANCE + LEAST_BITE) & (answer.quality.ravel() > 0)
+    hopeful = (top >= TABLE_CLEARANCE + MIN_DEPTH) & (answer.quality.ravel() > 0)
     seen = np.flatnonzero(hopeful & (rays[:, 2] < 0))
     row, column = row[seen], column[seen]
     rays, depth, top = rays[seen], depth[seen], top[seen]
-    level = (top + np.maximum(top - FULL_BITE, TABLE_CLEARANCE)) / 2
+    level = (top + np.maximum(top - FULL_DEPTH, TABLE_CLEARANCE)) / 2
     deep = depth + (level - top) / rays[:, 2]
     angle, opening = answer.angle[row, column], answer.opening[row, column]
     width = opening * crop.scale * deep / view.intrinsics.focal
@@ -257,14 +257,14 @@ def _unit(vectors: Floats) -> Floats:
 def _grasps(spots: _Spots, heightmap: Heightmap, gripper: Gripper) -> list[Grasp]:
     """The best spots of all around them that the hand can reach; see `MapDetector.__call__`."""
     tip = min_fingertip_height(spots.middle, spots.axis, spots.width, heightmap, gripper)
-    bite = spots.top - tip
-    quality = np.where(bite >= LEAST_BITE, spots.quality * bite_share(bite), 0.0)
+    penetration = spots.top - tip
+    quality = np.where(penetration >= MIN_DEPTH, spots.quality * depth_weight(penetration), 0.0)
     worth = np.zeros((SIZE, SIZE))
     worth[spots.row, spots.column] = quality
     best = np.zeros((SIZE, SIZE), dtype=bool)
     best[tuple(np.transpose(peaks(worth)))] = True
     chosen = best[spots.row, spots.column] & (quality > 0)
-    level = spots.top - np.minimum(bite, FULL_BITE) / 2
+    level = spots.top - np.minimum(penetration, FULL_DEPTH) / 2
     center = np.column_stack([spots.middle, level])
     columns = (center, spots.axis, spots.width, level - tip, quality)
     return rank_grasps(*(values[chosen] for values in columns))

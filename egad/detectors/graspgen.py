@@ -16,7 +16,7 @@ from egad.perception import PointCloud
 
 GREETING_TIME = 60_000  # milliseconds; it may still be busy with an earlier question
 GRASPS = 200  # of each object
-LEAST_POINTS = 21  # of an object: the server compares each point with its 20 nearest
+MIN_POINTS = 21  # of an object: the server compares each point with its 20 nearest
 # From the base of its grippers to where their pads touch, along the approach, metres; from the
 # gripper descriptions of GraspGen.
 DEPTHS = {"franka_panda": 0.1053, "robotiq_2f_140": 0.195, "robotiq_2f_85": 0.1303}
@@ -65,7 +65,7 @@ class GraspGen:
             gripper: The hand.
             _rng: Not used: the server has its own chance.
         """
-        clouds = [points for points, _ in object_clouds if len(points) >= LEAST_POINTS]
+        clouds = [points for points, _ in object_clouds if len(points) >= MIN_POINTS]
         found = [self._grasps(points, gripper) for points in clouds]
         return GraspPoses(*map(np.concatenate, zip(poses_of(([], [], [])), *found, strict=True)))
 

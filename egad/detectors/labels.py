@@ -9,7 +9,7 @@ import pandas as pd
 
 from egad._util.arrays import Floats
 from egad.detectors.base import SEARCH, Grasp, rank_grasps
-from egad.grasps import LEAST_BITE, roomy, vectors
+from egad.grasps import MIN_DEPTH, roomy, vectors
 from egad.grippers import Gripper, finger_span
 from egad.perception import View, heightmap_of, min_fingertip_height, restore
 
@@ -74,7 +74,7 @@ class Labels:
         tip, width = np.minimum(*tips), np.where(tips[0] <= tips[1], narrow, wide)
         depth = center[:, 2] - tip
         columns = (center, flat, width, depth, self._quality[level])
-        return rank_grasps(*(values[depth >= LEAST_BITE] for values in columns))
+        return rank_grasps(*(values[depth >= MIN_DEPTH] for values in columns))
 
     def _for_cup(self, matrix: Floats) -> list[Grasp]:
         """The grasps of `propose` for a suction cup."""

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from egad._util.arrays import Floats, Ints
-from egad.detectors.base import MOST_GRASPS, Grasp
+from egad.detectors.base import MAX_GRASPS, Grasp
 from egad.grasps import hand_poses
 from egad.grippers import Gripper, tip_reach
 from egad.outcomes import Outcome
@@ -79,7 +79,7 @@ def poses_of(answer: Any) -> GraspPoses:  # noqa: ANN401 (whatever a detector gi
     return GraspPoses(poses, widths, scores)
 
 
-def best_poses(grasps: GraspPoses, count: int = MOST_GRASPS) -> GraspPoses:
+def best_poses(grasps: GraspPoses, count: int = MAX_GRASPS) -> GraspPoses:
     """Those with the highest scores, best first, equals in the order given."""
     order = np.argsort(-grasps.scores, kind="stable")[:count]
     return GraspPoses(grasps.poses[order], grasps.widths[order], grasps.scores[order])

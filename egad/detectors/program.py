@@ -25,7 +25,7 @@ from egad.grippers import Gripper
 from egad.perception import Observation, View
 
 LENGTH = struct.Struct(">I")
-LONGEST = 1 << 28  # bytes of an answer
+MAX_BYTES = 1 << 28  # bytes of an answer
 PIECE = 1 << 16  # bytes that are read or written at once
 ENDING_TIME = 2.0  # seconds
 
@@ -215,8 +215,10 @@ def _is_complete(incoming: bytearray) -> bool:
     if len(incoming) < LENGTH.size:
         return False
     length = int(LENGTH.unpack_from(incoming)[0])
-    if length > LONGEST:
-        raise ValueError(f"a message of {length} bytes; most: {LONGEST}. Does it print something?")
+    if length > MAX_BYTES:
+        raise ValueError(
+            f"a message of {length} bytes; most: {MAX_BYTES}. Does it print something?"
+        )
     if len(incoming) > LENGTH.size + length:
         raise ValueError("more than one message at once. Does it print something?")
     return len(incoming) == LENGTH.size + length

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from egad import plugins as own_code
+from egad import plugins
 from egad.detectors.antipodal import antipodal_depth
 from egad.detectors.base import WHERE, DetectorError, Grasp
 from egad.detectors.cloud import antipodal_cloud
@@ -104,7 +104,7 @@ def _plain(grasp: Any) -> Grasp:  # noqa: ANN401 (whatever the user's code gives
 
 
 def _own(config: DetectorConfig) -> Callable[..., Any]:
-    found = own_code.find(config.name, WHERE, "class or function")
+    found = plugins.find(config.name, WHERE, "class or function")
     if not isinstance(found, type):
         if config.weights:
             raise UserError(f"{WHERE}: {config.name} is not a class that takes `weights`")
@@ -131,9 +131,9 @@ def fingerprint(config: DetectorConfig) -> list[str]:
         check_ggcnn(config.weights)
     if config.command:
         files = [word for word in config.command if Path(word).is_file()]
-        return [own_code.file_hash(file, WHERE) for file in files]
-    own = [own_code.source_hash(config.name, WHERE)] if ":" in config.name else []
-    weights = [own_code.file_hash(config.weights, WHERE)] if config.weights else []
+        return [plugins.file_hash(file, WHERE) for file in files]
+    own = [plugins.source_hash(config.name, WHERE)] if ":" in config.name else []
+    weights = [plugins.file_hash(config.weights, WHERE)] if config.weights else []
     return [*own, *weights]
 
 

@@ -1,4 +1,4 @@
-"""suction-depth, suction-cloud: flat places near the middle of what is seen, for a suction cup.
+"""suction-depth, suction-cloud: flat spots near the middle of what is seen, for a suction cup.
 
 The rule that Dex-Net 3.0 (Mahler et al. 2018) compares with, planarity and centroid: the surface
 within the ring must be flat, and the center of mass must lie close to the axis of the cup.
@@ -21,7 +21,7 @@ MAX_CANDIDATES = 500
 RIM = 1.1  # of the radius of the ring: as far the surface must be flat
 FLAT = 0.1  # of that radius: deviation at which the quality is 0
 TORQUE_SCALING = 50.0  # 1/m
-LEAST_POINTS = 9  # in a disc
+MIN_POINTS = 9  # in a disc
 SAMPLES = 50  # of a disc, each with a point nearby
 NEIGHBORS, GAP = 4, 1.5  # nearby: times the median distance of the fourth neighbor
 CLEARANCE = 0.002  # metres around the cup
@@ -44,7 +44,7 @@ class _Discs(NamedTuple):
 
 
 def suction_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
-    """Flat and level places of a depth image, near the middle of the object.
+    """Flat and level spots in a depth image, near the middle of the object.
 
     Holes and noise of the image are removed first, as `egad.perception.restore` does. A candidate
     is one of 500 pixels that see the object with points all around it and nothing above it where
@@ -87,7 +87,7 @@ def suction_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> li
 
 
 def suction_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> GraspPoses:
-    """Flat places of a point cloud from any direction, near the middle of what is there.
+    """Flat spots of a point cloud from any direction, near the middle of what is there.
 
     A candidate is one of 500 points with others all around it. The cup comes along the normal of
     the plane that fits best, not from below, and on its way it meets no other point and not the
@@ -144,7 +144,7 @@ def _fit_discs(
     """
     count = len(centers)
     normals, deviations, whole = np.zeros((count, 3)), np.full(count, np.inf), np.zeros(count, bool)
-    if len(points) < LEAST_POINTS:
+    if len(points) < MIN_POINTS:
         return _Discs(normals, deviations, whole)
     tree = KDTree(points)
     gap = GAP * float(np.median(tree.query(points, [NEIGHBORS + 1])[0]))
@@ -152,7 +152,7 @@ def _fit_discs(
     found = tree.query_ball_point(centers, RIM * cup.radius)
     for number, (center, numbers) in enumerate(zip(centers, found, strict=True)):
         near = points[numbers]
-        if len(near) < LEAST_POINTS:
+        if len(near) < MIN_POINTS:
             continue
         offsets = near - near.mean(axis=0)
         squares, axes = np.linalg.eigh(offsets.T @ offsets / len(near))

@@ -13,7 +13,7 @@ from egad._util.markdown import table as markdown
 from egad.evalset.parameters import Bundle
 from egad.evalset.parts import make_parts, measure_parts, warn_if_beyond
 from egad.geometry import (
-    MOST_BURIED,
+    MAX_BURIED,
     MassProperties,
     StablePose,
     group_poses,
@@ -23,7 +23,7 @@ from egad.geometry import (
 from egad.geometry.stable_poses import stable_poses
 from egad.tables import parquet
 
-LEAST_PROBABILITY = 0.001  # of the poses that are listed
+MIN_PROBABILITY = 0.001  # of the poses that are listed
 SAME_POSE = np.radians(5)
 
 
@@ -57,7 +57,7 @@ class SimulationObject:
     def poses(self) -> tuple[StablePose, ...]:
         """How it can rest on a table: 5 degrees apart, and at least 0.1 % probable."""
         poses = group_poses(stable_poses(self.mesh, self.physics.com), SAME_POSE)
-        return tuple(pose for pose in poses if pose.probability >= LEAST_PROBABILITY)
+        return tuple(pose for pose in poses if pose.probability >= MIN_PROBABILITY)
 
 
 def make_simulation_object(
@@ -238,7 +238,7 @@ def page(
         friction=bundle.friction,
         bound=bundle.volume_error,
         depth=1000 * bundle.deviation,
-        buried=MOST_BURIED,
+        buried=MAX_BURIED,
         objects=markdown(HEAD, map(_cells, parquet.records(table))),
         rejected="\n".join(["", "## Left out", "", *missing, ""]) if missing else "",
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from egad._util.result_cache import Arrays, cached, source_version
 from egad.evalset.parameters import Bundle
 from egad.geometry import (
-    MOST_BURIED,
+    MAX_BURIED,
     Decomposition,
     buried_share,
     coacd_parts,
@@ -46,7 +46,7 @@ class Closeness(NamedTuple):
 
     def is_within(self, settings: Bundle) -> bool:
         """Whether the parts are as close to the object as the settings want."""
-        return abs(self.volume_error) <= settings.volume_error and self.buried <= MOST_BURIED
+        return abs(self.volume_error) <= settings.volume_error and self.buried <= MAX_BURIED
 
 
 def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:

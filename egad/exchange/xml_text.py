@@ -9,7 +9,7 @@ from egad.geometry import MassProperties
 DRAKE = "http://drake.mit.edu"  # namespace of what Drake adds to URDF and SDFormat
 # kg m2: MuJoCo takes no principal moment below 1e-14, that of a ball of 0.9 mm at 400 kg/m3. A body
 # with a larger one starts and stops to turn more slowly, and falls as before.
-LEAST_MOMENT = 2e-14
+MIN_MOMENT = 2e-14
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -28,8 +28,8 @@ def moments(physics: MassProperties) -> dict[str, float]:
     """
     tensor = physics.inertia
     principal, axes = np.linalg.eigh(tensor)
-    if principal.min() < LEAST_MOMENT:
-        tensor = (axes * np.maximum(principal, LEAST_MOMENT)) @ axes.T
+    if principal.min() < MIN_MOMENT:
+        tensor = (axes * np.maximum(principal, MIN_MOMENT)) @ axes.T
     values = (*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2])
     return {name: float(value) for name, value in zip(MOMENTS, values, strict=True)}
 

@@ -30,7 +30,7 @@ from egad.report.failures import AttemptFilm, Example, FeatureShare, SearchText,
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 
-MOST_SOLVED = 200  # objects that failures are compared with
+MAX_SOLVED = 200  # objects that failures are compared with
 EVERY = 2  # frames of the simulation, of which one is kept: 10 a second
 FRAME_TIME, LAST_TIME = 100, 1200  # milliseconds
 QUALITY = 55  # of WebP
@@ -106,7 +106,7 @@ def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
     """
     found = examined[examined["verdict"] == ObjectVerdict.DETECTOR_SUCCEEDS]
     found = found[found["voxels"].map(len) > 0].drop_duplicates("id")
-    order = generator(seed, "solved objects").permutation(len(found))[:MOST_SOLVED]
+    order = generator(seed, "solved objects").permutation(len(found))[:MAX_SOLVED]
     return found.iloc[np.sort(order)]
 
 

@@ -53,8 +53,8 @@ from egad.sim import (
     put,
 )
 
-LEAST_DOWN = np.cos(np.radians(10))  # of the approach of a grasp that is carried out from above
-MOST_PROPOSALS = 10
+MIN_DOWN = np.cos(np.radians(10))  # of the approach of a grasp that is carried out from above
+MAX_PROPOSALS = 10
 Proposals: TypeAlias = list[Grasp] | GraspPoses
 
 
@@ -91,7 +91,7 @@ class Bench(ABC):
 
         def plan() -> list[PoseGrasp] | Outcome:
             answer = self._ask(detect, rest, camera_rng, detector_rng)
-            return ranked(answer, self.gripper, MOST_PROPOSALS)
+            return ranked(answer, self.gripper, MAX_PROPOSALS)
 
         return try_to_plan(plan)
 
@@ -142,7 +142,7 @@ class BenchFromAbove(Bench):
         self._place(rest)
         matrix = rest.matrix @ self.world.model.to_principal
         found = self._labels.propose(matrix, self._runner.render_view(), self.gripper)
-        grasps = ranked(found, self.gripper, MOST_PROPOSALS)
+        grasps = ranked(found, self.gripper, MAX_PROPOSALS)
         return [] if isinstance(grasps, Outcome) else grasps
 
     @override
@@ -152,7 +152,7 @@ class BenchFromAbove(Bench):
 
     @override
     def can_do(self, grasp: PoseGrasp) -> bool:
-        return -grasp.pose[2, 2] >= LEAST_DOWN and super().can_do(grasp)
+        return -grasp.pose[2, 2] >= MIN_DOWN and super().can_do(grasp)
 
     @override
     def _ask(
@@ -214,7 +214,7 @@ class BenchFromAnywhere(Bench):
 
     @override
     def labelled(self, rest: Pose) -> list[PoseGrasp]:
-        return list(islice(self._labels.possible([RestingObject(0, rest)]), MOST_PROPOSALS))
+        return list(islice(self._labels.possible([RestingObject(0, rest)]), MAX_PROPOSALS))
 
     @override
     def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:

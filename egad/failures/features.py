@@ -25,7 +25,7 @@ from egad.tables import parquet
 POINTS = 20_000  # on a surface, or in a box
 THIN = 0.1  # quantile of the thickness over the surface
 NEAR = 0.005  # metres: surface around a contact
-MOST_GRASPS = 12  # of an object, those that held it first
+MAX_GRASPS = 12  # of an object, those that held it first
 LINES = 7  # rays along each side of a finger pad
 OPPOSITE = -0.5  # cosine: surface turned further away is the other side of a wall
 SKIN = 1e-6  # metres under the surface, where rays begin
@@ -133,7 +133,7 @@ def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[PoseGrasp
     """
     to_mesh = np.linalg.inv(principal_frame(mass_properties(mesh, Material().density))[1])
     found = []
-    for row in parquet.records(attempts[attempts["success"]].head(MOST_GRASPS)):
+    for row in parquet.records(attempts[attempts["success"]].head(MAX_GRASPS)):
         rest, grasp = read_attempt(row)
         pose = to_mesh @ np.linalg.inv(rest.matrix) @ grasp.pose
         found.append(grasp._replace(pose=pose))

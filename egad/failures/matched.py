@@ -34,7 +34,7 @@ from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 from egad.tables.failures import FAILURE_ATTEMPTS, MATCHED
 
-MOST_PAIRS = 10  # each is a column of the set: its number is a digit of the labels
+MAX_PAIRS = 10  # each is a column of the set: its number is a digit of the labels
 ROW = {True: 0, False: 1}  # of the labels: A for failures, B for their partners
 
 
@@ -179,8 +179,8 @@ def match_failures(
             a search; objects have other voxels than those of the atlas.
     """
     settings = atlas.searched_with()
-    if check_count("pairs", pairs) > MOST_PAIRS:
-        raise UserError(f"pairs is {pairs}; allowed: 1 to {MOST_PAIRS}, a digit of the labels each")
+    if check_count("pairs", pairs) > MAX_PAIRS:
+        raise UserError(f"pairs is {pairs}; allowed: 1 to {MAX_PAIRS}, a digit of the labels each")
     check_count("attempts", attempts)
     check_count("within", within)
     if not 0 < succeeds <= 1:

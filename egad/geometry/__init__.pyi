@@ -55,5 +55,5 @@ from .stable_poses import StablePose as StablePose
 from .stable_poses import group_poses as group_poses
 from .surface_samples import rims as rims
 from .surface_samples import spread as spread
-from .touchable import MOST_BURIED as MOST_BURIED
+from .touchable import MAX_BURIED as MAX_BURIED
 from .touchable import buried_share as buried_share

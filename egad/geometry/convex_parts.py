@@ -17,15 +17,15 @@ from egad.geometry.fit import LOWERING, STEP, Tolerances, finish_all, fits, too_
 from egad.geometry.hulls import Hull, hull_mesh, hull_of, merge_hulls
 from egad.geometry.manifold import Solid, arrays, is_solid, solid_within, to_mesh, to_solid, union
 from egad.geometry.parameters import DEVIATION, MAX_VERTICES
-from egad.geometry.touchable import MOST_BURIED, Touchable, touchable_points
+from egad.geometry.touchable import MAX_BURIED, Touchable, touchable_points
 
 # The surface is simplified by this part of the allowed deviation, but by no more than that part of
 # the longest side: finer detail costs time and changes no contact.
-SIMPLIFICATION, LARGEST_SIMPLIFICATION = 0.3, 0.005
+SIMPLIFICATION, MAX_SIMPLIFICATION = 0.3, 0.005
 SLIVER = 1e-6  # of the volume: thinner crumbs have no usable hull
 # Cutting goes on to this part of the allowed error; then parts are joined again until it is spent.
 OVERCUT = 0.7
-LEAST_EXCESS = 0.3  # of the allowed error, for solids that simplification made larger
+MIN_EXCESS = 0.3  # of the allowed error, for solids that simplification made larger
 BURIED = 0.002  # of the touchable points: may stay too deep in the hulls of pieces
 CONVEX = 1e-3  # of a hull: with less excess a solid has no hollow to cut at
 SPARE = 2  # times as many pieces as parts are allowed are cut at most
@@ -113,7 +113,7 @@ def _decomposed(exact: Solid, max_parts: int, wanted: Tolerances) -> Decompositi
     touchable = touchable_points(to_mesh(exact), "parts")
     limits = _Limits(
         SPARE * max_parts,
-        max(OVERCUT * allowed - (whole.volume() - volume), LEAST_EXCESS * allowed),
+        max(OVERCUT * allowed - (whole.volume() - volume), MIN_EXCESS * allowed),
         BURIED * len(touchable.points),
         wanted,
     )
@@ -163,7 +163,7 @@ def _keep(hulls: list[Hull], volume: float, touchable: Touchable, tolerances: To
     buried = sum(int(too_deep(touchable, hull, tolerances).sum()) for hull in hulls)
     return (
         sum(hull.volume for hull in hulls) <= volume
-        and buried <= MOST_BURIED * len(touchable.points)
+        and buried <= MAX_BURIED * len(touchable.points)
         and all(map(tolerances.can_be_reduced, hulls))
     )
 
@@ -192,7 +192,7 @@ def _solid(mesh: trimesh.Trimesh) -> Solid:
 
 def _simplified(solid: Solid, deviation: float) -> Solid:
     low, high = np.reshape(solid.bounding_box(), (2, 3))
-    by = min(SIMPLIFICATION * deviation, LARGEST_SIMPLIFICATION * float((high - low).max()))
+    by = min(SIMPLIFICATION * deviation, MAX_SIMPLIFICATION * float((high - low).max()))
     # Anew, for it keeps its tolerance, and every cut would be simplified by as much again.
     simple = to_solid(*arrays(solid.simplify(by)))
     return simple if is_solid(simple) and simple.volume() > 0 else solid

@@ -18,7 +18,7 @@ COARSENESS = 0.01  # of the longest side: the planes are tried on a solid simpli
 EVEN_PLANES = 3  # a coordinate axis
 # Of the volume that a hull has beyond its solid. Whatever gains less is not worth a cut: a ring
 # could be cut into ever thinner rings, and the hull of each would still fill its hole.
-LEAST_GAIN = 1e-3
+MIN_GAIN = 1e-3
 
 
 class _Cut(NamedTuple):
@@ -52,7 +52,7 @@ def best_plane(solid: Solid, planes_of_hull: Floats) -> Plane:
         planes_of_hull: Outward unit normals and offsets, (m, 4).
     """
     cut = _best_cut(solid, planes_of_hull)
-    if cut.before - cut.after > LEAST_GAIN * (cut.before - solid.volume()):
+    if cut.before - cut.after > MIN_GAIN * (cut.before - solid.volume()):
         return cut.plane
     halving = [_halving(solid, axis) for axis in range(3)]
     return min(halving, key=lambda each: volume_after(solid, each))

@@ -10,7 +10,7 @@ from egad._util.arrays import Flags
 from egad.geometry.hull_vertices import fewer_vertices, lower_planes
 from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.touchable import (
-    MOST_BURIED,
+    MAX_BURIED,
     Touchable,
     deeper_points,
     depths,
@@ -146,7 +146,7 @@ def finish_all(
     for number in count():
         finished = [finish(hull, touchable, kept, wanted) for hull in hulls]
         others = touchable_points(mesh, f"parts, check {number}")
-        if share_within(others.points, finished, kept.deviation) <= CHECKED * MOST_BURIED:
+        if share_within(others.points, finished, kept.deviation) <= CHECKED * MAX_BURIED:
             break
         if number < REFITS:
             touchable = touchable.and_more(others)

@@ -85,7 +85,7 @@ def _triangles(rim: Floats) -> Ints:
 
 
 CRACK = 1e-4  # of the longest side: open edges that are this close belong together
-LARGEST_HOLE = 0.1  # of the area of a shell; a larger one may be the mouth of a cup
+MAX_HOLE = 0.1  # of the area of a shell; a larger one may be the mouth of a cup
 DEBRIS = 0.1  # of the area of all shells: open shells that together have less are dropped
 FLAT = 1e-6  # volume / longest side cubed: thinner than this bounds nothing
 THICKEN = "`open_surfaces: thicken` gives a surface without thickness a wall"
@@ -293,7 +293,7 @@ def _solids(
     single, doubled = _cleaned(mesh)
     solids, failed = [], []
     for part in _shells(single):
-        closed = close_holes(part, LARGEST_HOLE)
+        closed = close_holes(part, MAX_HOLE)
         solid = None if closed is None else _outward(closed)
         if solid is None:
             failed.append(part)

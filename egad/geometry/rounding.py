@@ -7,7 +7,7 @@ from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.geometry.refinement import Triangulation, distinct_corners, face_areas, triangulation
 
-LARGEST = 1e-4  # rounding that is looked for, over the square root of the area
+MAX_ROUNDING = 1e-4  # rounding that is looked for, over the square root of the area
 USUAL = 5e-6  # the same: of files in which planes are upright, so that rounding leaves them flat
 GAP = 10.0  # flat folds and real ones differ in height by at least this factor,
 STRAY = 0.05  # except for a few: this many per flat fold
@@ -35,7 +35,7 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
     """
     mesh = triangulation(np.ascontiguousarray(vertices), distinct_corners(faces))
     areas = face_areas(mesh)
-    largest = LARGEST * np.sqrt(areas.sum())
+    largest = MAX_ROUNDING * np.sqrt(areas.sum())
     heights = fold_heights(mesh, areas)
     least = FLAT * np.count_nonzero(np.isfinite(heights))
     heights = np.sort(heights[heights <= GAP * largest])

@@ -17,7 +17,7 @@ CELLS = 4  # of the grid across a wall
 OFFSET = 0.37  # of a cell: so that flat surfaces rarely lie in a plane of nodes
 ROUNDING = 2**20 + 1  # steps of a thickness, odd: the level is in the middle between two of them
 TOLERANCES = (0.02, 0.005, 0.001)  # of the thickness: how far simplification may move the surface
-LARGEST = 30_000  # area over thickness squared; 0.12 m2 with a wall of 2 mm: 20 s and 1.8 GB
+MAX_SPREAD = 30_000  # area over thickness squared; 0.12 m2 with a wall of 2 mm: 20 s and 1.8 GB
 
 
 def shell(mesh: trimesh.Trimesh, thickness: float) -> Solid:
@@ -44,7 +44,7 @@ def shell(mesh: trimesh.Trimesh, thickness: float) -> Solid:
 
 
 def _check_thickness(mesh: trimesh.Trimesh, thickness: float) -> None:
-    size, thinnest = float(mesh.extents.max()), float(np.sqrt(mesh.area / LARGEST))
+    size, thinnest = float(mesh.extents.max()), float(np.sqrt(mesh.area / MAX_SPREAD))
     if thickness >= size:
         raise RejectedError(
             f"open surface of {size:.3g} m, smaller than the thickness of its shell, "

@@ -16,7 +16,7 @@ from egad.random import generator
 FINGER = 0.01  # metres, the thickness of a finger: 99.6 % of labelled contacts have as much space
 START = 1e-4  # metres before the surface: there the rays begin, which must not meet it
 SAMPLES = 16000  # on the whole surface; half as many miss small necks
-MOST_BURIED = 0.01  # of the touchable surface: may lie deeper in parts than their deviation
+MAX_BURIED = 0.01  # of the touchable surface: may lie deeper in parts than their deviation
 BLOCK = 2**16  # elements of a matrix that are computed at once
 FACING = 0.3  # cosine: planes turned further away from a point's normal do not cover it
 

@@ -1,7 +1,7 @@
 from .approach import first_approaches as first_approaches
 from .approach import touching_turns as touching_turns
 from .collision import FIXED_SIDE_CLEARANCE as FIXED_SIDE_CLEARANCE
-from .collision import LEAST_BITE as LEAST_BITE
+from .collision import MIN_DEPTH as MIN_DEPTH
 from .collision import TABLE_CLEARANCE as TABLE_CLEARANCE
 from .collision import blocked_turns as blocked_turns
 from .collision import expected_distance as expected_distance

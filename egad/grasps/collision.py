@@ -13,7 +13,7 @@ SIDE_CLEARANCE = 0.008  # free space that is wanted on each side of what is held
 # The same before a jaw that does not move, if only an image tells where the object is: what is left
 # is how far the other jaw pushes the object.
 FIXED_SIDE_CLEARANCE = 0.003
-LEAST_BITE = 0.003  # the fingertips reach at least this far below the contacts
+MIN_DEPTH = 0.003  # the fingertips reach at least this far below the contacts
 
 
 def roomy(distance: Floats, gripper: Gripper) -> Floats:

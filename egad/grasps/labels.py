@@ -81,9 +81,9 @@ def label_grasps(
     """
     check_solid(mesh)
     caster = RayCaster(mesh)
-    grasps, tally = sample_for_labels(caster, settings, rng)
+    grasps, statistics = sample_for_labels(caster, settings, rng)
     if len(grasps) == 0:
-        raise RejectedError(f"no grasp ({tally})")
+        raise RejectedError(f"no grasp ({statistics})")
     return rate_grasps(caster, com, grasps, settings, rng, body)
 
 
@@ -158,22 +158,24 @@ def rate_grasps(
     )
 
 
-def statistics_row(wanted: int, tally: SamplingStatistics, grasps: pd.DataFrame) -> dict[str, int]:
+def statistics_row(
+    wanted: int, statistics: SamplingStatistics, grasps: pd.DataFrame
+) -> dict[str, int]:
     """What became of the candidates of an object: a row of `tables.grasping.SAMPLING`.
 
     Args:
         wanted: Grasps wanted.
-        tally: Sampling statistics.
+        statistics: Sampling statistics.
         grasps: The rated grasps, with the columns of `tables.grasping.GRASPS`; may be empty.
     """
-    failed = asdict(tally)
-    tried = failed.pop("tried")
+    failed = asdict(statistics)
+    candidates = failed.pop("candidates")
     fits, free = (grasps[name].to_numpy(bool) for name in ("fits", "collision_free"))
     return {
         "n_wanted": wanted,
-        "n_candidates": tried,
+        "n_candidates": candidates,
         **{f"n_{name}": count for name, count in failed.items()},
-        "n_surplus": tried - sum(failed.values()) - len(grasps),
+        "n_surplus": candidates - sum(failed.values()) - len(grasps),
         "n_grasps": len(grasps),
         "n_slipping": int((grasps["quality"] == 0).sum()),
         "n_in_collision": int(np.sum(~fits)),

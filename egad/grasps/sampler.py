@@ -61,7 +61,7 @@ class ContactPairs:
 class SamplingStatistics:
     """What became of the candidates. Each is counted once, at the first test that it fails."""
 
-    tried: int = 0
+    candidates: int = 0
     too_wide: int = 0  # no opposite surface within the opening
     not_antipodal: int = 0  # the second contact faces too far away from the axis
     blocked: int = 0  # something is in the way of the open fingers
@@ -73,9 +73,9 @@ class SamplingStatistics:
         )
 
     def __str__(self) -> str:
-        causes = [f for f in fields(self) if f.name != "tried"]
+        causes = [f for f in fields(self) if f.name != "candidates"]
         parts = [f"{getattr(self, f.name)} {f.name.replace('_', ' ')}" for f in causes]
-        return f"of {self.tried} candidates: {', '.join(parts)}"
+        return f"of {self.candidates} candidates: {', '.join(parts)}"
 
 
 def sample_contacts(
@@ -107,16 +107,16 @@ def sample_contacts(
         Up to `count` grasps, fewer if the rounds did not give more, and what became of the
         candidates.
     """
-    grasps, tally = ContactPairs.empty(), SamplingStatistics()
+    grasps, statistics = ContactPairs.empty(), SamplingStatistics()
     for _ in range(sampling.rounds):
         draws = max(sampling.candidates, 2 * count)
         fresh, fate = valid_contacts(caster, opening, draws, sampling, rng, wanted)
         spread = _keep_apart(grasps, fresh, sampling.spacing)
         grasps = join([grasps, fresh.take(spread)])
-        tally += fate + SamplingStatistics(too_close=len(fresh) - len(spread))
+        statistics += fate + SamplingStatistics(too_close=len(fresh) - len(spread))
         if len(grasps) >= count:
             break
-    return grasps.take(np.arange(min(len(grasps), count))), tally
+    return grasps.take(np.arange(min(len(grasps), count))), statistics
 
 
 def valid_contacts(
@@ -250,13 +250,13 @@ def _close(
         np.stack([starts, ends], axis=1), np.stack([normals, hits.normals], axis=1), axes
     ).take(chosen)
     free = _fingers_free(caster, candidates, opening, sampling.approach_clearance)
-    tally = SamplingStatistics(
-        tried=len(axes),
+    statistics = SamplingStatistics(
+        candidates=len(axes),
         too_wide=int(np.sum(~fits)),
         not_antipodal=int(np.sum(fits & ~antipodal)),
         blocked=int(np.sum(~free)),
     )
-    return candidates.take(np.flatnonzero(free)), tally
+    return candidates.take(np.flatnonzero(free)), statistics
 
 
 def _fingers_free(

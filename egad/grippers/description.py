@@ -17,8 +17,8 @@ from egad.grippers.urdf import read_urdf
 
 log = logging.getLogger(__name__)
 
-LEAST_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
-LARGEST_LINK = 1.0  # metres
+MIN_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
+MAX_LINK = 1.0  # metres
 ROUND = 32  # corners of a circle
 BOX_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 
@@ -117,7 +117,7 @@ def name_file_in_messages(path: Path) -> Iterator[None]:
 def _replace(shape: mujoco.MjsGeom) -> None:
     """Put a small ball that touches nothing in the place of a shape."""
     shape.type, shape.meshname = mujoco.mjtGeom.mjGEOM_SPHERE, ""
-    shape.size[:], shape.fromto[:] = LEAST_INERTIA, np.nan
+    shape.size[:], shape.fromto[:] = MIN_INERTIA, np.nan
     shape.contype = shape.conaffinity = 0
 
 
@@ -126,7 +126,7 @@ def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
     compiler = spec.compiler
     compiler.fusestatic = False
     compiler.discardvisual = compiler.balanceinertia = True
-    compiler.boundmass = compiler.boundinertia = LEAST_INERTIA
+    compiler.boundmass = compiler.boundinertia = MIN_INERTIA
     try:
         return spec.compile()
     except ValueError as error:
@@ -205,7 +205,7 @@ def _check_shapes(model: mujoco.MjModel) -> None:
     for body in range(1, model.nbody):
         for points in shapes_of(model, body):
             found = True
-            if (size := float(np.ptp(points, axis=0).max())) > LARGEST_LINK:
+            if (size := float(np.ptp(points, axis=0).max())) > MAX_LINK:
                 raise UserError(
                     f"the link {body_name(model, body)} is {size:.3g} m wide. If its mesh is in "
                     'millimetres, give it scale="0.001 0.001 0.001"'

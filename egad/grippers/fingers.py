@@ -17,7 +17,7 @@ SMALL_STEP = 1e-3  # of the stroke
 STANDING = 1e-7  # metres; fingers that move less in a small step stand still
 SPREAD = 0.5  # of the speed of closing: fingers that move more than this across it are not two
 SNAP = 2.0  # degrees; axes this near to one of the palm's axes are meant to be that
-MOST_DRIVEN = 4
+MAX_DRIVEN = 4
 WHOLE_ROBOT = "; of a whole robot, name a link of each finger: finger_links: [NAME, NAME]"
 
 
@@ -64,7 +64,7 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
                 f"the joint {name} has no limits, or equal ones; it needs a "
                 f"lower and a higher one{WHOLE_ROBOT}"
             )
-    if len(driven) > MOST_DRIVEN:
+    if len(driven) > MAX_DRIVEN:
         raise UserError(
             f"it has {len(driven)} joints that move by themselves "
             f"({', '.join(joint_name(model, joint) for joint in driven)}); name the one that "

@@ -19,7 +19,7 @@ from egad.grippers.jaw_faces import Facing, find_facing, solids_of
 from egad.grippers.links import joint_at
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink
-from egad.grippers.stroke import LARGEST_OPENING, LEAST_OPENING, LEVELS
+from egad.grippers.stroke import LEVELS, MAX_OPENING, MIN_OPENING
 from egad.grippers.tree import body_name
 
 GRID = 5e-4  # metres, between points of a jaw's face
@@ -35,7 +35,7 @@ STEEPEST = np.cos(np.radians(75.0))  # how far the face of a jaw may turn away f
 CONVEX = 0.02  # of a hull: with less excess a shape counts as convex
 # How much convex parts may add: depth in hollows, metres, and part of the volume
 JAW, PALM = (5e-4, 0.1), (2e-3, 0.5)
-MOST_PARTS = 64
+MAX_PARTS = 64
 
 
 class JawFrame(NamedTuple):
@@ -196,9 +196,9 @@ def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None)
     gaps = np.array([jaws.gap(pad, float(joint), frame) for joint in joints])
     first, last = _useful(gaps, parallel)
     names = f"{body_name(jaws.mechanism.model, jaws.body)} and the fixed jaw"
-    if last - first < 1 or gaps[last] < LEAST_OPENING:
+    if last - first < 1 or gaps[last] < MIN_OPENING:
         raise UserError(f"its links {names} are at most {1000 * gaps[last]:.2g} mm apart")
-    if gaps[last] > LARGEST_OPENING:
+    if gaps[last] > MAX_OPENING:
         raise UserError(
             f"its links {names} open {gaps[last]:.3g} m; limits of sliding joints are in metres"
         )
@@ -425,7 +425,7 @@ def _convex(mesh: trimesh.Trimesh, deviation: float, excess: float) -> list[Floa
     if hull.volume <= (1 + CONVEX) * abs(mesh.volume):
         return [np.asarray(hull.vertices)]
     try:
-        parts = decompose(mesh, MOST_PARTS, excess, deviation).parts
+        parts = decompose(mesh, MAX_PARTS, excess, deviation).parts
     except RejectedError:
         return [np.asarray(hull.vertices)]
     return [np.asarray(part.vertices) for part in parts]

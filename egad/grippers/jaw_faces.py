@@ -23,7 +23,7 @@ FACING = np.cos(np.radians(30.0))  # how far two faces may turn away from each o
 ALIKE = np.cos(np.radians(5.0))  # faces that belong to one, apart from steps
 DISTAL = 0.4  # of the longest lever: what is nearer to the hinge is its bearing
 ROUNDING = 0.04  # of directions that are compared
-LEAST_AREA = 2e-6  # square metres that look at each other
+MIN_AREA = 2e-6  # square metres that look at each other
 
 
 class Facing(NamedTuple):
@@ -82,7 +82,7 @@ def find_facing(
         sum(float(areas[look.seen & (look.ways == way)].sum()) for look in looks) for way in (-1, 1)
     ]
     closing = float(np.sign(sums[1] - sums[0]))
-    if max(sums) < LEAST_AREA or closing == 0:
+    if max(sums) < MIN_AREA or closing == 0:
         raise UserError(
             f"its jaws never face each other: no face of the link "
             f"{body_name(mechanism.model, body)}, which moves, closes against one that does not"

@@ -18,7 +18,7 @@ from egad.grippers.tree import body_name, link_number
 FACING = np.cos(np.radians(25.0))  # how far a face of a pad may turn away from the other finger
 # metres that the foremost and the hindmost corner of a face of a pad may lie behind the link's
 PAD_DEPTH, PAD_TILT = 1e-3, 1.3e-3
-LEAST_OVERLAP = 5e-4  # metres of the pads
+MIN_OVERLAP = 5e-4  # metres of the pads
 
 
 class Pads(NamedTuple):
@@ -104,4 +104,4 @@ def _overlap(first: Floats, second: Floats, axis: Floats) -> bool:
     seen = [faces.reshape(-1, 3) @ across.T for faces in (first, second)]
     low = np.max([points.min(axis=0) for points in seen], axis=0)
     high = np.min([points.max(axis=0) for points in seen], axis=0)
-    return bool(np.all(high - low > LEAST_OVERLAP))
+    return bool(np.all(high - low > MIN_OVERLAP))

@@ -8,7 +8,7 @@ import numpy as np
 from egad._util.arrays import Floats
 from egad.grippers.model import PALM_BODY, SECOND_FINGER, GripperModel
 
-LEAST = 1e-3  # metres, of a box
+MIN_SIDE = 1e-3  # metres, of a box
 
 
 def sizes_of(model: GripperModel) -> dict[str, Any]:
@@ -38,7 +38,7 @@ def sizes_of(model: GripperModel) -> dict[str, Any]:
     if model.lever is not None:
         tip = _lowest_tip(model)
     low, high = _around_the_pad(finger, float(model.pad[0, 2]))
-    behind = np.concatenate(fixed) if fixed else np.array([[0.0, 0.0, low[2] - LEAST]])
+    behind = np.concatenate(fixed) if fixed else np.array([[0.0, 0.0, low[2] - MIN_SIDE]])
     face = min(float(behind[:, 2].max()), float(model.pad[0, 2]))
     palm = np.ptp(behind, axis=0)
     return {
@@ -74,4 +74,4 @@ def _around_the_pad(finger: list[Floats], lowest: float) -> tuple[Floats, Floats
 
 
 def _positive(size: float) -> float:
-    return max(round(float(size), 5), LEAST)
+    return max(round(float(size), 5), MIN_SIDE)

@@ -14,7 +14,7 @@ from egad.grippers.pads import Pads, find_pads
 from egad.grippers.tree import body_name
 
 LEVELS = 65  # openings that are tabulated
-LEAST_OPENING, LARGEST_OPENING = 0.5e-3, 1.0  # metres
+MIN_OPENING, MAX_OPENING = 0.5e-3, 1.0  # metres
 
 
 class Stroke(NamedTuple):
@@ -100,9 +100,9 @@ def _useful(gaps: Floats, names: str) -> tuple[float, float]:
     """
     parts, widest = np.linspace(0, 1, len(gaps)), int(gaps.argmax())
     opening = float(gaps[widest])
-    if opening < LEAST_OPENING:
+    if opening < MIN_OPENING:
         raise UserError(f"its links {names} are at most {1000 * max(opening, 0):.2g} mm apart")
-    if opening > LARGEST_OPENING:
+    if opening > MAX_OPENING:
         raise UserError(
             f"its links {names} open {opening:.3g} m; limits of sliding joints are in metres"
         )

@@ -15,7 +15,7 @@ from egad.tables import origin
 
 SUMS, SUMS_ENDING = "SHA256SUMS", ".sha256"
 _ORIGIN = "# egad-origin "
-MOST_BYTES = 1 << 26  # of a file of sums: some half a million lines
+MAX_BYTES = 1 << 26  # of a file of sums: some half a million lines
 
 
 def checksum(path: Path) -> str:
@@ -58,8 +58,8 @@ def read_sums(path: Path) -> tuple[dict[Path, str], dict[str, Any]]:
     Raises:
         UserError: It is damaged, or about a file outside of its folder.
     """
-    if path.stat().st_size > MOST_BYTES:
-        raise UserError(f"{path}: not a checksum file (larger than {MOST_BYTES:,} bytes)")
+    if path.stat().st_size > MAX_BYTES:
+        raise UserError(f"{path}: not a checksum file (larger than {MAX_BYTES:,} bytes)")
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
         made = [json.loads(line[len(_ORIGIN) :]) for line in lines if line.startswith(_ORIGIN)]

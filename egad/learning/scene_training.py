@@ -31,7 +31,7 @@ from egad.learning.training import LearningSchedule, spread, thread_pool
 from egad.learning.vgn import VgnNetwork
 
 WIDTH_WEIGHT = 0.01
-LEAST = 1e-12  # probability; that of an answer that is quite wrong counts as this
+MIN_PROBABILITY = 1e-12  # probability; that of an answer that is quite wrong counts as this
 
 
 class ClassWeights(NamedTuple):
@@ -156,7 +156,7 @@ def grasp_losses(found: torch.Tensor, example: SceneExample, weights: ClassWeigh
         for values in (example.success, example.rotations, example.widths)
     )
     right = torch.where(success > 0, found[:, 0], 1 - found[:, 0])
-    quality = -torch.log(right.clamp(min=LEAST))
+    quality = -torch.log(right.clamp(min=MIN_PROBABILITY))
     near = (found[:, None, 1:5] * rotations).sum(dim=2).abs()
     rotation = (1 - near).min(dim=1).values
     width = WIDTH_WEIGHT * (found[:, 5] - widths).square()

@@ -16,9 +16,9 @@ from egad.perception import Rectangles
 
 WIDEST = 150.0  # pixels; the width that the network calls 1
 SMOOTHING = 2.0  # pixels; of all four maps
-LEAST = 0.01  # quality; less is no grasp, and no width is read by it
+MIN_QUALITY = 0.01  # quality; less is no grasp, and no width is read by it
 APART = 21  # pixels; the best of a window this wide is proposed
-MOST_PEAKS = 10
+MAX_PEAKS = 10
 MIDDLE = 1 / 3  # of the opening, where the quality is 1
 
 
@@ -57,7 +57,7 @@ def read_maps(maps: NDArray[np.floating]) -> Answer:
     quality, cosine, sine, width = (
         ndimage.gaussian_filter(each.astype(np.float64), SMOOTHING) for each in maps
     )
-    part = np.clip(width / np.maximum(quality, LEAST), 0, 1)
+    part = np.clip(width / np.maximum(quality, MIN_QUALITY), 0, 1)
     return Answer(quality, np.arctan2(sine, cosine) / 2, part * WIDEST)
 
 
@@ -76,7 +76,7 @@ def peaks(quality: Floats) -> list[tuple[int, int]]:
     """Rows and columns of the pixels that are the best of all around them, the best first."""
     highest = ndimage.maximum_filter(quality, APART) == quality
     rows, columns = np.nonzero(highest)
-    order = np.argsort(-quality[rows, columns], kind="stable")[:MOST_PEAKS]
+    order = np.argsort(-quality[rows, columns], kind="stable")[:MAX_PEAKS]
     return [(int(rows[i]), int(columns[i])) for i in order]
 
 

@@ -16,7 +16,7 @@ from egad.learning.networks import MAKERS, TITLES, Heads
 from egad.learning.vgn import VgnNetwork
 
 SAFE = ".safetensors"
-MOST_NAMED = 3
+MAX_NAMED = 3
 
 
 class WeightsError(UserError):
@@ -71,8 +71,8 @@ def _load(network: nn.Module, state: Mapping[str, torch.Tensor], text: str) -> N
         WeightsError: They are of another one; the message begins with the text.
     """
     if wrong := _differences(state, network.state_dict()):
-        more = f"; and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
-        raise WeightsError(f"{text}, but {'; '.join(wrong[:MOST_NAMED])}{more}")
+        more = f"; and {len(wrong) - MAX_NAMED} more" if len(wrong) > MAX_NAMED else ""
+        raise WeightsError(f"{text}, but {'; '.join(wrong[:MAX_NAMED])}{more}")
     network.load_state_dict(state)
 
 

@@ -13,7 +13,7 @@ from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import MeasureSpace, complexity_cells, difficulty_cells
 from egad.random import entropy, generator
 
-LEAST = 0.25  # weight of a parent that has no empty place around it: it may still be drawn
+MIN_WEIGHT = 0.25  # weight of a parent that has no empty place around it: it may still be drawn
 
 
 class Parent(Protocol):
@@ -109,12 +109,12 @@ def parent_odds(elites: Sequence[Parent], space: MeasureSpace) -> NDArray[np.flo
     """The probability of each of n elites to be a parent, (n,), by the empty slots near it (ours).
 
     The weight of an elite is the number of empty slots in its cell and the eight cells around it,
-    plus `LEAST`.
+    plus `MIN_WEIGHT`.
     """
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.graspability for elite in elites], space)
     counts = np.zeros((space.cells, space.cells))
     np.add.at(counts, (rows, columns), 1)
     empty = convolve(space.elites_per_cell - counts, np.ones((3, 3)), mode="constant")
-    weights = empty[rows, columns] + LEAST
+    weights = empty[rows, columns] + MIN_WEIGHT
     return np.asarray(weights / weights.sum())

@@ -7,7 +7,7 @@ from typing import Any
 
 import trimesh
 
-from egad import plugins as own_code
+from egad import plugins
 from egad.errors import RejectedError
 from egad.measures.parameters import CustomMeasures
 
@@ -33,7 +33,7 @@ def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | Non
     except MemoryError:
         raise  # says nothing of the object
     except Exception as error:
-        what = f"{own_code.place_of(error)}: {type(error).__name__}: {error}"
+        what = f"{plugins.place_of(error)}: {type(error).__name__}: {error}"
         raise RejectedError(f"{name} failed{what}") from error
     try:
         value = float(given)
@@ -65,11 +65,11 @@ def source_hash(measure: str) -> str:
     Raises:
         UserError: There is no such file.
     """
-    return own_code.source_hash(measure, WHERE)
+    return plugins.source_hash(measure, WHERE)
 
 
 def _function(measure: str) -> Measure:
-    found: Measure = own_code.find(measure, WHERE, "function")
+    found: Measure = plugins.find(measure, WHERE, "function")
     return found
 
 

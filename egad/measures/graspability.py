@@ -41,7 +41,7 @@ from egad.measures.percentile import (
 )
 from egad.samplers import draw_grasps
 
-MOST_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
+MAX_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 _Sample: TypeAlias = Callable[
     [RayCaster, float, int, Sampling, np.random.Generator],
@@ -124,7 +124,7 @@ def graspability(
     Args:
         mesh: The object, of any size, its triangles winding outwards.
         settings: Gripper, metric, percentile, how grasps are sampled and rated, and the cells.
-        max_candidates: Most candidates to draw, of a suction cup `MOST_CUPS`; see
+        max_candidates: Most candidates to draw, of a suction cup `MAX_CUPS`; see
             `valid_contacts`.
         rng: Where chance comes from.
         com: Center of mass in the frame of the mesh; else the centroid of the volume.
@@ -136,11 +136,11 @@ def graspability(
     """
     grasps, enough = _RatedGrasps(mesh, settings, rng, com, factor), settings.space.confidence
     if settings.gripper.grasps_with == SUCTION:
-        max_candidates = min(max_candidates, MOST_CUPS)
+        max_candidates = min(max_candidates, MAX_CUPS)
     draws = min(settings.graspability.candidates, max_candidates)
     while True:
         grasps.draw(draws)
-        draws = min(grasps.tally.tried, max_candidates - grasps.tally.tried)
+        draws = min(grasps.statistics.candidates, max_candidates - grasps.statistics.candidates)
         if len(grasps) or not draws:
             estimate = grasps.graspability()
             if estimate.confidence >= enough or not draws:
@@ -197,7 +197,7 @@ class _RatedGrasps:
     """Grasps on an object, and the percentile of their quality.
 
     Attributes:
-        tally: What became of the candidates so far.
+        statistics: What became of the candidates so far.
     """
 
     def __init__(
@@ -219,7 +219,7 @@ class _RatedGrasps:
         self._grasps = ContactPairs.empty()
         self._sample = BoundedSample(self._qualities)
         self._mesh, self._caster = scaled, RayCaster(scaled)
-        self.tally = SamplingStatistics()
+        self.statistics = SamplingStatistics()
 
     def __len__(self) -> int:
         return len(self._sample)
@@ -235,7 +235,7 @@ class _RatedGrasps:
     def _draw_others(self, candidates: int) -> None:
         """Draw grasps of another sampler; those of a cup that does not seal have the quality 0."""
         settings = self._settings
-        self.tally += SamplingStatistics(tried=candidates)
+        self.statistics += SamplingStatistics(candidates=candidates)
         try:
             quality = draw_grasps(
                 self._mesh,
@@ -252,8 +252,8 @@ class _RatedGrasps:
             quality = np.zeros(candidates if settings.gripper.grasps_with == SUCTION else 0)
         self._sample.extend(quality, exact=True)
 
-    def _add(self, grasps: ContactPairs, tally: SamplingStatistics) -> None:
-        self.tally += tally
+    def _add(self, grasps: ContactPairs, statistics: SamplingStatistics) -> None:
+        self.statistics += statistics
         quality, robust = self._settings.quality, self._settings.robust
         if robust is not None:
             opening, rng = self._settings.gripper.opening, self._rng
@@ -281,7 +281,7 @@ class _RatedGrasps:
             RejectedError: There is no grasp; the text has what became of the candidates.
         """
         if not len(self):
-            raise RejectedError(f"no grasp ({self.tally})")
+            raise RejectedError(f"no grasp ({self.statistics})")
         percent = self._settings.graspability.percentile
         return self._sample.smallest(percentile_rank(len(self), percent))
 

@@ -77,7 +77,7 @@ def _antipodal(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> tuple[Floats, int, int]:
     """Qualities of antipodal grasps, the number of candidates, and of those that are possible."""
-    grasps, tally = sample_contacts(
+    grasps, statistics = sample_contacts(
         caster, settings.gripper.opening, settings.size_effect.grasps, settings.sampling, rng
     )
     qualities = ferrari_canny(
@@ -87,8 +87,10 @@ def _antipodal(
         center_of_mass(caster.mesh),
         **settings.quality.model_dump(),
     )
-    possible = tally.tried - tally.too_wide - tally.not_antipodal - tally.blocked
-    return qualities, tally.tried, possible
+    possible = (
+        statistics.candidates - statistics.too_wide - statistics.not_antipodal - statistics.blocked
+    )
+    return qualities, statistics.candidates, possible
 
 
 def _others(

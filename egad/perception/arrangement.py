@@ -23,7 +23,7 @@ from egad.perception.reachability import is_reachable
 
 UP = np.array([0.0, 0.0, 1.0])
 ROUGH = 64  # candidates from which the size of an object is drawn
-LONGEST = 0.2  # metres; diagonal of the bounding box of what lies beside others in an image
+MAX_DIAGONAL = 0.2  # metres; diagonal of the bounding box of what lies beside others in an image
 
 
 class PlacedObject(NamedTuple):
@@ -157,7 +157,7 @@ def sample_factor(
     if len(pairs) == 0:
         return 0.0
     factor = float(width / pairs.widths[rng.integers(len(pairs))])
-    return factor if factor * length <= LONGEST else 0.0
+    return factor if factor * length <= MAX_DIAGONAL else 0.0
 
 
 def near_level(up: Floats, tilt: float) -> Callable[[Floats], Flags]:

@@ -12,7 +12,7 @@ from egad.perception.parameters import ImageNoise, NoiseName
 
 Depth = NDArray[np.float32]
 BASELINE = 0.05  # metres between the two imagers of a D435
-LEAST_DISPARITY = 1.0  # pixels; far beyond everything there is
+MIN_DISPARITY = 1.0  # pixels; far beyond everything there is
 MATCHED = 7  # pixels; side of the windows that are matched (Keselman et al. 2017)
 MAX_INCIDENCE = 80.0  # degrees
 SPOT = 1.5  # pixels; how far lost pixels keep together
@@ -93,7 +93,7 @@ def _with_disparity_noise(view: View, sigma: float, rng: np.random.Generator) ->
     # The mean of n * n independent numbers deviates 1 / n times as much as one.
     error = MATCHED * ndimage.uniform_filter(white, MATCHED, mode="wrap")
     disparity = scale / view.depth + sigma * error
-    return (scale / np.maximum(disparity, LEAST_DISPARITY)).astype(np.float32)
+    return (scale / np.maximum(disparity, MIN_DISPARITY)).astype(np.float32)
 
 
 def stereo_shadow(view: View) -> Flags:

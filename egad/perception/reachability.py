@@ -10,7 +10,7 @@ from egad._util.arrays import Flags, Floats
 from egad.geometry import RayCaster
 from egad.grasps import (
     FIXED_SIDE_CLEARANCE,
-    LEAST_BITE,
+    MIN_DEPTH,
     TABLE_CLEARANCE,
     first_approaches,
     roomy,
@@ -49,9 +49,9 @@ def is_reachable(
     there = centers - behind[:, None] * approaches + aside[:, None] * axes
     lowest = _lowest(body, there, frames, openings)
     lift = np.maximum(TABLE_CLEARANCE - lowest, 0) / -approaches[:, 2]
-    bite = finger_span(body.gripper)[1] - lift
+    penetration = finger_span(body.gripper)[1] - lift
     origins = there - lift[:, None] * approaches
-    reached = (bite >= LEAST_BITE) & _closes(scene, centers, axes, widths, openings, aside)
+    reached = (penetration >= MIN_DEPTH) & _closes(scene, centers, axes, widths, openings, aside)
     rows = np.flatnonzero(reached)
     reached[rows] = ~_touching(scene, body, origins[rows], frames[rows], openings[rows], way)
     return reached

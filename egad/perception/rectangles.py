@@ -18,8 +18,8 @@ from egad.perception.arrangement import TableGrasps
 from egad.perception.scenes import CameraScene
 
 Rectangles = NDArray[np.float64]
-LEAST_OVERLAP = 0.25
-MOST_TURN = np.pi / 6
+MIN_OVERLAP = 0.25
+MAX_TURN = np.pi / 6
 
 
 class ImageGrasps(NamedTuple):
@@ -107,8 +107,8 @@ def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
             jaws: it is taken from each label (ours; GG-CNN takes half of the opening).
         truth: (n, 5) labels.
     """
-    near = truth[np.abs(half_turn(truth[:, 2] - proposed[2])) < MOST_TURN]
-    return any(overlap(np.append(proposed, row[4]), row) > LEAST_OVERLAP for row in near)
+    near = truth[np.abs(half_turn(truth[:, 2] - proposed[2])) < MAX_TURN]
+    return any(overlap(np.append(proposed, row[4]), row) > MIN_OVERLAP for row in near)
 
 
 def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:

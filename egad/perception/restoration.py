@@ -12,7 +12,7 @@ from egad.grasps import TABLE_CLEARANCE
 from egad.perception.camera import Depth, View, Window, table_depth
 from egad.perception.heightmap import window_of
 
-LEAST_NOISE = 1e-4  # metres; stored images are rounded to that
+MIN_NOISE = 1e-4  # metres; stored images are rounded to that
 QUARTILE = 0.6745  # of the normal distribution
 WINDOW = 9  # pixels; side of the window of the filter
 SPREAD = 2.5  # pixels; standard deviation of its weights by distance
@@ -43,7 +43,7 @@ def restore(view: View) -> View:
     whole = replace(view, depth=fill_missing(view.depth))
     heights = whole.heights()
     noise = noise_of(heights)
-    if noise <= LEAST_NOISE:
+    if noise <= MIN_NOISE:
         return whole
     window = window_of(_standing(ndimage.uniform_filter(heights, SMOOTHING)), MARGIN)
     return _denoised(whole, window, noise)

@@ -12,7 +12,7 @@ from egad._util.kernels import kernel
 from egad.errors import UserError
 from egad.reeb.graph import ReebGraph
 
-LONGEST_RUN = 5  # of nodes that one node may be matched to
+MAX_MATCHED = 5  # of nodes that one node may be matched to
 
 
 class Nodes(NamedTuple):
@@ -35,12 +35,12 @@ class MatchingMemory(NamedTuple):
 
 
 STATE = 0  # numbers of matches, of their nodes and of visits; what to add to nodes of either graph
-FREE = 1  # by node so shifted: whether it may still be matched in this contest
+FREE = 1  # by node so shifted: whether it may still be matched in this group
 SEEN = 2  # likewise: last visit as a neighbor that runs are taken from
 ADDED = 3  # likewise: last visit as a neighbor of a run
 MATCHED = 4  # nodes of all matches
 FIRST, SECOND, END = 5, 6, 7  # by match: where in MATCHED either side begins, and where it ends
-SIDE = 8  # and 9: nodes of a contest
+SIDE = 8  # and 9: nodes of a group
 ORDER = 10  # of these by size: index in the first side, or -1 - index in the second
 LINE = 11  # nodes that runs are cut from
 CHOSEN = 12  # best partners so far
@@ -53,7 +53,7 @@ def space(starts: Ints32) -> MatchingMemory:
     largest = 0
     for i in range(len(starts) - 1):
         largest = max(largest, starts[i + 1] - starts[i])
-    return MatchingMemory(np.zeros((_ROWS, max(2 * largest, LONGEST_RUN)), np.int32))
+    return MatchingMemory(np.zeros((_ROWS, max(2 * largest, MAX_MATCHED)), np.int32))
 
 
 class Trees(NamedTuple):

@@ -5,7 +5,7 @@ Hilaga et al., "Topology Matching for Fully Automatic Similarity Estimation of 3
 come from: the neighbors of a node count less, and a node can be matched to a run of nodes.
 
 Children of matched nodes are matched among themselves, in each half of the range apart. Nothing
-outside such a bout decides who matches whom in it, so bouts are fought one by one.
+outside such a group decides who matches whom in it, so groups are matched one by one.
 
 Functions are inlined, and no part of an array gets a name of its own: counting the references to
 arrays would take longer than the matching.
@@ -22,8 +22,8 @@ from egad.reeb.forest import (
     FIRST,
     FREE,
     LINE,
-    LONGEST_RUN,
     MATCHED,
+    MAX_MATCHED,
     ORDER,
     SECOND,
     SEEN,
@@ -36,7 +36,7 @@ from egad.reeb.forest import (
 Pair = tuple[float, float]  # area and length
 
 NEIGHBOR_WEIGHT = 0.1
-MOST_RUNS = 64  # that one node is compared to: a bound that does not depend on time
+MAX_RUNS = 64  # that one node is compared to: a bound that does not depend on time
 
 
 @kernel()
@@ -80,14 +80,14 @@ def match(
         shared = 0.0
         for i in range(first, end):
             for half in range(2):
-                shared += _bout(nodes, space, i, half)
+                shared += _match_children(nodes, space, i, half)
         total += shared
         first = end
     return min(total, 1.0), True
 
 
 @kernel(inline="always")
-def _bout(nodes: Nodes, space: MatchingMemory, i: int, half: int) -> float:
+def _match_children(nodes: Nodes, space: MatchingMemory, i: int, half: int) -> float:
     """Match the children of a match in one half of the range; returns what they share."""
     middle = space.ints[SECOND, i]
     first = _children(nodes, space, 0, space.ints[FIRST, i], middle, half)
@@ -97,7 +97,7 @@ def _bout(nodes: Nodes, space: MatchingMemory, i: int, half: int) -> float:
     if first == 1 and second == 1:
         space.ints[CHOSEN, 0] = space.ints[SIDE + 1, 0]
         return _match(nodes, space, 0, space.ints[SIDE, 0], 1)
-    return _contest(nodes, space, first, second)
+    return _match_group(nodes, space, first, second)
 
 
 @kernel(inline="always")
@@ -146,7 +146,7 @@ def _match(nodes: Nodes, space: MatchingMemory, side: int, node: int, count: int
 
 
 @kernel(inline="always")
-def _contest(nodes: Nodes, space: MatchingMemory, first: int, second: int) -> float:
+def _match_group(nodes: Nodes, space: MatchingMemory, first: int, second: int) -> float:
     """Match the nodes of two sides, the largest first; returns what they share."""
     for side, count in ((0, first), (1, second)):
         for i in range(count):
@@ -214,7 +214,7 @@ def _choose_run(
     nodes: Nodes, space: MatchingMemory, node: int, side: int, count: int, least: float, chosen: int
 ) -> int:
     """Like `_choose`, for runs: free nodes that are consecutive at one common neighbor."""
-    left, visit = MOST_RUNS, _tick(space)
+    left, visit = MAX_RUNS, _tick(space)
     for i in range(count):
         other = space.ints[SIDE + side, i]
         if not space.ints[FREE, other + space.ints[STATE, 3 + side]]:
@@ -226,7 +226,7 @@ def _choose_run(
             space.ints[SEEN, neighbor + space.ints[STATE, 3 + side]] = visit
             length = _line(nodes, space, neighbor, other, side)
             for start in range(length - 1):
-                end = min(length, start + LONGEST_RUN, start + 1 + left)
+                end = min(length, start + MAX_MATCHED, start + 1 + left)
                 cost, best = _best_end(nodes, space, node, side, start, end)
                 if cost < least:
                     least, chosen = cost, best - start

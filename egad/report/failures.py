@@ -19,7 +19,7 @@ from egad.report.page import render_template
 from egad.report.trial_charts import outcome_chart, outcome_counts
 from egad.stats import Rate
 
-MOST_OF_CELL = 2  # failures of a cell among the worst
+MAX_OF_CELL = 2  # failures of a cell among the worst
 BEYOND = 0.6  # of the range of solved objects, that charts of features show on either side
 VERDICTS = {
     "failure": "the reference holds it, the detector does not",
@@ -217,7 +217,7 @@ def worst(table: pd.DataFrame, count: int) -> pd.DataFrame:
     order = table.assign(regret=lowest_regret(table), pairs=pairs)
     order = order.sort_values(["regret", "pairs", "id"], ascending=[False, False, True])
     rank = order.groupby(["complexity_cell", "difficulty_cell"]).cumcount()
-    return table.loc[order.index[rank < MOST_OF_CELL][:count]]
+    return table.loc[order.index[rank < MAX_OF_CELL][:count]]
 
 
 def failure_labels(table: pd.DataFrame) -> pd.Series:

@@ -31,7 +31,7 @@ INTERVAL = 10.0  # seconds between two versions of the page, at least
 SHARE = 0.01  # part of the time that may be spent on the page
 UNIT = 40  # side of a cell of the map, pixels
 MARGIN = 4  # of it that its picture leaves free
-LARGEST = 96  # side of a picture, pixels
+MAX_SIDE = 96  # side of a picture, pixels
 NARROWEST = 520  # side of a map, pixels, to which the cells of a small one are enlarged
 POINTS = 200  # of a curve, at most
 State = dict[str, Any]
@@ -160,7 +160,7 @@ def archive_map(archive: Archive, measures: tuple[str, str] | None = None) -> st
         SVG text.
     """
     unit = max(UNIT, NARROWEST // archive.space.cells)
-    size = min(unit - MARGIN, LARGEST)
+    size = min(unit - MARGIN, MAX_SIDE)
 
     def picture(elite: Elite) -> str:
         return picture_of(elite.voxels, round((8 * len(elite.voxels)) ** (1 / 3)), size)

@@ -21,8 +21,8 @@ from egad.report.page import render_template
 from egad.stats import LOG_COLUMNS, LOG_SCHEMA
 
 PURPOSE = "log sheet"  # of the random numbers
-MOST_DETECTORS = len(string.ascii_uppercase)
-LONGEST_NAME = 60
+MAX_DETECTORS = len(string.ascii_uppercase)
+MAX_NAME = 60
 MEANINGS = {
     Outcome.SUCCESS: "held to the end",
     Outcome.COLLIDED: "the hand was stopped on its way, or could not get there",
@@ -247,12 +247,12 @@ def _check_detectors(names: Sequence[str]) -> None:
         UserError: One cannot.
     """
     for name in names:
-        if not name[:1].isalnum() or len(name) > LONGEST_NAME or not name.isprintable():
+        if not name[:1].isalnum() or len(name) > MAX_NAME or not name.isprintable():
             raise UserError(
                 f"--detectors: {name!r} is no name of a detector; allowed: a letter or digit, then "
-                f"up to {LONGEST_NAME - 1} characters without commas"
+                f"up to {MAX_NAME - 1} characters without commas"
             )
         if names.count(name) > 1:
             raise UserError(f"--detectors: {name} is named twice")
-    if not 1 <= len(names) <= MOST_DETECTORS:
-        raise UserError(f"--detectors: {len(names)} names; allowed: 1 to {MOST_DETECTORS}")
+    if not 1 <= len(names) <= MAX_DETECTORS:
+        raise UserError(f"--detectors: {len(names)} names; allowed: 1 to {MAX_DETECTORS}")

@@ -18,7 +18,7 @@ from egad.report.page import DASH
 from egad.stats import Mean, Rate, TrialGrid, by_object, trial_grid
 
 GAP = 0.35
-MOST_BARS = 30
+MAX_BARS = 30
 OUTCOMES = {
     "success": "#0072b2",
     "slipped_closing": "#9bd5f5",
@@ -213,7 +213,7 @@ def trial_chart(trials: pd.DataFrame) -> str:
     Returns:
         SVG text. If all labels are those of an evaluation set, such as C4, the heat map of the
         paper. Else the outcomes of all attempts, and those of each object; of more than
-        `MOST_BARS` objects, of those with the lowest success rates.
+        `MAX_BARS` objects, of those with the lowest success rates.
     """
     objects = by_object(trials)
     names = [str(name) for name in objects.index]
@@ -221,10 +221,10 @@ def trial_chart(trials: pd.DataFrame) -> str:
         rows, columns = (1 + max(each) for each in zip(*map(cell_of_label, names), strict=True))
         return trial_heat_map(trial_grid(trials, rows, columns), rows, columns, set(names))
     rates = (objects["successes"] / objects["attempts"]).to_numpy()
-    lowest = np.sort(np.argsort(rates, kind="stable")[:MOST_BARS])
+    lowest = np.sort(np.argsort(rates, kind="stable")[:MAX_BARS])
     everything = f"all {len(names)} objects"
-    if len(names) > MOST_BARS:
-        everything += f"\n(below: the lowest {MOST_BARS})"
+    if len(names) > MAX_BARS:
+        everything += f"\n(below: the lowest {MAX_BARS})"
     tables = {everything: trials} if len(names) > 1 else {}
     tables |= {names[index]: trials[trials["label"] == names[index]] for index in lowest}
     return outcome_chart(tables)

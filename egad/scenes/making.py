@@ -44,7 +44,7 @@ from egad.sim import make_scene as put_objects
 from egad.tables.columns import POSE_PARTS
 from egad.tables.scenes import SCENE_GRASPS
 
-LEAST_RISE = -0.1  # z of the outward normal of a grasp point: not from below, as in VGN's code
+MIN_RISE = -0.1  # z of the outward normal of a grasp point: not from below, as in VGN's code
 
 
 class MadeScene(NamedTuple):
@@ -171,7 +171,7 @@ def sample_points(
         count: How many; a point may come twice.
         rng: Source of chance.
     """
-    allowed = np.flatnonzero(normals[:, 2] > LEAST_RISE)
+    allowed = np.flatnonzero(normals[:, 2] > MIN_RISE)
     chosen = rng.choice(allowed, count if len(allowed) else 0)
     return points[chosen], normals[chosen]
 

@@ -18,7 +18,7 @@ from egad.sim import (
     SceneCameras,
 )
 
-MOST_OBJECTS = 20  # in a scene
+MAX_OBJECTS = 20  # in a scene
 # Of the finger length: how far the fingertips reach below the surface. In VGN's code from -0.1 on,
 # where nothing is held.
 DEPTHS = (0.1, 1.1)

@@ -15,7 +15,7 @@ COLORS = np.array(
 )
 TABLE = np.array([205, 205, 205])
 HELD, FAILED = (30, 150, 60), (200, 40, 40)
-MOST = 10  # grasps of each label that are drawn
+MAX_SHOWN = 10  # grasps of each label that are drawn
 SIZE = (640, 480)
 MARGIN = 24  # pixels of the view around the objects
 
@@ -35,7 +35,7 @@ def scene_picture(scene: LabelledScene, gripper: Gripper, view: int = 0) -> RgbI
     draw = ImageDraw.Draw(picture)
     success = scene.grasps["success"].to_numpy(dtype=bool)
     for flags, color in ((~success, FAILED), (success, HELD)):
-        for pose in scene.poses[np.flatnonzero(flags)[:MOST]]:
+        for pose in scene.poses[np.flatnonzero(flags)[:MAX_SHOWN]]:
             line = _outline(gripper) @ pose[:3, :3].T + pose[:3, 3]
             local = (line - seen.pose[:3, 3]) @ seen.pose[:3, :3]
             pixels = scale * (seen.intrinsics.pixels(local) + 0.5 - corner)

@@ -11,7 +11,7 @@ from egad.evalset import families, split_by_family, with_parents_and_children
 from egad.map_elites import Lineage
 from egad.perception import SPLITS, SceneKind
 from egad.random import entropy, generator
-from egad.scenes.parameters import MOST_OBJECTS, SceneParameters
+from egad.scenes.parameters import MAX_OBJECTS, SceneParameters
 from egad.sim import Round, draw_objects
 
 SHARD = 50  # scenes, about: how many shards there are follows from the settings alone
@@ -143,7 +143,7 @@ def _planned(number: int, ids: Sequence[str], settings: SceneParameters) -> Roun
     rng = generator(settings.seed, "training scene", number)
     share = scenes.pile
     kind: SceneKind = "pile" if int((number + 1) * share) > int(number * share) else "packed"
-    count = min(1 + int(rng.poisson(scenes.objects - 1)), MOST_OBJECTS)
+    count = min(1 + int(rng.poisson(scenes.objects - 1)), MAX_OBJECTS)
     noise = scenes.noise[rng.integers(len(scenes.noise))]
     chosen, factors = draw_objects(ids, kind, count, scenes.protocol, rng)
     seed = entropy(settings.seed, "training round", number)

@@ -20,7 +20,7 @@ ITERATIONS = 100
 CLOSE = 1e-6  # metres and radians
 REACHABLE = 1e-3
 DAMPING = 1e-3  # of steps near a singular pose
-LONGEST_STEP = 0.2  # radians
+MAX_STEP = 0.2  # radians
 
 
 class UnreachableError(Exception):
@@ -55,15 +55,15 @@ class Arm(ABC):
     unstoppable: bool
 
     @abstractmethod
-    def base(self, stance: HandPose) -> Pose:
+    def base(self, hand_pose: HandPose) -> Pose:
         """Where the robot stands to bring its hand to a place."""
 
     @abstractmethod
-    def joints(self, stance: HandPose, near: Floats | None = None) -> Floats:
+    def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
         """Positions of its joints there.
 
         Args:
-            stance: The place.
+            hand_pose: The place.
             near: Where the joints are now; None if they are free.
 
         Raises:
@@ -85,13 +85,13 @@ class TurningAxis(Arm):
         self.robot = on_axis(gripper)
 
     @override
-    def base(self, stance: HandPose) -> Pose:
-        return Pose(np.array([stance.x, stance.y, 0.0]), UPRIGHT)
+    def base(self, hand_pose: HandPose) -> Pose:
+        return Pose(np.array([hand_pose.x, hand_pose.y, 0.0]), UPRIGHT)
 
     @override
-    def joints(self, stance: HandPose, near: Floats | None = None) -> Floats:
+    def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
         del near
-        return np.array([stance.height, stance.angle])
+        return np.array([hand_pose.height, hand_pose.angle])
 
     @override
     def height(self, joints: Floats) -> float:
@@ -102,7 +102,7 @@ class Panda(Arm):
     """A Franka Panda arm, its joints under position control with the torques of its data sheet.
 
     The hand is that of the gripper table at the flange, not Franka's: a gripper is the same with
-    either carrier.
+    either arm.
     """
 
     unstoppable = False
@@ -114,18 +114,18 @@ class Panda(Arm):
         self._limits = np.array([limits[name] for name in self.robot.arm])
 
     @override
-    def base(self, stance: HandPose) -> Pose:
-        del stance
+    def base(self, hand_pose: HandPose) -> Pose:
+        del hand_pose
         return Pose(PANDA_BASE, UPRIGHT)
 
     @override
-    def joints(self, stance: HandPose, near: Floats | None = None) -> Floats:
+    def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
         wanted = np.eye(4)
         # A hand of which both fingers move is its own mirror image: the turn that needs least of
         # the last joint.
-        angle = -((-stance.angle) % (np.pi if self.robot.jaw is None else 2 * np.pi))
+        angle = -((-hand_pose.angle) % (np.pi if self.robot.jaw is None else 2 * np.pi))
         wanted[:3, :3] = Rotation.from_euler("xz", (np.pi, angle)).as_matrix()
-        wanted[:3, 3] = np.array([stance.x, stance.y, stance.height]) - PANDA_BASE
+        wanted[:3, 3] = np.array([hand_pose.x, hand_pose.y, hand_pose.height]) - PANDA_BASE
         joints = np.array(PANDA_READY) if near is None else near
         # From near, one step errs by the square of what is missing, and the next makes it good.
         for _ in range(ITERATIONS if near is None else 1):
@@ -134,7 +134,7 @@ class Panda(Arm):
                 break
             joints = np.clip(joints + _damped(jacobian, error), *self._limits.T)
         if near is None and np.abs(self._error(joints, wanted)[0]).max() > REACHABLE:
-            raise UnreachableError(f"the arm cannot bring the hand to {stance}")
+            raise UnreachableError(f"the arm cannot bring the hand to {hand_pose}")
         return joints
 
     @override
@@ -164,7 +164,7 @@ def _damped(jacobian: Floats, error: Floats) -> Floats:
     """A step of damped least squares, (n,), shortened if it is long (Wampler 1986)."""
     square = jacobian @ jacobian.T + DAMPING**2 * np.eye(len(jacobian))
     step: Floats = jacobian.T @ np.linalg.solve(square, error)
-    return step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), LONGEST_STEP))
+    return step * min(1.0, MAX_STEP / max(float(np.abs(step).max()), MAX_STEP))
 
 
 ARMS: dict[str, type[TurningAxis] | type[Panda]] = {"axis": TurningAxis, "panda": Panda}

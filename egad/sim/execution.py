@@ -155,13 +155,13 @@ def place_hand_above(
     Raises:
         UnreachableError: The arm cannot bring it there.
     """
-    stance = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
+    hand_pose = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
     if arm.robot.gripper.cup is not None:
-        return CupHand(world, arm, stance, 0.0)
+        return CupHand(world, arm, hand_pose, 0.0)
     if contact is not None or arm.robot.jaw is None:
-        return Hand(world, arm, stance, grasp.width, contact)
+        return Hand(world, arm, hand_pose, grasp.width, contact)
     expected = expected_distance(grasp.width, arm.robot.gripper)
-    return Hand(world, arm, stance, grasp.width, expected, FIXED_SIDE_CLEARANCE)
+    return Hand(world, arm, hand_pose, grasp.width, expected, FIXED_SIDE_CLEARANCE)
 
 
 class _Held(NamedTuple):

@@ -90,7 +90,7 @@ class Hand(Fingers):
         self,
         world: World,
         arm: Arm,
-        stance: HandPose,
+        hand_pose: HandPose,
         width: float,
         contact: float | None = None,
         clearance: float = JAW_CLEARANCE,
@@ -100,9 +100,9 @@ class Hand(Fingers):
         Args:
             world: A world of the arm's robot; the hand is gone when it is reset.
             arm: What carries it.
-            stance: Where it is.
+            hand_pose: Where it is.
             width: Distance of the finger pads, metres.
-            contact: That at which they will meet the object: the fingertips are where the stance
+            contact: That at which they will meet the object: the fingertips are where the hand_pose
                 says when they are there; `width` if None.
             clearance: How far before its contact a jaw that does not move stands, metres, if the
                 contact is known.
@@ -113,17 +113,17 @@ class Hand(Fingers):
         super().__init__(world)
         self.arm = arm
         self.path_left: list[float] = []
-        self._stance = stance
+        self._stance = hand_pose
         self._raised = -arm.robot.reach(width if contact is None else contact)
         self._aside = _aside(arm.robot, width, contact, clearance)
-        self._target = arm.joints(self._tip(stance))
-        world.put_robot(arm.base(self._tip(stance)), self._target.tolist(), width)
+        self._target = arm.joints(self._tip(hand_pose))
+        world.put_robot(arm.base(self._tip(hand_pose)), self._target.tolist(), width)
 
-    def steer(self, stance: HandPose) -> None:
+    def steer(self, hand_pose: HandPose) -> None:
         """Steer the hand to a place above its base, to be there after the next step."""
-        joints = self.arm.joints(self._tip(stance), self._target)
+        joints = self.arm.joints(self._tip(hand_pose), self._target)
         self.world.drive(joints.tolist(), ((joints - self._target) / TIME_STEP).tolist())
-        self._target, self._stance = joints, stance
+        self._target, self._stance = joints, hand_pose
 
     def move(self, height: float, seconds: float, limit: float = COLLISION_FORCE) -> float | None:
         """Move the fingertips to a height on a minimum-jerk path; stop at once at a collision.
@@ -196,14 +196,18 @@ class Hand(Fingers):
         """Height of the fingertips above the table, metres."""
         return self.arm.height(self.world.arm_joints()) + self._raised
 
-    def _tip(self, stance: HandPose) -> HandPose:
+    def _tip(self, hand_pose: HandPose) -> HandPose:
         """Where the fingertips of the closed hand would be."""
         if self._aside:
-            stance = stance._replace(
-                x=stance.x - self._aside * float(np.cos(stance.angle)),
-                y=stance.y - self._aside * float(np.sin(stance.angle)),
+            hand_pose = hand_pose._replace(
+                x=hand_pose.x - self._aside * float(np.cos(hand_pose.angle)),
+                y=hand_pose.y - self._aside * float(np.sin(hand_pose.angle)),
             )
-        return stance._replace(height=stance.height - self._raised) if self._raised else stance
+        return (
+            hand_pose._replace(height=hand_pose.height - self._raised)
+            if self._raised
+            else hand_pose
+        )
 
     def _raise_to(self, height: float) -> None:
         self.steer(self._stance._replace(height=height))

@@ -25,7 +25,7 @@ FRICTION_STIFFNESS = 100.0  # of friction against normal forces, or held objects
 SLACK = 0.01  # metres or radians off the target, where an arm uses all its strength
 DAMPING_TIME = 0.02  # seconds
 FINGER_SLACK = 0.002  # metres
-LEAST_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
+MIN_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 ARMATURE = 0.004  # s2/m or s2: inertia of what drives a joint, by its strength
 FOLLOWER_ARMATURE = 1e-5  # kg or kg m2
 PARKED = (0.0, 0.0, 100.0)  # where a robot waits that takes no part
@@ -136,7 +136,7 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     base = spec.worldbody.add_body(name="base", mocap=True, pos=PARKED)
     described = mujoco.MjSpec.from_string(to_urdf(robot, hulls=False))
     described.compiler.fusestatic = False
-    described.compiler.boundmass = described.compiler.boundinertia = LEAST_INERTIA
+    described.compiler.boundmass = described.compiler.boundinertia = MIN_INERTIA
     spec.attach(described, frame=base.add_frame(), prefix=ROBOT)
     friction, torsion = robot.pad_friction
     for link in robot.links:

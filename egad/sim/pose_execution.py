@@ -20,7 +20,7 @@ from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 STANDOFF = 0.05  # metres before the grasp, where the approach begins
 RETREAT = 0.1  # metres
 STEEP = np.radians(60)  # approaches that are nearer to level retreat upwards
-LEAST_OPENING = 0.1  # of the hand's opening: closed further, the fingers hold nothing
+MIN_OPENING = 0.1  # of the hand's opening: closed further, the fingers hold nothing
 AT_REST = 0.001  # ours: metres; a hand that moved less is where it was put
 UP = np.array([0.0, 0.0, 1.0])
 APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # ours: mean, m/s
@@ -114,7 +114,7 @@ class FreeHand(Fingers):
         Args:
             first: Whether it is the first one that the hand touches instead.
         """
-        if not self.opening() > LEAST_OPENING * self.gripper.opening:
+        if not self.opening() > MIN_OPENING * self.gripper.opening:
             return None
         numbers = range(len(self.world.models))
         pressed = np.array([self.world.forces(number).hand for number in numbers])

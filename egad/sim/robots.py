@@ -54,7 +54,7 @@ PANDA_FLANGE = (0.0, 0.0, 0.107)  # in the last link
 PANDA_THICKNESS = 0.1  # metres, of the boxes that stand for its links
 # Kilograms. Carriages have the inertia of a geared motor. Links must not be much lighter, or
 # PyBullet does not solve their joints.
-CARRIAGE_MASS, LEAST_MASS = 0.5, 0.05
+CARRIAGE_MASS, MIN_MASS = 0.5, 0.05
 LOOSE = 0.1  # metres or radians that joints of a linkage may move too far
 OWN = "hand-"  # before the names of the links of a model
 
@@ -203,7 +203,7 @@ def _model_hand(gripper: Gripper) -> _Hand:
     back = min((float(points[:, 2].min()) for points in fixed), default=tip - gripper.finger_length)
     raised = np.array([0.0, 0.0, -back])
     mass = sum(link.mass for link in model.links if link.body == PALM_BODY)
-    palm = Link(PALM, max(mass, LEAST_MASS), tuple(HullShape(points + raised) for points in fixed))
+    palm = Link(PALM, max(mass, MIN_MASS), tuple(HullShape(points + raised) for points in fixed))
     links, joints, sides = [palm], [], {}
     for name, way in ((LEFT, 1.0), (RIGHT, -1.0)) if model.lever is None else ():
         limits = (float(model.openings[0]) / 2, gripper.opening / 2)
@@ -215,7 +215,7 @@ def _model_hand(gripper: Gripper) -> _Hand:
             continue
         side = LEFT if link.body == SECOND_FINGER else RIGHT
         shapes = tuple(HullShape(points - _anchor(link)) for points in link.shapes)
-        links.append(Link(OWN + link.name, max(link.mass, LEAST_MASS), shapes))
+        links.append(Link(OWN + link.name, max(link.mass, MIN_MASS), shapes))
         joint = _model_joint(model, link, raised)
         joints.append(joint)
         sides[OWN + link.name] = side

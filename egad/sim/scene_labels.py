@@ -25,7 +25,7 @@ TURNS = 2 * np.pi * np.arange(16) / 16  # about the closing axis, from the label
 TABLE_SLAB = trimesh.creation.box([2 * WORKSPACE, 2 * WORKSPACE, 0.1])
 TABLE_SLAB.apply_translation([0.0, 0.0, -0.05])
 CHUNK = 32  # grasps that are tested at once
-MOST = 640  # grasps that are tested at all
+MAX_TESTED = 640  # grasps that are tested at all
 # The table, metres
 TABLE = WORKSPACE * np.array(
     [[[-1, -1, 0], [1, -1, 0], [1, 1, 0]], [[-1, -1, 0], [1, 1, 0], [-1, 1, 0]]]
@@ -75,7 +75,7 @@ class SceneLabels:
         aside = body.aside(widths, np.array([opening]))
         frames[:, :3, 3] += aside[:, None] * frames[:, :3, 0]  # the open hand
         scene = np.concatenate([TABLE, *(self._triangles(each) for each in present)])
-        best = np.argsort(-quality, kind="stable")[:MOST]
+        best = np.argsort(-quality, kind="stable")[:MAX_TESTED]
         for first in range(0, len(best), CHUNK):
             numbers = best[first : first + CHUNK]
             chosen, back = frames[numbers], behind[numbers]
@@ -95,7 +95,7 @@ class SceneLabels:
     ) -> Iterator[PoseGrasp]:
         """The grasps of a cup in the scene, best first."""
         best = np.argsort(-quality, kind="stable")
-        best = best[quality[best] > 0][:MOST]
+        best = best[quality[best] > 0][:MAX_TESTED]
         owners = np.repeat([each.number for each in present], self._counts(present))[best]
         where = {each.number: each.pose.position for each in present}
         masses = [self._models[number].mass for number in owners]

@@ -125,7 +125,7 @@ def with_simulated_labels(
 
 
 def simulate_grasp(
-    world: World, arm: Arm, start: Pose, stance: HandPose, contact: float, lifting: Lifting
+    world: World, arm: Arm, start: Pose, hand_pose: HandPose, contact: float, lifting: Lifting
 ) -> SimulatedGrasp:
     """Close the open hand on a floating object, shake it and lift it; nothing before matters.
 
@@ -133,21 +133,21 @@ def simulate_grasp(
         world: A world of the arm's robot.
         arm: What carries the hand; it can turn.
         start: Where the object floats.
-        stance: Where the hand is.
+        hand_pose: Where the hand is.
         contact: Distance of the contacts, metres.
         lifting: Lift and hold.
     """
     world.reset()
     world.place(start)
     world.set_gravity(WEIGHTLESS)
-    hand = Hand(world, arm, stance, arm.robot.gripper.opening, contact)
+    hand = Hand(world, arm, hand_pose, arm.robot.gripper.opening, contact)
     try:
-        return _simulated(hand, stance, lifting)
+        return _simulated(hand, hand_pose, lifting)
     except UnstableError:
         return SimulatedGrasp(Outcome.FAILED)
 
 
-def _simulated(hand: Hand, stance: HandPose, lifting: Lifting) -> SimulatedGrasp:
+def _simulated(hand: Hand, hand_pose: HandPose, lifting: Lifting) -> SimulatedGrasp:
     world, before = hand.world, hand.world.pose()
     world.step()
     if world.forces().hand > COLLISION_FORCE:
@@ -157,7 +157,7 @@ def _simulated(hand: Hand, stance: HandPose, lifting: Lifting) -> SimulatedGrasp
     closing = _motion(before, held)
     if not hand.pinches():
         return SimulatedGrasp(Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED, closing)
-    for place in _shaking(stance):
+    for place in _shaking(hand_pose):
         hand.steer(place)
         world.step()
     shaking = _motion(held, world.pose())  # the hand is back where it was
@@ -167,15 +167,15 @@ def _simulated(hand: Hand, stance: HandPose, lifting: Lifting) -> SimulatedGrasp
     return SimulatedGrasp(lift_and_hold(hand, lifting)[0], closing, shaking)
 
 
-def _shaking(stance: HandPose) -> Iterator[HandPose]:
+def _shaking(hand_pose: HandPose) -> Iterator[HandPose]:
     """Poses of the hand, one a time step: up and down, then to and fro, from rest to rest."""
     time = TIME_STEP * np.arange(1, round(SHAKES / FREQUENCY / TIME_STEP) + 1)
     # The envelope lets the hand begin and end at rest.
     wave = np.sin(2 * np.pi * FREQUENCY * time) * np.sin(np.pi * FREQUENCY / SHAKES * time) ** 2
     for shift in AMPLITUDE * wave:
-        yield stance._replace(height=stance.height + float(shift))
+        yield hand_pose._replace(height=hand_pose.height + float(shift))
     for turn in SWING * wave:
-        yield stance._replace(angle=stance.angle + float(turn))
+        yield hand_pose._replace(angle=hand_pose.angle + float(turn))
 
 
 def _motion(before: Pose, after: Pose) -> tuple[float, float]:

@@ -23,7 +23,7 @@ from egad.tables import parquet
 from egad.tables.clutter import ROUND
 
 UNSEEN = ("failure", "quality", "score")  # columns that only the detector decides
-BEGUN = ["objects", "factors", "seed"]
+PLAN_COLUMNS = ["objects", "factors", "seed"]
 
 
 class Difference(NamedTuple):
@@ -97,12 +97,12 @@ def verify_rounds(
     for (scene, noise, number), group in table.groupby(ROUND, sort=False):
         rows = group.reset_index(drop=True)
         place, first = round_name(scene, noise, number), rows.iloc[0]
-        begun, wanted = tuple(first[BEGUN]), None
+        noted, wanted = tuple(first[PLAN_COLUMNS]), None
         if plan := planned.get((scene, noise, number)):
             factors = " ".join(map(repr, plan.factors))
             wanted = (" ".join(plan.ids), factors, f"{plan.seed:032x}")
-        if begun != wanted:
-            found.append(Difference(place, ", ".join(BEGUN), begun, wanted))
+        if noted != wanted:
+            found.append(Difference(place, ", ".join(PLAN_COLUMNS), noted, wanted))
         elif first["outcome"] != Outcome.CRASHED:
             found += _of_round(rows, place, models, settings, tolerance)
     return found

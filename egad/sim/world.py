@@ -29,7 +29,7 @@ PARKED = 10.0  # metres from the table; objects that take no part are apart by a
 REACH = 5.0  # metres; whatever is further away did not get there by physics
 SUNK = 0.05
 # m/s; a fall from 40 cm ends at 3. Only a penetration that is undone at once makes more than this.
-FASTEST = 10.0
+MAX_SPEED = 10.0
 
 
 def wall_boxes(inside: float) -> list[Box]:
@@ -347,7 +347,7 @@ class World(ABC):
             UnstableError: An object explodes: it gets faster than anything here can make it.
         """
         for _ in range(steps):
-            if not self._advance() < FASTEST:  # which a NaN is not, either
+            if not self._advance() < MAX_SPEED:  # which a NaN is not, either
                 raise UnstableError("an object was thrown away")
             if self.attached is not None:
                 self._check_load(self.attached)

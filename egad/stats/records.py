@@ -43,8 +43,8 @@ WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
 }
-MOST_COLUMNS = 1000  # of a CSV file
-MOST_TOLD = 5  # warnings of one kind about a log
+MAX_COLUMNS = 1000  # of a CSV file
+MAX_TOLD = 5  # warnings of one kind about a log
 ATTEMPT = re.compile(r"[0-9]{1,9}")
 ATTEMPT_KEY = ["detector", "label", "attempt"]
 
@@ -211,10 +211,10 @@ def _joined_sessions(path: Path, rows: pd.DataFrame) -> pd.DataFrame:
 
 def _tell(path: Path, problems: Sequence[str]) -> None:
     """Warn about what is left out of a log."""
-    for problem in problems[:MOST_TOLD]:
+    for problem in problems[:MAX_TOLD]:
         log.warning("%s; left out", problem)
-    if len(problems) > MOST_TOLD:
-        log.warning("%s: %d more like these are left out", path, len(problems) - MOST_TOLD)
+    if len(problems) > MAX_TOLD:
+        log.warning("%s: %d more like these are left out", path, len(problems) - MAX_TOLD)
 
 
 def csv_cells(path: Path) -> list[tuple[int, list[str]]]:
@@ -223,8 +223,8 @@ def csv_cells(path: Path) -> list[tuple[int, list[str]]]:
     if not filled:
         raise UserError(f"{path}: not a CSV file: it is empty")
     width = len(filled[0][1])
-    if width > MOST_COLUMNS:
-        raise UserError(f"{path}: {width} columns; at most {MOST_COLUMNS} are read")
+    if width > MAX_COLUMNS:
+        raise UserError(f"{path}: {width} columns; at most {MAX_COLUMNS} are read")
     for line, row in filled:
         if any(row[width:]):
             raise UserError(f"{path}, line {line}: {len(row)} cells; the first line has {width}")

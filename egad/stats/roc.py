@@ -17,7 +17,7 @@ Areas = Callable[[NDArray[np.int64]], Floats]
 
 # A bootstrap cannot know of failures of other objects than those that it has seen. With fewer than
 # these, its intervals are too narrow, most of all where one object has them all.
-FEWEST = 5
+MIN_OBJECTS = 5
 BINS = 10
 _SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
 
@@ -28,8 +28,8 @@ class Area:
 
     Attributes:
         value: See `roc_area`.
-        interval: The 95 % interval for other objects of the same kind; NaN if fewer than `FEWEST`
-            objects have a success, or a failure.
+        interval: The 95 % interval for other objects of the same kind; NaN if fewer than
+            `MIN_OBJECTS` objects have a success, or a failure.
         within: The same of pairs of grasps of one object only.
     """
 
@@ -95,7 +95,7 @@ def gain(rating: Floats, other: Floats, success: Flags, objects: Names) -> Area:
 def _interval(areas: Areas, success: Flags, objects: Names) -> Interval:
     """The interval of an area over draws of objects, if enough of them are known."""
     fewest = min(len(np.unique(objects[each])) for each in (success, ~success))
-    return bootstrap(areas, len(np.unique(objects))) if fewest >= FEWEST else (np.nan, np.nan)
+    return bootstrap(areas, len(np.unique(objects))) if fewest >= MIN_OBJECTS else (np.nan, np.nan)
 
 
 def _areas(rating: Floats, success: Flags, objects: Names) -> tuple[Areas, float]:

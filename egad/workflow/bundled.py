@@ -92,7 +92,7 @@ def _simulated(target: NamedMesh, gripper: Gripper, rule: str) -> Model:
     return simulated(target, gripper, rule)[1]
 
 
-def outlived(
+def run_or_replace(
     row: Row,
     work: Callable[[Item], pd.DataFrame | None],
     item: Item | None,

@@ -294,11 +294,11 @@ FilmOf = tuple[str, str, Callable[[Path], object]]  # what it shows, its name, a
 
 def _attempt_films(this: _Submitted, rows: pd.DataFrame, models: Models) -> Iterator[FilmOf]:
     """The first success, and the first failure of the most frequent kind."""
-    begun = rows[rows["initial_pose"] != ""]
-    lost = begun[~begun["success"]]
+    started = rows[rows["initial_pose"] != ""]
+    lost = started[~started["success"]]
     often = lost[lost["outcome"] == lost["outcome"].mode().get(0)]
     settings = select(this.settings, TrialParameters, this.gripper)
-    for row in parquet.records(pd.concat([begun[begun["success"]].head(1), often.head(1)])):
+    for row in parquet.records(pd.concat([started[started["success"]].head(1), often.head(1)])):
         label, attempt = row["label"], int(row["attempt"])
         title = f"{label}, attempt {attempt}: {row['outcome'].replace('_', ' ')}"
         film = partial(film_attempt, settings, this.path, models, label, attempt)

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from egad.detectors.base import MOST_GRASPS, Grasp, best_grasp, rank_grasps
+from egad.detectors.base import MAX_GRASPS, Grasp, best_grasp, rank_grasps
 from egad.grippers import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]
@@ -59,4 +59,4 @@ def test_candidates_are_ranked_as_one_would_one_by_one(count):
         for i in range(count)
     ]
     slow.sort(key=lambda grasp: -grasp.quality)
-    assert rank_grasps(center, axis, width, depth, quality) == slow[:MOST_GRASPS]
+    assert rank_grasps(center, axis, width, depth, quality) == slow[:MAX_GRASPS]

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.detectors.cloud import LEAST_CLEARANCE, TORQUE_SCALING, _blocked, antipodal_cloud
+from egad.detectors.cloud import MIN_CLEARANCE, TORQUE_SCALING, _blocked, antipodal_cloud
 from egad.grasps import TABLE_CLEARANCE
 from egad.grippers import GRIPPERS, BoxBody
 from egad.perception import PointCloud
@@ -65,7 +65,7 @@ def test_the_hand_touches_neither_object_nor_table_on_its_way():
 
 
 def test_what_is_too_wide_is_not_grasped():
-    side = HAND.opening - 2 * LEAST_CLEARANCE + 0.001
+    side = HAND.opening - 2 * MIN_CLEARANCE + 0.001
     assert len(found(standing((side, side, 0.1))).poses) == 0
 
 

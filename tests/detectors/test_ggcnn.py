@@ -9,7 +9,7 @@ import trimesh
 from scipy import ndimage
 
 import egad.learning
-from egad.detectors.base import LEAST_BITE
+from egad.detectors.base import MIN_DEPTH
 from egad.detectors.ggcnn import GGCNN, MapDetector, check_ggcnn, middle
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
@@ -196,8 +196,8 @@ def test_the_hand_is_beside_and_above_all_that_stands(look, seed):
         met = max(heights_under(boxes, grasp, *jaws, side * off) for side in (-1, 1))
         palm = heights_under(boxes, grasp, *HAND.palm[:2], 0.0) - HAND.finger_length
         assert grasp.tip > max(met, palm)
-        assert grasp.depth >= LEAST_BITE / 2
-        assert grasp.center[2] <= tops.max() - LEAST_BITE / 2 + 1e-4
+        assert grasp.depth >= MIN_DEPTH / 2
+        assert grasp.center[2] <= tops.max() - MIN_DEPTH / 2 + 1e-4
     assert 0 < len(found) <= 10
     assert sorted(found, key=lambda grasp: -grasp.quality) == found
 

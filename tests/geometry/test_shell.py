@@ -8,7 +8,7 @@ from egad.geometry.manifold import to_mesh
 from egad.geometry.rays import RayCaster
 from egad.geometry.repair import repair
 from egad.geometry.self_intersections import crossings
-from egad.geometry.shell import LARGEST, shell
+from egad.geometry.shell import MAX_SPREAD, shell
 
 WALL, HALF = 0.004, 0.002
 RADIUS, HEIGHT, SIDES = 0.04, 0.06, np.array([0.07, 0.05, 0.04])
@@ -252,7 +252,7 @@ def test_walls_that_cannot_be_made_say_what_can():
     with pytest.raises(RejectedError, match="smaller than the thickness of its shell"):
         repair(crate(), "thicken", 0.08)
     large = crate().apply_scale(1000)  # 70 m: millimetres taken for metres
-    thinnest = np.sqrt(large.area / LARGEST)
+    thinnest = np.sqrt(large.area / MAX_SPREAD)
     with pytest.raises(RejectedError, match=f"at least {thinnest:.3g} m, .* unit of the mesh"):
         repair(large, "thicken")
 

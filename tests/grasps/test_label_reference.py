@@ -41,12 +41,12 @@ def labelled(request):
     mesh = OBJECTS[request.param]
     caster = RayCaster(mesh)
     rng = np.random.default_rng(7)
-    grasps, tally = sample_for_labels(caster, SETTINGS, rng)
+    grasps, statistics = sample_for_labels(caster, SETTINGS, rng)
     state = rng.bit_generator.state
     frame = rate_grasps(caster, mesh.center_mass, grasps, SETTINGS, rng, BoxBody(SETTINGS.gripper))
     again = np.random.default_rng()
     again.bit_generator.state = state
-    return mesh, frame, tally, again
+    return mesh, frame, statistics, again
 
 
 def vectors(frame, name):
@@ -96,7 +96,7 @@ def quality(points, normals, axis, com, friction, scaling):
 
 
 def test_contacts_and_quality_equal_the_reference(labelled):
-    mesh, frame, tally, _ = labelled
+    mesh, frame, statistics, _ = labelled
     axes, points = vectors(frame, "axis"), [vectors(frame, f"contact{i}") for i in (0, 1)]
     normals = [vectors(frame, f"normal{i}") for i in (0, 1)]
     for i, row in frame.iterrows():
@@ -110,7 +110,7 @@ def test_contacts_and_quality_equal_the_reference(labelled):
         pair = ([each[i] for each in points], [each[i] for each in normals])
         expected = quality(*pair, axes[i], mesh.center_mass, 0.5, 100)
         assert row["quality"] == pytest.approx(expected, rel=1e-6, abs=1e-9)
-    row = statistics_row(10, tally, frame)
+    row = statistics_row(10, statistics, frame)
     causes = ["n_too_wide", "n_not_antipodal", "n_blocked", "n_too_close", "n_surplus", "n_grasps"]
     assert sum(row[cause] for cause in causes) == row["n_candidates"] == 200
     assert row["n_grasps"] == len(frame) == 10

@@ -73,9 +73,9 @@ def test_grasps_are_kept_that_no_horizontal_approach_reaches():
     _, sampled = sample_contacts(
         RayCaster(ring), SETTINGS.gripper.opening, 40, SETTINGS.sampling, rng(0)
     )
-    _, tally = sample_for_labels(RayCaster(ring), SETTINGS, rng(0))
+    _, statistics = sample_for_labels(RayCaster(ring), SETTINGS, rng(0))
     assert sampled.blocked > 0
-    assert tally.blocked == 0
+    assert statistics.blocked == 0
 
 
 def test_what_became_of_the_grasps_is_counted_once():
@@ -87,6 +87,6 @@ def test_what_became_of_the_grasps_is_counted_once():
             "collision_free": [True, False, False, False],
         }
     )
-    row = statistics_row(5, SamplingStatistics(tried=9, too_wide=2, blocked=1), grasps)
+    row = statistics_row(5, SamplingStatistics(candidates=9, too_wide=2, blocked=1), grasps)
     assert (row["n_grasps"], row["n_in_collision"], row["n_unreachable"]) == (4, 2, 1)
     assert (row["n_slipping"], row["n_surplus"]) == (1, 2)

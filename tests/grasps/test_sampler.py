@@ -108,22 +108,22 @@ def test_walls_block_the_fingers():
     wall = box(0.002, 0.1, 0.1)
     walls = [wall.copy().apply_translation([x, 0, 0]) for x in (-0.02, 0, 0.02)]
     floor = box(0.042, 0.1, 0.002).apply_translation([0, 0, -0.05])
-    grasps, tally = draw(union(*walls, floor), approach_clearance=0)
+    grasps, statistics = draw(union(*walls, floor), approach_clearance=0)
     across = np.abs(grasps.axes[:, 0]) > 0.75
     outer = np.abs(grasps.points[..., 0]).max(axis=1)
     assert across.any()
     np.testing.assert_allclose(outer[across], 0.021, atol=1e-9)
-    assert tally.blocked > 0
+    assert statistics.blocked > 0
 
 
 def test_wide_objects_have_no_grasp_and_say_why():
-    grasps, tally = draw(box(0.06, 0.06, 0.06), rounds=3)
+    grasps, statistics = draw(box(0.06, 0.06, 0.06), rounds=3)
     assert len(grasps) == 0
-    assert tally.tried == 600
+    assert statistics.candidates == 600
     # rays from face to neighboring face may be short, but are not antipodal
-    assert tally.too_wide + tally.not_antipodal == 600
-    assert tally.too_wide > tally.not_antipodal
-    assert str(tally).startswith(f"of 600 candidates: {tally.too_wide} too wide, ")
+    assert statistics.too_wide + statistics.not_antipodal == 600
+    assert statistics.too_wide > statistics.not_antipodal
+    assert str(statistics).startswith(f"of 600 candidates: {statistics.too_wide} too wide, ")
 
 
 def test_inside_out_objects_have_no_grasp():
@@ -134,20 +134,31 @@ def test_inside_out_objects_have_no_grasp():
 
 def test_without_spacing_all_valid_candidates_are_kept():
     caster, rules = RayCaster(ell()), Sampling(spacing=0.0, rounds=1, candidates=500)
-    grasps, tally = valid_contacts(caster, OPENING, 500, rules, np.random.default_rng(3))
+    grasps, statistics = valid_contacts(caster, OPENING, 500, rules, np.random.default_rng(3))
     all_rounds, same = sample_contacts(caster, OPENING, 250, rules, np.random.default_rng(3))
-    assert tally == same
-    assert len(grasps) == 500 - tally.too_wide - tally.not_antipodal - tally.blocked > 50
+    assert statistics == same
+    assert (
+        len(grasps)
+        == 500 - statistics.too_wide - statistics.not_antipodal - statistics.blocked
+        > 50
+    )
     np.testing.assert_array_equal(grasps.points[: len(all_rounds)], all_rounds.points)
 
 
 def test_tally_counts_every_candidate_once():
-    grasps, tally = draw(ell(), count=10_000, rounds=1)
-    failed = tally.too_wide + tally.not_antipodal + tally.blocked + tally.too_close
-    assert tally.tried == 20_000
-    assert failed + len(grasps) == tally.tried
-    assert min(tally.too_wide, tally.not_antipodal, tally.blocked, tally.too_close) > 0
-    assert tally + tally == SamplingStatistics(*(2 * value for value in vars(tally).values()))
+    grasps, statistics = draw(ell(), count=10_000, rounds=1)
+    failed = (
+        statistics.too_wide + statistics.not_antipodal + statistics.blocked + statistics.too_close
+    )
+    assert statistics.candidates == 20_000
+    assert failed + len(grasps) == statistics.candidates
+    assert (
+        min(statistics.too_wide, statistics.not_antipodal, statistics.blocked, statistics.too_close)
+        > 0
+    )
+    assert statistics + statistics == SamplingStatistics(
+        *(2 * value for value in vars(statistics).values())
+    )
 
 
 def test_first_contacts_are_uniform_over_the_surface():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from egad.learning.targets import MOST_PEAKS, best, peaks, prepare_input, read_maps, targets
+from egad.learning.targets import MAX_PEAKS, best, peaks, prepare_input, read_maps, targets
 from egad.perception.rectangles import agrees
 
 
@@ -102,7 +102,7 @@ def test_peaks_come_from_the_best_on_and_lie_apart():
     rng = np.random.default_rng(0)
     quality = rng.random((200, 200))
     found = peaks(quality)
-    assert len(found) == MOST_PEAKS
+    assert len(found) == MAX_PEAKS
     values = [quality[place] for place in found]
     assert values == sorted(values, reverse=True)
     assert quality[found[0]] == quality.max()

@@ -15,7 +15,7 @@ from egad.map_elites.archive import Archive, elites_of, merge
 from egad.map_elites.evaluation import GenomeVoxels, measure, refine
 from egad.map_elites.island import Island, evolve
 from egad.map_elites.parameters import EvolutionParameters
-from egad.map_elites.variation import LEAST, breed, parent_odds
+from egad.map_elites.variation import MIN_WEIGHT, breed, parent_odds
 from egad.measures import Graspability
 from egad.reeb import Similarity
 from egad.tables import parquet
@@ -191,7 +191,7 @@ def test_sparse_parents_are_those_with_empty_places_around_them(island):
     middle = replace(elites[0], complexity=3.0, graspability=0.002)
     crowded = [replace(middle, id=str(number)) for number in range(4)]
     odds = parent_odds([*crowded, corner], SETTINGS.space)
-    weights = places + LEAST
+    weights = places + MIN_WEIGHT
     assert odds == pytest.approx(weights / weights.sum())
 
 

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from egad.geometry.rays import RayCaster
-from egad.grasps.collision import LEAST_BITE, TABLE_CLEARANCE
+from egad.grasps.collision import MIN_DEPTH, TABLE_CLEARANCE
 from egad.grippers import BoxBody
 from egad.perception.reachability import is_reachable
 
@@ -86,9 +86,9 @@ def test_a_finger_inside_a_thick_block_collides_though_it_meets_no_surface(block
 
 def test_a_plate_is_grasped_as_low_as_the_table_allows(hand):
     """The contacts are at half its height; the tips stay above the table and bite below them."""
-    for height in (TABLE_CLEARANCE + LEAST_BITE - 5e-4, TABLE_CLEARANCE + LEAST_BITE + 5e-4):
+    for height in (TABLE_CLEARANCE + MIN_DEPTH - 5e-4, TABLE_CLEARANCE + MIN_DEPTH + 5e-4):
         plate = trimesh.creation.box((0.03, 0.06, 2 * height))
-        assert reached(plate, lying(plate), hand, 0.03) is (height > TABLE_CLEARANCE + LEAST_BITE)
+        assert reached(plate, lying(plate), hand, 0.03) is (height > TABLE_CLEARANCE + MIN_DEPTH)
 
 
 @pytest.mark.parametrize("degrees", [-30, 30])
@@ -97,7 +97,7 @@ def test_a_tilted_hand_goes_back_along_its_approach_until_it_clears_the_table(ha
     angle = np.radians(degrees)
     bead = trimesh.creation.icosphere(subdivisions=2, radius=0.001)
     outer = 0.001 + 0.008 + hand.gripper.finger_thickness
-    least = TABLE_CLEARANCE + np.sin(abs(angle)) * outer + np.cos(angle) * LEAST_BITE
+    least = TABLE_CLEARANCE + np.sin(abs(angle)) * outer + np.cos(angle) * MIN_DEPTH
     for more, expected in ((-2e-4, False), (2e-4, True)):
         place = trimesh.transformations.rotation_matrix(angle, (0, 1, 0))
         place[2, 3] = least + more

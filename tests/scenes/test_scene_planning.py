@@ -18,7 +18,7 @@ from egad.scenes import (
     shard_count,
     split_objects,
 )
-from egad.scenes.parameters import MOST_OBJECTS
+from egad.scenes.parameters import MAX_OBJECTS
 from egad.scenes.planning import with_objects
 from egad.sim import NAMED_PROTOCOLS, ClutterProtocol
 
@@ -102,7 +102,7 @@ def test_the_number_of_objects_is_one_and_a_poisson_number():
     plan = planned_scenes(ids, parameters(scenes=2000, validation=0, test=0, objects=5.0))
     counts = np.array([len(each.round.ids) for each in plan])
     assert counts.min() == 1
-    assert counts.max() <= MOST_OBJECTS
+    assert counts.max() <= MAX_OBJECTS
     assert counts.mean() == pytest.approx(5, abs=4 * 2 / 2000**0.5)
     assert counts.var() == pytest.approx(4, abs=0.6)
 

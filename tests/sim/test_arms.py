@@ -28,11 +28,11 @@ def test_both_engines_see_the_tip_where_the_arm_says(engine: EngineName, arm: st
     with start(engine, BALL, arm=arm) as world:
         for _ in range(3):
             joints = rng.uniform(*np.transpose(limits))
-            carrier = ARMS[arm](HAND)
-            base = carrier.base(HandPose(0.1, 0.2, 0.0, 0.0))
+            mount = ARMS[arm](HAND)
+            base = mount.base(HandPose(0.1, 0.2, 0.0, 0.0))
             world.reset()
             world.put_robot(base, joints.tolist(), 0.05)
-            expected = base.matrix @ carrier.robot.tip_poses(joints.tolist())[-1]
+            expected = base.matrix @ mount.robot.tip_poses(joints.tolist())[-1]
             np.testing.assert_allclose(tip_in(world), expected, atol=1e-6)
             np.testing.assert_allclose(world.arm_joints(), joints, atol=1e-9)
 
@@ -41,13 +41,13 @@ def test_both_engines_see_the_tip_where_the_arm_says(engine: EngineName, arm: st
 @pytest.mark.parametrize("angle", [-2.0, 0.0, 0.7, 3.0])
 def test_the_hand_points_down_where_it_is_wanted(arm: str, angle: float) -> None:
     """The closing axis is x of the tip; a hand is its own mirror image."""
-    carrier, stance = ARMS[arm](HAND), HandPose(0.05, -0.08, 0.12, angle)
-    joints = carrier.joints(stance)
-    tip = carrier.base(stance).matrix @ carrier.robot.tip_poses(joints.tolist())[-1]
-    np.testing.assert_allclose(tip[:3, 3], stance[:3], atol=1e-5)
+    mount, hand_pose = ARMS[arm](HAND), HandPose(0.05, -0.08, 0.12, angle)
+    joints = mount.joints(hand_pose)
+    tip = mount.base(hand_pose).matrix @ mount.robot.tip_poses(joints.tolist())[-1]
+    np.testing.assert_allclose(tip[:3, 3], hand_pose[:3], atol=1e-5)
     np.testing.assert_allclose(tip[:3, 2], (0, 0, -1), atol=1e-5)
     assert abs(tip[:2, 0] @ (np.cos(angle), np.sin(angle))) == pytest.approx(1, abs=1e-6)
-    assert carrier.height(joints) == pytest.approx(stance.height, abs=1e-5)
+    assert mount.height(joints) == pytest.approx(hand_pose.height, abs=1e-5)
 
 
 def test_a_panda_follows_a_path_and_knows_its_reach() -> None:

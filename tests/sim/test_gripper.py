@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from worlds import EACH_ARM, EACH_ENGINE, HAND, hung, start, twist
+from worlds import EACH_ARM, EACH_ENGINE, HAND, hand_at, start, twist
 
 from egad.evalset import Bundle
 from egad.grippers import GRIPPERS, Gripper
@@ -29,7 +29,7 @@ def gripped(
     bottom = world.model.mesh.bounds[0, 2]
     world.place(Pose(np.array([0, 0, 0.0002 - bottom]), np.array([0, 0, 0, 1.0])))
     world.step(60)
-    hand = hung(world, HandPose(0.0, y, tip, 0.0), 0.065, arm)
+    hand = hand_at(world, HandPose(0.0, y, tip, 0.0), 0.065, arm)
     hand.close()
     return hand, hand.pinches()
 
@@ -77,7 +77,7 @@ def test_thin_light_plates_are_not_squeezed_flat(
     with start(engine, model, HAND.model_copy(update={"force": force})) as world:
         world.place(Pose(np.array([0.0, 0.0, 0.0202]), standing))
         world.step(30)
-        hand = hung(world, HandPose(0.0, 0.0, 0.01, 0.0), 0.07)
+        hand = hand_at(world, HandPose(0.0, 0.0, 0.01, 0.0), 0.07)
         hand.close()
         hand.lift(LIFT, 1.0)
         assert hand.opening() == pytest.approx(thickness, abs=0.0005)
@@ -135,7 +135,7 @@ def test_pads_resist_twisting_as_pressed_discs(
     torque = part * 2 * friction * force * 2 / 3 * radius
     with start(engine, BALL, gripper) as world:
         world.place(Pose(np.array([0, 0, 0.025]), np.array([0, 0, 0, 1.0])))
-        hand = hung(world, HandPose(0.0, 0.0, 0.025, 0.0), 0.065)
+        hand = hand_at(world, HandPose(0.0, 0.0, 0.025, 0.0), 0.065)
         hand.close()
         hand.lift(LIFT, 1.0)
         assert (spun(world, torque) > 1) is turns
@@ -158,7 +158,7 @@ def spun(world: World, torque: float) -> float:
 @EACH_ARM
 def test_a_hand_says_whether_it_was_lifted_all_the_way(engine: EngineName, arm: str) -> None:
     with start(engine, LIGHT, arm=arm) as world:
-        hand = hung(world, HandPose(0.0, 0.0, 0.02, 0.0), 0.07, arm)
+        hand = hand_at(world, HandPose(0.0, 0.0, 0.02, 0.0), 0.07, arm)
         assert hand.lift(0.4, 1.0)
         assert hand.lift(0.5, 1.5) is (arm == "axis")  # beyond the reach of a Panda
 
@@ -167,7 +167,7 @@ def test_a_hand_says_whether_it_was_lifted_all_the_way(engine: EngineName, arm: 
 def test_the_fingers_are_mirror_images_even_off_center(engine: EngineName) -> None:
     with start(engine, LIGHT) as world:
         world.place(Pose(np.array([0.01, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
-        hand = hung(world, HandPose(0.0, 0.0, 0.01, 0.0), 0.07)
+        hand = hand_at(world, HandPose(0.0, 0.0, 0.01, 0.0), 0.07)
         hand.close()
         left, right = world.fingers()[0]
         assert left == pytest.approx(right, abs=0.0005)
@@ -178,7 +178,7 @@ def test_the_fingers_are_mirror_images_even_off_center(engine: EngineName) -> No
 @EACH_ENGINE
 def test_a_hand_closes_on_nothing(engine: EngineName) -> None:
     with start(engine, LIGHT, GRIPPERS["yumi"]) as world:
-        hand = hung(world, HandPose(0.3, 0.0, 0.01, 0.5), 0.05)
+        hand = hand_at(world, HandPose(0.3, 0.0, 0.01, 0.5), 0.05)
         hand.close()
         assert hand.opening() == pytest.approx(0, abs=1e-4)
         assert not hand.pinches()
@@ -190,12 +190,12 @@ def test_a_hand_closes_on_nothing(engine: EngineName) -> None:
 def test_a_free_descent_arrives_and_a_blocked_one_stops(engine: EngineName, arm: str) -> None:
     with start(engine, LIGHT, arm=arm) as world:
         world.place(Pose(np.array([0, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
-        hand = hung(world, HandPose(0.0, 0.0, 0.1, 0.0), 0.075, arm)
+        hand = hand_at(world, HandPose(0.0, 0.0, 0.1, 0.0), 0.075, arm)
         assert hand.move(0.005, 0.4) is None
         assert hand.height() == pytest.approx(0.005, abs=0.001)
         world.reset()
         world.place(Pose(np.array([0, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
-        onto = hung(world, HandPose(0.035, 0.0, 0.1, 0.0), 0.075, arm)
+        onto = hand_at(world, HandPose(0.035, 0.0, 0.1, 0.0), 0.075, arm)
         assert onto.move(0.005, 0.4) > 0
         assert onto.height() > SIDE - 0.005
         assert world.forces().hand > COLLISION_FORCE

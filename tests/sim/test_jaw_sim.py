@@ -163,8 +163,8 @@ def test_balls_are_squeezed_out_where_half_the_angle_exceeds_friction(
         height = 0.1
         world.place(Pose(np.array([0.0, 0.0, height]), UPRIGHT))
         world.set_gravity(WEIGHTLESS)
-        stance = HandPose(0, 0, height - finger_span(gripper)[1], 0.0)
-        hand = Hand(world, ARMS["axis"](gripper), stance, gripper.opening, diameter)
+        hand_pose = HandPose(0, 0, height - finger_span(gripper)[1], 0.0)
+        hand = Hand(world, ARMS["axis"](gripper), hand_pose, gripper.opening, diameter)
         hand.close()
         world.step(120)
         assert hand.pinches() == held

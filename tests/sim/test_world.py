@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 import trimesh
-from worlds import EACH_ARM, EACH_ENGINE, HAND, hung, start
+from worlds import EACH_ARM, EACH_ENGINE, HAND, hand_at, start
 
 from egad.errors import UserError
 from egad.evalset import Bundle
@@ -124,7 +124,7 @@ def test_the_hole_of_a_ring_is_free(engine: EngineName, x: float, free: bool) ->
     thin = HAND.model_copy(update={"finger_thickness": 0.01, "finger_width": 0.01})
     with start(engine, RING, thin) as world:
         world.place(at(0, 0, 0.01))
-        hand = hung(world, HandPose(x, 0.0, 0.06, np.pi / 2), 0.0)
+        hand = hand_at(world, HandPose(x, 0.0, 0.06, np.pi / 2), 0.0)
         assert (hand.move(0.005, 0.3) is None) is free
 
 
@@ -138,7 +138,7 @@ def test_reset_forgets_everything(engine: EngineName, arm: str) -> None:
 
     with start(engine, RING, arm=arm) as world:
         first = tumble(world)
-        hung(world, HandPose(0.0, 0.0, 0.1, 0.0), 0.05, arm).close()
+        hand_at(world, HandPose(0.0, 0.0, 0.1, 0.0), 0.05, arm).close()
         world.reset()
         second = tumble(world)
     with start(engine, RING, arm=arm) as world:

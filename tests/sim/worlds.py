@@ -28,14 +28,14 @@ HAND = GRIPPERS["egad_75mm"]
 
 
 def start(engine: EngineName, model: Model, gripper: Gripper = HAND, arm: str = "axis") -> World:
-    """A world with the robot that `hung` brings into it."""
+    """A world with the robot that `hand_at` brings into it."""
     return open_world(engine, [model], ARMS[arm](gripper).robot)
 
 
-def hung(world: World, stance: HandPose, width: float, arm: str = "axis") -> Hand:
+def hand_at(world: World, hand_pose: HandPose, width: float, arm: str = "axis") -> Hand:
     """A hand in a world that `start` made with the same arm."""
     assert world.robot is not None
-    return Hand(world, ARMS[arm](world.robot.gripper), stance, width)
+    return Hand(world, ARMS[arm](world.robot.gripper), hand_pose, width)
 
 
 def twist(world: Any, torque: Sequence[float]) -> None:

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from egad.stats.rates import Rate
-from egad.stats.roc import FEWEST, area, discrimination, gain, reliability, roc_area
+from egad.stats.roc import MIN_OBJECTS, area, discrimination, gain, reliability, roc_area
 
 
 def made(objects: int = 12, grasps: int = 20, seed: int = 0) -> tuple[np.ndarray, ...]:
@@ -42,12 +42,12 @@ def test_pairs_of_one_object_are_told_apart_from_others():
 
 
 def test_an_object_drawn_twice_counts_twice(monkeypatch):
-    rating, success, names = made(FEWEST)
+    rating, success, names = made(MIN_OBJECTS)
     drawn = np.array([[0, 0, 2, 3, 3], [1, 1, 1, 1, 1]])
     seen = []
 
     def bootstrap(statistic, count):
-        assert count == FEWEST
+        assert count == MIN_OBJECTS
         seen.extend(statistic(drawn))
         return 0.0, 1.0
 
@@ -74,7 +74,7 @@ def test_failures_of_few_objects_give_no_interval():
     rating, success, names = made()
     low, high = area(rating, success, names).interval
     assert high - low > 0.05
-    for failing in (1, FEWEST - 1):
+    for failing in (1, MIN_OBJECTS - 1):
         held = success | ~np.isin(names, [f"o{n}" for n in range(failing)])
         found = area(rating, held, names)
         assert np.isfinite(found.value)

@@ -108,7 +108,7 @@ def test_the_oldest_results_are_removed(folder: Path, monkeypatch: pytest.Monkey
     for age, file in enumerate(files):
         os.utime(file, (1000.0 * age, 1000.0 * age))
     squared(0.0)  # it is used, and so the newest
-    monkeypatch.setattr(result_cache, "MOST_BYTES", 3 * files[0].stat().st_size)
+    monkeypatch.setattr(result_cache, "MAX_BYTES", 3 * files[0].stat().st_size)
     squared(4.0)
     left = sorted(float(np.load(file)["square"][0]) for file in folder.rglob("*.npz"))
     assert left == [0.0, 9.0, 16.0]

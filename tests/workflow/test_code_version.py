@@ -257,7 +257,12 @@ USED = [
     ("sim/world.py", "GRAVITY = 9.81", "GRAVITY = 1.62", TRIED | {"report"}),
     ("evalset/print_poses.py", "LAYER = 0.0002", "LAYER = 0.0003", PRINTED),
     ("evalset/datasheet.py", "ATTEMPTS = 20", "ATTEMPTS = 10", {"datasheet"}),
-    ("map_elites/variation.py", "LEAST = 0.25", "LEAST = 0.5", {"evolve", "search_failures"}),
+    (
+        "map_elites/variation.py",
+        "MIN_WEIGHT = 0.25",
+        "MIN_WEIGHT = 0.5",
+        {"evolve", "search_failures"},
+    ),
     ("geometry/convex_parts.py", "SLIVER = 1e-6", "SLIVER = 1e-5", DECOMPOSED),
     ("io/plates.py", "MILLIMETRES = 1000.0", "MILLIMETRES = 1.0", {"print_export"}),
     ("stats/rates.py", "DRAWS = 10_000", "DRAWS = 1_000", {"report", "explain_failures"}),

@@ -24,7 +24,7 @@ rule bundle:
     priority: 2
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=1500, mb_per_thread=500, minutes=60),
     params:

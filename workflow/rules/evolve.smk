@@ -45,7 +45,7 @@ rule evolve:
         dataset=EVOLVED_DATASET,
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=1200, mb_per_thread=600, minutes=60),
     params:
@@ -79,7 +79,7 @@ rule merge:
         dataset=EVOLVED_DATASET,
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=1000, mb_per_thread=100, minutes=10),
     params:

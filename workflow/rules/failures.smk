@@ -77,7 +77,7 @@ rule join_failures:
         dataset=ARCHIVED_DATASET,
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=2000, mb_per_thread=1000, minutes=60),
     params:
@@ -110,7 +110,7 @@ rule explain_failures:
         dataset=ARCHIVED_DATASET,
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=2000, mb_per_thread=1000, minutes=30),
     params:

@@ -35,7 +35,7 @@ rule gallery:
         "benchmarks/release/gallery.tsv"
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=2000, mb_per_thread=500, minutes=60),
     params:

@@ -20,7 +20,7 @@ rule graspability:
         "benchmarks/{dataset}/graspability/{gripper}.tsv"
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=1000, mb_per_thread=500, minutes=60),
     params:

@@ -54,7 +54,7 @@ rule collect:
         "benchmarks/{dataset}/collect.tsv"
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=2000, mb_per_thread=1000, minutes=30),
     params:

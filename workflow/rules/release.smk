@@ -61,7 +61,7 @@ rule release_meshes:
         "benchmarks/release/release_meshes.tsv"
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=1000, mb_per_thread=300, minutes=20),
     params:
@@ -86,7 +86,7 @@ rule release_previews:
         "benchmarks/release/release_previews.tsv"
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=1000, mb_per_thread=300, minutes=30),
     params:

@@ -21,7 +21,7 @@ rule rescale:
         "benchmarks/{dataset}/rescale/{gripper}.tsv"
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=1000, mb_per_thread=300, minutes=30),
     params:

@@ -5,7 +5,7 @@ job requests twice its resources, the third three times, and so on.
 """
 
 # All threads: --cores sets the limit on a machine, max-threads of a profile on a cluster.
-SIDE_BY_SIDE = 64
+MAX_THREADS = 64
 
 # What a scheduler counts beside the job itself: the two processes of Snakemake that start it.
 SNAKEMAKE_MB = 700

@@ -22,7 +22,7 @@ rule select_eval:
         "benchmarks/{dataset}/select_eval.tsv"
     conda:
         ENVIRONMENT
-    threads: SIDE_BY_SIDE
+    threads: MAX_THREADS
     resources:
         **needs(mb=2000, mb_per_thread=250, minutes=30),
     params:

@@ -17,7 +17,7 @@ from egad.sim import (
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.grasping import GRASPS
-from egad.workflow.bundled import ENGINE_TIME, outlived, rows_by_id
+from egad.workflow.bundled import ENGINE_TIME, rows_by_id, run_or_replace
 from egad.workflow.job import run_job
 from egad.workflow.shards import rows_in_shard
 from egad.workflow.simulations import open_agreement
@@ -64,7 +64,7 @@ def run(
             )
             task = (known[name], sample) if name in known else None
             failed = partial(failed_labelled_grasps, label, name, sample, settings)
-            parts.append(outlived(row, execute, task, failed))
+            parts.append(run_or_replace(row, execute, task, failed))
     filled = [table for table in parts if len(table)]
     whole = pd.concat(filled) if filled else parquet.empty(AGREEMENT)
     parquet.write(whole, AGREEMENT, out)

@@ -47,7 +47,7 @@ VIEWED = ["id", "label", "quality", "robust_quality", "collision_free", *POINTS]
 SIMULATED = ["simulated_outcome", "simulated_success", "simulated_engine"]
 
 
-class Item(NamedTuple):
+class GalleryItem(NamedTuple):
     """What is known of an object, and the file of the mesh that is shown."""
 
     page: ObjectPage
@@ -129,7 +129,7 @@ def run(
         label = row["label"]
         folder = scaled if label in data.factors else meshes
         shown = replace(data.page(row), links=own.get(label, []))
-        items.append(Item(shown, folder / f"{label}.obj"))
+        items.append(GalleryItem(shown, folder / f"{label}.obj"))
     with workers(jobs) as mapper, atomic_output(out) as folder:
         for name in (SHEETS, PAGES, ANCESTORS):
             (folder / name).mkdir(parents=True)
@@ -188,7 +188,7 @@ def _write(folder: Path, name: str, script: str) -> None:
 
 
 def _write_objects(
-    items: list[Item], settings: Gallery, axes: AxisPair, folder: Path, mapper: Mapper
+    items: list[GalleryItem], settings: Gallery, axes: AxisPair, folder: Path, mapper: Mapper
 ) -> None:
     """Write the pages of the objects, and the sheets of their pictures."""
     cells = settings.space.cells
@@ -206,7 +206,7 @@ def _write_objects(
         (folder / SHEETS / f"{rank}.webp").write_bytes(sheet(pictures, cells, cells))
 
 
-def _object(item: Item, settings: Gallery, axes: AxisPair) -> Made:
+def _object(item: GalleryItem, settings: Gallery, axes: AxisPair) -> Made:
     mesh = read_mesh(item.mesh, "m")
     genome = None if item.page.genome is None else _genome(item.page.genome, settings)
     content = object_data(item.page, mesh, genome, axes)

@@ -47,7 +47,7 @@ def run(
     frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)
     label, wanted = Labeller(settings), settings.grasp_label.grasps
-    labelled, tallies, left_out = [], [], []
+    labelled, statistics, left_out = [], [], []
     names = zip(frame["id"], frame["label"], strict=True)
     for object_id, object_label in progress(names, "labelling grasps", len(frame)):
         named = {"id": object_id, "label": object_label}
@@ -62,10 +62,10 @@ def run(
             left_out.append(rejection(object_id, "grasp-label", found.reason))
         else:
             labelled.append(rows.assign(**named))
-        tallies.append(named | statistics_row(wanted, found.tally, rows))
+        statistics.append(named | statistics_row(wanted, found.statistics, rows))
     table = pd.concat(labelled) if labelled else parquet.empty(GRASPS)
     parquet.write(table, GRASPS, out)
-    parquet.write(pd.DataFrame(tallies), SAMPLING, sampling)
+    parquet.write(pd.DataFrame(statistics), SAMPLING, sampling)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     log.info("%d grasps, %d objects without any", len(table), len(left_out))
 

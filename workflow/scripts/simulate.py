@@ -16,7 +16,7 @@ from egad.detectors import (
 from egad.sim import failed_attempts
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
-from egad.workflow.bundled import ENGINE_TIME, outlived, rows_by_id
+from egad.workflow.bundled import ENGINE_TIME, rows_by_id, run_or_replace
 from egad.workflow.job import run_job
 from egad.workflow.shards import rows_in_shard
 from egad.workflow.simulations import open_trials
@@ -60,7 +60,7 @@ def run(
     ):
         for row in progress(parquet.records(chosen), "trying", len(chosen)):
             failed = partial(failed_attempts, row["label"], row["id"], settings)
-            parts.append(outlived(row, attempt, known.get(row["id"]), failed))
+            parts.append(run_or_replace(row, attempt, known.get(row["id"]), failed))
             monitor.check(parts[-1])
     whole = pd.concat(parts) if parts else parquet.empty(TRIALS)
     parquet.write(whole, TRIALS, out)

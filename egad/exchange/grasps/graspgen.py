@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 Split = Literal["train", "valid"]
 SPLITS: tuple[Split, Split] = ("train", "valid")
 ONE_IN = 10  # objects to validate with
-LEAST_POSITIVE = 5  # an object with fewer is left out by GraspGen's reader
+MIN_POSITIVE = 5  # an object with fewer is left out by GraspGen's reader
 # Depths of hands that GraspGen itself describes, metres, by our names of them.
 DEPTHS = {"panda": 0.10527314, "robotiq_2f_140": 0.195}
 # for `format`: what it is, and the name of its points
@@ -148,7 +148,7 @@ def write_graspgen(
         split: The list; by default that of `default_split`, which does not know relatives.
 
     Returns:
-        The number of successes; with fewer than `LEAST_POSITIVE` GraspGen leaves the object out.
+        The number of successes; with fewer than `MIN_POSITIVE` GraspGen leaves the object out.
     """
     known = with_outcome(grasps)
     labelled, held = Grasps(known), held_when_shaken(known)
@@ -269,10 +269,10 @@ def run(
             name = f"{check_key(label)}.obj"
             shutil.copyfile(meshes / name, folder / "objects" / name)
             held = write_graspgen(folder, hand, label, rows)
-            if held < LEAST_POSITIVE:
+            if held < MIN_POSITIVE:
                 log.warning(
                     "%s has %d grasps that hold; GraspGen leaves objects with fewer than %d out",
                     label,
                     held,
-                    LEAST_POSITIVE,
+                    MIN_POSITIVE,
                 )

@@ -16,7 +16,7 @@ from egad.io import write_obj
 
 DEPTH = 0.02  # metres; GraspNet has grasps with depths of 1, 2, 3 and 4 cm
 HEIGHT = 0.02  # metres, of every finger there
-HIGHEST_SCORE = 1.1  # a score is 1.1 less the friction that a grasp needs
+MAX_SCORE = 1.1  # a score is 1.1 less the friction that a grasp needs
 FRICTIONS = (0.1, 1.0)
 
 
@@ -41,7 +41,7 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
     known = with_outcome(grasps)
     labelled = Grasps(known)
     poses = graspnet_poses(labelled.poses, DEPTH)
-    scores = HIGHEST_SCORE - needed_friction(labelled).clip(*FRICTIONS)
+    scores = MAX_SCORE - needed_friction(labelled).clip(*FRICTIONS)
     columns = [
         np.where(held_when_shaken(known), scores, 0.0),
         np.minimum(known["needed_opening"].to_numpy(dtype=np.float64), opening),

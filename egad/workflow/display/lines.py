@@ -10,7 +10,7 @@ from egad.workflow.display.jobs import Job, Jobs
 
 FIRST, NEXT = 4.0, 8.0  # seconds after the start of a job, and between lines
 TICK = 0.5
-MOST = 10  # jobs that have lines; more are counted
+MAX_LINES = 10  # jobs that have lines; more are counted
 
 
 class Lines:
@@ -41,13 +41,13 @@ class Lines:
 
     def _lines(self, now: float) -> Iterator[str]:
         running = self._jobs.running()
-        due = [job for job in running[:MOST] if now >= self._due.get(job, job.start + FIRST)]
+        due = [job for job in running[:MAX_LINES] if now >= self._due.get(job, job.start + FIRST)]
         self._due = {job: self._due[job] for job in running if job in self._due}
         for job in due:
             self._due[job] = now + NEXT
             yield f"{clock()}       {job_line(job, now)}"
-        if due and len(running) > MOST:
-            yield f"{clock()}       and {len(running) - MOST} more jobs"
+        if due and len(running) > MAX_LINES:
+            yield f"{clock()}       and {len(running) - MAX_LINES} more jobs"
 
 
 def job_line(job: Job, now: float) -> str:
