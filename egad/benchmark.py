@@ -52,11 +52,11 @@ from egad.sim import (
 from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing, engine_names
 from egad.tables.clutter import ROUND
 
-SHARDS = 4  # for each job, so that none waits long for the others
+SHARDS = 4  # per job, so that no job waits long for the others
 
 
 class Scenes(NamedTuple):
-    """What rounds took place with: the objects by id, and the settings."""
+    """The objects of some rounds, by id, and their settings."""
 
     models: Mapping[str, Model]
     settings: ClutterParameters
@@ -81,14 +81,14 @@ class Benchmark:
         Args:
             table: Columns of `tables.clutter.CLUTTER`.
             planning_time: Median, seconds.
-            scenes: What the rounds took place with, to film them.
+            scenes: Objects and settings of the rounds, needed to film them.
         """
         self.table = table.reset_index(drop=True)
         self.planning_time = planning_time
         self._scenes = scenes
 
     def __repr__(self) -> str:
-        """The rates of each kind of scene and noise, one a line."""
+        """The rates of each kind of scene and noise, one per line."""
         rates = [
             f"{each.scene}, noise {each.noise}, {each.rounds} rounds: success {each.success}; "
             f"cleared {each.cleared}"
@@ -125,7 +125,7 @@ class Benchmark:
         Args:
             scene: How the objects lay.
             number: Number of the round, from 0.
-            out: File to write: `.gif`, or `.mp4` if ffmpeg is there.
+            out: File to write: `.gif`, or `.mp4` if ffmpeg is installed.
             noise: Noise added to the depth images.
 
         Raises:
@@ -161,35 +161,35 @@ def run_benchmark(
 
     In each round some of the objects are put on the table: one alone, upright side by side, or in a
     pile. Six depth cameras look at them, the detector proposes grasps, and a hand without an arm
-    carries out the best one. What is held is removed. The round ends when nothing is left, nothing
-    is proposed, or two attempts in a row have failed. Published benchmarks have other rules, which
-    `protocol` chooses.
+    carries out the best one. Whatever the hand then holds is removed. The round ends when nothing
+    is left, nothing is proposed, or two attempts in a row have failed. Published benchmarks have
+    other rules; `protocol` selects them.
 
-    An error of the detector is one failed attempt, whose traceback is in the column `failure`; that
-    of the first one is logged. An endless loop is not ended.
+    An error of the detector counts as a failed attempt. Its traceback is in the column `failure`;
+    that of the first error is also logged. An endless loop is not interrupted.
 
     Args:
-        detect: A function or object that is called with what it asks for, the gripper and a random
-            generator (`egad.detectors.wanted_input`) and returns poses, widths and scores
-            (`egad.detectors.GraspPoses`), or grasps from above; or the name of one that needs no
-            file: `antipodal-cloud`, `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that
-            egad ships; it needs PyTorch); `suction-cloud`, `suction-depth` for a suction cup; or
-            `labels`, which knows where the objects are and proposes the best of 100 sampled grasps
-            of each.
+        detect: A function or object that is called with the input it asks for
+            (`egad.detectors.wanted_input`), the gripper and a random generator, and returns poses,
+            widths and scores (`egad.detectors.GraspPoses`), or grasps from above; or the name of a
+            detector that needs no file: `antipodal-cloud`, `antipodal-depth`, `random`,
+            `ggcnn2-evolved` (the network that egad ships; it needs PyTorch); `suction-cloud`,
+            `suction-depth` for a suction cup; or `labels`, which knows where the objects are and
+            proposes the best of 100 sampled grasps of each.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         scenes: Kinds of scenes: single, packed, pile.
-        protocol: Rules of a published benchmark: egad, vgn, giga, edgegrasp; or those of your own.
+        protocol: Rules of a published benchmark: egad, vgn, giga, edgegrasp; or your own.
         noise: Kinds of noise: none, stereo, gamma, dex, points; None for those of the protocol.
         rounds: Rounds of each kind of scene and noise.
         per_scene: Objects in packed and piled scenes.
-        scale: Range of the sizes of the objects, of those by the rule; None for that of the
-            protocol.
-        errors: Errors of a real cell, as of `egad.run_trials`.
+        scale: Range of the sizes of the objects, relative to their sizes by the rule; None for that
+            of the protocol.
+        errors: Errors of a real cell, as for `egad.run_trials`.
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
         engine: What computes the physics: `mujoco` or `pybullet`.
-        jobs: Processes; the result does not depend on them.
+        jobs: Number of processes; the result does not depend on it.
         keep_going: Whether to go on with a detector that fails in every attempt of three rounds.
 
     Raises:
@@ -199,7 +199,7 @@ def run_benchmark(
             there are no objects that can be simulated.
 
     Warns:
-        UnitsWarning: The size of a mesh suggests another unit than the metre.
+        UnitsWarning: The size of a mesh suggests a unit other than the metre.
         PartsWarning: An object needs more convex parts than are allowed.
     """
     hand = as_gripper(gripper)
@@ -241,10 +241,10 @@ def clear_tables(
     """Let a detector clear tables of prepared objects.
 
     Args:
-        detect: As of `run_benchmark`; `labels` needs objects with grasps.
-        objects: To choose from.
+        detect: See `run_benchmark`; `labels` needs objects with grasps.
+        objects: The objects to choose from.
         settings: Seed, gripper, scenes and cameras.
-        jobs: Processes; the result does not depend on them.
+        jobs: Number of processes; the result does not depend on it.
     """
     todo = rounds_of([each.id for each in objects], settings)
     shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]

@@ -1,4 +1,4 @@
-"""Objects and a detector made ready to clear tables, and the rounds themselves."""
+"""Preparation of objects and detectors for clearing tables, and the rounds themselves."""
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
@@ -47,7 +47,7 @@ def check_detector(detect: Detect, settings: ClutterParameters) -> None:
     """Start a detector and stop it again, before objects are prepared, which takes minutes.
 
     Args:
-        detect: As of `run_benchmark`.
+        detect: See `run_benchmark`.
         settings: How long its answers may take.
 
     Raises:
@@ -64,14 +64,14 @@ def prepare_objects(
     label_seed: int | None = None,
     jobs: int = 1,
 ) -> list[SceneObject]:
-    """Prepare objects for tables that are to be cleared; what cannot be simulated is left out.
+    """Prepare objects for clearing tables; objects that cannot be simulated are left out.
 
     Args:
         targets: The objects.
         gripper: What they are scaled to.
         rule: How they are scaled.
         label_seed: For labelled grasps; None if they are not needed.
-        jobs: Processes; the result does not depend on them.
+        jobs: Number of processes; the result does not depend on it.
 
     Raises:
         UserError: None of the objects can be simulated.
@@ -110,7 +110,7 @@ def clear_rounds(
     models = {each.id: each.model for each in objects}
     grasps = {each.id: each.grasps for each in objects}
     with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
-        # If these are few rounds, only the caller, who sees all, can say that nothing else happens.
+        # These may be only a few of the rounds; only the caller sees whether all of them fail.
         count, keep_going = len(rounds) + 1, settings.clutter.keep_going
         done, monitor = [], FailureMonitor(count, keep_going, "rounds", quiet=True)
         for this in rounds:
@@ -129,9 +129,9 @@ def open_table(
     """A function that lets a detector clear one table, valid within the context.
 
     Args:
-        detect: As of `run_benchmark`.
-        model: From the id of an object to its model.
-        grasps: From its id to its labelled grasps, columns of `tables.grasping.GRASPS`; asked for
+        detect: See `run_benchmark`.
+        model: Maps the id of an object to its model.
+        grasps: Maps its id to its labelled grasps, columns of `tables.grasping.GRASPS`; called for
             `labels` only.
         settings: Seed, gripper, scenes and cameras.
 
@@ -155,7 +155,7 @@ def open_table(
 def _proposer(
     detect: Detect, grasps: Callable[[str], pd.DataFrame], settings: ClutterParameters
 ) -> Iterator[Callable[[Sequence[str], Sequence[Model]], Propose]]:
-    """From the objects of a scene to what proposes grasps."""
+    """A function that maps the objects of a scene to a proposer of grasps."""
     protocol = settings.clutter.protocol
     if isinstance(detect, DetectorConfig):
         check_gripper(detect.name, settings.gripper)

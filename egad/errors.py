@@ -13,7 +13,7 @@ class EgadError(Exception):
 
 
 class UserError(EgadError, ValueError):
-    """Something the person at the keyboard can mend: what is wrong, where, what is allowed."""
+    """An error that the user can fix: the message says what is wrong, where, what is allowed."""
 
 
 class MissingPackageError(ModuleNotFoundError, UserError):
@@ -21,7 +21,7 @@ class MissingPackageError(ModuleNotFoundError, UserError):
 
 
 class RejectedError(EgadError):
-    """One object cannot be used. The message is the reason; the other objects go on."""
+    """One object cannot be used. The message is the reason; work on the other objects continues."""
 
 
 class NoGraspError(RejectedError):
@@ -33,16 +33,16 @@ class TableError(EgadError, ValueError):
 
 
 def most_common(reasons: Counter[str]) -> str:
-    """The three most frequent reasons, with how often they were given."""
+    """The three most frequent reasons with their counts."""
     return "; ".join(f"{reason} ({count})" for reason, count in reasons.most_common(3))
 
 
 def check_name(what: str, name: object, names: Iterable[str], where: str = "") -> str:
-    """The name, if there is such a thing.
+    """Return a name if it is a known one.
 
     Raises:
-        UserError: There is none, or it is no text; the message has those that are spelled most
-            alike, or a few.
+        UserError: The name is unknown, or not a string; the message lists the most similar names,
+            or a few of all.
     """
     allowed = sorted(names)
     if isinstance(name, str) and name in allowed:

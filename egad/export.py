@@ -47,7 +47,7 @@ from egad.sim import (
 
 
 class _Job(NamedTuple):
-    """What is exported for: the gripper, and how grasps are labelled and simulated."""
+    """The gripper of an export, and how grasps are labelled and simulated."""
 
     hand: NamedGripper
     labels: LabelParameters
@@ -61,7 +61,7 @@ class Exported:
     Attributes:
         folder: Where it is.
         labels: The objects that were written.
-        left_out: Why other objects were not, by label.
+        left_out: Why the other objects were left out, by label.
     """
 
     folder: Path
@@ -75,7 +75,7 @@ class Exported:
         )
 
     def _repr_html_(self) -> str:
-        """Where it is, and what was left out, for notebooks."""
+        """The folder and what was left out, for notebooks."""
         facts = {"exported": len(self.labels)} | {
             f"left out: {label}": reason for label, reason in self.left_out.items()
         }
@@ -115,15 +115,15 @@ def export(
             `docs/exchange.md`.
         gripper: The gripper, or its name.
         out: A new or empty folder.
-        grasps: Most grasps of an object, 100 as in a dataset of the pipeline; formats without
-            grasps ignore this, `seed` and `engine`.
+        grasps: Largest number of grasps of an object; 100, as in a dataset of the pipeline. Formats
+            without grasps ignore this, `seed` and `engine`.
         seed: Seed of the grasps; with the same one, a dataset of the pipeline has the same grasps.
         rule: How objects are scaled: see `egad.rescale`.
         engine: What simulates the grasps: `mujoco` or `pybullet`.
 
     Returns:
-        What was written, and which objects were left out for which reason: their mesh does not
-        bound a solid, or they cannot be scaled, grasped or decomposed.
+        What was written, and which objects were left out and why: their mesh does not bound a
+        solid, or they cannot be scaled, grasped or decomposed.
 
     Raises:
         UserError: There is no such format, gripper or rule, there are no objects, a name or number
@@ -131,7 +131,7 @@ def export(
             format needs a package that is not installed.
 
     Warns:
-        UnitsWarning: The size of a mesh suggests another unit than the metre.
+        UnitsWarning: The size of a mesh suggests a unit other than the metre.
         PartsWarning: An object needs more convex parts than are allowed.
     """
     check_name("format", format, FORMATS)
@@ -167,7 +167,7 @@ def export(
 
 
 def _writer(name: str, job: _Job) -> Callable[[Path, NamedMesh, trimesh.Trimesh], None]:
-    """What writes an object in a format, alike for all formats."""
+    """The function that writes an object in a format, with the same arguments for all formats."""
     bundle, density = Bundle(), Material().density
 
     def write_surface(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:

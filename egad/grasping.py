@@ -42,7 +42,7 @@ class LabelledGrasps(NamedTuple):
 
     Attributes:
         table: Columns of `tables.grasping.GRASPS` without `id` and `label`; none without grasps.
-        statistics: What became of the candidates.
+        statistics: How many candidates there were, and why some were rejected.
         reason: Why there is no grasp; empty if there is one.
     """
 
@@ -52,7 +52,7 @@ class LabelledGrasps(NamedTuple):
 
 
 class Labeller:
-    """Samples the grasps of objects and rates them, as the gripper says.
+    """Samples and rates grasps of objects, as the gripper requires.
 
     Attributes:
         settings: The gripper, how many grasps, and how to rate them.
@@ -76,12 +76,12 @@ class Labeller:
         Args:
             mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
             com: (3,) center of mass, metres.
-            rng: Where chance comes from.
+            rng: Random number generator.
 
         Raises:
             RejectedError: The mesh is open, bounds no volume or is not finite, no cup seals, or the
                 user's sampler fails.
-            UserError: It is not a mesh, or the user's sampler gives something else than grasps.
+            UserError: It is not a mesh, or the user's sampler gives something other than grasps.
         """
         check_solid(mesh)
         settings, caster = self.settings, RayCaster(mesh)
@@ -124,8 +124,8 @@ def sample_grasps(
 ) -> Grasps:
     """Sample grasps of a mesh, with their quality and collisions of the hand.
 
-    Jaws get antipodal grasps, a suction cup points that are uniform over the surface, and a gripper
-    with a `sampler` what this gives.
+    Jaws get antipodal grasps. A suction cup gets grasps at points uniform over the surface. A
+    gripper with a `sampler` gets whatever it returns.
 
     Args:
         mesh: A closed mesh in metres, as it is grasped: see `rescale`.
@@ -144,12 +144,12 @@ def sample_grasps(
         At least one grasp, in the frame of the mesh.
 
     Raises:
-        RejectedError: The mesh is open, or there is no grasp, or no cup seals; the text says what
-            became of the candidates. Or a sampler of your own fails.
+        RejectedError: The mesh is open, there is no grasp, or no cup seals; the text says why
+            candidates were rejected. Or your own sampler fails.
         UserError: There is no gripper of this name, or a number is not allowed.
 
     Warns:
-        UnitsWarning: The size of the mesh suggests another unit than the metre.
+        UnitsWarning: The size of the mesh suggests a unit other than the metre.
 
     Source: jaws: Mahler et al., Dex-Net 2.0, RSS 2017 (sampling); Ferrari and Canny, ICRA 1992
     (quality). Cups: Mahler et al., Dex-Net 3.0, ICRA 2018.
@@ -176,7 +176,7 @@ def dataset_grasps(
 
     Args:
         mesh: A closed mesh in metres.
-        object_id: Id of the object; with the seed it decides the grasps.
+        object_id: Id of the object; it and the seed determine the grasps.
         parameters: The gripper, the seed, how many grasps, and how to rate them.
 
     Returns:
@@ -192,7 +192,7 @@ def dataset_grasps(
 def grasps_if_any(
     mesh: trimesh.Trimesh, object_id: str, parameters: LabelParameters
 ) -> pd.DataFrame:
-    """As `dataset_grasps`; an empty table, and a line in the log, if there are none."""
+    """Like `dataset_grasps`, but if there are none, an empty table and a line in the log."""
     try:
         return dataset_grasps(mesh, object_id, parameters)
     except RejectedError as reason:

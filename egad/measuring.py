@@ -63,7 +63,7 @@ class Measures(NamedTuple):
         factor: The mesh was scaled by this before grasps were sampled.
         sides: Sides of its box then, ascending, metres.
         dropped_bodies: How many bodies of the mesh were left out: only the largest is measured.
-        dropped_volume: Their part of the volume of all bodies, with holes closed.
+        dropped_volume: Their fraction of the volume of all bodies, with holes closed.
     """
 
     complexity: float
@@ -83,7 +83,7 @@ class Measures(NamedTuple):
 
     @property
     def comparable(self) -> bool:
-        """Whether the mesh was measured as the objects of the map, by the same rule and opening."""
+        """Whether the mesh was measured by the same rule and opening as the objects of the map."""
         return self.rule == MAP_RULE and self.opening == as_gripper(MAP_GRIPPER).opening
 
     @property
@@ -94,7 +94,7 @@ class Measures(NamedTuple):
         return f"{value:.3f} ± {std:.3f} 1e-3"
 
     def __repr__(self) -> str:
-        """The measures, then what they hold for."""
+        """The measures, then the conditions under which they hold."""
         hand = f"{self.gripper}, " if self.gripper else ""
         parts = [
             f"{self.label}: complexity {self.complexity:.3f} bit",
@@ -147,14 +147,14 @@ def measure(
 
     Args:
         mesh: Any mesh: in metres, or in any unit for the rule `exact`.
-        gripper: The gripper that grasps are sampled for, or its name. The default is `yumi`, as
-            the published labels are for it.
-        rule: At which size grasps are sampled, see `rescale`: `exact`, or `none` for the real size,
-            or `paper`. The smallest side is that of the minimum-volume box, for `exact` that of the
-            box along the principal axes, as in EGAD's program. Only cells by `exact` are comparable
-            with the map.
-        max_candidates: Candidate grasps are doubled until the cell is certain, at most to this
-            number.
+        gripper: The gripper that grasps are sampled for, or its name. The default is `yumi`, the
+            gripper of the published labels.
+        rule: The size at which grasps are sampled, see `rescale`: `exact`, or `none` for the real
+            size, or `paper`. The smallest side is that of the minimum-volume box; for `exact`, that
+            of the box along the principal axes, as in EGAD's program. Only cells by `exact` are
+            comparable with the map.
+        max_candidates: The number of candidate grasps is doubled until the cell is certain, up to
+            this number.
         seed: Seed of the grasps.
 
     Raises:
@@ -165,7 +165,7 @@ def measure(
         ScaleWarning: The mesh is measured larger than it is.
         DroppedBodiesWarning: It has several bodies; only the largest is measured.
         CoarseMeshWarning: Its triangles are so large that its complexity means little.
-        UnitsWarning: By another rule than `exact`, the size of the mesh suggests another unit than
+        UnitsWarning: By another rule than `exact`, the size of the mesh suggests a unit other than
             the metre.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.

@@ -44,7 +44,7 @@ def read_mesh(path: str | Path, units: str | None = None) -> trimesh.Trimesh:
         RejectedError: The file is damaged, is not a mesh, has no faces, or has a feature that is
             not read, such as a free-form surface or a compressed mesh; the message names it. Or it
             states another unit than the one given, or neither gives one.
-        UserError: The unit is unknown, or the path is no path.
+        UserError: The unit is unknown, or `path` is not a path.
 
     Warns:
         UnitsWarning: The size of the mesh suggests another unit.
@@ -64,7 +64,8 @@ def rescale(
 ) -> tuple[trimesh.Trimesh, float]:
     """Scale an object about the origin of its coordinates to fit a gripper.
 
-    Coordinates in single precision, such as those of the released objects, are rounded to it again.
+    Coordinates in single precision, such as those of the released objects, are rounded to single
+    precision again.
 
     Args:
         mesh: Metres; not changed.
@@ -73,7 +74,7 @@ def rescale(
             the opening, smaller objects stay as they are. `egad-script`: the longest side becomes
             the opening, then as `paper`. `exact`: the smallest side becomes the fraction. `none`:
             the object stays as it is.
-        side_fraction: Part of the opening that the rule aims at.
+        side_fraction: Fraction of the opening that the rule aims at.
 
     Returns:
         The scaled mesh, and the factor.
@@ -83,7 +84,7 @@ def rescale(
         UserError: There is no such gripper or rule, or the fraction is out of bounds.
 
     Warns:
-        UnitsWarning: The size of the mesh suggests another unit than the metre.
+        UnitsWarning: The size of the mesh suggests a unit other than the metre.
     """
     check_units(mesh)
     fraction = check_positive("side_fraction", side_fraction, MAX_SIDE_FRACTION)
@@ -107,8 +108,8 @@ def convex_parts(
         max_parts: The largest number of parts. If it is not enough, volume error and deviation grow
             by the same factor until it is.
         volume_error: The parts may exceed the solid by this fraction of its volume.
-        deviation: About 99 % of the surface that fingers can touch lies no deeper in a part,
-            metres.
+        deviation: About 99 % of the surface that fingers can touch lies no deeper than this in a
+            part, metres.
         max_vertices: The largest number of vertices of a part.
 
     Raises:
@@ -116,7 +117,7 @@ def convex_parts(
         UserError: A number is out of bounds.
 
     Warns:
-        UnitsWarning: The size of the mesh suggests another unit than the metre.
+        UnitsWarning: The size of the mesh suggests a unit other than the metre.
         PartsWarning: `max_parts` is not enough; the text has the bounds that the parts keep.
     """
     check_units(mesh)
@@ -141,8 +142,8 @@ def stable_poses(
     """The poses in which a solid can rest on a table, the most probable first.
 
     Args:
-        mesh: A closed surface, in any unit; any surface if the center of mass is given, as only
-            its convex hull counts then.
+        mesh: A closed surface, in any unit; any surface if the center of mass is given, because
+            then only its convex hull matters.
         center_of_mass: (3,) in the unit of the mesh; by default that of a solid of uniform density.
 
     Returns:

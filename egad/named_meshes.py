@@ -18,8 +18,8 @@ class NamedMesh(NamedTuple):
     """A mesh that is made when it is needed.
 
     Attributes:
-        label: What it is called.
-        id: Name of its shape, which decides what is random about it.
+        label: Its name.
+        id: Name of its shape, which seeds everything random about it.
         mesh: Gives the mesh, metres.
     """
 
@@ -32,7 +32,7 @@ def named_meshes(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[Named
     """The objects of a dataset, or meshes by name.
 
     Raises:
-        UserError: There are none, or it is something else.
+        UserError: There are none, or the argument is something else.
     """
     if not isinstance(objects, Dataset | Mapping):
         raise UserError(_not_objects(type(objects).__name__))
@@ -68,7 +68,7 @@ def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trim
         UserError: It is not a mesh, or its file is missing.
 
     Warns:
-        UnitsWarning: The size of the mesh suggests another unit than the metre.
+        UnitsWarning: The size of the mesh suggests a unit other than the metre.
     """
     mesh = target.mesh()
     check_units(mesh, f"the mesh {target.label!r}")
@@ -77,7 +77,7 @@ def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trim
 
 
 def simulated(target: NamedMesh, gripper: Gripper, rule: str) -> tuple[trimesh.Trimesh, Model]:
-    """The mesh of an object as it is grasped, and the model that simulations have of it by default.
+    """The mesh of an object as it is grasped, and its default model for simulations.
 
     Args:
         target: The object.
@@ -89,7 +89,7 @@ def simulated(target: NamedMesh, gripper: Gripper, rule: str) -> tuple[trimesh.T
         UserError: It is not a mesh, or its file is missing.
 
     Warns:
-        UnitsWarning: The size of the mesh suggests another unit than the metre.
+        UnitsWarning: The size of the mesh suggests a unit other than the metre.
         PartsWarning: The object needs more convex parts than are allowed.
     """
     mesh = scaled_solid(target, gripper, rule)

@@ -48,7 +48,7 @@ class EvolvedObject:
         id: Hash of its voxels, or the name of its mesh file.
         label: Its name in the dataset: `M14_3` is the fourth object of cell (14, M).
         row: Its row of the table of the dataset.
-        shape: How its genome became voxels, and these a mesh.
+        shape: How its genome was turned into voxels, and the voxels into a mesh.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class EvolvedObject:
         """The closed surface at another resolution of its voxels, in metres.
 
         At the resolution of the archive it is made from the voxels there, as `mesh` is. At others,
-        the genome is evaluated anew; see `egad.genome_mesh`.
+        the genome is evaluated again; see `egad.genome_mesh`.
 
         Args:
             resolution: Voxels along each side of the cube, 8 to 200.
@@ -133,7 +133,7 @@ class EvolvedObject:
 
 
 def _dataset_mesh(path: Path) -> trimesh.Trimesh:
-    """A mesh of a dataset: the dataset is broken if it cannot be read, not the object."""
+    """A mesh of a dataset: if it cannot be read, the dataset is broken, not the object."""
     try:
         return read_mesh(path, "m")
     except RejectedError as reason:
@@ -148,7 +148,7 @@ class Dataset:
 
     Attributes:
         table: One row per object, sorted by label unless `select` gave them another order.
-        shape: How genomes became voxels, and these meshes.
+        shape: How genomes were turned into voxels, and the voxels into meshes.
     """
 
     def __init__(
@@ -181,19 +181,18 @@ class Dataset:
     def __getitem__(self, chosen: Some) -> "Dataset": ...
 
     def __getitem__(self, chosen: str | Some) -> "EvolvedObject | Dataset":
-        """One object, or the dataset of some.
+        """One object, or a dataset of some of the objects.
 
         `objects["M14_3"]` is an object; `objects[["M14_3", "E08_0"]]` is a dataset, and so is
         `objects[objects.table["complexity"] > 3]`.
 
         Args:
-            chosen: A label or an id; several of them, as for `select`; or whether to take each
-                object, in the order of `table`: a column of booleans that comes from it, or (n,)
-                booleans.
+            chosen: A label or an id; several of them, as for `select`; or a mask in the order of
+                `table`: a column of booleans derived from it, or (n,) booleans.
 
         Raises:
-            UserError: There is no such object; the text names labels that are spelled alike. The
-                booleans are not one for each object. Or it is neither, such as a position.
+            UserError: There is no such object (the text names similar labels), there is not one
+                boolean for each object, or `chosen` is something else, such as a position.
         """
         if isinstance(chosen, str) or not isinstance(chosen, Iterable):
             return self._object(self._position(chosen))
@@ -211,11 +210,11 @@ class Dataset:
         return table_html(repr(self), shown[[name for name in FACTS if name in shown]])
 
     def select(self, names: str | Iterable[str]) -> "Dataset":
-        """The dataset of some objects alone.
+        """A dataset of only some of the objects.
 
         Args:
-            names: Labels or ids, or a single one. Their order is that of the new dataset; what is
-                named again is left out.
+            names: Labels or ids, or a single one. The new dataset keeps their order; repeated names
+                are left out.
 
         Raises:
             UserError: One of the names is unknown.
@@ -247,7 +246,7 @@ class Dataset:
         from the released archive have the lineage that egad ships.
 
         Raises:
-            UserError: The dataset is an archive that is no file.
+            UserError: The dataset is an archive that is not a file.
         """
         if self._ancestry is None:
             raise UserError("an archive that `egad.evolve` returned has no lineage; a run has one")
@@ -296,19 +295,19 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
     """Load objects.
 
     A label names the cell that an object has in this source. The pipeline measures objects again,
-    by other grasps than evolution. So some objects of `results/egad` have another label than in
-    the archive that they come from, and the same label may name another object. The id of an
-    object stays.
+    with other grasps than evolution used. Some objects of `results/egad` therefore have another
+    label than in the archive that they come from, and the same label may name another object. The
+    id of an object stays the same.
 
     Args:
         source: `released`: the archive that egad ships, whose table also has
-            `antipodal_success_rate` and `held_shaking` (docs/released.md); `evaluation-set`: the
-            49 of them that detectors are tested with, with the labels A0 to G6; the folder of a
-            dataset, such as `results/egad`; a file `archive.parquet`; or an archive that
-            `egad.evolve` returned.
+            `antipodal_success_rate` and `held_shaking` (docs/released.md); `evaluation-set`: the 49
+            of them that detectors are tested on, with the labels A0 to G6; the folder of a dataset,
+            such as `results/egad`; a file `archive.parquet`; or an archive that `egad.evolve`
+            returned.
 
     Raises:
-        UserError: There is no such file or folder, or it is no path.
+        UserError: There is no such file or folder, or it is not a path.
         TableError: A table is damaged or of another version.
     """
     if isinstance(source, Archive):
@@ -334,7 +333,7 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
 
 
 def _evaluation_set() -> Dataset:
-    """Those of the released objects that are in the evaluation set, with their labels in it."""
+    """The released objects that are in the evaluation set, with their labels in it."""
     path, chosen = released(), pd.read_csv(evaluation_set())
     known = load().table.set_index("id", drop=False)
     table = known.loc[chosen["id"]].assign(label=chosen["label"].to_numpy())

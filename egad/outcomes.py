@@ -5,12 +5,12 @@ from enum import StrEnum
 
 
 class Outcome(StrEnum):
-    """What came of an attempt; its value stands in the column `outcome` of tables.
+    """The outcome of an attempt; its value is what the column `outcome` of tables holds.
 
     Attributes:
         SUCCESS: Held up to the end.
         COLLIDED: The hand was stopped on its way, or the grasp is out of the arm's reach.
-        MISSED: The fingers closed, but never pressed on the object both at once.
+        MISSED: The fingers closed, but never both pressed on the object at the same time.
         NO_SEAL: The suction cup did not seal.
         SLIPPED_CLOSING: Lost between the fingers before it was lifted.
         SLIPPED_SHAKING: Lost while it was shaken.
@@ -20,13 +20,13 @@ class Outcome(StrEnum):
         CRASHED: The physics engine crashed or hung, twice.
         NO_GRASP: The detector proposed no grasp.
         NOT_FINITE: A number of the proposed grasp is NaN or infinite.
-        NOT_RIGID: The proposed pose is no rotation and shift.
+        NOT_RIGID: The proposed pose is not a rotation and translation.
         TOO_WIDE: The hand cannot open as wide as the proposed grasp is.
         BELOW_TABLE: The fingertips would be under the table.
-        ERROR: The detector raised an error or returned something else than grasps.
+        ERROR: The detector raised an error or returned something other than grasps.
         TIMEOUT: The detector took too long.
-        SLIPPED: Lost at any time; people note it of a robot.
-        OTHER: Any other failure; people note it of a robot.
+        SLIPPED: Lost at any time; noted by people who watch a robot.
+        OTHER: Any other failure; noted by people who watch a robot.
     """
 
     SUCCESS = "success"
@@ -61,7 +61,7 @@ EXECUTION = (
 """A grasp was carried out."""
 
 SUCTION_FAILURES = (Outcome.NO_SEAL,)
-"""Only of a suction cup."""
+"""Only for a suction cup."""
 
 SHAKEN = (*EXECUTION[:4], Outcome.SLIPPED_SHAKING, *EXECUTION[4:])
 """A labelled grasp was closed in free space, shaken and lifted."""
@@ -80,7 +80,7 @@ DETECTOR_FAILURES = (
 """The detector gave nothing that can be tried."""
 
 POSE_FAILURES = (Outcome.NOT_RIGID, *DETECTOR_FAILURES)
-"""The same of a detector that answers with poses."""
+"""The same for a detector that answers with poses."""
 
 NOTED_BY_HAND = (Outcome.SLIPPED, Outcome.OTHER)
 """Only in tables of a real robot."""
@@ -93,7 +93,7 @@ OBSERVABLE = (
     Outcome.ERROR,
     Outcome.TIMEOUT,
 )
-"""What a person beside a robot can tell apart."""
+"""The outcomes that a person beside a robot can tell apart."""
 
 
 def listed(outcomes: Iterable[Outcome]) -> str:

@@ -1,4 +1,4 @@
-"""Code that a user brings: functions and classes in files of their own, named `FILE.py:NAME`."""
+"""User code: functions and classes in the user's own files, named `FILE.py:NAME`."""
 
 import ast
 import hashlib
@@ -18,7 +18,7 @@ PACKAGE = Path(__file__).parent
 
 @lru_cache
 def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the user's)
-    """What a name stands for; its file is run.
+    """Import what a name refers to; its file is run.
 
     Args:
         name: `FILE.py:NAME` or `package.module:NAME`.
@@ -26,7 +26,7 @@ def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the us
         kind: What it should be, for error messages: `function`, or `class or function`.
 
     Raises:
-        UserError: There is no such thing that can be called, or its file cannot be run.
+        UserError: Nothing callable has this name, or its file cannot be run.
     """
     module, _, attribute = name.rpartition(":")
     path = _source(module, name, where)
@@ -41,21 +41,21 @@ def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the us
 
 
 def place_of(error: Exception) -> str:
-    """Where code of the user failed, in words: ` in line 3 of mine.py`; empty if it did not."""
+    """Where the user's code failed, in words: ` in line 3 of mine.py`; empty if it did not."""
     frames = traceback.extract_tb(error.__traceback__)
     theirs = [frame for frame in frames if not Path(frame.filename).is_relative_to(PACKAGE)]
     return f" in line {theirs[-1].lineno} of {Path(theirs[-1].filename).name}" if theirs else ""
 
 
 def named(text: str, arguments: int = 3) -> str:
-    """A name with its file: that of a file alone gets the only thing in it that can be meant.
+    """A full name: a file alone is completed by the only thing in it that can be meant.
 
     Args:
-        text: `FILE.py`, or a name as of `find`.
-        arguments: How many arguments the function takes; or the class, when it is called.
+        text: `FILE.py`, or a name as for `find`.
+        arguments: How many arguments the function takes, or the class when it is called.
 
     Raises:
-        UserError: The file is missing or is not Python, or has none such or several.
+        UserError: The file is missing or is not Python, or contains no candidate or several.
     """
     path = Path(text)
     if path.suffix != ".py":
@@ -77,7 +77,7 @@ def named(text: str, arguments: int = 3) -> str:
 
 
 def _is_called_with(node: ast.stmt, arguments: int) -> TypeGuard[ast.FunctionDef | ast.ClassDef]:
-    """Whether a statement defines something public that takes so many arguments."""
+    """Whether a statement defines something public that takes this many arguments."""
     if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
         methods = [each for each in node.body if isinstance(each, ast.FunctionDef)]
         return any(each.name == "__call__" and _count(each) == arguments + 1 for each in methods)
@@ -134,7 +134,7 @@ def _source(module: str, name: str, where: str) -> Path:
 
 
 def _installed(module: str) -> Path | None:
-    """The file of an installed module; what its package raises when it is run, is raised."""
+    """The file of an installed module; its package is run, and its errors are passed on."""
     spec = importlib.util.find_spec(module)
     return Path(spec.origin) if spec is not None and spec.origin is not None else None
 

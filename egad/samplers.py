@@ -1,16 +1,16 @@
-"""Grasp samplers: antipodal grasps for jaws, suction for cups, or a function of the user's own.
+"""Grasp samplers: antipodal grasps for jaws, suction for cups, or the user's own function.
 
-A function of the user's own is called as `sampler(mesh, gripper, n, rng)`: a closed
-`trimesh.Trimesh` in metres, the `egad.Gripper`, how many grasps at most, and a
-`numpy.random.Generator`. It returns poses, widths and qualities, as a grasp detector does:
+The user's own function is called as `sampler(mesh, gripper, n, rng)`: a closed `trimesh.Trimesh` in
+metres, the `egad.Gripper`, how many grasps at most, and a `numpy.random.Generator`. It returns
+poses, widths and qualities, as a grasp detector does:
 
 - (k, 4, 4) poses of the hand in the frame of the mesh. The origin is midway between the contacts,
   on the surface for a cup; x is the closing axis, z the approach.
 - (k,) distances of the contacts, metres; zeros for a cup.
 - (k,) qualities, not negative, higher for better grasps.
 
-It may give fewer than n grasps. They must be independent draws, for graspability is a percentile of
-their quality.
+It may give fewer than n grasps. They must be independent draws, because graspability is a
+percentile of their quality.
 """
 
 from collections.abc import Callable, Iterable
@@ -51,20 +51,20 @@ def draw_grasps(
     robust: Robust | None = None,
     density: float = DENSITY,
 ) -> Sampled:
-    """Grasps of any sampler but the antipodal one.
+    """Grasps of any sampler except the antipodal one.
 
     Args:
         mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
         com: (3,) center of mass, metres.
-        gripper: A cup, or any with a sampler of the user's own.
+        gripper: A suction cup, or any gripper with the user's own sampler.
         n: How many at most.
-        rng: Where chance comes from.
+        rng: Random number generator.
         robust: Perturbed copies of suction grasps, and their spread.
-        density: Of the object, kg/m3; decides the load of a cup.
+        density: Density of the object, kg/m3; determines the load on a cup.
 
     Raises:
         RejectedError: There is no grasp, or the user's sampler fails.
-        UserError: The user's sampler gives something else than grasps.
+        UserError: The user's sampler gives something other than grasps.
     """
     if gripper.grasps_with != SUCTION:
         return _own(gripper, mesh, n, rng)
@@ -83,10 +83,10 @@ def draw_grasps(
 
 
 def check_sampler(gripper: Gripper) -> None:
-    """Make sure that a gripper has a sampler for it.
+    """Make sure that the sampler of a gripper exists and is for its kind.
 
     Raises:
-        UserError: It has not.
+        UserError: It does not, or is not.
     """
     name = gripper.grasps_with
     if name == ANTIPODAL and gripper.cup is not None:
@@ -98,7 +98,7 @@ def check_sampler(gripper: Gripper) -> None:
 
 
 def own_samplers(grippers: Iterable[Gripper]) -> list[str]:
-    """Fingerprints of the files of samplers of the user's own, which are not run.
+    """Fingerprints of the files of the user's own samplers, which are not run.
 
     Raises:
         UserError: There is no such file.
@@ -108,13 +108,13 @@ def own_samplers(grippers: Iterable[Gripper]) -> list[str]:
 
 
 def _own(gripper: Gripper, mesh: trimesh.Trimesh, n: int, rng: np.random.Generator) -> Sampled:
-    """The grasps of a sampler of the user's own."""
+    """The grasps of the user's own sampler."""
     name = gripper.grasps_with
     function: OwnSampler = plugins.find(name, WHERE, "function")
     try:
         given = function(mesh.copy(), gripper, n, rng)
     except MemoryError:
-        raise  # says nothing of the object
+        raise  # says nothing about the object
     except Exception as error:
         what = f"{plugins.place_of(error)}: {type(error).__name__}: {error}"
         raise RejectedError(f"the sampler {name} failed{what}") from error

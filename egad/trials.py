@@ -69,10 +69,10 @@ class Trials:
         return table_html(repr(self), rows.assign(rate=rows["successes"] / rows["attempts"]))
 
     def plot(self) -> Picture:
-        """Draw what became of the attempts.
+        """Plot the outcomes of the attempts.
 
         Returns:
-            Outcomes of all attempts and of those at each object, of at most 30 objects with the
+            Outcomes of all attempts, and of those at each object, for at most 30 objects with the
             lowest success rates; or, if all objects have labels of the evaluation set (A0 to G6),
             their success rates as a heat map. A notebook shows it; `save("trials.svg")` writes it.
 
@@ -121,14 +121,14 @@ def run_trials(
 
     Each object is scaled to the gripper and dropped onto a table. A depth camera looks down on it,
     the detector proposes grasps, and the best one is carried out: approach, close, lift, hold.
-    An object that cannot be simulated has failed attempts only.
+    All attempts at an object that cannot be simulated count as failed.
 
-    An error of the detector is one failed attempt, whose traceback is in the column `failure`; that
-    of the first one is logged. An endless loop is not ended.
+    An error of the detector counts as a failed attempt. Its traceback is in the column `failure`;
+    that of the first error is also logged. An endless loop is not interrupted.
 
     Args:
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
-            (`egad.detectors.Detector`); or the name of one that needs no file:
+            (`egad.detectors.Detector`); or the name of a detector that needs no file:
             `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that egad ships; it needs
             PyTorch), `ggcnn2-evolved-published` (the same, carried out as on the robot of EGAD);
             `suction-depth` for a suction cup; or `labels`, which knows where the object is and
@@ -138,8 +138,8 @@ def run_trials(
         attempts: Attempts at each object; 20 as in the paper.
         seed: The same seed gives the same drops, for all detectors.
         rule: How objects are scaled: see `egad.rescale`.
-        reset: `continue`: after a success the hand drops the object from where it is, after a
-            failure it stays where it lies; `redrop`: every attempt begins with a new drop.
+        reset: `continue`: after a success the hand drops the object from where it is; after a
+            failure the object stays where it lies. `redrop`: every attempt begins with a new drop.
         depth_noise: Standard deviation of the disparity, pixels: about 0.1 for a RealSense D435.
             If it is not 0, the image also has holes beside edges and on steep surfaces.
         errors: Errors of a real cell: `none`, `typical`, or your own by their names, such as
@@ -148,7 +148,7 @@ def run_trials(
             fingers close where the hand was stopped, as on the robot of EGAD.
         stopping_force: Contact force that stops the hand on its way down, newtons.
         engine: What computes the physics: `mujoco` or `pybullet`.
-        jobs: Processes; the result does not depend on them.
+        jobs: Number of processes; the result does not depend on it.
         keep_going: Whether to go on with a detector that fails in every attempt at the first three
             objects.
 
@@ -160,7 +160,7 @@ def run_trials(
             is missing, or the detector cannot be sent to other processes.
 
     Warns:
-        UnitsWarning: The size of a mesh suggests another unit than the metre.
+        UnitsWarning: The size of a mesh suggests a unit other than the metre.
         PartsWarning: An object needs more convex parts than are allowed.
     """
     hand = as_gripper(gripper)
@@ -213,12 +213,12 @@ def _attempts(
 def _detector(
     detect: Callable[..., Any] | str, mesh: trimesh.Trimesh, name: str, parameters: TrialParameters
 ) -> Detector | Labels:
-    """What proposes the grasps of an object.
+    """The detector that proposes grasps of an object.
 
     Args:
-        detect: As of `run_trials`.
+        detect: See `run_trials`.
         mesh: The object, scaled.
-        name: Its id, which decides the grasps of `labels`.
+        name: Its id, which determines the grasps of `labels`.
         parameters: The gripper and the seed.
     """
     if not isinstance(detect, str):

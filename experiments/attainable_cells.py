@@ -1,7 +1,7 @@
 """Solids at the edges of the map: `python experiments/attainable_cells.py`.
 
 It prints the tables of docs/studies/search.md, "Which cells can be reached": the best grasp, balls,
-cubes with hairs, and simple solids as they are and as evolution has them, from 25 x 25 x 25 voxels.
+cubes with hairs, and simple solids as they are and as evolution makes them, of 25 x 25 x 25 voxels.
 """
 
 import warnings
@@ -41,7 +41,7 @@ def disc(thickness: float) -> trimesh.Trimesh:
 
 
 def voxel_disc(thickness: int) -> Solid:
-    """The same of voxels: as wide as the grid, and so many voxels thick."""
+    """A disc of voxels, as wide as the grid; its thickness is in voxels."""
     x, y, z = _grid()
     return (x**2 + y**2 <= (VOXELS / 2) ** 2) & (abs(z) < thickness / 2)
 
@@ -58,7 +58,7 @@ def voxel_rod(thickness: int) -> Solid:
 
 
 def _grid() -> NDArray[np.float64]:
-    """Middles of the voxels, (3, 25, 25, 25), from the middle of the grid."""
+    """Centers of the voxels, (3, 25, 25, 25), relative to the center of the grid."""
     middle = (VOXELS - 1) / 2
     return np.indices((VOXELS,) * 3) - middle
 

@@ -4,10 +4,9 @@ The objects are evolved ones, YCB and primitives.
 
     python experiments/benchmark.py OUT --ycb FOLDER --vgn WEIGHTS --ggcnn WEIGHTS --jobs 2
 
-(and the same with --picture, which draws docs/benchmark.png)
-writes OUT/SET/DETECTOR.parquet, unless it is there, and prints the tables. `simple` is a set of
-single boxes, cylinders and balls, as VGN was trained with; `simple-one-view` is the same, seen by
-one camera.
+writes OUT/SET/DETECTOR.parquet unless it exists, and prints the tables. With --picture it draws
+docs/benchmark.png instead. `simple` is a set of single boxes, cylinders and balls, like those that
+VGN was trained on; `simple-one-view` is the same, seen by one camera.
 """
 
 import argparse
@@ -102,7 +101,7 @@ def single(number: int) -> trimesh.Trimesh:
 def run(
     folder: Path, targets: list[NamedMesh], detectors: dict[str, DetectorConfig], jobs: int
 ) -> None:
-    """Let detectors clear tables, those that did not yet; prints what each took."""
+    """Let the detectors without results clear tables, and print the time that each took."""
     missing = [name for name in detectors if not (folder / f"{name}.parquet").exists()]
     if not missing:
         return
@@ -132,7 +131,7 @@ def noise_of(detector: str, *, simple: bool) -> tuple[NoiseName, ...]:
 def settings_of(
     noise: tuple[NoiseName, ...], protocol: ClutterProtocol = NAMED_PROTOCOLS["egad"]
 ) -> ClutterParameters:
-    """Those of all runs, with a protocol."""
+    """Settings of all runs, with a protocol."""
     scenes = ("single", "packed", "pile")
     clutter = Clutter(rounds=ROUNDS, noise=noise, scenes=scenes, protocol=protocol)
     return ClutterParameters(seed=0, gripper=GRIPPERS[GRIPPER], clutter=clutter)
@@ -155,7 +154,7 @@ def draw(sets: dict[str, list[NamedMesh]]) -> None:
 
 
 def cpu_time() -> float:
-    """Of this process and those it started that have ended, seconds."""
+    """CPU time of this process and of its children that have ended, seconds."""
     times = os.times()
     return times.user + times.system + times.children_user + times.children_system
 

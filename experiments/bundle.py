@@ -1,7 +1,7 @@
 """Numbers and picture of docs/bundle.md: `python experiments/bundle.py results/D/bundle/G ...`.
 
-The first bundle is drawn: of the objects with most parts, with the largest errors and a middling
-one, the convex parts in colors. A line of numbers is printed for every bundle.
+It draws the convex parts of some objects of the first bundle in colors: those with the most parts
+and the largest errors, and a median one. It prints a line of numbers for every bundle.
 """
 
 import colorsys
@@ -66,7 +66,7 @@ def drawn(bundle: Path) -> Image.Image:
 
 
 def chosen(table: pd.DataFrame) -> list[str]:
-    """Most parts, largest volume error, largest deviation, and the middle of the parts."""
+    """The objects with most parts, largest volume error, largest deviation, and median of parts."""
     middle = table["parts"].sort_values().index[len(table) // 2]
     worst = [table[name].idxmax() for name in ("parts", "volume_error", "deviation")]
     return list(dict.fromkeys([*worst, middle]))
@@ -90,7 +90,7 @@ def colored(parts: list[trimesh.Trimesh]) -> Image.Image:
 
 
 def seen(parts: list[trimesh.Trimesh]) -> np.ndarray:
-    """Which part every pixel of their picture shows, (size, size); -1 for the ground."""
+    """The part that each pixel of their picture shows, (size, size); -1 for the background."""
     together = trimesh.util.concatenate(parts)
     points = together.vertices @ CAMERA.T
     low, high = points.min(axis=0), points.max(axis=0)

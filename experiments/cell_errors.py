@@ -2,10 +2,10 @@
 
 `python experiments/cell_errors.py FOLDER [NAME=WEIGHTS ...]` tries detectors on the evaluation set
 of the release with the gripper `egad_75mm`. The first table has both meanings of a contact on the
-way down, without errors and with `typical` ones; the second has what each of these errors costs
-alone, with a hand that closes where it was stopped, in pairs of objects. `NAME=WEIGHTS` adds GG-CNN
-with other weights, carried out as deep as the image allows and as published. Tables of attempts are
-kept in FOLDER, one for each `--noise`; a second call does what is left.
+way down, without errors and with `typical` ones; the second has the cost of each of these errors
+alone, with a hand that closes where it is stopped, compared object by object. `NAME=WEIGHTS` adds
+GG-CNN with other weights, with grasps as deep as the image allows and as published. Tables of
+attempts are kept in FOLDER: use another one for each `--noise`. A second call runs what is missing.
 """
 
 import argparse
@@ -79,7 +79,7 @@ def prepared(path: Path, jobs: int) -> list[Prepared]:
 
 
 def tried(this: Prepared, detect: Detector | None, parameters: TrialParameters) -> pd.DataFrame:
-    """All attempts of a detector at an object; of the labelled grasps without one."""
+    """All attempts of a detector at an object; without a detector, of the labelled grasps."""
     return run_attempts(this.model, this.label, this.id, detect or this.labels, parameters)
 
 
@@ -149,14 +149,14 @@ def table(
     columns: list[str],
     cells: Callable[[str], Iterable[str]],
 ) -> None:
-    """Print a table with a row for each detector, as they come."""
+    """Print a table row by row, one for each detector."""
     print(f"| detector | {' | '.join(columns)} |\n{'| --- ' * (1 + len(columns))}|")
     for name in detectors:
         print(f"| `{name}` | {' | '.join(cells(name))} |", flush=True)
 
 
 def weights(given: list[str]) -> Iterator[tuple[str, Detector]]:
-    """GG-CNN with other weights, both ways."""
+    """GG-CNN with other weights, with grasps as deep as the image allows and as published."""
     for each in given:
         name, _, path = each.partition("=")
         yield name, GGCNN(path)

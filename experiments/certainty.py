@@ -31,11 +31,11 @@ SPACE = MeasureSpace(confidence=CERTAIN)
 
 
 def independent(mesh: trimesh.Trimesh, name: str) -> float:
-    """The graspability of an object by grasps that nothing was selected by.
+    """The graspability of an object, from grasps that no selection has used.
 
     Args:
         mesh: Closed, in any unit.
-        name: Its id: names the grasps.
+        name: Its id, which seeds the grasps.
     """
     settings = default_measures(gripper("yumi"), 0).model_copy(update={"space": SPACE})
     return graspability(mesh, settings, BUDGET, generator(0, "independent", name)).value
@@ -69,7 +69,7 @@ def _named(source: str, label: str) -> float:
 
 
 def _agreement(table: pd.DataFrame, again: pd.DataFrame) -> Iterator[str]:
-    """Shares of the objects in their cell and within one, then coverage as labelled and again."""
+    """Shares of objects in their cell and within one; coverage as labelled and as remeasured."""
     off = np.abs(again["difficulty_cell"] - table["difficulty_cell"])
     yield from (f"{100 * np.mean(off <= most):.1f} %" for most in (0, 1))
     yield from (f"{coverage(each, SPACE):.3f}" for each in (table, again))

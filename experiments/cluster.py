@@ -18,7 +18,7 @@ ASKED = re.compile(r"needs\(mb=(\d+)(?:, mb_per_thread=(\d+))?, minutes=(\d+)\)"
 
 
 def needs() -> dict[str, tuple[str, ...]]:
-    """Megabytes, as many more for each thread if any, and minutes, by rule."""
+    """Megabytes, further megabytes for each thread if any, and minutes, by rule."""
     found: dict[str, tuple[str, ...]] = {}
     files = sorted(
         (ROOT / "workflow/rules").glob("*.smk"), key=lambda path: path.name != "join.smk"
@@ -35,7 +35,7 @@ NEEDS = needs()
 
 
 def main(folders: list[Path]) -> None:
-    """Print the most that a job of each rule took, and what it asks for."""
+    """Print the most that a job of each rule used, and what the rule requests."""
     jobs = pd.concat([job(path) for folder in folders for path in folder.rglob("*.tsv")])
     most = jobs.groupby("rule")[["max_rss", "max_pss", "cpu_time"]].max()
     print("| rule | memory, MB | shared counted once | CPU time, s | requested MB | minutes |")
@@ -47,7 +47,7 @@ def main(folders: list[Path]) -> None:
 
 
 def job(path: Path) -> pd.DataFrame:
-    """What a job took, with its rule: the last part of the path of its file that is one."""
+    """What a job used, with its rule: the last part of the file's path that names a rule."""
     parts = [INHERITED.get(part, part) for part in reversed(path.with_suffix("").parts)]
     return pd.read_csv(path, sep="\t").assign(rule=next(name for name in parts if name in NEEDS))
 

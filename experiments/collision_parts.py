@@ -1,7 +1,7 @@
 """Parts and labelled grasps: `python experiments/collision_parts.py results/D G [BUNDLE]`.
 
-Makes the convex parts of the evaluation set of a dataset, scaled to gripper G, with the settings of
-today, and prints how deep the contacts of collision-free labelled grasps lie in them. BUNDLE is
+Makes the convex parts of the evaluation set of a dataset, scaled to gripper G, with the current
+settings, and prints how deep the contacts of collision-free labelled grasps lie in them. BUNDLE is
 another simulation bundle of the same objects, e.g. an older one: it is measured as well, and the
 steps per second of both in MuJoCo are compared, with every object squeezed by two boxes on a plane.
 """
@@ -133,7 +133,7 @@ def _summary(found: pd.DataFrame) -> str:
 
 
 def _speeds(label: str, mesh: trimesh.Trimesh, other: Path) -> tuple[float, float]:
-    """Steps per second with the parts of now and with those of another bundle."""
+    """Steps per second with the parts made now and with those of another bundle."""
     with TemporaryDirectory() as folder:
         write_simulation_object(
             Path(folder) / label, label, make_simulation_object(mesh, DENSITY, Bundle()), 0.5

@@ -1,4 +1,4 @@
-"""What the digits of coordinates and the size of triangles change in complexity: docs/measures.md.
+"""How the digits of coordinates and the size of triangles change complexity: docs/measures.md.
 
 python experiments/complexity_digits.py
 """

@@ -26,7 +26,7 @@ BAR = 0.003  # metres, thickness of the bars of the basket
 
 
 def cylinder(height: float, low: float, high: float, sections: int = 64) -> Solid:
-    """A cone cut off at two radii."""
+    """A truncated cone with two radii."""
     return manifold3d.Manifold.cylinder(height, low, high, sections)
 
 
@@ -37,7 +37,7 @@ def ring(radius: float, tube: float) -> Solid:
 
 
 def mug(wall: float, sections: int) -> Solid:
-    """80 mm wide and 90 mm high."""
+    """A mug, 80 mm wide and 90 mm high."""
     inner = cylinder(0.09, 0.04 - wall, 0.04 - wall, sections).translate((0, 0, wall))
     core = cylinder(0.09, 0.04 - wall / 2, 0.04 - wall / 2, sections)
     handle = ring(0.025, 0.005).rotate((90, 0, 0)).translate((0.044, 0, 0.045))
@@ -81,7 +81,7 @@ def helix() -> Solid:
 
 
 def link() -> Solid:
-    """Of a chain: two half rings of a bar of 8 mm, 40 mm apart."""
+    """A link of a chain: two half rings of a bar of 8 mm, 40 mm apart."""
     half = ring(0.015, 0.004).trim_by_plane((1, 0, 0), 0).translate((0.02, 0, 0))
     bar = manifold3d.Manifold.cylinder(0.04, 0.004, 0.004, 24, True).rotate((0, 90, 0))
     sides = [bar.translate((0, y, 0)) for y in (-0.015, 0.015)]
@@ -135,7 +135,7 @@ def hollow() -> None:
 
 
 def evaluation_set() -> None:
-    """Print the least, the median and the largest figures of the evaluation objects."""
+    """Print the smallest, the median and the largest figures of the evaluation objects."""
     gripper = as_gripper("egad_75mm")
     meshes = [scaled_solid(each, gripper, "paper") for each in named_meshes(load("evaluation-set"))]
     found = np.array([figures(mesh, Bundle().deviation) for mesh in meshes])

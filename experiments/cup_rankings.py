@@ -3,10 +3,10 @@
     python experiments/cup_rankings.py TABLE.parquet [--jobs 2]
 
 The graspability of all released objects is measured for a Panda and for cups of 15 and 30 mm, at
-the same size, from 512 candidates each. TABLE.parquet keeps them; a second call does what is left.
-Printed are rank correlations (Spearman, with 95 % intervals over objects), how many objects have no
-grasp or a graspability of 0, and which are easy for jaws and hard for the cup, or the reverse. The
-second row repeats the first hand with other grasps.
+the same size, from 512 candidates each. TABLE.parquet keeps them; a second call measures what is
+missing. The script prints rank correlations (Spearman, with 95 % intervals over objects), how many
+objects have no grasp or a graspability of 0, and which are easy for jaws and hard for the cup, or
+the reverse. The second row repeats the first hand with other grasps.
 """
 
 import argparse
@@ -44,7 +44,7 @@ def graspabilities(label: str, objects: egad.Dataset) -> dict[str, float | str]:
 
 
 def measured(path: Path, jobs: int) -> pd.DataFrame:
-    """The table, with the objects that it lacks measured and added."""
+    """The table, after measuring and adding the objects that it lacks."""
     warnings.simplefilter("ignore")
     objects = egad.load("released")
     table = pd.read_parquet(path) if path.is_file() else pd.DataFrame({"label": []})

@@ -5,8 +5,8 @@
 docs/studies/curriculum-plan.md says what is compared and why. NETWORKS has the networks that are
 trained further, `0/weights.safetensors` to `2/weights.safetensors`; SCENES are the labelled scenes
 of released objects that they were trained on; YCB is a folder with `*.ply`, metres. FOLDER keeps
-all that was made, and a second call goes on where the first was cut off. `--show` prints the tables
-of what there is.
+all results, and a second call resumes where the first was interrupted. `--show` prints the tables
+of the results so far.
 """
 
 import argparse
@@ -61,7 +61,7 @@ SCENES = 300  # further scenes of each kind, of one object each
 EXAMPLES = 4000
 DROPS = 10  # of each held-out failure, in each engine
 ROUNDS = 40
-LEAST = {"learnt": 10, "held-out": 5}  # failures without which nothing can be compared
+LEAST = {"learnt": 10, "held-out": 5}  # fewest failures for a comparison
 
 
 def main() -> None:
@@ -120,7 +120,7 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path) -> None:
 
 
 def once(folder: Path, work: Callable[[], object]) -> None:
-    """Fill a folder unless that has been done; all CPU seconds of it are kept."""
+    """Fill a folder unless that was done before; keeps the total of its CPU seconds."""
     if (folder / DONE).exists():
         return
     spent, begin = folder / SPENT, cpu_time()
@@ -164,11 +164,11 @@ def search(
 
 
 def further_objects(atlases: Iterable[FailureAtlas]) -> dict[str, pd.DataFrame]:
-    """As many objects of each kind, by its name, of those that searches found graspable.
+    """Equally many objects of each kind, by its name, from those that searches found graspable.
 
-    Random ones are of all of these. Hard ones are no failures of any network: to each failure the
-    most similar one, by complexity and the logarithm of graspability, each in its standard
-    deviations among the failures.
+    Random ones are sampled from all of these. Hard ones are not failures of any network: for each
+    failure, the most similar such object, by complexity and the logarithm of graspability, both in
+    units of their standard deviation among the failures.
     """
     examined = pd.concat([each.examined for each in atlases])
     graspable = examined[examined["verdict"].isin(GRASPABLE)]
@@ -190,10 +190,10 @@ def _axes(objects: pd.DataFrame) -> Floats:
 
 
 def most_similar(wanted: Floats, among: Floats) -> list[int]:
-    """To each wanted point, in their order, the nearest one that is not taken yet.
+    """For each wanted point, in order, the nearest one of the others that is not taken yet.
 
     Raises:
-        ValueError: There are fewer than are wanted.
+        ValueError: There are fewer points than are wanted.
     """
     if len(among) < len(wanted):
         raise ValueError(f"{len(wanted)} objects are wanted, and there are {len(among)}")
@@ -209,14 +209,14 @@ def most_similar(wanted: Floats, among: Floats) -> list[int]:
 def tested_objects(
     atlases: Iterable[FailureAtlas], chosen: Mapping[str, pd.DataFrame]
 ) -> list[str]:
-    """The ids of failures that are like no object that is trained on, and like no other of them."""
+    """The ids of failures that are like no training object, and like no other of these failures."""
     known = (voxels for objects in chosen.values() for voxels in objects["voxels"])
     failures = pd.concat([each.table for each in atlases])
     return failures["id"].iloc[unlike(failures["voxels"], known)].tolist()
 
 
 def further_scenes(folder: Path, objects: pd.DataFrame, settings: FailureParameters) -> None:
-    """Labelled scenes of one object each; scenes that were cut off are made anew."""
+    """Labelled scenes of one object each; if they were interrupted, all are made again."""
 
     def work() -> None:
         shutil.rmtree(folder, ignore_errors=True)

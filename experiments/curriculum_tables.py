@@ -15,14 +15,14 @@ from egad.random import generator
 
 NETWORKS = 3
 KINDS = ("failures", "random", "hard")  # of further objects
-BEFORE = "before"  # a network as it was
+BEFORE = "before"  # a network before further training
 SEARCHES = ("learnt", "held-out", "failures", "random")
 TABLE, SPENT, DONE = "table.parquet", "cpu.txt", "done"
 DRAWS = 10_000
 
 
 def show(folder: Path) -> None:
-    """Print the tables of what there is."""
+    """Print the tables of the results so far."""
     tests = {
         "held-out failures": ("held-out", by_failure),
         "piles of egad": ("cleared-egad", by_round),
@@ -58,12 +58,12 @@ def by_failure(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_round(rows: pd.DataFrame) -> pd.DataFrame:
-    """Objects that were there and that were cleared: `n` and `won`, by round."""
+    """Number of objects, and of cleared ones: `n` and `won`, by round."""
     return rows.groupby("round").agg(n=("n_objects", "first"), won=("success", "sum"))
 
 
 def share(counts: pd.DataFrame) -> float:
-    """Successes of all that there was."""
+    """Fraction of successes, over all rows."""
     return float(counts["won"].sum() / counts["n"].sum())
 
 
@@ -97,7 +97,7 @@ def versus(networks: Sequence[pd.DataFrame], others: Sequence[pd.DataFrame]) -> 
 def resampled(
     networks: Sequence[pd.DataFrame], others: Sequence[pd.DataFrame]
 ) -> tuple[float, float]:
-    """The interval of a mean difference, if objects or rounds are drawn with replacement."""
+    """The interval of a mean difference, from resampling objects or rounds with replacement."""
     first, second = (
         [each.groupby(level=0, sort=True).sum() for each in some] for some in (networks, others)
     )
@@ -109,7 +109,7 @@ def resampled(
 
 
 def _drawn_shares(counts: pd.DataFrame, drawn: NDArray[np.int64]) -> Floats:
-    """The share of each draw of rows."""
+    """The fraction of successes in each sample of rows."""
     n, won = (counts[name].to_numpy(np.float64)[drawn].sum(axis=1) for name in ("n", "won"))
     shares: Floats = won / n
     return shares

@@ -1,6 +1,6 @@
 """Pictures of docs/custom.md: `python experiments/custom.py` runs every example.
 
-Runs lie in build/examples/NAME, so that one that was made is not made again.
+Runs are kept in build/examples/NAME, and are not repeated.
 """
 
 import shutil

@@ -4,9 +4,9 @@ Every attempt of the tables `trials/GRIPPER/P.parquet` that came to a grasp is c
 in PyBullet and in MuJoCo, from the same state: the object lies where PyBullet let it come to rest,
 and the hand does what the detector proposed. Then the experiment prints, for each detector, how
 often both engines give the same outcome and the same success, and the rank correlation of the
-success rates of the objects; what MuJoCo says of the attempts of each outcome of PyBullet; and what
-PyBullet says of those that only MuJoCo loses while the fingers close, if its contacts forget where
-they stuck.
+success rates of the objects; the outcomes in MuJoCo of the attempts with each outcome in PyBullet;
+and, of the attempts that only MuJoCo loses while the fingers close, the outcomes in PyBullet if its
+contacts forget where they stuck.
 """
 
 import sys

@@ -28,7 +28,7 @@ def main(prints: Path) -> None:
 
 
 def labelled(text: str) -> trimesh.Trimesh:
-    """A disc of 22 mm with a label, every face shaded by itself."""
+    """A disc of 22 mm with a label, with flat shading."""
     disc = trimesh.creation.cylinder(0.011, THICK, sections=96)
     right, out = CAMERA[0].astype(np.float64), np.array([0.0, 0.0, 1.0])
     frame = np.column_stack([right, np.cross(out, right), out])

@@ -29,7 +29,7 @@ class Frame(NamedTuple):
         behind: How far its origin is behind the contacts, metres.
         closes: Name of the axis that the fingers close along.
         approaches: Name of the axis of the approach.
-        away: Name of the axis that points away from the reader, or towards him with a minus.
+        away: Name of the axis that points away from the reader, or towards them with a minus.
     """
 
     title: str
@@ -60,7 +60,7 @@ def draw_hand(axes: Axes) -> None:
 
 
 def draw_frame(axes: Axes, frame: Frame) -> None:
-    """A frame: what closes points right, what approaches up, the third away or towards."""
+    """A frame: the closing axis points right, the approach up, the third away or towards."""
     height = -MM * frame.behind
     for step, color, name in (
         ((27, 0), ACROSS, frame.closes),

@@ -3,13 +3,13 @@
     python experiments/failure_transfer.py RUNS OUT.parquet --weights GGCNN2.pt --vgn VGN.pth
         [--failures 30] [--drops 20] [--show]
 
-RUNS is the folder of `experiments/failures.py`. Of each detector there, at most 30 failures of all
-its atlases are tried from 20 fresh drops in each engine: as they are; with a surface that is
+RUNS is the folder of `experiments/failures.py`. For each detector there, at most 30 failures from
+all its atlases are tried from 20 fresh drops in each engine: as they are; with a surface that is
 simplified by 0.3 mm, moved along its normals by noise of 1 mm, or 5 % smaller or larger, for which
-the reference is chosen anew; and with every other detector. OUT.parquet keeps the counts, and a
-second call goes on. Printed are, with 95 % intervals (Wilson), the share of failures that last
-(reference at least 80 %, regret at least 50 points in every engine), and for each detector and each
-atlas the success rates of detector and reference. docs/studies/failures.md has the tables.
+the reference is chosen again; and with every other detector. OUT.parquet keeps the counts, and a
+second call resumes. The script prints, with 95 % intervals (Wilson), the share of failures that
+last (reference at least 80 %, regret at least 50 points in every engine), and for each detector and
+each atlas the success rates of detector and reference. docs/studies/failures.md has the tables.
 """
 
 import argparse
@@ -41,7 +41,7 @@ def changed(mesh: trimesh.Trimesh, change: str, name: str) -> trimesh.Trimesh:
     """A mesh with one change, metres.
 
     Raises:
-        RejectedError: It bounds no solid any more.
+        RejectedError: It no longer bounds a solid.
     """
     match change:
         case "simplified":
@@ -57,7 +57,7 @@ def changed(mesh: trimesh.Trimesh, change: str, name: str) -> trimesh.Trimesh:
 
 
 def failures_of(runs: Path, most: int) -> tuple[list[dict[str, Any]], FailureParameters]:
-    """Failures of a detector with their attempts, those of all searches, and the settings."""
+    """Failures of a detector from all its searches, with their attempts, and the settings."""
     atlases = [FailureAtlas.load(path.parent) for path in sorted(runs.glob("*/failures.parquet"))]
     rows = {
         row["id"]: row | {"past": atlas.attempts[atlas.attempts["id"] == row["id"]]}

@@ -4,11 +4,11 @@
         [--strategies ...] [--seeds 5] [--attempts 2000] [--shards 1] [--least-regret 0.5]
         [--show] [--chart FILE.svg]
 
-FOLDER keeps an atlas of each detector, strategy and seed (`egad.find_failures`); a second call goes
-on where the first was cut off. Printed are confirmed failures and cells with one per 1000 attempts,
-with 95 % intervals over seeds (Student); of all seeds together, the failures, how many of them are
-different objects, and the cells; the attempts by which a failure is confirmed, and those that are
-made at other objects for each failure; and CPU minutes. `--show` prints what there is so far.
+FOLDER keeps an atlas of each detector, strategy and seed (`egad.find_failures`); a second call
+resumes where the first was interrupted. The script prints confirmed failures, and cells with one,
+per 1000 attempts, with 95 % intervals over seeds (Student); for all seeds together, the failures,
+how many of them are different objects, and the cells; the attempts that confirm a failure, and the
+attempts at other objects per failure; and CPU minutes. `--show` prints the results so far.
 docs/studies/failures.md has the tables.
 """
 
@@ -33,7 +33,7 @@ from egad.report.colors import line_color
 from egad.report.drawing import new_figure
 
 STRATEGIES: tuple[Strategy, ...] = ("random", "mutation", "screening", "evolution")
-ALIKE = 0.8  # of the voxels of two objects are the same: the second one is no other object
+ALIKE = 0.8  # overlap of the voxels of two objects from which they count as the same object
 HEAD = (
     *("strategy", "seeds", "failures", "cells", "all seeds", "different", "cells"),
     *("attempts at a failure", "elsewhere, per failure", "objects", "graspable", "CPU"),
@@ -65,7 +65,7 @@ def search(
     shards: int,
     least_regret: float,
 ) -> None:
-    """One search, unless it has been made, on a core for each shard; its CPU time is kept, too."""
+    """Run a search unless its result exists, on a core for each shard; keeps its CPU time, too."""
     done = folder / "cpu.txt"
     if done.exists():
         return
@@ -111,7 +111,7 @@ def together(places: Sequence[Path]) -> tuple[int, int, int]:
 
 
 def unlike(objects: Iterable[bytes], others: Iterable[bytes] = ()) -> list[int]:
-    """The positions of objects, by their voxels, that are like no earlier one and like no other."""
+    """The indices of objects, given as voxels, that are unlike all earlier ones and all others."""
     known, found = list(others), []
     for number, voxels in enumerate(objects):
         if all(overlap(voxels, other) < ALIKE for other in known):
@@ -121,7 +121,7 @@ def unlike(objects: Iterable[bytes], others: Iterable[bytes] = ()) -> list[int]:
 
 
 def overlap(one: bytes, other: bytes) -> float:
-    """Voxels that are solid in both objects, of those that are in either."""
+    """Intersection over union of the voxels of two objects."""
     first, second = (np.frombuffer(packed, np.uint8) for packed in (one, other))
     both, either = (np.bitwise_count(each).sum() for each in (first & second, first | second))
     return float(both / either)
@@ -137,7 +137,7 @@ def interval(values: pd.Series) -> str:
 
 
 def per_failure(rows: pd.DataFrame, what: str) -> str:
-    """Attempts for each failure of all seeds."""
+    """Attempts per failure, over all seeds."""
     failures = rows["found"].sum()
     return f"{rows[what].sum() / failures:.0f}" if failures else "-"
 
@@ -165,7 +165,7 @@ def show(folder: Path) -> None:
 
 
 def found_by(folder: Path, steps: Floats) -> Floats:
-    """Cells with a failure after so many attempts of a search."""
+    """Cells with a failure after these numbers of attempts of a search."""
     examined = FailureAtlas.load(folder).examined
     found = examined.assign(spent=examined["attempts"].cumsum())
     found = found[found["verdict"] == "failure"].drop_duplicates(CELL)

@@ -4,7 +4,7 @@ Families are cut from the lines of first parents: at their founders, or some gen
 each cut, 200 random splits put whole families aside for validation until they have about a tenth
 of the objects. The table has the fraction of these whose voxels overlap those of an object for
 training by more than 0.9 (intersection over union, as they lie in the cube of the network). The
-last lines say the same of the splits of the dataset release.
+last lines give the same for the splits of the dataset release.
 """
 
 from collections import Counter

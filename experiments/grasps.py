@@ -38,7 +38,7 @@ def draw_hand(axes: Axes, across: int) -> None:
 
 
 def draw_front(axes: Axes) -> None:
-    """Seen along y: what closes, what approaches, and the lengths of the table of grippers."""
+    """Seen along y: the closing and approach axes, and the lengths in the table of grippers."""
     draw_hand(axes, 0)
     axes.add_patch(Ellipse((0, 8), 52, 44, facecolor=OBJECT, edgecolor="black", lw=0.8))
     axes.plot([-24.2, 24.2], [0, 0], "o", color=LINE, ms=4)

@@ -5,7 +5,7 @@
 The 49 objects of the released evaluation set are scaled to each gripper: one that egad knows by
 name, or the file of one. Two tables are printed: the rank correlation of graspability between
 grippers; and of graspability if grasps that the hand cannot reach count as zeros. The second row
-repeats the first gripper with other grasps: more than that is not measurable.
+repeats the first gripper with other grasps: no higher correlation can be measured.
 """
 
 import argparse

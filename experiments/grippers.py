@@ -1,4 +1,4 @@
-"""Hands from files of their makers, beside the boxes of the same name (docs/grippers.md).
+"""Hands from files of their makers, compared with boxes of the same name (docs/grippers.md).
 
     python experiments/grippers.py picture HAND.urdf ...
     python experiments/grippers.py labels panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
@@ -8,7 +8,7 @@
     python experiments/grippers.py trials OUT panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
 
 `picture` draws each hand open, half open and closed into docs/grippers.png. `path` lets MuJoCo
-close the hand by its own motor, and tells how far its fingertips are from the model's. `outlines`
+close the hand by its own motor, and prints how far its fingertips are from the model's. `outlines`
 draws the boxes over the shapes of the files into docs/grippers.svg. `labels` compares the collision
 labels of 20,000 grasps of the released evaluation set, `changes` draws one grasp for each way in
 which they differ into docs/grippers-labels.png; `panda=boxes` stands for the boxes themselves,

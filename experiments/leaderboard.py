@@ -1,7 +1,7 @@
-"""The tables of egad's own entries in leaderboard/: made anew when the simulation has changed.
+"""The tables of egad's own entries in leaderboard/: made again when the simulation has changed.
 
-`python experiments/leaderboard.py` makes those that are missing; delete one to make it again. Those
-of others can only be made by them.
+`python experiments/leaderboard.py` makes those that are missing; delete one to make it again. Only
+their authors can make the entries of others.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """The numbers and figures of docs/measures.md: `python experiments/measures.py PUBLISHED`.
 
 PUBLISHED is a folder of published EGAD objects, millimetres, whose names are their cells: M14_3
-has difficulty M and complexity 14. The values of other programs are those that the tests keep.
+has difficulty M and complexity 14. The values of other programs come from the tests.
 """
 
 import re
@@ -110,7 +110,7 @@ def shapes() -> list[trimesh.Trimesh]:
 
 
 def spacing() -> dict[int, Floats]:
-    """Graspability of each shape by spaced grasps, less that by 32,768 candidates, cells."""
+    """Graspability of each shape by spaced grasps, minus that by 32,768 candidates, in cells."""
     space = Settings().space
     low, high = space.graspability_range
     many = Settings.model_validate({"graspability": {"candidates": 32768}})
@@ -139,7 +139,7 @@ def similarities() -> tuple[Floats, Floats]:
 
 
 def bases() -> list[tuple[int, float, float]]:
-    """How near evenly spread bases come to a base at every vertex: rank, and mean difference."""
+    """How close evenly spread bases come to one at every vertex: rank and mean difference."""
     pairs = np.triu_indices(len(shapes()), 1)
     ideal = _matrix(Similarity(base_count=EVERY))[pairs]
     found = [(count, _matrix(Similarity(base_count=count))[pairs]) for count in BASES]
@@ -151,7 +151,7 @@ def _matrix(settings: Similarity) -> Floats:
 
 
 def _rank(one: ArrayLike, other: ArrayLike) -> float:
-    """Spearman's rank correlation, whichever way the axes run."""
+    """Absolute value of Spearman's rank correlation."""
     return abs(spearmanr(one, other)[0])
 
 
@@ -175,7 +175,7 @@ def label_figure(labelled: pd.DataFrame) -> str:
 
 
 def program_figure(ours: Floats, theirs: Floats, scan: Floats, program: Floats) -> str:
-    """Grasp quality and similarity against the programs of others."""
+    """Grasp quality and similarity against other programs."""
     with new_figure(7.6, 3.7) as drawing:
         left, right = drawing.figure.subplots(1, 2)
         _scatter(left, 1000 * theirs, 1000 * ours)

@@ -5,13 +5,13 @@
 
 A run is 20,000 evaluations in steps of 100 on one core. Every offspring counts as an evaluation,
 empty and known ones too, and so does every further evaluation of an elite. The refinement of
-`sequential` counts as CPU time alone. All methods sample parents near empty slots.
+`sequential` counts only as CPU time. All methods sample parents near empty slots.
 
-- `paper`: each offspring is measured once, by 100 grasps that keep a distance.
+- `paper`: each offspring is measured once, by 100 spaced grasps.
 - `adaptive`: re-evaluated when challenged (Justesen et al. 2019). Before an offspring takes the
   slot of an elite, both are evaluated once more.
 - `depth`: in the style of Extract-QD (Flageat et al. 2025). Cells are twice as deep, and a quarter
-  of the evaluations re-evaluate elites, those measured least often first.
+  of the evaluations re-evaluate elites, those evaluated least often first.
 - `sequential`: as shipped.
 
 An evaluation of `adaptive` and `depth` is a first estimate of `sequential`; the mean of all
@@ -51,7 +51,7 @@ SPACE = MeasureSpace()
 
 
 def settings_of(method: str, seed: int) -> EvolutionParameters:
-    """Those of the search; what is not sequential has no certain and uncertain elites."""
+    """Settings of the search; only `sequential` tells certain from uncertain elites."""
     changes: dict[str, Any] = {"seed": seed, "evolution": {"population": STEP}}
     if method == "paper":
         changes["evolution"]["estimator"] = "paper"
@@ -154,7 +154,7 @@ def measures(elites: list[Elite], true: Any) -> dict[str, float]:  # noqa: ANN40
 
 
 def trimmed(elites: list[Elite]) -> Archive:
-    """An archive of the usual depth of some objects, all of which count as certain."""
+    """An archive of the usual depth with some objects, which all count as certain."""
     archive = Archive(SPACE, settings_of("paper", 0).similarity)
     archive.add([replace(elite, cell_confidence=np.nan) for elite in elites])
     return archive
@@ -219,7 +219,7 @@ def table(rows: pd.DataFrame, names: list[str]) -> str:
 
 
 def _at(run: pd.DataFrame, cpu: float) -> float:
-    """Corrected coverage after some CPU time, between two snapshots."""
+    """Corrected coverage after some CPU time, interpolated between snapshots."""
     return float(np.interp(cpu, [0, *run["cpu"]], [0, *run["corrected_coverage"]]))
 
 

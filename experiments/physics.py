@@ -1,4 +1,4 @@
-"""The figures of physics in docs/studies/engines.md.
+"""The numbers in the section on physics of docs/studies/engines.md.
 
 Run `python experiments/physics.py results/D/bundle/G`. Each is a small experiment in both engines;
 in PyBullet also with one of its settings changed.
@@ -74,7 +74,7 @@ def held(scene: World, arm: Arm, change: Callable[[Any], None]) -> Hand:
 def pressed_in(
     force: float, change: Change = nothing, mass: float | None = None, thickness: float = SIDE
 ) -> float:
-    """By how many millimetres the fingers are nearer than the sides of what they hold."""
+    """How deep the fingers sink into what they hold, both sides together, millimetres."""
     model = build(trimesh.creation.box((SIDE, SIDE, thickness)), 400.0, Bundle())
     if mass is not None:
         part = mass / model.mass
@@ -109,7 +109,7 @@ def opened_in_mujoco(
 
 
 def pressed_into_mujoco(force: float, impedance: float | None = None) -> float:
-    """By how many millimetres the fingers are nearer than the sides of a cube of 50 g."""
+    """How deep the fingers sink into a cube of 50 g, both sides together, millimetres."""
     model = build(trimesh.creation.box((SIDE,) * 3), 400.0, Bundle())
     scene, arm = opened_in_mujoco(model, force, None, impedance)
     return 1000 * (SIDE - held(scene, arm, nothing).opening())
@@ -139,13 +139,13 @@ def turn(before: Pose, after: Pose) -> float:
 
 
 def tilt(before: Pose, after: Pose) -> float:
-    """Angle between what pointed up in two poses, degrees."""
+    """Angle between the directions of the object that point up in two poses, degrees."""
     cosine = before.matrix[2, :3] @ after.matrix[2, :3]
     return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
 
 
 def lay_as_before(bundle: Path, tilted: bool) -> list[bool]:
-    """Whether objects that a hand lets go come to lie as they had lain before: 65 drops."""
+    """Whether objects that a hand lets go come to rest as they lay before: 65 drops."""
     found = []
     rows = sorted(rows_by_id(bundle).values(), key=lambda row: str(row["label"]))
     for row in rows[:: -(-len(rows) // OBJECTS)]:
@@ -171,7 +171,7 @@ def fallen(scene: World, start: Pose) -> Pose:
 
 
 def main(bundle: Path) -> None:
-    """Print them."""
+    """Print the numbers."""
     for force in (70.0, 100.0):
         for count in (50, 100, 150):
             by = pressed_in(force, with_iterations(count))

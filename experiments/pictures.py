@@ -22,7 +22,7 @@ def typical(attempts: pd.DataFrame, name: str, share: float) -> pd.DataFrame:
     Args:
         attempts: With `success`, `outcome`, and `width`, which is missing without a grasp.
         name: Column of the names of the objects.
-        share: Outcomes are frequent with more than this share of the failed attempts.
+        share: An outcome is frequent if more than this share of the failed attempts have it.
     """
     failed = attempts[~attempts["success"] & attempts["width"].notna()]
     shown = [failed.head(0)]
@@ -40,7 +40,7 @@ def chosen(frames: Sequence[RgbImage], count: int) -> list[RgbImage]:
 
 
 def shows_hand(frame: RgbImage) -> bool:
-    """Whether there is much of the color of the robot, in whatever light."""
+    """Whether many pixels have the color of the robot, in any light."""
     color = frame / np.maximum(frame.max(axis=2, keepdims=True), 1)
     robot = np.array(ROBOT_COLOR) / max(ROBOT_COLOR)
     return bool((np.abs(color - robot).max(axis=2) < 0.02).mean() > 0.02)

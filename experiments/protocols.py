@@ -3,7 +3,7 @@
     python experiments/protocols.py OUT --ycb FOLDER --vgn WEIGHTS [--only published | piles]
 
 clears 100 tables with the published weights of VGN for each row of the tables, twenty rounds of
-each row before the next twenty of any, and prints the tables. What is in OUT is not done again.
+each row before the next twenty of any, and prints the tables. Results in OUT are not repeated.
 `piles` goes from the protocol of egad to that of NeuGraspNet's piles of EGAD objects (Jauhri et al.
 2024, table III; repository iROSA-lab/neugraspnet, commit 8716c1c), one factor at a time.
 """
@@ -61,8 +61,8 @@ class Setup(NamedTuple):
     """How piles are cleared.
 
     Attributes:
-        objects: Names of the changes of the objects.
-        protocol: Changes of the protocol of egad.
+        objects: Names of the changes to the objects.
+        protocol: Changes to the protocol of egad.
         noise: Noise of the depth images.
         engine: Physics engine.
         fine: Whether the TSDF has 64 voxels along a side, resampled to 40.
@@ -75,7 +75,7 @@ class Setup(NamedTuple):
     fine: bool = False
 
     def then(self, change: Mapping[str, Any]) -> "Setup":
-        """With one more factor changed."""
+        """The same setup with one more factor changed."""
         objects = (*self.objects, *change.get("objects", ()))
         protocol = {**self.protocol, **change.get("protocol", {})}
         return self._replace(**{**change, "objects": objects, "protocol": protocol})
@@ -118,7 +118,7 @@ class FineVgn:
     def __call__(
         self, observation: Observation, gripper: Gripper, rng: np.random.Generator
     ) -> GraspPoses:
-        """Grasps as of `Vgn`."""
+        """Grasps, as from `Vgn`."""
         coarse, fine = observation.tsdf, observation.fuse_views(FINE)
         count = len(coarse.distances)
         places = (np.indices((count,) * 3) + 0.5) * FINE / count - 0.5
@@ -139,7 +139,7 @@ def scale_factor(vertices: Floats, scale: float) -> float:
 
     Args:
         vertices: (n, 3) as the object is dropped, some 100 units long.
-        scale: Drawn for the object; the limits are that much larger.
+        scale: Sampled for the object; the limits are larger by this factor.
     """
     sides = np.sort(np.ptp(vertices, axis=0))
     factor = scale
@@ -159,7 +159,7 @@ def scale_factor(vertices: Floats, scale: float) -> float:
 def changed(objects: Iterable[SceneObject], changes: tuple[str, ...]) -> Iterator[SceneObject]:
     """Objects as in NeuGraspNet in some respects: sizes, hulls, mass.
 
-    For `sizes`, each object is there six times, each in a random size of its own.
+    For `sizes`, each object appears six times, each time in another random size.
     """
     for each in objects:
         models = [each.model]
@@ -275,11 +275,11 @@ def _run(folder: Path, setup: Setup) -> Run:
 
 
 def rates(run: Run, rounds: int = ROUNDS) -> dict[str, tuple[str, str, str]]:
-    """Rounds, success and share cleared in percent, by kind of scene; nothing without attempts.
+    """Rounds, success and share cleared in percent, by kind of scene; empty without attempts.
 
     Args:
         run: A row.
-        rounds: The first ones, which are looked at.
+        rounds: How many are counted, from the first.
     """
     paths = sorted(run.folder.glob("*.parquet"))[: rounds // CHUNK]
     if not paths:
@@ -306,7 +306,7 @@ def print_published(runs: Mapping[str, Run]) -> None:
 
 
 def print_piles(runs: Mapping[str, Run]) -> None:
-    """Print a row for each factor, all up to it together and it alone, over the same rounds."""
+    """Print a row for each factor, with all before it and alone, over the same rounds."""
     first = next(iter(FACTORS))
     together = {"egad": runs["egad"], first: runs[f"together-{first}"]}
     alone = dict(together)

@@ -1,11 +1,11 @@
-"""Readers that others wrote, on exported objects.
+"""Third-party readers, tried on exported objects.
 
     python experiments/readers.py EXPORTS BUNDLE [READER ...]
 
 EXPORTS has a folder for each format, such as `usd`, made by `egad export --format usd`. BUNDLE is
-the folder of the simulation bundle that they were made of. The script needs only the readers, and
-may run in an environment of its own. Readers that are not installed are left out, and all but the
-named ones if any are named:
+the folder of the simulation bundle that they were made from. The script needs only the readers, and
+may run in an environment of its own. Readers that are not installed are left out; if any are named,
+only those run:
 
     pip install drake mujoco mujoco-warp 'newton[importers]' omniverse-asset-validator pandas
     pip install pyarrow pybullet pygltflib robosuite sapien scipy trimesh
@@ -13,7 +13,7 @@ named ones if any are named:
     pip install bpy
     npm install gltf-validator
 
-It prints a table, which `docs/exchange.md` sums up: what each reader says of all objects.
+It prints a table of what each reader says about all objects, which `docs/exchange.md` sums up.
 """
 
 import importlib.util

@@ -68,7 +68,7 @@ def row(cells: list[str]) -> str:
 
 
 def figure() -> str:
-    """Time over cores, beside what it were if all could be shared."""
+    """Time over cores, beside what it would be if all work could be shared."""
     with new_figure(5.6, 3.2) as drawing:
         axes = drawing.figure.subplots()
         for color, (name, stages) in zip(LINES, RUNS.items(), strict=False):

@@ -36,7 +36,7 @@ def main(runs: dict[str, Path]) -> None:
 
 
 def reach(cells: dict[str, pd.Series]) -> None:
-    """Print how much each run fills of the cells that any run has ever reached."""
+    """Print the share that each run fills of the cells that any run has reached."""
     most = {
         name: np.stack([np.frombuffer(each, np.uint8) for each in cells[name]]) for name in cells
     }

@@ -1,6 +1,6 @@
 """What predicts that a grasp holds: `python experiments/simulated_labels.py results/D GRIPPER`.
 
-Prints what became of the simulated grasps of all objects; the area under the ROC curve of each
+Prints the outcomes of the simulated grasps of all objects; the area under the ROC curve of each
 rating of a grasp against its simulated success, with a 95 % interval for other objects; the same
 for thirds of the objects by graspability; and rank correlations over objects of the share of their
 grasps that hold (`antipodal_success_rate`) with other measures of them.

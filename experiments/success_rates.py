@@ -3,8 +3,8 @@
 `python experiments/success_rates.py FOLDER` takes the 49 objects of the released evaluation set.
 Measures of them with the hand `panda` in MuJoCo are ranked against how often grasps succeed with
 two other hands in PyBullet, with other random numbers.
-Tables of grasps are kept in FOLDER; a second call does what is left. `--trials FOLDER/20` adds as
-another target the success of detectors with `egad_75mm` in MuJoCo, from the tables that
+Tables of grasps are kept in FOLDER; a second call runs what is missing. `--trials FOLDER/20` adds
+as another target the success of detectors with `egad_75mm` in MuJoCo, from the tables that
 `experiments/cell_errors.py FOLDER` keeps.
 """
 
@@ -114,7 +114,7 @@ def prepare(target: NamedMesh) -> dict[str, Prepared]:
 def try_grasps(
     this: Prepared, hand: str, engine: EngineName, kind: Kind, numbers: range
 ) -> pd.DataFrame:
-    """Grasps of one kind of an object: the outcome of each."""
+    """The outcome of each grasp of one kind at an object."""
     outcomes = _outcomes(this, hand, engine, kind, numbers)
     return pd.DataFrame({"label": this.label, "outcome": [each.value for each in outcomes]})
 
@@ -155,7 +155,7 @@ def _lifted(world: World, arm: TurningAxis, row: dict[str, Any]) -> Outcome:
 
 
 def disturb(grasps: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
-    """Grasps of which the hand is somewhere else than planned."""
+    """Grasps at which the hand is displaced from the planned pose."""
     turns = Rotation.from_rotvec(rng.normal(0, TURN, (len(grasps), 3)))
     moved = {
         **_columns("center", grasps, lambda at: at + rng.normal(0, SHIFT, at.shape)),

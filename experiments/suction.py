@@ -8,7 +8,7 @@
 
 `picture` draws three shapes, colored by the robust quality of a 30 mm cup, into docs/suction.png.
 `table` labels 100 grasps of each object of the released evaluation set, with the bending limit of
-the paper as it stands and with the tolerance, and measures the CPU time beside antipodal grasps.
+the paper as it stands and with the tolerance, and compares the CPU time with antipodal grasps.
 `trials` lets detectors try these objects with that cup in both engines, each alone and on tables
 of several. `film` draws a cup that lifts an object into docs/suction_lift.png. `evolved` draws the
 easiest and the hardest objects of an archive that was evolved for a cup into

@@ -2,7 +2,7 @@
 
 Run `python experiments/trials.py results/D G P...`. The table has success in percent with 95 %
 intervals for other objects, and the rank correlations of success with difficulty and complexity.
-For each outcome that came to a grasp, the first attempt of these detectors that ended so is
+For each outcome that came to a grasp, the first attempt of these detectors with that outcome is
 repeated; a row shows frames of it, evenly spaced from when the hand comes to when it leaves.
 """
 

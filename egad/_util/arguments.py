@@ -1,4 +1,4 @@
-"""Numbers and arrays among the arguments of public functions: a wrong one is a `UserError`."""
+"""Checks of numbers and arrays given to public functions: a wrong one is a `UserError`."""
 
 import math
 from contextlib import suppress
@@ -11,11 +11,11 @@ from egad.errors import UserError
 
 
 def check_positive(name: str, given: object, most: float = math.inf) -> float:
-    """A finite number above 0.
+    """Return an argument as a finite number above 0.
 
     Args:
         name: What the argument is called.
-        given: What was passed: a number of Python or numpy, no text.
+        given: What was passed: a Python or numpy number, not a string.
         most: The largest value allowed.
 
     Raises:
@@ -23,7 +23,7 @@ def check_positive(name: str, given: object, most: float = math.inf) -> float:
     """
     number = math.nan
     if isinstance(given, SupportsFloat) and not isinstance(given, bool):
-        with suppress(TypeError, ValueError):  # of arrays
+        with suppress(TypeError, ValueError):  # arrays raise them
             number = float(given)
     if not (0 < number <= most and math.isfinite(number)):
         kind, limit = "a number", f", at most {most:g}"
@@ -34,7 +34,7 @@ def check_positive(name: str, given: object, most: float = math.inf) -> float:
 
 
 def check_array(name: str, given: object, shape: tuple[int, ...], allowed: str) -> Floats:
-    """An array of finite numbers.
+    """Return an argument as an array of finite numbers.
 
     Args:
         name: What the argument is called.

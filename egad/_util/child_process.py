@@ -82,13 +82,13 @@ class Worker:
         """Prepare; the process starts with the `with` block or with the first item.
 
         Args:
-            make_work: Makes what does the work, in that process: a context manager that lasts as
-                long.
-            limit: Seconds for one item. None for as long as it takes.
-            start_limit: Seconds to start. None for as long as it takes.
+            make_work: Makes the function that does the work, in that process: a context manager
+                that lasts as long as the process.
+            limit: Seconds for one item. None: no limit.
+            start_limit: Seconds to start. None: no limit.
             name: What to call it in messages.
-            environment: Variables that it has besides those of this process.
-            quiet: Whether what it prints is dropped.
+            environment: Environment variables in addition to those of this process.
+            quiet: Whether its output is discarded.
         """
         self._environment, self._quiet = environment or {}, quiet
         self._make_work, self._limit, self._start_limit = make_work, limit, start_limit
@@ -105,7 +105,7 @@ class Worker:
 
     @property
     def running(self) -> bool:
-        """Whether there is a process; else the next item starts one."""
+        """Whether there is a process; if not, the next item starts one."""
         return self._process is not None
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
@@ -168,7 +168,7 @@ class Worker:
             raise
 
     def _ending(self) -> str:
-        """How a process ended that does not answer any more, in words.
+        """How a process that no longer answers ended, in words.
 
         Raises:
             WorkerKilledError: It was killed.
@@ -181,7 +181,7 @@ class Worker:
         return f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
 
     def close_pipe(self) -> None:
-        """Let the process end by itself, without waiting for it: nobody can ask any more."""
+        """Let the process end by itself, without waiting: it can receive no more requests."""
         if self.running:
             self._pipe.close()
 
@@ -199,21 +199,21 @@ class Worker:
             return None
 
     def kill(self) -> None:
-        """End the process for good, though another thread may be waiting for its answer."""
+        """End the process for good, even if another thread is waiting for its answer."""
         self._killed = True
         if process := self._process:
             process.kill()
 
 
 class RestartingWorker(Worker):
-    """Work in one thread of a process of its own, started anew when it dies or takes too long."""
+    """Work in one thread of a process of its own, restarted when it dies or takes too long."""
 
     def __init__(self, make_work: MakeWork, limit: float | None = None) -> None:
         """Prepare; the process starts with the `with` block.
 
         Args:
-            make_work: As of `Worker`.
-            limit: Seconds for one item; a process that takes longer counts as one that died.
+            make_work: See `Worker`.
+            limit: Seconds for one item; a process that takes longer counts as dead.
         """
         super().__init__(partial(_in_one_thread, make_work), limit)
 
@@ -242,7 +242,7 @@ def _in_one_thread(make_work: MakeWork) -> Iterator[Work]:
 
 
 def one_thread() -> threadpool_limits:
-    """Algebra in one thread: else each process has one for every core, and they wait."""
+    """Limit algebra to one thread: otherwise each process has one per core, and they wait."""
     import scipy.linalg  # noqa: F401, PLC0415 (only libraries that are loaded can be limited)
 
     return threadpool_limits(1)
@@ -251,11 +251,12 @@ def one_thread() -> threadpool_limits:
 def serve(number: int, parent: int) -> None:
     """Work for the process at the other end of a pipe until it closes it or is killed.
 
-    The first message tells what makes the work, and the first answer says that it is made.
+    The first message is the function that makes the work; the first answer confirms that it was
+    made.
 
     Args:
         number: File descriptor of this end.
-        parent: Number of the other process.
+        parent: Id of the other process.
     """
     threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
     with Connection(number) as pipe, ExitStack() as stack, suppress(EOFError):
@@ -279,7 +280,7 @@ def _exit_with_parent(parent: int) -> None:
 
 
 def _answer(work: Work, item: bytes) -> bytes:
-    """What comes of an item, or what it raises."""
+    """The answer for an item: its result, or the error that it raises."""
     try:
         return _dumps((work(from_bytes(item)), None, None))
     except Exception as error:

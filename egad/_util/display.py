@@ -1,7 +1,7 @@
-"""How results show themselves: pictures that can be saved, and HTML for notebooks.
+"""Display of results: pictures that can be saved, and HTML for notebooks.
 
-What draws them is in `egad.report`. It is imported by name when it is needed: it does not affect
-results, so its changes must not re-run jobs.
+The drawing code is in `egad.report`. It is imported by name when it is needed: it does not affect
+results, so changes to it must not re-run jobs.
 """
 
 import importlib
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Picture:
-    """A drawing that notebooks show, and that can be saved: what `plot()` of a result returns.
+    """A drawing that notebooks show and that can be saved; `plot()` of a result returns it.
 
     Attributes:
         svg: The text of the drawing, which needs no other file.
@@ -38,7 +38,7 @@ class Picture:
             path: A file that ends in `.svg`.
 
         Raises:
-            UserError: The path is none, or has another ending.
+            UserError: It is not a path, or has another ending.
         """
         file = as_path("path", path)
         if file.suffix.lower() != ".svg":
@@ -75,7 +75,7 @@ def facts_html(
 
 
 def thumbnail(mesh: "trimesh.Trimesh", size: int) -> bytes:
-    """A PNG file of a mesh on a transparent ground, seen from in front and above.
+    """A PNG file of a mesh on a transparent background, seen from in front and above.
 
     Args:
         mesh: The object, in any unit; it is scaled to fill the picture.
@@ -87,7 +87,7 @@ def thumbnail(mesh: "trimesh.Trimesh", size: int) -> bytes:
 
 
 def table_html(title: str, table: "pd.DataFrame") -> str:
-    """HTML of a table; of a long one, its first and last rows.
+    """HTML of a table; only the first and last rows of a long one.
 
     Args:
         title: What it is.

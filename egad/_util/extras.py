@@ -12,7 +12,7 @@ class Package(NamedTuple):
     """A package of an extra.
 
     Attributes:
-        name: What its makers call it.
+        name: Its official name.
         extra: The extra of egad that installs it.
     """
 
@@ -20,7 +20,7 @@ class Package(NamedTuple):
     extra: str
 
 
-# By the name that is imported; pyproject.toml has the versions.
+# By import name; the versions are in pyproject.toml.
 PACKAGES = {
     "coacd": Package("CoACD", "coacd"),
     "collada": Package("pycollada", "sim"),

@@ -1,4 +1,4 @@
-"""Writing files so that what exists is complete."""
+"""Writing files so that every file that exists is complete."""
 
 import errno
 import fcntl
@@ -26,14 +26,14 @@ def as_path(name: str, given: object) -> Path:
 
 @contextmanager
 def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
-    """Give a temporary path beside `path`; on success it takes the place of `path`.
+    """Give a temporary path beside `path`; on success it replaces `path`.
 
     If the block fails, `path` is as it was before. A block may write a file or make a folder.
 
     Args:
         path: The file or folder.
-        keep: Whether what a failed block has written stays for a look, until the next attempt
-            replaces it. What is large should not: it may be what filled the disk.
+        keep: Whether the output of a failed block is kept for inspection until the next attempt
+            replaces it. Large output should not be kept: it may be what filled the disk.
 
     Raises:
         UserError: Another process is writing it, or writing failed without saying where.
@@ -60,7 +60,7 @@ def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
 
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    """Keep other processes from writing a path. What one that was killed leaves does not."""
+    """Keep other processes from writing a path. A lock left by a killed process does not."""
     lock = path.with_name(f".{path.name}.lock")
     with lock.open("w") as file:
         try:
@@ -87,7 +87,7 @@ def write_text(path: Path, text: str) -> None:
 
 @contextmanager
 def new_folder(path: Path) -> Iterator[Path]:
-    """A folder to fill, which is at its path at the end and not before; nothing there is lost.
+    """A folder to fill, which appears at its path only at the end; nothing there is lost.
 
     Raises:
         UserError: There are files in a folder at the path, or it is a file.

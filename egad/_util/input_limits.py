@@ -1,4 +1,4 @@
-"""How much is read of meshes and tables that other programs wrote."""
+"""Limits on what is read of meshes and tables that other programs wrote."""
 
 from egad.errors import RejectedError
 
@@ -12,13 +12,13 @@ MAX_FOREIGN_TABLE_BYTES = 1 << 29  # in memory, of a table without a seal
 MAX_ROWS = 50_000_000
 MAX_COLUMNS = 1000
 
-# Of the process that parses what may unfold to any size, see `egad._util.limited`.
+# Limits of the process that parses files that may unfold to any size, see `egad._util.limited`.
 MAX_MEMORY = 4 << 30  # bytes
 MAX_SECONDS = 600.0
 
 
 def check_at_most(count: int, most: int, what: str) -> None:
-    """Refuse more of something than is read.
+    """Refuse a file with more of something than is read.
 
     Raises:
         RejectedError: There is more.

@@ -1,8 +1,8 @@
-"""Where compiled kernels are kept: a folder of its own for every state of their sources.
+"""The cache of compiled kernels: a separate folder for each version of their sources.
 
 numba looks only at the file of a kernel when it decides whether its cached machine code is still
 good, not at the kernels of other files that were compiled into it. After an edit or an update it
-would run stale code with new data. Nor does it look at whether the code checks its indices.
+would run stale code with new data. Nor does it consider whether the code checks its indices.
 """
 
 import hashlib
@@ -31,7 +31,7 @@ def kernel_sources_version(package: Path = PACKAGE) -> str:
 
 @cache
 def kernel_folder(package: Path = PACKAGE) -> Path:
-    """A folder for the compiled kernels of a package; it is made.
+    """The folder for the compiled kernels of a package, created if it is missing.
 
     It is in the folder that the environment variable NUMBA_CACHE_DIR names, or in the package, or
     in the user's cache folder if that cannot be written, or else among temporary files.
@@ -44,7 +44,7 @@ def kernel_folder(package: Path = PACKAGE) -> Path:
 
 
 def compiled_marker() -> Path:
-    """A file that is there if all kernels were compiled for this processor, Python and numba."""
+    """A file that exists if all kernels were compiled for this processor, Python and numba."""
     from llvmlite.binding import get_host_cpu_name  # noqa: PLC0415 (only runs and setup need it)
 
     made_for = (sys.implementation.cache_tag, version("numba"), get_host_cpu_name())
@@ -82,7 +82,7 @@ def _parents(package: Path) -> Iterator[Path]:
 
 
 def _is_private(folder: Path) -> bool:
-    """Make a folder; whether only this user can write to it. The code in it is run."""
+    """Make a folder; returns whether only this user can write to it: the code in it is run."""
     try:
         folder.mkdir(mode=0o700, exist_ok=True)
         status = folder.lstat()
@@ -92,7 +92,7 @@ def _is_private(folder: Path) -> bool:
 
 
 def _can_write(folder: Path) -> bool:
-    """Make a folder with its parents; whether files can be made in it."""
+    """Make a folder with its parents; returns whether files can be made in it."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -1,4 +1,4 @@
-"""Compiled functions: `kernel` has numba compile a function, keep its code, and say so."""
+"""Compiled functions: `kernel` has numba compile a function, cache its code, and report it."""
 
 import time
 from collections.abc import Callable
@@ -18,11 +18,11 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def kernel(**options: Any) -> Callable[[Function], Function]:  # noqa: ANN401 (of numba)
     """Compile a function at its first call; its machine code is kept in `kernel_folder`.
 
-    numba decides where it keeps the code of a function when it decorates it. Functions of others
-    in the same process are kept where they want.
+    numba decides where it keeps the code of a function when it decorates it. Functions of other
+    packages in the same process are kept where those want.
 
     Args:
-        options: As of `numba.njit`.
+        options: See `numba.njit`.
     """
 
     def decorate(function: Function) -> Function:
@@ -38,20 +38,20 @@ def kernel(**options: Any) -> Callable[[Function], Function]:  # noqa: ANN401 (o
 
 
 class _Compilation(event.Listener):
-    """Says on stderr that kernels are compiled, and again while that goes on."""
+    """Reports on stderr that kernels are being compiled, and again while that goes on."""
 
     def __init__(self) -> None:
         self._said = -REPEAT
 
     def on_start(self, what: event.Event) -> None:
-        """Say so for a kernel of ours, unless that was said a short time ago."""
+        """Report a kernel of ours, unless one was reported a short time ago."""
         module: str = what.data["dispatcher"].py_func.__module__
         if module.partition(".")[0] == PACKAGE and time.monotonic() - self._said >= REPEAT:
             self._said = time.monotonic()
             phase("compiling kernels, at their first use only")
 
     def on_end(self, _: event.Event) -> None:
-        """Say nothing."""
+        """Report nothing."""
 
 
 event.register("numba:compile", _Compilation())

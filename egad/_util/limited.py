@@ -1,7 +1,7 @@
-"""Functions that may take any amount of memory or time, in a process that may not.
+"""Runs functions that may take any amount of memory or time, in a process with limits.
 
 Parsers of other programs' files run here. One process serves all calls of the program; it starts
-with the first of them, and again after a call that passed a limit.
+with the first call, and again after a call that exceeded a limit.
 """
 
 import atexit
@@ -29,7 +29,7 @@ ENVIRONMENT = {
 
 
 class LimitError(Exception):
-    """A function took more memory or time than it may, or ended its process."""
+    """A function took more memory or time than allowed, or ended its process."""
 
 
 class FailedError(Exception):
@@ -58,8 +58,8 @@ class LimitedProcess:
         """Call a function of a module.
 
         Args:
-            function: It, its arguments and the result can be pickled.
-            arguments: For it.
+            function: The function. It, its arguments and its result must be picklable.
+            arguments: Its arguments.
 
         Raises:
             LimitError: It took too much memory or time, or its process ended.
@@ -68,7 +68,7 @@ class LimitedProcess:
             UserError: The system killed the process.
         """
         with self._lock:
-            if self._owner != os.getpid():  # a copy of the program has no process of its own yet
+            if self._owner != os.getpid():  # a fork of the program has no worker of its own yet
                 self._worker, self._owner = self._new_worker(), os.getpid()
             try:
                 result: T = self._worker((function, arguments))

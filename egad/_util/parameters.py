@@ -1,4 +1,4 @@
-"""Base classes of all sections, which are closed and immutable; their limits, also in words."""
+"""Base classes of all sections, which are closed and immutable, and their limits in words."""
 
 import operator
 import os
@@ -64,7 +64,7 @@ class ParameterGroup(Parameters):
 
 @dataclass(frozen=True)
 class Archived:
-    """What an archive of elites depends on in a section: all of it without this mark.
+    """The part of a section that an archive of elites depends on; without this mark, all of it.
 
     Attributes:
         keys: Those that count; all if None.
@@ -80,7 +80,7 @@ SEARCH_ONLY = Archived(keys=frozenset())
 
 
 def by_name(what: str, known: Mapping[str, Parameters], given: object) -> object:
-    """What a name stands for; a section is kept, with its lists as tuples.
+    """The section that a name stands for; a given section is kept, with its lists as tuples.
 
     Args:
         what: What the section is called.
@@ -169,7 +169,7 @@ def _sentence(error: Mapping[str, Any], schema: Node, what: str) -> str:
 
 
 def resolved(node: Node, schema: Node) -> Node:
-    """A part of a schema, with what it refers to; a section that may be nothing is that section."""
+    """A part of a schema with its reference resolved; an optional section counts as the section."""
     optional = [option for option in node.get("anyOf", []) if "$ref" in option]
     reference = str(node.get("$ref", optional[0]["$ref"] if optional else ""))
     return node | schema["$defs"][reference.rpartition("/")[2]] if reference else node
@@ -181,7 +181,7 @@ def _refusal(where: str, given: object, node: Node) -> str:
 
 
 def _whole(given: object) -> int | None:
-    """An integer as Python or numpy has it; None for a text, a float, or True and False."""
+    """An integer of Python or numpy; None for a string, a float, or True and False."""
     if isinstance(given, bool) or not isinstance(given, SupportsIndex):
         return None
     try:
@@ -193,7 +193,7 @@ def _whole(given: object) -> int | None:
 class UserParameters(Parameters):
     """Parameters that users make themselves: a wrong argument is a `UserError`.
 
-    Inside a configuration, it is a problem like any other of pydantic.
+    Inside a configuration, it is a pydantic error like any other.
     """
 
     if not TYPE_CHECKING:  # which knows the arguments from the fields
@@ -228,7 +228,7 @@ def check_ascending(section: Parameters, *names: str) -> None:
 
 
 def keys_of(node: Node) -> list[str]:
-    """The keys that a section can have; none for a table with names of the user's own."""
+    """The keys that a section can have; none for a table whose names the user chooses."""
     return list(node.get("properties", {}))
 
 

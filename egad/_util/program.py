@@ -1,4 +1,4 @@
-"""What every program of egad does: messages on stderr, and errors of users as one sentence."""
+"""Common to all programs of egad: messages on stderr, and user errors as one sentence."""
 
 import logging
 import os
@@ -12,7 +12,7 @@ from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
 
 
 class _Formatter(logging.Formatter):
-    """Messages alone; in the logs of the workflow, which shows them, the important are marked."""
+    """Messages alone; in logs of the workflow, important ones are marked so that it shows them."""
 
     def format(self, record: logging.LogRecord) -> str:
         text = super().format(record)
@@ -30,7 +30,7 @@ def start_logging() -> None:
 
 @contextmanager
 def readable_errors() -> Iterator[None]:
-    """End the program with one sentence, without a traceback, where the user can mend it."""
+    """End the program with one sentence and no traceback for errors that the user can fix."""
     try:
         with needed_for("this"):
             yield

@@ -29,7 +29,7 @@ SLOW = 3.0  # seconds
 BAR_WIDTH, FULL, EMPTY = 20, "\N{FULL BLOCK}", "\N{LIGHT SHADE}"
 WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
 POLLING = 0.5  # seconds between two looks at what other processes have done
-BURST = 0.05  # seconds; what comes within them was done together
+BURST = 0.05  # seconds; items that come within this time were done together
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def progress(
         items: Things to work on.
         what: What the work is, e.g. `"grading objects"`.
         total: How many items there are.
-        scale: What an item counts, for instance the evaluations of a step.
+        scale: How much an item counts, for instance the evaluations of a step.
         state: More words on the work, e.g. `"coverage 0.81"`; nothing by default.
 
     Yields:
@@ -120,14 +120,14 @@ def progress(
 
 @contextmanager
 def shared_progress(what: str, total: int) -> Iterator[Path]:
-    """Show how far some work is that is done in other processes, or in calls that take long.
+    """Show the progress of work that is done in other processes, or in calls that take long.
 
     Args:
         what: What the work is, e.g. `"attempts"`.
         total: How much there is to do.
 
     Yields:
-        The file that `count_done` is given, wherever something is done.
+        The file to pass to `count_done` wherever something is done.
     """
     stop = threading.Event()
     with TemporaryDirectory() as folder:
@@ -150,7 +150,7 @@ def count_done(file: Path, number: int) -> None:
 
 
 def _counted(file: Path, total: int, stop: threading.Event) -> Iterator[None]:
-    """As many items as the file has bytes, as soon as they are there."""
+    """One item for each byte of the file, as soon as it is there."""
     shown, ended = 0, False
     while shown < total and not ended:
         ended = stop.wait(POLLING)
@@ -160,13 +160,13 @@ def _counted(file: Path, total: int, stop: threading.Event) -> Iterator[None]:
 
 
 def phase(what: str) -> None:
-    """Say on stderr what is done now, where it cannot be said how far it is."""
+    """Say on stderr what is being done now, for work whose progress is not known."""
     print(f"{what}{PHASE_END}", file=sys.stderr, flush=True)
 
 
 @contextmanager
 def phase_if_slow(what: str) -> Iterator[None]:
-    """Say on stderr what is done in a block, or a function, if it takes more than a few seconds."""
+    """Say on stderr what a block or function is doing, if it takes more than a few seconds."""
     timer = threading.Timer(SLOW, phase, [what])
     timer.daemon = True
     timer.start()
@@ -182,7 +182,7 @@ def parse_phase(line: str) -> str:
 
 
 def marked(text: str) -> str:
-    """Lines for a log that reach the terminal of the workflow, too."""
+    """Lines for a log that also reach the terminal of the workflow."""
     return "\n".join(f"{MARK}{line}" for line in text.splitlines())
 
 
@@ -194,8 +194,8 @@ def parse_marked(line: str) -> str | None:
 class _Meter:
     """Measures a rate over the last minute, from the end of the first item.
 
-    What goes before, such as the compilation of kernels, says nothing about the other items. It
-    counts only until there are others.
+    The time before that, such as for the compilation of kernels, says nothing about the other
+    items. It counts only until others are done.
     """
 
     def __init__(self) -> None:
@@ -203,7 +203,7 @@ class _Meter:
         self._marks: deque[tuple[float, int]] = deque()  # moments, and what was done then
 
     def rate(self, now: float, done: int) -> float:
-        """Items per second, given how many are done at a time."""
+        """Items per second, from the number that are done at a given time."""
         marks = self._marks
         if marks and now - marks[-1][0] < BURST:
             marks[-1] = marks[-1][0], done
@@ -256,7 +256,7 @@ def _lines(
 
 
 def _notebook_line() -> Callable[[Status], None] | None:
-    """What shows a status in a line of a notebook, which it then changes; None elsewhere."""
+    """A function that shows a status in a line of a notebook and updates it; None elsewhere."""
     shell: Any = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     if getattr(shell, "kernel", None) is None:
         return None

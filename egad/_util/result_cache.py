@@ -1,9 +1,9 @@
-"""Results that take long, kept in the user's cache folder by what they are made of.
+"""A cache of slow results in the user's cache folder, keyed by what they are made of.
 
 The folder is `EGAD_CACHE_DIR`, or else `egad` in `XDG_CACHE_HOME` or `~/.cache`;
-`EGAD_CACHE_DIR=off` keeps nothing. A result is the same with and without it: its name is a digest
-of the input, the parameters, the code and the libraries that decide it. What is damaged is made
-again, and where nothing can be written nothing is kept.
+`EGAD_CACHE_DIR=off` keeps nothing. Results are the same with and without the cache: the name of a
+result is a digest of the input, the parameters, the code and the libraries that determine it.
+Damaged results are computed again, and where nothing can be written nothing is kept.
 """
 
 import hashlib
@@ -30,11 +30,11 @@ Arrays = dict[str, NDArray[Any]]
 
 
 def cached(kind: str, given: Iterable[object], code: str, make: Callable[[], Arrays]) -> Arrays:
-    """Arrays from the cache, or else made and put there.
+    """Arrays from the cache, or else made and stored there.
 
     Args:
         kind: What the result is: the name of its folder.
-        given: All that decides it beside the code: arrays, numbers and texts.
+        given: All that determines it besides the code: arrays, numbers and texts.
         code: Version of the code that makes it: see `source_version`.
         make: Makes it.
 
@@ -58,7 +58,7 @@ def source_version(modules: tuple[str, ...], libraries: tuple[str, ...]) -> str:
     """A digest of source files of egad, of libraries, and of the processor.
 
     Args:
-        modules: Files, and folders with all of theirs, below the package.
+        modules: Files, and folders with all their files, below the package.
         libraries: Names of distributions; they need not be installed.
     """
     paths = [PACKAGE / name for name in modules]

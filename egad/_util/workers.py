@@ -1,4 +1,4 @@
-"""Work spread over processes, in an order and with results that do not depend on how many."""
+"""Work spread over processes; its order and results do not depend on their number."""
 
 import signal
 import warnings
@@ -65,7 +65,7 @@ def workers(count: int) -> Iterator[Mapper]:
 
 
 class _Answer(NamedTuple):
-    """What a process gives for an item: the result, and the warnings with their file and line."""
+    """What a process returns for an item: the result, and the warnings with their file and line."""
 
     result: Any
     warnings: list[tuple[str, type[Warning], str, int]]
@@ -90,7 +90,7 @@ def _describe_item(item: object) -> str:
 
 
 def _with_warnings_given(answer: _Answer) -> Any:  # noqa: ANN401 (whatever the work gives)
-    """The result of another process, whose warnings are given here."""
+    """The result of another process, whose warnings are issued here."""
     for warning in answer.warnings:
         warnings.warn_explicit(*warning)
     return answer.result
@@ -98,7 +98,7 @@ def _with_warnings_given(answer: _Answer) -> Any:  # noqa: ANN401 (whatever the 
 
 @contextmanager
 def _worker_context() -> Iterator[Work]:
-    """What a process of a pool does. Interrupts are for the one that it works for."""
+    """The work of a process of a pool. Interrupts are left to the process that it works for."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with one_thread():
         yield _run_recording_warnings
@@ -115,6 +115,6 @@ def _run_recording_warnings(task: tuple[bytes, Any]) -> _Answer:
 
 @lru_cache(4)
 def _load_work(pickled: bytes) -> Work:
-    """Unpickle work once for many items, with all that it caches; evolution alternates some."""
+    """Unpickle work once for many items, with all that it caches; evolution alternates a few."""
     work: Work = from_bytes(pickled)
     return work

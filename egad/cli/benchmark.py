@@ -125,7 +125,7 @@ def _clear_and_write(
 
 
 def _objects(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Path]]:
-    """The objects of a command line, and the files that they come from."""
+    """The objects named on a command line, and the files that they come from."""
     from egad.io import object_names, read_mesh
     from egad.named_meshes import NamedMesh, named_meshes
     from egad.objects import EVALUATION_SET, load

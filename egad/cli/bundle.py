@@ -1,4 +1,4 @@
-"""Objects for simulators, made of mesh files."""
+"""Objects for simulators, made from mesh files."""
 
 import typer
 

@@ -1,4 +1,4 @@
-"""Options that several commands have, and how they are read."""
+"""Options that several commands share, and how they are read."""
 
 import os
 import re
@@ -38,7 +38,7 @@ def gripper_option(default: str = "", opening: bool = True) -> Any:  # noqa: ANN
     Args:
         default: Which one it is if none is given; empty if the command needs one, or if typer
             shows it.
-        opening: Whether an opening will do: see `gripper_in`.
+        opening: Whether an opening is accepted: see `gripper_in`.
     """
     words = ["gripper of the configuration"]
     words += ["or an opening in metres, such as 0.08"] if opening else []
@@ -144,8 +144,8 @@ def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:
     """The settings with the gripper of the option `--gripper`, and what it is called there.
 
     Args:
-        settings: The whole configuration, complete otherwise: an opening is no valid name there.
-        given: The name of a gripper, or the opening of a gripper that has only this in metres.
+        settings: The whole configuration, complete otherwise: an opening is not a valid name there.
+        given: The name of a gripper, or the opening, in metres, of a gripper that has nothing else.
 
     Raises:
         UserError: It is neither.
@@ -170,9 +170,9 @@ def detector_in(
 
     Args:
         settings: The whole configuration.
-        text: As of `DetectorName`.
-        weights: Of `--weights`.
-        command: Of `--command`.
+        text: See `DetectorName`.
+        weights: The value of `--weights`.
+        command: The value of `--command`.
 
     Raises:
         UserError: It cannot be found, or takes no weights.
@@ -194,7 +194,7 @@ def detector_in(
 
 
 def with_packaged(settings: Settings, name: str | None) -> Settings:
-    """The settings with a gripper that another package has, if it is asked for by its name.
+    """The settings with a gripper from another package, if it is asked for by its name.
 
     Raises:
         UserError: The package is not installed.
@@ -212,10 +212,10 @@ def _number(text: str) -> float | None:
 
 
 def named_gripper(settings: Settings, given: str | None) -> tuple[Settings, str]:
-    """The settings with the gripper of `--gripper`, where results of a run have its name in theirs.
+    """The settings with the gripper of `--gripper`, for results of a run, which contain its name.
 
     Raises:
-        UserError: The configuration has none of this name.
+        UserError: The configuration has no gripper of this name.
     """
     settings, name = with_packaged(settings, given), given or settings.targets.grippers[0]
     check_name("--gripper", name, settings.grippers, " in the configuration (--config)")

@@ -66,7 +66,7 @@ def export(
     chosen = objects or EVALUATION_SET
     reads = {name: dataset / file for name, file in sources(format_name, gripper, chosen).items()}
     if format_name in OBJECT_FORMATS:
-        named_gripper(settings_in(config), gripper)  # an opening is none: results have names
+        named_gripper(settings_in(config), gripper)  # not an opening: results have names
         _check_made(dataset / file for file in last_files(format_name, gripper, chosen))
     for name in reads.keys() & {"grasps", "simulated_grasps"}:
         reads[name] = grasp_table(dataset, gripper)
@@ -132,7 +132,7 @@ def _write_dexnet(
     grasps: Path,
     out: Path,
 ) -> None:
-    """Write a Dex-Net database; what the workflow does in shards is done at once."""
+    """Write a Dex-Net database, doing at once what the workflow does in shards."""
     from egad.config.stages import DexNetObjects, select
     from egad.exchange.grasps import dexnet
     from egad.workflow.dexnet_objects import write_objects

@@ -125,7 +125,7 @@ def write_meshes(
 def _write(
     row: dict[str, Any], make: "Callable[[dict[str, Any]], trimesh.Trimesh]", folder: Path
 ) -> str:
-    """Write the mesh of an object; the reason if there is none."""
+    """Write the mesh of an object; returns the reason if there is none."""
     from egad.io import write_obj
 
     try:

@@ -1,4 +1,4 @@
-"""Failures of a detector: objects that can be grasped, and that it does not grasp."""
+"""Failures of a detector: objects that can be grasped but that it does not grasp."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -128,7 +128,7 @@ def failures(
 
 
 def _objects(text: str) -> tuple["Dataset", list[Path]]:
-    """The objects of a command line, and the files that they come from.
+    """The objects named on a command line, and the files that they come from.
 
     Raises:
         UserError: There are no such objects, or they come from meshes.
@@ -148,7 +148,7 @@ def _objects(text: str) -> tuple["Dataset", list[Path]]:
 
 
 def _tell(atlas: "FailureAtlas", name: str, folder: Path) -> None:
-    """Print what a search has found, and where it is."""
+    """Print what a search has found, and where it was written."""
     from egad.failures import ObjectVerdict
 
     words = {

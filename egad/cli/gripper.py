@@ -17,7 +17,7 @@ gripper = typer.Typer(
 
 @gripper.callback()
 def _group() -> None:
-    """Keep `inspect` a command of its own."""
+    """Keep `inspect` a subcommand."""
 
 
 @gripper.command()
@@ -33,7 +33,7 @@ def inspect(
 ) -> None:
     """Show what is found in the file of a hand: joints, fingers, pads, opening, shape in 3D.
 
-    Of a suction cup, it shows what it holds.
+    For a suction cup, it shows what the cup holds.
 
     Prints the entry for a configuration. Writes NAME.html, or the page given by --out.
     """

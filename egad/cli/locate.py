@@ -86,7 +86,7 @@ def reference(source: Path, settings: MeasureMeshes) -> "Dataset":
         settings: Those of this tool.
 
     Raises:
-        UserError: There is neither, or it was made with a finer grid.
+        UserError: The source does not exist, or it was made with a finer grid.
         TableError: The table is damaged.
     """
     from egad.objects import load
@@ -115,7 +115,7 @@ def locate_files(
         among: The objects of the dataset.
         files: Mesh files by name.
         units: Unit of their coordinates; None: as the files say.
-        worker_count: Processes; the result does not depend on it.
+        worker_count: Number of processes; the result does not depend on it.
 
     Returns:
         Columns of `tables.objects.LOCATED`, one row per mesh in the given order; and the contents

@@ -110,5 +110,5 @@ def evaluation_objects(dataset: Path, labels: list[str] | None) -> "dict[str, Ev
 
 
 def _words(text: str) -> list[str]:
-    """What is between commas, without blanks around it."""
+    """The words between commas, without blanks around them."""
     return [word.strip() for word in text.split(",") if word.strip()]

@@ -95,10 +95,10 @@ def _of_atlas(
     weights: Path | None,
     command: str | None,
 ) -> tuple["Settings", str, str]:
-    """The settings as the search of an atlas had them, and the names of hand and detector there.
+    """The settings that the search of an atlas had, and the names of its hand and detector.
 
     Raises:
-        UserError: The gripper is another one than that of the search.
+        UserError: The gripper is not that of the search.
     """
     settings, hand = gripper_in(settings, gripper)
     settings, name = detector_in(settings, detector, weights, command)

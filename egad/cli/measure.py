@@ -86,8 +86,8 @@ def measure_files(
         settings: Settings of this tool.
         files: Mesh files by name.
         units: Unit of their coordinates; None: as the files say.
-        worker_count: Processes; the result does not depend on it.
-        rule: At which size grasps are sampled: see `egad.rescale`.
+        worker_count: Number of processes; the result does not depend on it.
+        rule: The size at which grasps are sampled: see `egad.rescale`.
 
     Returns:
         Columns of `tables.objects.MEASURED`: one row per mesh, in the given order. For an
@@ -137,7 +137,7 @@ def measure_row(
     repaired, _ = repaired_body(mesh, settings.postprocess, settings.material.density)
     solid = repaired.mesh
     if settings.measures.graspability:
-        rule = "none"  # a measure of the user gets the mesh as it is
+        rule = "none"  # the user's own measure gets the mesh as it is
     size = grasped_size(solid, settings, rule)
     place = measure_repeatably(solid, settings, settings.postprocess.max_candidates, size.factor)
     column, row = cell_of(place.complexity, place.graspability, settings.space)
@@ -163,7 +163,7 @@ def sizes(rows: Iterable[Mapping[str, Any]]) -> dict[str, float]:
 
 
 def warn_of_measures(table: "pd.DataFrame") -> None:
-    """Warn of meshes that are measured larger than they are, and as `warn_of_shapes`."""
+    """Warn of meshes that are measured larger than they are, and call `warn_of_shapes`."""
     from egad.geometry import ENLARGED
     from egad.workflow.repair import warn_of_shapes
 

@@ -45,10 +45,11 @@ def plan(
     ),
     seed: Annotated[int, typer.Option(min=0, help="seed of the simulation")] = 0,
 ) -> None:
-    """Tell how many attempts show a difference between two detectors, by simulation over objects.
+    """Find how many attempts show a difference between two detectors, by simulation over objects.
 
-    For the test over objects of `egad trials compare`, and for `--sequential`, with the objects
-    tried in rounds. Both detectors make as many attempts. A dash: not with --most attempts each.
+    The numbers are for the test over objects of `egad trials compare`, and for its `--sequential`
+    test, with the objects tried in rounds. Both detectors make the same number of attempts. A dash
+    means: not even with --most attempts at each object.
     """
     from dataclasses import replace
 

@@ -66,7 +66,7 @@ def similarity_of_files(
         settings: Settings of shape similarity.
         files: Mesh files by name.
         units: Unit of their coordinates; None: as the files say.
-        worker_count: Processes; the result does not depend on it.
+        worker_count: Number of processes; the result does not depend on it.
 
     Returns:
         The square matrix of similarities with names as index and columns, in the given order, and

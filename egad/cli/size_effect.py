@@ -1,4 +1,4 @@
-"""Grasp quality over the size of objects."""
+"""Grasp quality as a function of the size of objects."""
 
 from pathlib import Path
 from typing import Annotated

@@ -49,7 +49,7 @@ def measured(table: pd.DataFrame, axes: AxisPair, gripper: str) -> None:
 
 
 def _size(row: pd.Series, gripper: str) -> tuple[str, str, str]:
-    """Sides of the box when grasps were sampled, what they are of the real ones, and gripper.
+    """Sides of the box when grasps were sampled, their ratio to the real ones, and the gripper.
 
     Dashes if no grasps were sampled.
     """
@@ -148,7 +148,7 @@ def compared(pairs: Sequence["Pair"]) -> None:
 
 
 def decided(tests: Mapping[tuple[str, str], SequentialTest]) -> None:
-    """Print what the sequential test says of pairs of detectors."""
+    """Print what the sequential test says about pairs of detectors."""
     show(
         ["first vs second", "pairs", "e-value", "needed", "p", "better"],
         [

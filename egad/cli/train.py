@@ -70,7 +70,7 @@ def train(
 def _on_images(
     whole: Settings, folders: list[Path], out: Path, jobs: int, start: Path | None
 ) -> str:
-    """Train on images; returns what came of it."""
+    """Train on images; returns the result in words."""
     from egad.config.stages import TrainNetwork, select
     from egad.io import write_sums
     from egad.provenance.record import recorded
@@ -96,7 +96,7 @@ def _on_scenes(
     device: str,
     start: Path | None,
 ) -> str:
-    """Train on scenes, of whichever gripper; returns what came of it."""
+    """Train on scenes, of whichever gripper; returns the result in words."""
     from egad.config.stages import TrainOnScenes, select
     from egad.io import write_sums
     from egad.provenance.record import recorded
@@ -121,5 +121,5 @@ def _on_scenes(
 
 
 def _inputs(folders: list[Path], start: Path | None) -> list[Path]:
-    """All that a training reads."""
+    """All files and folders that a training reads."""
     return folders if start is None else [*folders, start]

@@ -50,8 +50,8 @@ def compare(
 ) -> None:
     """Compare detectors on the same objects: success rates, differences, significance.
 
-    Simulated results must be of the same evaluation set, scaled to the same gripper; cleared tables
-    must begin with the same scenes, and it is said if they were cleared by different rules.
+    Simulated results must be of the same evaluation set, scaled to the same gripper. Cleared tables
+    must begin with the same scenes; the output says if they were cleared by different rules.
     """
     from egad.io import check_ending
     from egad.stats import gather
@@ -190,7 +190,7 @@ def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
 
 
 def _tell_sequential(found: "Mapping[str, pd.DataFrame]") -> None:
-    """Print the sequential test of pairs of detectors; simulated attempts are put into rounds."""
+    """Print the sequential test of pairs of detectors, simulated attempts grouped into rounds."""
     from itertools import combinations
 
     from egad.cli.terminal_tables import decided

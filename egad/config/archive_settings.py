@@ -1,4 +1,4 @@
-"""What an archive was made with, kept in its file, so that nothing else is laid on top of it."""
+"""The settings that an archive was made with, stored in it so that no others are used with it."""
 
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
@@ -40,14 +40,14 @@ def provenance(settings: Parameters) -> dict[str, Any]:
 def differences(
     path: Path, settings: Parameters, sections: Collection[str] | None = None
 ) -> list[str]:
-    """What an archive was made with that is different in a configuration, a line each.
+    """The settings of an archive that differ from those of a configuration, one line each.
 
-    What either does not say is left out: archives of other programs, or of an older version.
+    Settings that either lacks are left out, as in archives of other programs or older versions.
 
     Args:
         path: The archive.
-        settings: Those to be used.
-        sections: What must be equal; everything if None.
+        settings: The settings to be used.
+        sections: The sections that must be equal; all if None.
 
     Raises:
         TableError: The file is damaged.
@@ -61,7 +61,7 @@ def differences(
 
 
 def archive_notes(path: Path) -> dict[str, Any]:
-    """What an archive was made with, by dotted names.
+    """The settings that an archive was made with, by dotted names.
 
     Raises:
         TableError: The file is damaged.

@@ -19,7 +19,7 @@ from egad.sim import check_engine
 Problem = Mapping[str, Any]  # an error of pydantic: its type, loc, input and msg
 Path = tuple[str | int, ...]
 _SIMILAR = 0.6
-# An entry with a mistake is mended by one of these, so that what refers to it is not wrong too.
+# These replace entries with a mistake, so that references to them are not reported as well.
 _SOUND_ENTRY: dict[str, dict[str, Any]] = {
     "datasets": {"source": "meshes", "folder": ".", "units": "m"},
     "grippers": {"opening": 0.05},
@@ -29,9 +29,9 @@ _SOUND_ENTRY: dict[str, dict[str, Any]] = {
 
 
 def check(config: Mapping[str, Any]) -> Settings:
-    """Turn a configuration into settings; what it does not name keeps its default.
+    """Turn a configuration into settings; those that it does not name keep their defaults.
 
-    Grippers, cameras and detectors come beside those built in.
+    Its grippers, cameras and detectors are added to the built-in ones.
 
     Raises:
         UserError: Something is wrong. The text has a line for every problem: where it is, what is
@@ -42,7 +42,7 @@ def check(config: Mapping[str, Any]) -> Settings:
     plain = with_built_in(json.loads(json.dumps(config, default=str)))
     problems: dict[str, None] = {}
     settings, errors = _validated(plain)
-    # Rules between settings are looked at only where each is right by itself, hence again.
+    # Rules between settings are checked only where each is valid by itself, hence the loop.
     while errors:
         before = copy.deepcopy(plain)
         problems |= dict.fromkeys(line for error in errors for line in _sentences(error))
@@ -73,7 +73,7 @@ def check_engines(settings: Settings) -> Settings:
 def _validated(config: dict[str, Any]) -> tuple[Settings | None, list[Problem]]:
     """The settings, or what is wrong with them."""
     try:
-        # JSON, for lists are tuples there; strict, for a number in quotes is a mistake
+        # JSON, because its lists become tuples; strict, because a number in quotes is a mistake
         return Settings.model_validate_json(json.dumps(config), strict=True), []
     except ValidationError as error:
         return None, list(error.errors(include_url=False))
@@ -107,7 +107,7 @@ def _unknown_key(path: Path) -> str:
 
 
 def _nearest(path: Path) -> Path | None:
-    """The key with the most similar name; of equals, one in the same section."""
+    """The key with the most similar name; among equals, one in the same section."""
     rated = [
         (difflib.SequenceMatcher(None, str(path[-1]).lower(), str(key[-1])).ratio(), key)
         for key in [*_all_keys(node_at(path[:-1]) or {}, path[:-1]), *_all_keys(schema(), ())]
@@ -151,7 +151,7 @@ def _dotted(path: Sequence[str | int]) -> str:
 
 
 def _mend(config: dict[str, Any], error: Problem) -> None:
-    """Put something right in the place of what was wrong, to see what else is."""
+    """Replace what is wrong by something valid, to find other problems."""
     *path, last = error["loc"] or (None,)
     if path and path[0] in _SOUND_ENTRY:
         _mend_table(config, [*map(str, path), str(last)])

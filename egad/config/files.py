@@ -51,7 +51,7 @@ def merged(old: Any, new: Any) -> Any:  # noqa: ANN401 (any values of YAML)
 def with_built_in(values: Mapping[str, Any]) -> dict[str, Any]:
     """Values with the grippers, cameras and detectors that are built in.
 
-    Those of the user come beside them; keys of an entry of the same name replace its keys.
+    The user's entries are added to them; keys of an entry of the same name replace its keys.
     """
     packaged = {name: packaged_settings(name) for name in _packaged(values)}
     if packaged:
@@ -63,7 +63,7 @@ def with_built_in(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _packaged(values: Mapping[str, Any]) -> list[str]:
-    """The hands of other packages that are used, and of which no file or opening is given."""
+    """The hands of other packages that are used without a file or opening being given."""
     used: list[Any] = []
     for section, key in GRIPPERS_IN:
         chosen = values.get(section)
@@ -72,7 +72,7 @@ def _packaged(values: Mapping[str, Any]) -> list[str]:
     given = values.get("grippers")
     entries = dict(given) if isinstance(given, Mapping) else {}
     wanted = {name: entries.get(name) or {} for name in PACKAGED if name in used or name in entries}
-    # an entry that is no mapping is refused later
+    # an entry that is not a mapping is refused later
     return [
         name
         for name, entry in wanted.items()

@@ -39,7 +39,7 @@ def check_input_files(settings: Settings) -> None:
 
 
 def _checks(settings: Settings) -> Iterator[tuple[str, Callable[[], object]]]:
-    """What is to be checked, by the key that names it; empty if the error says it."""
+    """The checks to make, each with its key in the configuration; empty if the error says it."""
     for name, dataset in settings.datasets.items():
         yield f"datasets.{name}", partial(_check_dataset, dataset)
     for key in ("envelope", "keep_solid", "hole"):

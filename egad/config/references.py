@@ -10,13 +10,14 @@ from egad.grippers import ANTIPODAL
 
 
 def wrong_references(settings: Settings) -> list[str]:
-    """What a configuration names and does not define, a line each.
+    """The names that a configuration uses but does not define, one line each.
 
-    Only what the user gave is wrong: a default may name what is missing as long as nothing uses it.
-    So a dump of the settings, in which every section is given, is not checked again.
+    Only names that the user gave can be wrong: a default may name something missing as long as
+    nothing uses it. So a dump of the settings, in which every section is given, is not checked
+    again.
 
     Args:
-        settings: Those of the user's configuration, which remember what was given.
+        settings: Those of the user's configuration, which remember which were given.
     """
     problems = [
         *unknown_names("targets.datasets", settings.targets.datasets, settings.datasets),
@@ -89,7 +90,7 @@ def _impossible_targets(settings: Settings) -> list[str]:
 
 
 def _impossible_searches(settings: Settings) -> list[str]:
-    """A line for each target of a search for failures that there cannot be."""
+    """A line for each impossible target of a search for failures."""
     targets = settings.targets
     if not targets.failures:
         return []

@@ -17,7 +17,7 @@ from egad.measures import MAX_CANDIDATES
 
 
 class Schedule(Parameters):
-    """Division of evolution into jobs. More epochs than before extend a finished run."""
+    """How evolution is divided into jobs. A higher number of epochs extends a finished run."""
 
     islands: int = Field(
         1,
@@ -29,12 +29,13 @@ class Schedule(Parameters):
 
 
 class Postprocess(Parameters):
-    """Repair, and measures by other grasps than those that evolution selected by."""
+    """Mesh repair, and measurement with other grasps than those used for selection in evolution."""
 
     max_candidates: int = Field(
         MAX_CANDIDATES,
         ge=1,
-        description="most candidate grasps drawn to make the cell of an object certain",
+        description="maximum number of candidate grasps per object; sampling stops earlier once "
+        "the cell of the object is certain",
     )
     min_volume: float = Field(
         1e-9, ge=0, description="objects with a smaller volume are rejected, m3"
@@ -46,8 +47,8 @@ class Postprocess(Parameters):
     )
     shell_thickness: Length = Field(
         SHELL_THICKNESS,
-        description="wall thickness of these shells, metres, half on each side of the surface "
-        "(open_surfaces: thicken)",
+        description="wall thickness of thickened surfaces, metres, half on each side of the "
+        "surface (open_surfaces: thicken)",
     )
 
 
@@ -72,19 +73,19 @@ class DatasetSection(Parameters):
     )
     pattern: str | None = Field(
         None,
-        description="glob of the mesh files, relative to the folder; objects are named by what its "
-        "wildcards match; nothing: `*`, all files of the folder itself (source: meshes)",
+        description="glob of the mesh files, relative to the folder; objects are named after what "
+        "its wildcards match; nothing: `*`, all files in the folder itself (source: meshes)",
     )
     evaluation_set: UserPath | None = Field(
         None,
-        description="an evaluation set that has been chosen already: `names`, of the objects that "
-        "are named A0 to Z9; or a CSV file with the columns id and label (source: meshes)",
+        description="existing evaluation set to use: `names`: the objects named A0 to Z9; or a CSV "
+        "file with the columns id and label (source: meshes)",
     )
     objects: int | None = Field(
         None,
         ge=1,
         le=MAX_PRIMITIVES,
-        description="number of objects, each of 2 to 5 boxes, cylinders, spheres (source: "
+        description="number of objects, each made of 2 to 5 boxes, cylinders and spheres (source: "
         "primitives)",
     )
 
@@ -107,7 +108,7 @@ class DatasetSection(Parameters):
 
 
 class Targets(Parameters):
-    """Targets of `snakemake --cores 2` without a named file."""
+    """What `snakemake --cores 2` makes if no file is named."""
 
     datasets: list[Name] = Field(
         ["egad"],
@@ -117,29 +118,31 @@ class Targets(Parameters):
     grippers: list[Name] = Field(
         ["egad_75mm"],
         min_length=1,
-        description="grippers to make results for, from the table below",
+        description="grippers to make results for, from the table `grippers`",
     )
     detectors: list[Name] = Field(
         ["antipodal-depth"],
         min_length=1,
-        description="grasp detectors to test in simulation, from the table below",
+        description="grasp detectors to test in simulated trials, from the table `detectors`",
     )
     clutter: list[Name] = Field(
         [],
-        description="grasp detectors to let clear tables of several objects, from the table below",
+        description="grasp detectors to test on clearing tables with several objects, from the "
+        "table `detectors`",
     )
     failures: list[Name] = Field(
         [],
-        description="grasp detectors to search failures of: objects of the datasets, or children "
-        "of these, that can be grasped and that the detector does not grasp; from the table below",
+        description="grasp detectors whose failures to search for, from the table `detectors`; a "
+        "failure is an object of the datasets, or a child of one, that can be grasped but that the "
+        "detector does not grasp",
     )
     exports: list[Format] = Field(
         [],
-        description="exports for other programs, of objects, of labelled grasps or of rendered "
+        description="formats to export for other programs: objects, labelled grasps, or rendered "
         "images with grasps",
     )
     export_objects: ObjectSet = Field(
-        EVALUATION_SET, description="objects that exports in formats of objects have"
+        EVALUATION_SET, description="which objects to export, in formats for objects"
     )
     graspability: bool = Field(
         False, description="whether to measure the graspability of all objects for each gripper"
@@ -149,8 +152,8 @@ class Targets(Parameters):
     )
     simulated_labels: bool = Field(
         False,
-        description="whether to simulate labelled grasps of all objects; it is done in any case if "
-        "`exports` has acronym, graspgen, graspnet, isaac_grasp or simready",
+        description="whether to simulate labelled grasps of all objects; always done if `exports` "
+        "has acronym, graspgen, graspnet, isaac_grasp or simready",
     )
     render: bool = Field(
         False, description="whether to render depth images with grasps for training"
@@ -168,32 +171,35 @@ class Release(Parameters):
     dataset: Name = Field("egad", description="dataset whose objects are released")
     gripper: Name = Field(
         "panda",
-        description="gripper that objects are scaled to and grasps are of, from the table below",
+        description="gripper that the objects are scaled to and the grasps are for, from the table "
+        "`grippers`",
     )
     grasps: int = Field(
         100,
         ge=1,
-        description="most grasps per object; only grasps with a simulated label are released, of "
-        "which there are at most simulated_label.grasps",
+        description="maximum number of grasps per object; only grasps with a simulated label are "
+        "released, at most `simulated_label.grasps`",
     )
     validation: Fraction = Field(
         0.15,
         lt=1,
-        description="largest fraction of the objects outside the test split that are for "
-        "validation; whole families are",
+        description="maximum fraction of the objects outside the test split to use for validation; "
+        "families are kept together",
     )
     archives: list[ObjectFormat] = Field(
         ["urdf", "mjcf"],
-        description="formats of the archives of objects for simulators; usd is installed with "
-        "`pip install 'egad[usd]'`",
+        description="formats of the object archives for simulators; usd needs `pip install "
+        "'egad[usd]'`",
     )
     title: str = Field(
-        "EGAD: evolved objects for robot grasping", description="name of the dataset for people"
+        "EGAD: evolved objects for robot grasping", description="human-readable name of the dataset"
     )
-    version: str = Field("1.0.0", description="version of the dataset, as its card states it")
+    version: str = Field("1.0.0", description="version of the dataset, stated in its card")
     date: str | None = Field(
         None,
         pattern=r"^\d{4}-\d{2}-\d{2}$",
-        description="day of publication, YYYY-MM-DD, as its card states it",
+        description="date of publication, YYYY-MM-DD, stated in its card",
     )
-    url: str | None = Field(None, description="where the dataset is hosted, as its card states it")
+    url: str | None = Field(
+        None, description="address where the dataset is hosted, stated in its card"
+    )

@@ -164,7 +164,7 @@ class DataSheets(ParameterGroup):
 class Gallery(EvolutionParameters):
     """The gallery: how genomes become shapes, the space, and the gripper of the release."""
 
-    map_gripper: Gripper  # that graspability is for
+    map_gripper: Gripper  # the one that graspability is for
     release: Release
 
 

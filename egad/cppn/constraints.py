@@ -23,21 +23,21 @@ Reader = Callable[[str], trimesh.Trimesh]
 
 
 def folded(points: Points, symmetry: Symmetry) -> Points:
-    """Where a network is asked in the place of each point.
+    """Where a network is queried in place of each point.
 
-    A mirror takes the absolute value of a coordinate. A turn multiplies the angle about its axis
-    by the fold: points a fold of a turn apart meet, neighbors stay neighbors, and shapes may
-    still be twisted. With a mirror along the axis, all mirrors that the turn makes of it are
+    A mirror takes the absolute value of a coordinate. A rotation multiplies the angle about its
+    axis by the fold: points 1 / fold of a turn apart meet, neighbors stay neighbors, and shapes may
+    still be twisted. With a mirror along the axis, all mirrors that the rotation makes of it are
     obeyed.
 
     Args:
         points: (3, n) coordinates within [-1, 1].
-        symmetry: Mirrors and turn.
+        symmetry: Mirrors and rotation.
 
     Returns:
         (3, n) float32. Points that are mirror images become equal to the last bit.
     """
-    found = points.astype(np.float64).round(6)  # so that -a and a are the same number apart
+    found = points.astype(np.float64).round(6)  # so that -a and a have the same magnitude
     for axis in symmetry.mirror:
         found[AXES.index(axis)] = np.abs(found[AXES.index(axis)])
     if symmetry.fold > 1:
@@ -53,7 +53,7 @@ def folded(points: Points, symmetry: Symmetry) -> Points:
 
 
 def across(axis: str) -> tuple[int, int]:
-    """The two coordinates across an axis, in the order of a turn about it."""
+    """The two coordinates across an axis, in the order of a rotation about it."""
     place = AXES.index(axis)
     return (place + 1) % 3, (place + 2) % 3
 
@@ -61,8 +61,8 @@ def across(axis: str) -> tuple[int, int]:
 def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
     """Whether a body is its own image, and not one of several that are images of each other.
 
-    Of symmetric bodies it is enough that each image covers half of the body: voxels that a turn
-    does not carry onto voxels may differ.
+    For symmetric bodies, it is enough that each image covers half of the body: voxels that a
+    rotation does not map onto voxels may differ.
     """
     images = [np.flip(voxels, AXES.index(axis)) for axis in symmetry.mirror]
     if symmetry.fold > 1:
@@ -71,7 +71,7 @@ def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
 
 
 def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
-    """A body turned about the middle by one fold, by the nearest voxels; all that stay inside."""
+    """A body rotated about the middle by one fold, by nearest voxels; those outside are dropped."""
     middle = (np.array(voxels.shape) - 1) / 2
     offsets = np.indices(voxels.shape).reshape(3, -1) - middle[:, None]
     first, second = across(symmetry.axis)
@@ -92,13 +92,13 @@ def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None 
     Args:
         region: Its kind is not `none`.
         resolution: Voxels along each side of the cube.
-        mesh: For a region of that kind: closed, wound outwards, of any size.
+        mesh: For a region of the kind `mesh`: closed, wound outwards, of any size.
 
     Returns:
         (resolution, resolution, resolution).
 
     Raises:
-        UserError: The region is a mesh, and there is none.
+        UserError: The region is a mesh, and none is given.
     """
     points = voxel_middles(resolution) - np.array(region.center)
     if region.kind == "mesh":
@@ -128,7 +128,7 @@ def _within_primitive(region: Region, scaled: Floats) -> Voxels:
 
 
 def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
-    """The mesh, scaled evenly until its box fits into another one about the origin."""
+    """The mesh, scaled uniformly until its box fits into another one about the origin."""
     low, high = np.asarray(mesh.bounds)
     vertices = (np.asarray(mesh.vertices) - (low + high) / 2) * np.min(size / (high - low))
     return trimesh.Trimesh(vertices, mesh.faces, process=False)
@@ -136,12 +136,12 @@ def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
 
 @dataclass(frozen=True)
 class Rules:
-    """What every shape must obey. By default nothing.
+    """Constraints that every shape must obey; none by default.
 
     Attributes:
         allowed: Voxels that may be solid; None: all.
         required: Voxels that must be solid, all of them allowed; None: none.
-        symmetry: Mirrors and turn.
+        symmetry: Mirrors and rotation.
         limits: Aspect ratio and volume.
     """
 
@@ -173,11 +173,11 @@ def build_rules(
 
     Args:
         resolution: Voxels along each side of the cube.
-        read: Gives the closed mesh of a file, for regions of that kind.
+        read: Gives the closed mesh of a file, for regions of the kind `mesh`.
         envelope: Shapes stay inside it, except for what is kept solid.
         keep_solid: Shapes contain it, except for the hole.
         hole: Shapes stay out of it.
-        symmetry: Mirrors and turn.
+        symmetry: Mirrors and rotation.
         limits: Allowed values of numbers that describe a shape.
 
     Raises:
@@ -218,10 +218,10 @@ def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
 def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     """The one solid body that the output of a network describes within the rules.
 
-    Voxels above the threshold, with holes filled that no axis-parallel view shows, thin parts
-    removed by an opening with the 6-neighborhood, and only the largest body kept. What is required
-    is added and what is not allowed cut away both before hidden voxels are filled and after thin
-    parts are removed.
+    Voxels above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
+    parts are removed by an opening with the 6-neighborhood, and only the largest body is kept.
+    Required voxels are added and voxels that are not allowed are cut away, both before hidden
+    voxels are filled and after thin parts are removed.
 
     Returns:
         Boolean array of its shape, not empty.

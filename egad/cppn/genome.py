@@ -1,7 +1,7 @@
-"""CPPN genomes: random ones, mutated ones and crossed ones (NEAT), and their table row.
+"""CPPN genomes: random, mutated and crossed ones (NEAT), and their table rows.
 
 neat-python does the breeding. Node keys and innovation numbers are hashes of what they name, so a
-gene means the same in every island without any of them talking to another.
+gene means the same on every island without communication between them.
 """
 
 import hashlib
@@ -145,7 +145,7 @@ def child(config: DefaultGenomeConfig, parents: Sequence[Row], seed: int) -> Row
 
 @contextmanager
 def _seeded(seed: int) -> Iterator[None]:
-    """neat-python draws from the global generator: seed it, and put it back as it was."""
+    """neat-python draws from the global generator: seed it, and restore its state afterwards."""
     state = random.getstate()
     random.seed(seed)
     try:

@@ -42,10 +42,10 @@ def genome_mesh(
 ) -> trimesh.Trimesh:
     """The mesh that a genome describes, at any resolution.
 
-    Every step is that of evolution: hidden holes are filled, parts thinner than three voxels are
-    removed, the largest body is kept, and its surface is smoothed by as many rounds and scaled to
-    the same longest side. So a finer grid keeps thinner parts and smooths less. Coordinates are
-    rounded to single precision, so that all mesh formats hold them.
+    Every step is the same as in evolution: hidden holes are filled, parts thinner than three voxels
+    are removed, the largest body is kept, and its surface is smoothed by the same number of rounds
+    and scaled to the same longest side. So a finer grid keeps thinner parts and smooths less.
+    Coordinates are rounded to single precision, so that all mesh formats hold them.
 
     Args:
         genome: As `EvolvedObject.genome`.
@@ -63,13 +63,13 @@ def genome_mesh(
 
 
 def check_resolution(resolution: int) -> None:
-    """Raise UserError if it is no whole number from 8 to 200."""
+    """Raise UserError if it is not a whole number from 8 to 200."""
     if not COARSEST <= check_count("resolution", resolution) <= FINEST:
         raise UserError(f"resolution is {resolution}; allowed: {COARSEST} to {FINEST}")
 
 
 def check_regrown(genome: Row, voxels: Solid, threshold: float, rules: Rules = UNBOUND) -> None:
-    """Make sure that a genome describes the voxels that an archive has of it.
+    """Make sure that a genome describes the voxels that an archive has for it.
 
     A few voxels at the threshold may differ: the last bit of a sine decides about them.
 

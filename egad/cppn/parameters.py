@@ -29,9 +29,11 @@ class Shape(Parameters):
     threshold: float = Field(0.5, description="network output above which a voxel is solid")
     smoothing_iterations: int = Field(10, ge=0, le=100, description="rounds of Humphrey smoothing")
     smoothing_alpha: Fraction = Field(
-        0.1, description="Humphrey alpha: pull to the original position"
+        0.1, description="Humphrey alpha: pull towards the original position"
     )
-    smoothing_beta: Fraction = Field(0.25, description="Humphrey beta: smoothing of that pull")
+    smoothing_beta: Fraction = Field(
+        0.25, description="Humphrey beta: smoothing of the pull towards the original position"
+    )
     longest_side: Length = Field(0.1, description="longest axis-aligned side of the mesh, metres")
 
 
@@ -92,7 +94,9 @@ class Limits(Parameters):
         (1, 64),
         description="longest over shortest side of the axis-aligned bounding box, in voxels",
     )
-    box_fraction: FractionRange = Field((0, 1), description="volume as a fraction of that box")
+    box_fraction: FractionRange = Field(
+        (0, 1), description="volume as a fraction of the axis-aligned bounding box"
+    )
     cube_fraction: FractionRange = Field((0, 1), description="volume as a fraction of the cube")
 
     @model_validator(mode="after")
@@ -116,24 +120,26 @@ class Neat(Parameters):
     )
     weight_sigma: Sigma = Field(1.0, description="standard deviation of a new weight")
     weight_limit: float = Field(30.0, gt=0, description="largest magnitude of weights and biases")
-    weight_mutation_rate: Fraction = Field(0.8, description="probability to shift a weight")
+    weight_mutation_rate: Fraction = Field(0.8, description="probability of shifting a weight")
     weight_mutation_sigma: Sigma = Field(2.5, description="standard deviation of that shift")
-    weight_replacement_rate: Fraction = Field(0.1, description="probability to resample a weight")
+    weight_replacement_rate: Fraction = Field(0.1, description="probability of resampling a weight")
     bias_sigma: Sigma = Field(1.0, description="standard deviation of a new bias")
-    bias_mutation_rate: Fraction = Field(0.7, description="probability to shift a bias")
+    bias_mutation_rate: Fraction = Field(0.7, description="probability of shifting a bias")
     bias_mutation_sigma: Sigma = Field(1.0, description="standard deviation of that shift")
-    bias_replacement_rate: Fraction = Field(0.2, description="probability to resample a bias")
+    bias_replacement_rate: Fraction = Field(0.2, description="probability of resampling a bias")
     activation_mutation_rate: Fraction = Field(
-        0.1, description="probability to resample the activation of a node"
+        0.1, description="probability of resampling the activation of a node"
     )
-    connection_addition_rate: Fraction = Field(0.15, description="probability to add a connection")
+    connection_addition_rate: Fraction = Field(
+        0.15, description="probability of adding a connection"
+    )
     connection_deletion_rate: Fraction = Field(
-        0.15, description="probability to delete a connection"
+        0.15, description="probability of deleting a connection"
     )
     connection_toggle_rate: Fraction = Field(
-        0.1, description="probability to resample whether a connection is enabled"
+        0.1, description="probability of resampling whether a connection is enabled"
     )
     node_addition_rate: Fraction = Field(
-        0.1, description="probability to split a connection by a node"
+        0.1, description="probability of splitting a connection with a new node"
     )
-    node_deletion_rate: Fraction = Field(0.1, description="probability to delete a node")
+    node_deletion_rate: Fraction = Field(0.1, description="probability of deleting a node")

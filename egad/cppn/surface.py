@@ -15,7 +15,7 @@ def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
     """The surface of voxels as archives keep them; see `surface`.
 
     Raises:
-        UserError: They are of another size than the resolution asks for.
+        UserError: Their number does not match the resolution.
         RejectedError: None of them is solid.
     """
     voxels = unpack(packed, shape.resolution)

@@ -22,7 +22,7 @@ def fill_orthographic(voxels: Solid) -> Solid:
 
 
 def largest_body(voxels: Solid) -> Solid:
-    """Keep the body with most voxels (joined by faces; the first one of equals)."""
+    """Keep the body with the most voxels (joined by faces; the first one on ties)."""
     labels, count = ndimage.label(voxels)
     if count == 0:
         return np.zeros_like(voxels)
@@ -39,7 +39,7 @@ def unpack(data: bytes, resolution: int) -> Solid:
     """The inverse of `pack`.
 
     Raises:
-        UserError: The data has another size than the resolution asks for.
+        UserError: The size of the data does not match the resolution.
     """
     count = resolution**3
     bits = np.frombuffer(data, dtype=np.uint8)

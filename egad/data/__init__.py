@@ -27,5 +27,5 @@ def evaluation_set() -> Path:
 
 
 def archive_path(archive: Path) -> Path:
-    """The file that a person means by an archive: `released` is the one shipped."""
+    """The file of an archive that a user names: `released` is the one shipped."""
     return released() if str(archive) == "released" else archive

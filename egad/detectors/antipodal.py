@@ -42,7 +42,7 @@ class _EdgePairs(NamedTuple):
     axis: Floats  # (n, 2) unit vectors from the first edge to the second
     distance: Floats  # (n,)
     top: Floats  # (n,) height of the lower of the two edges
-    squareness: Floats  # (n,) lesser cos^2 of the angles between axis and edge normals
+    squareness: Floats  # (n,) smaller cos^2 of the angles between axis and edge normals
 
 
 def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
@@ -56,9 +56,10 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
 
         cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(penetration / 20 mm, 1),
 
-    the closed form of the Ferrari-Canny quality for small angles, as far as the image tells: the
-    wider angle between line and edge normals, and the distance of the line from the centroid of
-    the volume below what is seen; the penetration is how far the pads reach below the lower edge.
+    the closed form of the Ferrari-Canny quality for small angles, estimated from the image. The
+    angle is the larger one between the line and the edge normals. The distance is that of the line
+    from the centroid of the volume below the visible surface. The penetration is how far the pads
+    reach below the lower edge.
 
     Args:
         view: A depth image from roughly above; the table is at height 0.
@@ -78,7 +79,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     if len(pairs.top) == 0:
         return []
     centroid = heightmap.centroid()
-    # Probing the space for the hand is costly: first as if the palm stayed above everything.
+    # Probing the space for the hand is costly: first assume that the palm stays above everything.
     tip = max(heightmap.heights.max() - gripper.finger_length, 0.0) + TABLE_CLEARANCE
     hopeful = np.argsort(-_quality(pairs, centroid, tip), kind="stable")[:MAX_CANDIDATES]
     return _grasps(_EdgePairs(*(values[hopeful] for values in pairs)), heightmap, centroid, gripper)
@@ -105,7 +106,7 @@ def _edges(view: View, window: Window, friction: float) -> _Edges:
 
 
 def _uneven(view: View, friction: float) -> Window:
-    """The part of an image that has all steep pixels, and around them what blurring mixes in.
+    """The part of an image with all steep pixels, and what blurring mixes in around them.
 
     Where no pixel and no neighbor of it differs from the table by a quarter of the least steep
     fall, the gradient is at most 0.71 of it.
@@ -118,7 +119,7 @@ def _uneven(view: View, friction: float) -> Window:
 def _pairs(edges: _Edges, gripper: Gripper) -> _EdgePairs:
     """All pairs of edges that oppose each other within friction cones and opening."""
     cone = np.cos(np.arctan(gripper.pad.friction))
-    # If a line lies in both cones, the normals are at most twice the angle of a cone from opposite.
+    # If a line lies in both cones, the normals are opposite to within twice the angle of a cone.
     opposed = edges.outward @ edges.outward.T < NEARLY - (2 * cone**2 - 1)
     first, second = np.nonzero(np.triu(opposed, 1))
     apart = edges.points[second, :2] - edges.points[first, :2]

@@ -1,4 +1,4 @@
-"""Asking a detector: what it wants to see, and the best of its answer."""
+"""Asking a detector: what it wants to see, and the best grasps of its answer."""
 
 import inspect
 import math
@@ -32,9 +32,9 @@ def wanted_input(detect: Callable[..., Any]) -> str:
     """What a detector wants to see: one of `INPUTS`.
 
     Args:
-        detect: Has an attribute `observes` that names it, or a first parameter of that name. One
-            whose first parameter says nothing gets the view from above: a name that begins with an
-            underscore, or `*args`.
+        detect: A detector with an attribute `observes` that names its input, or a first parameter
+            of that name. If the first parameter says nothing (its name begins with an underscore,
+            or it is `*args`), the detector gets the view from above.
 
     Raises:
         UserError: The attribute or the parameter is something else.
@@ -58,7 +58,7 @@ def wanted_input(detect: Callable[..., Any]) -> str:
 
 
 def check_views_will_do(detect: Callable[..., Any]) -> None:
-    """Raise UserError for a detector that asks for more than trials give."""
+    """Raise UserError for a detector that asks for more than trials provide."""
     if (name := wanted_input(detect)) != INPUTS[0]:
         raise UserError(
             f"in trials, a detector gets a view from above; this one asks for `{name}`, which "
@@ -82,10 +82,11 @@ def choose(
     """The grasp of an answer that is tried, as a pose; or why there is none.
 
     Args:
-        answer: Of a detector.
-        gripper: The hand, which must be able to do it.
+        answer: The answer of a detector.
+        gripper: The hand, which must be able to execute it.
         threshold: Grasps of a lower score are left out.
-        shuffled: Source of chance for any of the others; None for the one of the highest score.
+        shuffled: Random number generator that picks any of the rest; None: the one of the highest
+            score.
     """
     if isinstance(answer, GraspPoses):
         return best_pose(answer, gripper, _order(answer.scores, threshold, shuffled))
@@ -97,15 +98,15 @@ def choose(
 def ranked(
     answer: list[Grasp] | GraspPoses, gripper: Gripper, most: int
 ) -> list[PoseGrasp] | Outcome:
-    """The grasps of an answer that the hand can do, as poses, best first.
+    """The grasps of an answer that the hand can execute, as poses, best first.
 
     Args:
-        answer: Of a detector.
+        answer: The answer of a detector.
         gripper: The hand.
-        most: How many are given, at most.
+        most: Largest number of grasps.
 
     Returns:
-        The grasps; or why there is none, as of `best_pose`.
+        The grasps; or why there is none, as for `best_pose`.
     """
     if not isinstance(answer, GraspPoses):
         chosen = [pose_of(each, gripper) for each in answer]
@@ -125,7 +126,7 @@ def ranked(
 
 
 def _order(scores: Floats, threshold: float, shuffled: np.random.Generator | None) -> Ints:
-    """Numbers of the grasps that may be tried, in the order in which they are."""
+    """Indices of the grasps that may be tried, in the order in which they are tried."""
     order = by_score(scores)
     order = order[~(scores[order] < threshold)]
     return order if shuffled is None else shuffled.permutation(order)

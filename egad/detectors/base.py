@@ -10,8 +10,8 @@ from egad._util.arrays import Floats
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
 
-MAX_GRASPS = 50  # kept of the candidates of a detector
-SEARCH = 0.01  # metres beyond where a suction cup should meet an object that it looks for it
+MAX_GRASPS = 50  # kept from the candidates of a detector
+SEARCH = 0.01  # metres that a suction cup searches beyond where it should meet an object
 MIN_DEPTH = 0.005  # metres that the fingertips must reach below the surface that is seen
 FULL_DEPTH = 0.02  # metres; nothing is gained by reaching further
 WHERE = "detectors"
@@ -23,11 +23,11 @@ class Grasp:
 
     Attributes:
         center: Where the pads should meet the object: midpoint of the contacts, world frame, m.
-            Of a cup: where the middle of the ring should.
+            For a cup, where the middle of its ring should.
         angle: Angle of the closing axis about the vertical, from the world's x axis, radians.
         width: How far to open, metres; 0 for a cup.
-        depth: How far the fingertips reach below the center, metres. A cup goes as far to find the
-            object, and stops where its ring lies on it.
+        depth: How far the fingertips reach below the center, metres. A cup goes at most this far to
+            find the object, and stops where its ring lies on it.
         quality: What the detector expects of it; the highest is tried.
     """
 
@@ -43,10 +43,10 @@ class Grasp:
         return self.center[2] - self.depth
 
     def infeasibility(self, gripper: Gripper) -> Outcome | None:
-        """Why the hand cannot do this: the outcome of an attempt; None if it can.
+        """Why the hand cannot execute this, as the outcome of an attempt; None if it can.
 
-        not_finite: a number is NaN or infinite; too_wide: it would have to open wider than it
-        does, or less than not at all; below_table: the fingertips would be under the table.
+        not_finite: a number is NaN or infinite; too_wide: it would have to open wider than it can,
+        or by less than 0; below_table: the fingertips would be under the table.
         """
         numbers = (*self.center, self.angle, self.width, self.depth, self.quality)
         if not all(map(math.isfinite, numbers)):
@@ -85,7 +85,7 @@ def rank_grasps(
 
 
 def best_grasp(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | Outcome:
-    """The grasp of the highest quality that the hand can do, the first of equals.
+    """The grasp of the highest quality that the hand can execute, the first of equals.
 
     Returns:
         The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
@@ -94,7 +94,7 @@ def best_grasp(grasps: Sequence[Grasp], gripper: Gripper) -> Grasp | Outcome:
 
 
 def first_possible(grasps: Iterable[Grasp], gripper: Gripper) -> Grasp | Outcome:
-    """The first grasp that the hand can do; or why there is none, as of `best_grasp`."""
+    """The first grasp that the hand can execute; or why there is none, as for `best_grasp`."""
     reason = None
     for grasp in grasps:
         flaw = grasp.infeasibility(gripper)
@@ -109,7 +109,7 @@ def _promise(grasp: Grasp) -> float:
 
 
 class DetectorError(Exception):
-    """A detector raised an error, gave something else than grasps, or ended its process."""
+    """A detector raised an error, returned something other than grasps, or ended its process."""
 
 
 class DetectorTimeoutError(Exception):

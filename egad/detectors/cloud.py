@@ -15,8 +15,8 @@ MAX_PAIRS = 1000  # that are rated
 MAX_CANDIDATES = 60  # for which approaches are tried
 MAX_OBSTACLES = 3000  # points that the hand must not touch
 APPROACHES = 16  # around the closing axis
-UPWARD = 0.2  # the approach may point up by this sine
-WAY = 0.05  # metres; the straight way in is free, too
+UPWARD = 0.2  # sine of the angle by which the approach may point up
+WAY = 0.05  # metres; length of the straight approach, which must be free, too
 MIN_CLEARANCE = 0.002  # on each side of the object
 TORQUE_SCALING = 100.0  # 1/m
 
@@ -27,7 +27,7 @@ class _PointPairs(NamedTuple):
     middle: Floats  # (n, 3)
     axis: Floats  # (n, 3) unit vectors from the first point to the second
     distance: Floats  # (n,)
-    squareness: Floats  # (n,) lesser cos^2 of the angles between axis and normals
+    squareness: Floats  # (n,) smaller cos^2 of the angles between axis and normals
 
 
 def antipodal_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> GraspPoses:
@@ -35,14 +35,15 @@ def antipodal_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generato
 
     Two points are a candidate if the line between them lies in the friction cones of both and the
     hand opens wide enough. Of the approaches around this line, those are kept that do not come from
-    below and on which the hand touches no other point and not the table. The score, from 0 to 1, is
+    below and on which the hand touches neither another point nor the table. The score, from 0 to 1,
+    is
 
         cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * (1 - slope) / 2,
 
-    the closed form of the Ferrari-Canny quality for small angles, as far as the cloud tells: the
-    wider angle between line and normals, and the distance of the line from the centroid of the
-    points that are as near as the hand is wide; the slope is the third coordinate of the approach,
-    -1 straight down.
+    the closed form of the Ferrari-Canny quality for small angles, estimated from the cloud. The
+    angle is the larger one between the line and the normals. The distance is that of the line from
+    the centroid of the points no further away than the opening of the hand. The slope is the third
+    coordinate of the approach, -1 straight down.
 
     Args:
         cloud: What the cameras see; the table is at height 0.
@@ -91,7 +92,7 @@ def _pairs(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> _Po
     chosen = _chosen(len(cloud.points), MAX_POINTS, rng)
     points, normals = cloud.points[chosen], cloud.normals[chosen]
     cone = np.cos(np.arctan(gripper.pad.friction))
-    # If a line lies in both cones, the normals are at most twice the angle of a cone from opposite.
+    # If a line lies in both cones, the normals are opposite to within twice the angle of a cone.
     first, second = np.nonzero(np.triu(normals @ normals.T < 1 - 2 * cone**2, 1))
     apart = points[second] - points[first]
     distance = np.linalg.norm(apart, axis=1)
@@ -107,7 +108,7 @@ def _pairs(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator) -> _Po
 
 
 def _moment(pairs: _PointPairs, points: Floats, radius: float) -> Floats:
-    """By how much the lever of the weight lowers the quality of pairs, (n,), at least 1."""
+    """The factor by which the lever of the weight lowers the quality of pairs, (n,), at least 1."""
     offsets = points[None] - pairs.middle[:, None]
     near = (offsets**2).sum(axis=2) <= radius**2
     away = (offsets * near[:, :, None]).sum(axis=1) / np.maximum(near.sum(axis=1), 1)[:, None]

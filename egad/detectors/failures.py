@@ -1,4 +1,4 @@
-"""What a detector does wrong: the error with its traceback, and when that ends a run."""
+"""Failures of a detector: the error with its traceback, and when failures end a run."""
 
 import logging
 import math
@@ -72,7 +72,7 @@ def try_to_plan(plan: Callable[[], T]) -> T | Failure:
 
     Raises:
         UserError: The detector cannot be used at all.
-        MemoryError: There is not enough.
+        MemoryError: There is not enough memory.
     """
     try:
         return plan()
@@ -87,8 +87,8 @@ def try_to_plan(plan: Callable[[], T]) -> T | Failure:
 def failure_text(error: Exception) -> str:
     """An error with its traceback, which begins outside of egad if it leads there.
 
-    It names files without their folders: tables with it are given to others.
-    What another process or program said of its error is left as it is.
+    It names files without their folders, because tables that contain it are shared. The text of an
+    error in another process or program is left as it is.
     """
     if isinstance(error, DetectorError):
         return str(error)
@@ -101,7 +101,7 @@ def failure_text(error: Exception) -> str:
 
 
 class FailureMonitor:
-    """Tells the first failure of a detector, and ends a run in which it does nothing else."""
+    """Logs the first failure of a detector, and ends a run in which it does nothing but fail."""
 
     def __init__(
         self,
@@ -118,7 +118,7 @@ class FailureMonitor:
             total: Objects, or rounds, of the run, if that is known.
             keep_going: Whether the run goes on in any case.
             what: Objects or rounds, for messages.
-            quiet: Whether the first failure is told by someone else.
+            quiet: Whether the first failure is reported elsewhere.
             remedy: End of the sentence that ends the run.
         """
         self._remedy = remedy
@@ -157,7 +157,7 @@ class FailureMonitor:
             )
 
     def _asked(self) -> str:
-        """At what it did nothing but fail."""
+        """The objects or rounds at which it did nothing but fail."""
         one = self._objects == 1
         return f"the first {self._what[:-1]}" if one else f"the first {self._objects} {self._what}"
 

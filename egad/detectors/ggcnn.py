@@ -1,7 +1,7 @@
 """ggcnn: grasps from the networks of GG-CNN, for every pixel of a depth image.
 
 Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasping", IJRR 2020.
-`egad.learning.targets` says what is theirs; how deep the hand reaches is ours.
+`egad.learning.targets` describes what is theirs; how deep the hand reaches is ours.
 """
 
 import zipfile
@@ -30,7 +30,7 @@ from egad.perception import (
     restore,
 )
 
-MAX_BYTES = 1 << 24  # some 50 times those that were published
+MAX_BYTES = 1 << 24  # about 50 times the size of the published ones
 GGCNN_WEIGHTS = (
     "`egad train` makes weights; the published ones are in the releases of the project "
     "dougsm/ggcnn, as files named "
@@ -111,8 +111,8 @@ class MapDetector:
         """Take a network.
 
         Args:
-            infer: From depths (300, 300) of `targets.prepare_input` to quality, cos 2a,
-                sin 2a and width (4, 300, 300).
+            infer: Maps depths (300, 300) of `targets.prepare_input` to quality, cos 2a, sin 2a and
+                width (4, 300, 300).
             execution: Where the hand goes: see `__call__`.
         """
         self._infer = infer
@@ -121,22 +121,23 @@ class MapDetector:
     def __call__(self, view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
         """Grasps where the quality is highest and the hand gets deep enough, at most 10.
 
-        With the execution `published` it is one grasp, carried out as on the robot of EGAD (open
-        loop, in Morrison's repository mvp_grasp): at the pixel of the highest quality, however low
+        With the execution `published` there is one grasp, carried out as on the robot of EGAD (open
+        loop, in Morrison's repository mvp_grasp). At the pixel of the highest quality, however low
         that is, the fingertips go 10 mm below the surface that the pixel sees, but not nearer to
-        the table than 5 mm, and the hand opens as wide as the network says. Ours is what follows.
+        the table than 5 mm, and the hand opens as wide as the network says. What follows describes
+        our own execution.
 
-        The middle 300 x 300 pixels go in, a smaller image enlarged, pixels without depth filled.
-        The four images that come out are smoothed (see `egad.learning.targets`).
+        The input is the middle 300 x 300 pixels; a smaller image is enlarged, and pixels without
+        depth are filled. The four output images are smoothed (see `egad.learning.targets`).
 
-        How deep the hand goes is ours, as in `antipodal-depth`: as deep as table, neighboring
-        surface and palm allow (`egad.perception.min_fingertip_height`) where a pixel of the
-        network says that a grasp is. The penetration is how far the fingertips get below the
-        surface seen there. Below 5 mm there is no grasp; otherwise its quality is that of the
-        network times min(penetration / 20 mm, 1). Proposed is the best of 21 x 21 pixels.
+        As in `antipodal-depth`, the hand goes as deep as table, neighboring surface and palm allow
+        (`egad.perception.min_fingertip_height`) at a pixel where the network sees a grasp. The
+        penetration is how far the fingertips get below the surface seen there. Below 5 mm there is
+        no grasp; otherwise its quality is that of the network times min(penetration / 20 mm, 1).
+        The best of each 21 x 21 pixels is proposed.
 
-        The hand opens as wide as the network says or as it can. It is where the ray of the pixel
-        is 10 mm below the surface, or half way down to the table if that is less. There its
+        The hand opens as wide as the network says or as it can. It is placed where the ray of the
+        pixel is 10 mm below the surface, or half way down to the table if that is less. There its
         contacts are 10 mm below the surface, or half as deep as the fingertips get. Surfaces and
         heights are those of the image without holes and noise (`egad.perception.restore`); the
         network sees the noise.
@@ -155,7 +156,7 @@ class MapDetector:
 
 
 class GGCNN(MapDetector):
-    """GG-CNN or GG-CNN2, as the weights are."""
+    """GG-CNN or GG-CNN2, depending on the weights."""
 
     def __init__(self, weights: str | None, execution: Execution = "deepest") -> None:
         """Load a network.
@@ -238,7 +239,7 @@ def _spots(answer: Answer, view: View, gripper: Gripper) -> _Spots:
 
 
 def _rays(row: Ints, column: Ints, crop: NetworkInput, view: View) -> Floats:
-    """Along the sights of pixels of the network, one metre of depth long, world frame, (n, 3)."""
+    """Viewing rays of pixels of the network, one metre of depth long, world frame, (n, 3)."""
     camera = view.intrinsics
     v, u = (
         (each + 0.5) * crop.scale - 0.5 + low - center

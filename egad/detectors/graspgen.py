@@ -25,7 +25,7 @@ DEPTHS = {"franka_panda": 0.1053, "robotiq_2f_140": 0.195, "robotiq_2f_85": 0.13
 class GraspGen:
     """A server of GraspGen as a grasp detector.
 
-    It is asked about one object after the other, as GraspGen was trained with single objects. Its
+    It is asked about one object at a time, because GraspGen was trained with single objects. Its
     scores are compared across objects.
     """
 
@@ -36,7 +36,7 @@ class GraspGen:
             address: Such as tcp://localhost:5556.
 
         Raises:
-            UserError: PyZMQ is missing, nobody answers, or the server has an unknown gripper.
+            UserError: PyZMQ is missing, no server answers, or the server has an unknown gripper.
         """
         with needed_for("graspgen"):
             import zmq  # noqa: PLC0415 (an extra)
@@ -63,7 +63,7 @@ class GraspGen:
         Args:
             object_clouds: The points of each object. One with fewer than 21 is left out.
             gripper: The hand.
-            _rng: Not used: the server has its own chance.
+            _rng: Not used: the server has its own random numbers.
         """
         clouds = [points for points, _ in object_clouds if len(points) >= MIN_POINTS]
         found = [self._grasps(points, gripper) for points in clouds]
@@ -83,7 +83,7 @@ class GraspGen:
         """Send a request and receive the answer.
 
         Raises:
-            ValueError: It is no message, or tells of an error.
+            ValueError: It is not a message, or reports an error.
         """
         self._socket.send(packed(request))
         answer = unpacked(self._socket.recv())

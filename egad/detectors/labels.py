@@ -1,7 +1,8 @@
-"""labels: the best labelled grasp, knowing where the object is: what the labels are worth.
+"""labels: the best labelled grasp, knowing where the object is, to tell what labels are worth.
 
-No rival of detectors, for it knows the pose, and no bound for them: the labels' model of contacts
-knows neither gravity nor the table, and there are grasps that were never labelled.
+It is not a rival of detectors, because it knows the pose. Nor is it a bound for them: the labels'
+model of contacts knows neither gravity nor the table, and there are grasps that were never
+labelled.
 """
 
 import numpy as np
@@ -21,7 +22,7 @@ class Labels:
     """Labelled grasps of an object, to be proposed wherever it lies (ours)."""
 
     def __init__(self, grasps: pd.DataFrame) -> None:
-        """Keep the grasps that the hand can come to from some side.
+        """Keep the grasps that the hand can reach from some side.
 
         Args:
             grasps: Columns of `tables.grasping.GRASPS`, of one object.
@@ -34,15 +35,16 @@ class Labels:
         self._quality = free["robust_quality"].to_numpy(np.float64)
 
     def propose(self, matrix: Floats, view: View, gripper: Gripper) -> list[Grasp]:
-        """Grasps whose closing axis is within 15 degrees of level and that leave the hand space.
+        """Grasps whose closing axis is within 15 degrees of level and that leave room for the hand.
 
-        The space is looked up in the depth image, restored, straight from above, for a hand that
+        The space is looked up straight from above in the restored depth image, for a hand that
         opens 8 mm wider than the contacts on either side, or as wide as it can where that reaches
         lower. The pads are centered on the contacts, or as low as they can get. The quality is the
         robust quality.
 
-        A suction cup takes those whose approach is within 10 degrees of straight down, for it comes
-        straight down. Their quality is the robust quality times the cosine of that angle.
+        For a suction cup, the grasps are those whose approach is within 10 degrees of straight
+        down, because it comes straight down. Their quality is the robust quality times the cosine
+        of that angle.
 
         Args:
             matrix: (4, 4) transform from the frame of the grasps to the world.

@@ -14,8 +14,8 @@ from egad.grippers import Gripper
 from egad.perception import Intrinsics, Observation, PointCloud, Tsdf, View
 
 PROTOCOL = 1
-PARTS = ("view", "views", "tsdf", "cloud")  # of an observation, for who asks for it
-KINDS = "biuf"  # of arrays: truth values, integers, real numbers
+PARTS = ("view", "views", "tsdf", "cloud")  # of an observation, for detectors that ask for them
+KINDS = "biuf"  # of arrays: booleans, integers, real numbers
 GRASP = ("center", "angle", "width", "depth", "quality")
 
 
@@ -29,7 +29,7 @@ def unpacked(data: bytes) -> Any:  # noqa: ANN401 (plain values and arrays)
     """A message from bytes.
 
     Raises:
-        ValueError: They are no such message.
+        ValueError: They are not such a message.
     """
     try:
         return msgpack.unpackb(data, object_hook=_decoded)
@@ -64,7 +64,7 @@ def _decoded(value: dict[Any, Any]) -> Any:  # noqa: ANN401 (as msgpack)
 def question(
     seen: Observation | View, observes: str, gripper: Gripper, seed: int
 ) -> dict[str, Any]:
-    """What a detector is asked.
+    """The message that asks a detector.
 
     Args:
         seen: What the cameras see.
@@ -107,7 +107,7 @@ def answered(message: Any) -> list[Grasp] | GraspPoses:  # noqa: ANN401 (whateve
     """The grasps of an answer.
 
     Raises:
-        ValueError: It is no answer, or says what went wrong.
+        ValueError: It is not an answer, or says what went wrong.
     """
     if not isinstance(message, dict):
         raise ValueError(f"the answer is no table but {type(message).__name__}")

@@ -10,14 +10,14 @@ from egad.errors import UserError
 from egad.grippers import Gripper
 
 Execution = Literal["deepest", "published"]
-# What `egad train` wrote; without `egad.data`, whose other files change no answer of a detector.
+# Written by `egad train`. Not by way of `egad.data`: its other files do not affect detectors.
 NETWORKS = Path(__file__).parents[1] / "data" / "networks"
 _GGCNN2 = {"detector": "ggcnn", "weights": str(NETWORKS / "ggcnn2-evolved" / "weights.safetensors")}
 SHIPPED_NETWORKS: dict[str, dict[str, Any]] = {
     "ggcnn2-evolved": _GGCNN2,
     "ggcnn2-evolved-published": {**_GGCNN2, "execution": "published"},
 }
-"""Settings of the networks that egad ships, as of a detector with weights of the user's own."""
+"""Settings of the networks that egad ships, as for a detector with the user's own weights."""
 SHIPPED = (
     "antipodal-cloud",
     "antipodal-depth",
@@ -31,7 +31,7 @@ SHIPPED = (
 )
 FOR_CUPS = ("suction-cloud", "suction-depth")
 IN_ANY_DIRECTION = ("antipodal-cloud", "graspgen", "suction-cloud", "vgn")
-GRASPGEN = "graspgen"  # shipped, but without an address it is nothing
+GRASPGEN = "graspgen"  # shipped, but of no use without an address
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 
 
@@ -40,7 +40,8 @@ class DetectorConfig(Parameters):
 
     detector: UserPath | None = Field(
         None,
-        description=f"a built-in one ({KNOWN}), or your own: FILE.py:CLASS or package.module:CLASS",
+        description=f"built-in detector ({KNOWN}), or your own: FILE.py:CLASS or "
+        f"package.module:CLASS",
     )
     command: tuple[UserPath, ...] | None = Field(
         None,
@@ -52,15 +53,15 @@ class DetectorConfig(Parameters):
     )
     execution: Execution = Field(
         "deepest",
-        description="how `ggcnn` is carried out: deepest: as deep as the image allows; published: "
-        "10 mm below the surface at the best pixel, as on the robot of EGAD",
+        description="how deep the grasps of `ggcnn` are executed: deepest: as deep as the image "
+        "allows; published: 10 mm below the surface at the best pixel, as on the robot of EGAD",
     )
     threshold: float | None = Field(
         None,
         gt=0,
         lt=1,
-        description="quality that proposals of `vgn` have at least; nothing: what the protocol of "
-        "cleared tables asks for, or 0.5 for weights of `egad train` and 0.9 for others",
+        description="minimum quality of the proposals of `vgn`; nothing: the `threshold` of the "
+        "clutter protocol if it has one, else 0.5 for weights of `egad train` and 0.9 for others",
     )
     address: str | None = Field(
         None, description="address of the server of `graspgen`, such as tcp://localhost:5556"
@@ -101,7 +102,7 @@ class DetectorConfig(Parameters):
 
 
 def check_gripper(detector: str, gripper: Gripper) -> None:
-    """Make sure that a detector is for the kind of gripper; one of the user's own is for any.
+    """Make sure that a detector is for the kind of gripper; the user's own are for any.
 
     Args:
         detector: Its name.

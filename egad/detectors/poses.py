@@ -48,12 +48,12 @@ class Detector(Protocol):
             seen: A view from above, with intrinsics and pose of the camera, or whatever it asks for
                 (`wanted_input`); the table is at height 0.
             gripper: The hand that will try.
-            rng: The only source of chance.
+            rng: The only source of randomness.
         """
 
 
 class PoseGrasp(NamedTuple):
-    """One of them: (4, 4), metres, and its score."""
+    """One grasp: its pose (4, 4), how far to open in metres, and its score."""
 
     pose: Floats
     width: float
@@ -88,12 +88,12 @@ def best_poses(grasps: GraspPoses, count: int = MAX_GRASPS) -> GraspPoses:
 def best_pose(
     grasps: GraspPoses, gripper: Gripper, order: Ints | None = None
 ) -> PoseGrasp | Outcome:
-    """The grasp of the highest score that the hand can do, the first of equals.
+    """The grasp of the highest score that the hand can execute, the first of equals.
 
     Args:
-        grasps: To choose from.
+        grasps: The grasps to choose from.
         gripper: The hand.
-        order: Numbers of grasps, and those alone may be chosen, the first that the hand can do.
+        order: Indices of the grasps that may be chosen; the first that the hand can execute is.
 
     Returns:
         The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
@@ -111,16 +111,16 @@ def best_pose(
 
 
 def by_score(scores: Floats) -> Ints:
-    """Numbers of grasps from the highest score down, equals in the order given."""
+    """Indices of grasps from the highest score down, equals in the order given."""
     return np.argsort(np.where(np.isfinite(scores), -scores, np.inf), kind="stable")
 
 
 def infeasibility(grasp: PoseGrasp, gripper: Gripper) -> Outcome | None:
-    """Why the hand cannot do this: the outcome of an attempt; None if it can.
+    """Why the hand cannot execute this, as the outcome of an attempt; None if it can.
 
-    not_finite: a number is NaN or infinite; not_rigid: the pose is no rotation and shift;
-    too_wide: the hand would have to open wider than it does, or less than not at all; below_table:
-    the middle of its fingertips would be under the table.
+    not_finite: a number is NaN or infinite; not_rigid: the pose is not a rotation and translation;
+    too_wide: the hand would have to open wider than it can, or by less than 0; below_table: the
+    middle of its fingertips would be under the table.
     """
     pose = grasp.pose
     if not (np.isfinite(pose).all() and np.isfinite([grasp.width, grasp.score]).all()):
@@ -136,7 +136,7 @@ def infeasibility(grasp: PoseGrasp, gripper: Gripper) -> Outcome | None:
 
 
 def pose_of(grasp: Grasp, gripper: Gripper) -> PoseGrasp:
-    """A grasp from above as one in any direction: its fingertips end at the same place.
+    """A grasp from above as a pose: its fingertips end at the same place.
 
     The ring of a suction cup, which goes on until it meets an object, begins at the center.
     """

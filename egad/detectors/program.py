@@ -1,6 +1,6 @@
-"""A detector that is a program of its own: asked through its standard input and output.
+"""A detector that is a separate program, asked through its standard input and output.
 
-A message is four bytes, its length with the highest byte first, and then MessagePack
+A message is its length in four bytes, the highest byte first, and then MessagePack
 (`egad.detectors.messages`). docs/own-environment.md describes the conversation.
 """
 
@@ -31,7 +31,7 @@ ENDING_TIME = 2.0  # seconds
 
 
 class Program:
-    """A detector in a program, started anew whenever it had to be stopped."""
+    """A detector in a program, which is restarted whenever it had to be stopped."""
 
     def __init__(self, command: Sequence[str], limit: float, starting_limit: float) -> None:
         """Prepare; the program starts with the first question, or with the `with` block.
@@ -57,10 +57,10 @@ class Program:
     def __call__(
         self, observation: Observation | View, gripper: Gripper, rng: np.random.Generator
     ) -> list[Grasp] | GraspPoses:
-        """Ask the detector, which gets what it wants of an observation.
+        """Ask the detector, which gets the part of an observation that it wants.
 
         Raises:
-            DetectorError: It failed, answered with something else, or cannot be started anew.
+            DetectorError: It failed, answered with something else, or cannot be restarted.
             DetectorTimeoutError: It was stopped.
             UserError: It cannot be started the first time, or wants more than a view.
         """
@@ -87,7 +87,7 @@ class Program:
         return self._wants
 
     def _start(self) -> None:
-        """Start; if that has worked before, it is no mistake of the user that it fails now."""
+        """Start; if that has worked before, a failure now is not a mistake of the user."""
         try:
             self._launch()
             self._wants = self._greeting()
@@ -122,7 +122,7 @@ class Program:
         return str(wanted)
 
     def _exchange(self, message: bytes, limit: float) -> Any:  # noqa: ANN401 (what it sends)
-        """Send a message, unless it is empty, and receive one. What fails to answer is stopped."""
+        """Send a message unless it is empty, and receive one. Stop the program if that fails."""
         outgoing = LENGTH.pack(len(message)) + message if message else b""
         try:
             return unpacked(self._transfer(outgoing, time.monotonic() + limit))
@@ -136,12 +136,12 @@ class Program:
             raise DetectorError(f"{self._name}: {error}") from error
 
     def _transfer(self, outgoing: bytes, deadline: float) -> bytes:
-        """Write bytes, and read one message meanwhile, for a program may write first.
+        """Write bytes, and read one message meanwhile, because a program may write first.
 
         Raises:
             TimeoutError: The deadline has passed.
             EOFError: The program has closed its output.
-            ValueError: What comes is too long for a message.
+            ValueError: The output is too long for a message.
         """
         process = self._process
         if process is None or process.stdin is None or process.stdout is None:
@@ -168,22 +168,22 @@ class Program:
         return bytes(incoming[LENGTH.size :])
 
     def _ending(self) -> str:
-        """How a program ended that does not answer any more, in words."""
+        """How a program that no longer answers ended, in words."""
         status = self._stop(ENDING_TIME)
         return "hung up" if status is None else f"ended with status {status}; see its messages"
 
     def _stop(self, patience: float = 0.0) -> int | None:
-        """End the program, and all that it started; its status if it ends by itself in time."""
+        """End the program and all that it started; returns its status if it ended by itself."""
         process, self._process = self._process, None
         if process is None:
             return None
         for pipe in (process.stdin, process.stdout):
             if pipe is not None:
-                pipe.close()  # it ends by itself when nobody can ask any more
+                pipe.close()  # it ends by itself when it can receive no more requests
         status = None
         with contextlib.suppress(subprocess.TimeoutExpired):
             status = process.wait(patience)
-        self._signal(process, signal.SIGTERM)  # `docker run` and the like hand it on
+        self._signal(process, signal.SIGTERM)  # `docker run` and the like pass it on
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(ENDING_TIME)
         self._signal(process, signal.SIGKILL)

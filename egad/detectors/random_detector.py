@@ -1,4 +1,4 @@
-"""random: a grasp anywhere on the object, for what a detector is worth without looking closely."""
+"""random: a grasp anywhere on the object, as a baseline that does not look closely."""
 
 import numpy as np
 

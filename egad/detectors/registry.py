@@ -1,4 +1,4 @@
-"""Grasp detectors: what they get, what they give, and how one is found by its name."""
+"""Grasp detectors: their input, their answers, and how one is found by its name."""
 
 import functools
 import inspect
@@ -27,7 +27,7 @@ QUICK: dict[str, Detector] = {
     "random": random_grasp,
     "suction-depth": suction_depth,
 }
-"""Detectors that need nothing but the image, and no process of their own to be stopped."""
+"""Detectors that need only the image, and no process of their own that can be stopped."""
 
 IN_SCENES: dict[str, Detector] = {
     "antipodal-cloud": antipodal_cloud,
@@ -41,8 +41,9 @@ def make_detector(config: DetectorConfig) -> Detector:
     """Make a detector.
 
     Args:
-        config: One that is shipped, but `labels`, or the user's own class: it is made without
-            arguments, or with the path of the weights if these are given. A function will do.
+        config: A shipped detector other than `labels`, or the user's own class, which is made
+            without arguments, or with the path of the weights if these are given. A function is
+            also accepted.
 
     Raises:
         UserError: It cannot be found or made.
@@ -63,7 +64,7 @@ def make_detector(config: DetectorConfig) -> Detector:
 
 
 def with_checked_answers(detect: Callable[..., Any]) -> Detector:
-    """The same detector, but with an error for an answer that is no grasps."""
+    """The same detector, but with an error for an answer that is not grasps."""
 
     @functools.wraps(detect, updated=())
     def ask(
@@ -97,7 +98,7 @@ def _name_with_place(detect: Callable[..., Any]) -> str:
 
 
 def _plain(grasp: Any) -> Grasp:  # noqa: ANN401 (whatever the user's code gives)
-    """A grasp of plain numbers, of anything that has those of a grasp."""
+    """A grasp of plain numbers, from anything that has the numbers of a grasp."""
     x, y, z = (float(number) for number in grasp.center)
     numbers = (float(getattr(grasp, key)) for key in ("angle", "width", "depth", "quality"))
     return Grasp((x, y, z), *numbers)
@@ -121,7 +122,7 @@ def _own(config: DetectorConfig) -> Callable[..., Any]:
 
 
 def fingerprint(config: DetectorConfig) -> list[str]:
-    """What else than the library and the settings decides the answers; the detector is not run.
+    """What decides the answers besides the library and the settings; the detector is not run.
 
     Raises:
         UserError: A file is missing.

@@ -1,6 +1,6 @@
-"""Detectors for as long as they are used, most in a process of their own.
+"""Detectors for as long as they are used, most of them in a process of their own.
 
-There they can be stopped, and what they break is only their own.
+There they can be stopped, and can break only their own process.
 """
 
 from collections.abc import Callable, Iterator
@@ -30,7 +30,7 @@ Answer = list[Grasp] | GraspPoses | MemoryError | str  # text: what went wrong, 
 
 
 class Child:
-    """A detector that answers from another process, started anew whenever it had to be stopped."""
+    """A detector that answers from another process, restarted whenever it had to be stopped."""
 
     def __init__(self, config: DetectorConfig, limit: float) -> None:
         """Prepare; the process starts with the first question, or with the `with` block.
@@ -53,12 +53,12 @@ class Child:
     def __call__(
         self, observation: View | Observation, gripper: Gripper, rng: np.random.Generator
     ) -> list[Grasp] | GraspPoses:
-        """Ask the detector, which gets what it wants of an observation.
+        """Ask the detector, which gets the part of an observation that it wants.
 
         Raises:
-            DetectorError: It failed, or cannot be started anew.
+            DetectorError: It failed, or cannot be restarted.
             DetectorTimeoutError: It was stopped.
-            MemoryError: It had not enough.
+            MemoryError: It did not have enough memory.
             UserError: It cannot be made the first time, or its process was killed.
         """
         if not self._worker.running:
@@ -84,7 +84,7 @@ class Child:
         return str(answer)
 
     def _start(self) -> None:
-        """Start; if that has worked before, it is no mistake of the user that it fails now."""
+        """Start; if that has worked before, a failure now is not a mistake of the user."""
         try:
             self._worker.start()
         except UserError as error:
@@ -131,7 +131,7 @@ def _answering(config: DetectorConfig) -> Iterator[Callable[[Question | None], A
 
 
 def _answer(detect: Detector, question: Question | None) -> Answer:
-    """The answer to a question; to none, what the detector wants to see."""
+    """The answer to a question; without one, what the detector wants to see."""
     if question is None:
         return wanted_input(detect)
     seen, gripper, rng = question

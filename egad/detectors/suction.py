@@ -18,8 +18,8 @@ from egad.grippers import Gripper, SuctionCup
 from egad.perception import PointCloud, View, heightmap_of, restore
 
 MAX_CANDIDATES = 500
-RIM = 1.1  # of the radius of the ring: as far the surface must be flat
-FLAT = 0.1  # of that radius: deviation at which the quality is 0
+RIM = 1.1  # times the radius of the ring: how far out the surface must be flat
+FLAT = 0.1  # times that radius: deviation at which the quality is 0
 TORQUE_SCALING = 50.0  # 1/m
 MIN_POINTS = 9  # in a disc
 SAMPLES = 50  # of a disc, each with a point nearby
@@ -32,7 +32,7 @@ class _Discs(NamedTuple):
     """The surface around n points.
 
     Attributes:
-        normals: (n, 3) unit normals of the planes that fit best; either way.
+        normals: (n, 3) unit normals of the planes that fit best, of either sign.
         deviations: (n,) standard deviation of the distances from a plane within 1.1 times the ring,
             metres; infinite where little is seen.
         whole: (n,) whether there are points all over the ring and inside it.
@@ -53,7 +53,7 @@ def suction_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> li
         (1 - deviation / (0.1 radius)) / sqrt(1 + (50 / m * distance)^2)
 
     with the standard deviation of the heights within 1.1 times the ring, and the distance of the
-    axis of the cup from the centroid of the volume below what is seen.
+    axis of the cup from the centroid of the volume below the visible surface.
 
     Args:
         view: A depth image from roughly above; the table is at height 0.
@@ -70,7 +70,7 @@ def suction_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> li
     view = restore(view)
     heightmap = heightmap_of(view)
     points = view.points().reshape(-1, 3)
-    standing = points[points[:, 2] > TABLE_CLEARANCE]  # which those that saw nothing are not
+    standing = points[points[:, 2] > TABLE_CLEARANCE]  # leaves out those that saw nothing
     if heightmap is None or not len(standing):
         return []
     chosen = np.linspace(0, len(standing) - 1, min(len(standing), MAX_CANDIDATES)).astype(np.int64)
@@ -90,7 +90,7 @@ def suction_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator)
     """Flat spots of a point cloud from any direction, near the middle of what is there.
 
     A candidate is one of 500 points with others all around it. The cup comes along the normal of
-    the plane that fits best, not from below, and on its way it meets no other point and not the
+    the plane that fits best, not from below, and on its way it meets neither another point nor the
     table. The score, from 0 to 1, is
 
         (1 - deviation / (0.1 radius)) / sqrt(1 + (50 / m * distance)^2) * (1 - slope) / 2
@@ -202,7 +202,7 @@ def _blocked(points: Floats, center: Floats, approach: Floats, cup: SuctionCup) 
 
 
 def _is_free(points: Floats, center: Floats, approach: Floats, cup: SuctionCup) -> bool:
-    """The same of the table, too, the other way round."""
+    """Whether neither the table nor a point is where cup and stem are, or on their way."""
     level = np.sqrt(max(1 - approach[2] ** 2, 0.0))
     back = (cup.height + cup.stem_length) * max(approach[2], 0.0)
     lowest = center[2] - back - max(cup.radius, cup.stem_radius) * level

@@ -23,8 +23,8 @@ VGN_WEIGHTS = "the published ones are in the data of the project ethz-asl/vgn: v
 SMOOTHING = 1.0  # voxels
 NEAR_SURFACE = 2  # voxels
 WIDTHS = (1.33, 9.33)  # voxels; predictions beyond these are dropped
-OPENING = 0.08  # metres; of the hand for which these are, the Panda's
-THRESHOLD = 0.9  # of the quality, for weights without one of their own, as the published ones
+OPENING = 0.08  # metres; opening of the hand that these are for, the Panda's
+THRESHOLD = 0.9  # of the quality, for weights without their own, such as the published ones
 APART = 4  # voxels; side of the cube in which only the best grasp is kept
 
 
@@ -32,12 +32,11 @@ class Vgn:
     """VGN's network as a grasp detector."""
 
     def __init__(self, weights: str | None, threshold: float | None = None) -> None:
-        """Load it.
+        """Load the network.
 
         Args:
             weights: File of weights, published or safetensors.
-            threshold: Quality that proposals have at least; None for that noted in the weights, or
-                0.9.
+            threshold: Least quality of proposals; None for that noted in the weights, or 0.9.
 
         Raises:
             UserError: PyTorch is missing, or the weights are, or they are of another network.
@@ -96,7 +95,7 @@ def widest(gripper: Gripper) -> float:
 
 
 def _processed(quality: Singles, width: Singles, grid: Singles, most: float) -> Singles:
-    """The quality smoothed, and 0 where it is far from free space or the width is none."""
+    """The quality smoothed, and 0 where it is far from free space or the width is out of range."""
     smooth: Singles = ndimage.gaussian_filter(quality, SMOOTHING, mode="nearest")
     inside = (grid > 1e-3) & (grid < 0.5)
     near = ndimage.binary_dilation(grid > 0.5, iterations=NEAR_SURFACE, mask=~inside)
@@ -105,6 +104,6 @@ def _processed(quality: Singles, width: Singles, grid: Singles, most: float) -> 
 
 
 def _peaks(quality: Singles, threshold: float) -> NDArray[np.bool_]:
-    """Voxels of a quality above the threshold and above that of all others nearby."""
+    """Voxels whose quality is above the threshold and above that of all others nearby."""
     high = np.where(quality >= threshold, quality, 0)
     return np.asarray((high > 0) & (high == ndimage.maximum_filter(high, APART)))

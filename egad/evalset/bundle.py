@@ -33,15 +33,15 @@ class SimulationObject:
 
     Attributes:
         mesh: The surface, wound outwards.
-        parts: Convex meshes that stand for it in contacts.
+        parts: Convex meshes that represent it in contacts.
         physics: Mass properties of the solid within the surface, not of the parts.
         volume_error: Volume of the union of the parts / volume of the object - 1.
-        deviation: Largest distance of what sticks out of the object from its surface.
-        buried: Share of the surface that fingers can touch that lies deeper in a part than the
+        deviation: Largest distance by which the parts protrude from the surface of the object.
+        buried: Share of the surface that fingers can touch which lies deeper in a part than the
             setting `deviation`.
-        deviation_bound: The deviation that the parts keep at 99 % of that surface, metres: larger
+        deviation_bound: The deviation that the parts meet at 99 % of that surface, metres: larger
             than the setting if more than `max_parts` would be needed. NaN for CoACD.
-        within: Whether the parts are as close to the object as the settings want.
+        within: Whether the parts are as close to the object as the settings require.
     """
 
     mesh: trimesh.Trimesh
@@ -55,7 +55,7 @@ class SimulationObject:
 
     @cached_property
     def poses(self) -> tuple[StablePose, ...]:
-        """How it can rest on a table: 5 degrees apart, and at least 0.1 % probable."""
+        """Stable poses on a table: 5 degrees apart, and at least 0.1 % probable."""
         poses = group_poses(stable_poses(self.mesh, self.physics.com), SAME_POSE)
         return tuple(pose for pose in poses if pose.probability >= MIN_PROBABILITY)
 
@@ -63,7 +63,7 @@ class SimulationObject:
 def make_simulation_object(
     mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh"
 ) -> SimulationObject:
-    """Make an object of uniform density ready for simulators.
+    """Prepare an object of uniform density for simulators.
 
     Args:
         mesh: A closed surface in metres, wound either way.
@@ -73,10 +73,10 @@ def make_simulation_object(
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has no such parts.
-        UserError: CoACD is wanted and not installed.
+        UserError: CoACD is requested but not installed.
 
     Warns:
-        PartsWarning: The parts do not keep to the bounds of the settings.
+        PartsWarning: The parts do not meet the bounds of the settings.
     """
     solid = wind_outwards(mesh)
     found = make_parts(solid, settings)
@@ -121,7 +121,7 @@ def read_parts(rows: pd.DataFrame) -> tuple[trimesh.Trimesh, ...]:
         rows: Columns of `tables.evaluation.CONVEX_PARTS`, of this object.
 
     Warns:
-        PartsWarning: The parts do not keep to the bounds that they were made with.
+        PartsWarning: The parts do not meet the bounds that they were made with.
     """
     warn_of_row(parquet.records(rows.head(1))[0])
     corners = [np.reshape(vertices, (-1, 3)) for vertices in rows["vertices"]]
@@ -135,7 +135,7 @@ def simulation_object(
     """An object whose convex parts were made before.
 
     Args:
-        mesh: The closed surface that they were made of, in metres.
+        mesh: The closed surface that they were made from, in metres.
         density: kg/m3.
         rows: Columns of `tables.evaluation.CONVEX_PARTS`, of this object.
 
@@ -143,7 +143,7 @@ def simulation_object(
         RejectedError: The mesh does not bound a solid.
 
     Warns:
-        PartsWarning: As of `read_parts`.
+        PartsWarning: As for `read_parts`.
     """
     solid = wind_outwards(mesh)
     physics = mass_properties(solid, density)
@@ -161,7 +161,7 @@ def simulation_object(
 
 
 def warn_of_row(row: Mapping[str, Any]) -> None:
-    """Warn if the convex parts of an object of a table are beyond their bounds.
+    """Warn if the convex parts of an object in a table exceed their bounds.
 
     Args:
         row: Columns of `tables.evaluation.CONVEX_PARTS` or `BUNDLE`.

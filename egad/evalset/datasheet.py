@@ -15,7 +15,7 @@ ATTEMPTS = 20  # as in the paper
 
 @dataclass(frozen=True)
 class ForGripper:
-    """What is known of the set scaled for a gripper.
+    """Data about the set, scaled for a gripper.
 
     Attributes:
         manifest: Columns of `tables.evaluation.MANIFEST`.
@@ -74,9 +74,9 @@ def page(
         dataset: Its name.
         chosen: Columns of `tables.evaluation.EVAL49`.
         empty: Labels of the cells without an object.
-        grippers: What is known of the set for each gripper.
+        grippers: Data about the set for each gripper.
         export: How it is printed.
-        introduction: What stands above the tables; by default, what the rows and columns are.
+        introduction: Text above the tables; by default, what the rows and columns are.
     """
     head = introduction or _introduction(dataset, chosen, empty)
     rows = [

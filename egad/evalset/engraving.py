@@ -13,7 +13,7 @@ from egad._util.arrays import Floats
 from egad.evalset.parameters import Engraving
 from egad.geometry import RayCaster, is_solid, spread, to_mesh, to_solid
 
-FONT = FontProperties(family="DejaVu Sans", weight="bold")  # matplotlib brings it along
+FONT = FontProperties(family="DejaVu Sans", weight="bold")  # comes with matplotlib
 STEP = 0.5  # of the height of the letters: between the positions tried
 TURNS = 6  # of the text at each position, over half a turn
 RIM = 0.15  # of the height of the letters: clearance around the text
@@ -30,7 +30,7 @@ class Patch(NamedTuple):
         middle: Middle of the text, on the surface, (3,).
         frame: Columns to the right of the text, up, and out of the surface, (3, 3).
         relief: Height of the highest point below the text over the lowest, metres.
-        contacts: Contacts of grasps on it.
+        contacts: Number of grasp contacts on it.
     """
 
     middle: Floats
@@ -42,18 +42,18 @@ class Patch(NamedTuple):
 def engrave(
     mesh: trimesh.Trimesh, text: str, settings: Engraving, wall: float, contacts: Floats
 ) -> trimesh.Trimesh | None:
-    """A copy with a text cut into it, everywhere equally deep, where it disturbs grasps least.
+    """A copy with a text cut into it at uniform depth, where it disturbs grasps least.
 
     Args:
         mesh: A closed surface, wound outwards, metres, at the size that it is printed in.
         text: A few letters and digits.
         settings: Depth, height of the letters, and how uneven the place may be.
-        wall: What must be left below the text, metres.
-        contacts: Where grasps touch the object, (n, 3); the place with fewest is taken, and of
-            those the most even.
+        wall: Thickness that must be left below the text, metres.
+        contacts: Where grasps touch the object, (n, 3); the place with the fewest is taken, and
+            among those the most even one.
 
     Returns:
-        None if the text finds no place, or would cut the object in pieces.
+        None if there is no place for the text, or if it would cut the object into pieces.
     """
     patch = best_patch(mesh, text, settings, wall, contacts)
     return None if patch is None else cut_text(mesh, text, patch, settings)
@@ -62,7 +62,7 @@ def engrave(
 def cut_text(
     mesh: trimesh.Trimesh, text: str, patch: Patch, settings: Engraving
 ) -> trimesh.Trimesh | None:
-    """A copy with a text cut into it at a given place; None if the object falls in pieces.
+    """A copy with a text cut into it at a given place; None if the object falls apart.
 
     The floor of the letters is the surface itself, moved inwards by the depth.
     """
@@ -79,7 +79,7 @@ def cut_text(
 def outlines(text: str, height: float) -> list[Floats]:
     """Closed outlines of a text around the origin, each (n, 2), x to the right and y up.
 
-    Those of holes wind the other way. The highest letter has the height given.
+    Outlines of holes wind the other way. The tallest letter has the given height.
     """
     glyphs = TextPath((0, 0), text, size=1, prop=FONT).to_polygons()
     points = np.concatenate(glyphs)
@@ -90,7 +90,7 @@ def outlines(text: str, height: float) -> list[Floats]:
 def best_patch(
     mesh: trimesh.Trimesh, text: str, settings: Engraving, wall: float, contacts: Floats
 ) -> Patch | None:
-    """The place with fewest contacts, then the most even one; None if there is none.
+    """The place with the fewest contacts, then the most even one; None if there is none.
 
     All of it can be seen from straight above, and the solid below is thick enough.
     """
@@ -114,7 +114,7 @@ def _places(mesh: trimesh.Trimesh, letters: float, radius: float) -> tuple[Float
     first = np.sort(np.unique(cells, axis=0, return_index=True)[1])
     normals = samples.normals
     around = cKDTree(samples.points).query_ball_point(samples.points[first], radius)
-    # only what faces the same way: not the other side of a thin wall
+    # only points that face the same way: not the other side of a thin wall
     means = np.array(
         [
             normals[near][normals[near] @ normals[one] > 0].mean(axis=0)
@@ -157,6 +157,6 @@ def _reliefs(
 
 
 def _on_it(contacts: Floats, middle: Floats, frame: Floats, size: Floats, relief: float) -> int:
-    """How many contacts lie on a place or less than a finger beside it."""
+    """How many contacts lie on a place or less than a finger away from it."""
     local = np.abs((contacts - middle) @ frame)
     return int((local <= [*(size / 2 + FINGER), relief + FINGER]).all(axis=1).sum())

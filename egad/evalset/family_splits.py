@@ -48,14 +48,14 @@ def split_by_family(
 ) -> dict[str, str]:
     """The split of each object: `train`, `validation` or `test`.
 
-    No family is in both training and validation. The largest families are for training, until it
-    has its part of the objects; all others are for validation. The result does not depend on the
-    order of the objects.
+    No family is in both training and validation. The largest families go to training until it has
+    its share of the objects; all others go to validation. The result does not depend on the order
+    of the objects.
 
     Args:
         family_of: The family of each object, by id.
         test: Ids of the objects for testing; those of other datasets are ignored.
-        validation: Largest fraction of the other objects that are for validation.
+        validation: Largest fraction of the other objects that go to validation.
         seed: Decides which of several families of the same size comes first.
     """
     held_out = set(test)

@@ -23,7 +23,7 @@ ROUNDING = 1e-6  # metres
 
 
 def print_settings(settings: PrintExport) -> str:
-    """What the estimated filament holds for, in the words of slicers."""
+    """The print settings behind the estimated filament, in the terms of slicers."""
     return (
         f"layer height {1000 * LAYER:g} mm, line width {1000 * settings.line_width:g} mm, "
         f"perimeters {settings.perimeters}, solid layers {settings.solid_layers} at the bottom and "
@@ -34,8 +34,8 @@ def print_settings(settings: PrintExport) -> str:
 def filament_mass(mesh: trimesh.Trimesh, settings: PrintExport) -> float:
     """Mass of a print without supports, kg.
 
-    Every fifth layer stands for those around it; the lowest and highest ones, which are solid,
-    are all computed.
+    Every fifth layer represents those around it; the lowest and highest ones, which are solid, are
+    all computed.
 
     Args:
         mesh: A closed surface, wound outwards, metres, as it lies on the bed.
@@ -62,9 +62,9 @@ def filament_mass(mesh: trimesh.Trimesh, settings: PrintExport) -> float:
 def _filled_area(section: Sections, layer: int, settings: PrintExport) -> float:
     """Area of a layer that filament fills, m2: all but the gaps of the sparse infill.
 
-    Infill is sparse within the perimeters where the neighboring layers cover it, as many as are
-    solid at the bottom and the top, but not beside narrow strips without cover. Its lines are
-    anchored along the lines around it. This takes as much as if it reached one line further.
+    Infill is sparse within the perimeters where as many neighboring layers cover it as are solid at
+    the bottom and the top, but not beside narrow strips without cover. Its lines are anchored along
+    the lines around it, which takes as much filament as if the infill reached one line further.
     """
     line = line_spacing(settings.line_width)
     whole = section(layer)
@@ -82,7 +82,7 @@ def _filled_area(section: Sections, layer: int, settings: PrintExport) -> float:
 
 
 def line_spacing(width: float) -> float:
-    """Distance of neighboring lines, which have round sides, so that no gaps stay, metres.
+    """Distance between neighboring lines, which have round sides, so that no gaps remain, metres.
 
     The area of a line's section is that of a rectangle between two half discs, as high as the
     layer.

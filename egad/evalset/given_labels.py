@@ -1,4 +1,4 @@
-"""An evaluation set that somebody else has chosen: its objects have their labels already."""
+"""An evaluation set chosen by somebody else: its objects already have labels."""
 
 import logging
 from collections.abc import Iterable, Mapping
@@ -32,7 +32,7 @@ def read_labels(path: Path) -> dict[str, str]:
     """Labels by the ids of objects, from a CSV file with the columns id and label.
 
     Raises:
-        UserError: It cannot be used; the text says where.
+        UserError: It cannot be used; the message says where.
     """
     try:
         rows = csv_lines(path)
@@ -63,7 +63,7 @@ def take(
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
         labels: Labels by the ids of objects; ids that are not among them are named in the log.
-        distances: (n, n) distances of the objects.
+        distances: (n, n) distances between the objects.
         settings: Rows and columns of the grid.
 
     Returns:

@@ -11,18 +11,21 @@ from egad.geometry import DEVIATION, MAX_PARTS, MAX_VERTICES, VOLUME_ERROR
 class SelectEval(Parameters):
     """The evaluation set: one object per cell of a coarse grid, chosen for dissimilar shapes."""
 
-    rows: int = Field(7, ge=1, le=26, description="rows = letters = difficulty")
-    columns: int = Field(7, ge=1, le=10, description="columns = digits = complexity")
+    rows: int = Field(7, ge=1, le=26, description="rows of the grid: difficulty, named by letters")
+    columns: int = Field(
+        7, ge=1, le=10, description="columns of the grid: complexity, named by digits"
+    )
     restarts: int = Field(20, ge=1, description="random starts of the local search")
     borrow: float = Field(
         0.1,
         ge=0,
-        description="an empty cell takes the nearest object at most this far away, in cells",
+        description="an empty cell takes the nearest object if it is at most this far away, in "
+        "cells",
     )
     gripper: Name | None = Field(
         None,
-        description="all chosen objects must be printable when scaled to this gripper of the "
-        "table; nothing: the narrowest gripper",
+        description="all chosen objects must be printable when scaled to this gripper, from the "
+        "table `grippers`; nothing: the narrowest gripper",
     )
 
 
@@ -63,7 +66,10 @@ class PrintExport(Parameters):
         description="width of the lines of perimeters and infill, metres",
     )
     solid_layers: int = Field(
-        3, ge=0, le=50, description="below each top surface and above each bottom surface"
+        3,
+        ge=0,
+        le=50,
+        description="solid layers below each top surface and above each bottom surface",
     )
     infill: PositiveFraction = Field(0.2, description="fraction of the inside that is filled")
     filament_density: float = Field(
@@ -80,7 +86,7 @@ class Engraving(Parameters):
     relief: Length = Field(
         0.001,
         description="largest height difference of the surface below the label, metres; objects "
-        "without such an area get no label",
+        "without an area this flat get no label",
     )
 
 
@@ -89,28 +95,29 @@ class Bundle(Parameters):
 
     method: Literal["cut", "coacd"] = Field(
         "cut",
-        description="how the convex parts are made: cut by planes, or by CoACD, which is installed "
-        "with `pip install 'egad[coacd]'`",
+        description="how the convex parts are made: cut: by cutting along planes; coacd: by CoACD, "
+        "which needs `pip install 'egad[coacd]'`",
     )
     max_parts: int = Field(
-        MAX_PARTS, ge=1, description="largest number of convex parts of an object"
+        MAX_PARTS, ge=1, description="maximum number of convex parts of an object"
     )
     volume_error: float = Field(
         VOLUME_ERROR,
         gt=0,
         lt=1,
-        description="largest relative excess volume of the parts; objects above it are marked",
+        description="largest relative excess volume of the parts; objects that exceed it are "
+        "flagged",
     )
     deviation: float = Field(
         DEVIATION,
         gt=0,
-        description="metres; 99 % of the surface that fingers can touch lies no deeper in a part "
-        "(method: cut); other objects are marked",
+        description="99 % of the surface that fingers can touch lies at most this deep in a part, "
+        "metres (method: cut); objects that exceed it are flagged",
     )
     max_vertices: int = Field(
-        MAX_VERTICES, ge=8, description="largest number of vertices of a part"
+        MAX_VERTICES, ge=8, description="maximum number of vertices of a part"
     )
     coacd_threshold: float = Field(
-        0.05, ge=0.01, le=1, description="concavity of a part (method: coacd)"
+        0.05, ge=0.01, le=1, description="largest concavity of a part (method: coacd)"
     )
     friction: float = Field(0.5, gt=0, le=2, description="sliding friction of the objects")

@@ -35,8 +35,8 @@ class Closeness(NamedTuple):
 
     Attributes:
         volume_error: Volume of the union of the parts / volume of the object - 1.
-        deviation: Largest distance of what sticks out of the object from its surface, metres.
-        buried: Share of the surface that fingers can touch that lies deeper in a part than the
+        deviation: Largest distance by which the parts protrude from its surface, metres.
+        buried: Share of the surface that fingers can touch which lies deeper in a part than the
             setting `deviation`.
     """
 
@@ -45,7 +45,7 @@ class Closeness(NamedTuple):
     buried: float
 
     def is_within(self, settings: Bundle) -> bool:
-        """Whether the parts are as close to the object as the settings want."""
+        """Whether the parts are as close to the object as the settings require."""
         return abs(self.volume_error) <= settings.volume_error and self.buried <= MAX_BURIED
 
 
@@ -58,7 +58,7 @@ def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has no such parts.
-        UserError: It is not a mesh, or CoACD is wanted and not installed.
+        UserError: It is not a mesh, or CoACD is requested but not installed.
     """
     return _unpacked(
         _cached("convex-parts", mesh, settings, lambda: _packed(_made(mesh, settings)))
@@ -98,16 +98,16 @@ def _cached(
 
 
 def warn_if_beyond(name: str, within: bool, volume_error: float, bound: float) -> None:
-    """Warn if convex parts are farther from their object than the bounds that were asked for.
+    """Warn if convex parts are farther from their object than the requested bounds allow.
 
     Args:
         name: What the warning calls the object.
-        within: Whether they keep to the bounds.
+        within: Whether they meet the bounds.
         volume_error: Volume of the parts / volume of the object - 1.
-        bound: The deviation that the parts keep, metres; NaN if unknown.
+        bound: The deviation that the parts meet, metres; NaN if unknown.
 
     Warns:
-        PartsWarning: They do not keep to the bounds.
+        PartsWarning: They do not meet the bounds.
     """
     if within:
         return

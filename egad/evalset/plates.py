@@ -24,8 +24,8 @@ class PrintItem:
     Attributes:
         pose: How it lies, the lowest corner of its box at the origin.
         filament: Mass, kg, without supports.
-        plate: Number from 1; None if it is on none.
-        place: x and y of its lowest corner on the plate; None if it is on none.
+        plate: Number from 1; None if it is on no plate.
+        place: x and y of its lowest corner on the plate; None if it is on no plate.
         note: What to know before printing.
     """
 
@@ -48,7 +48,7 @@ def plan_prints(
         meshes: Closed meshes in metres, by label.
         settings: Bed, gap, pose, filament.
         check: What can be printed.
-        watch: Passes the meshes through while they are turned, for showing progress.
+        watch: Passes the meshes through while they are turned, to show progress.
 
     Returns:
         One item for each label, in the order given.

@@ -37,9 +37,9 @@ def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -
     Args:
         mesh: A closed surface, wound outwards, metres.
         choice: `stable`: on the face of its hull that it most probably comes to rest on;
-            `overhang`: of all but the improbable ones, the one with the least area to support, if
-            possible with a first layer of 1 mm2.
-        angle: Surface that leans out further from the vertical is supported, degrees.
+            `overhang`: among all but the improbable poses, the one with the least area to support,
+            if possible with a first layer of 1 mm2.
+        angle: Surfaces at a larger angle to the vertical are supported, degrees.
         along: The axis for the longer side of the footprint.
     """
     try:
@@ -70,8 +70,8 @@ def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> floa
 
     Args:
         mesh: A closed surface, wound outwards.
-        rotation: (3, 3); after it z points up.
-        angle: Surface that leans out further from the vertical counts, degrees.
+        rotation: (3, 3); after it, z points up.
+        angle: Surfaces at a larger angle to the vertical count, degrees.
     """
     up = rotation[2]
     heights = np.asarray(mesh.vertices) @ up
@@ -85,7 +85,7 @@ def first_layer_area(mesh: trimesh.Trimesh, rotation: Floats) -> float:
 
     Args:
         mesh: A closed surface, wound outwards, metres.
-        rotation: (3, 3); after it z points up.
+        rotation: (3, 3); after it, z points up.
     """
     standing = np.asarray(mesh.vertices, dtype=np.float64) @ rotation.T
     return float(to_solid(standing, mesh.faces).slice(standing[:, 2].min() + LAYER / 2).area())

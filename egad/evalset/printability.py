@@ -15,9 +15,9 @@ SPACING = 0.8  # of the diameter: longest side of the pieces that triangles are 
 SLACK = 0.95  # of the radius: a ball that touches one facet of a curve cuts into the next
 PARALLEL = np.cos(np.radians(30))  # of the angle between the sides of a wall, at most
 GRAIN = 0.25  # radii between balls that are told apart
-LINK = 2.4  # radii between balls that may hang together
-SKIN = 1e-3  # of the diameter: rays begin this deep
-STUB = 0.5  # of the thinnest wall: thin parts that stand out less are no walls
+LINK = 2.4  # radii between balls that may be connected
+SKIN = 1e-3  # of the diameter: rays start this deep
+STUB = 0.5  # of the thinnest wall: thin parts that protrude less are not walls
 
 
 class Thinness(NamedTuple):
@@ -26,12 +26,12 @@ class Thinness(NamedTuple):
     Each is a distance, in the unit of the mesh; inf if the ball fits nowhere.
 
     Attributes:
-        edge: How far the surface lies from what the ball reaches, at most. A flat face has 0, a
+        edge: Largest distance of the surface from what the ball reaches. A flat face has 0, a
             right-angled edge 0.21 diameters, an edge or the tip of a cone of angle t
             (1 / sin(t / 2) - 1) / 2.
-        wall: The same of surface with other surface less than the diameter behind it, parallel
-            within 30 degrees: of fins, films, rods, and the sharpest edges and tips.
-        part: How far balls lie, at most, from the largest part of the solid that one can roll
+        wall: The same, only for surface with other surface less than the diameter behind it,
+            parallel within 30 degrees: fins, films, rods, and the sharpest edges and tips.
+        part: Largest distance of a ball from the largest part of the solid that one can roll
             through.
     """
 
@@ -76,10 +76,10 @@ def _behind(
 
 
 def _balls(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> tuple[Floats, Flags]:
-    """Centers of balls that fit, and which of those given do.
+    """Centers of balls that fit, and which of the given ones do.
 
-    Where one does not, it is pushed away from the surface that it meets, to find the narrow room
-    that it may have, as in a square rod.
+    A ball that does not fit is pushed away from the surface that it meets, to find the narrow space
+    where it may fit, as in a square rod.
     """
     distances, met = nearest(centers, mesh)
     fits = distances >= SLACK * radius
@@ -94,10 +94,10 @@ def _fits(mesh: trimesh.Trimesh, centers: Floats, radius: float) -> Flags:
 
 
 def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
-    """How far the balls lie from the largest part, of those that do not hang together with it.
+    """Distances to the largest part, of the balls that are not connected to it.
 
     Balls a radius apart overlap so much that 0.8 of the diameter passes from one to the other.
-    Those further apart hang together if a ball fits midway, too: then 0.75 passes.
+    Balls further apart are connected if a ball also fits midway: then 0.75 passes.
     """
     balls = _thinned(balls, GRAIN * radius)
     tree = _tree(balls)
@@ -116,7 +116,7 @@ def _apart(mesh: trimesh.Trimesh, balls: Floats, radius: float) -> Floats:
 
 
 def _thinned(points: Floats, grain: float) -> Floats:
-    """The first point of each cell of a grid, cell by cell: the others are beside them."""
+    """The first point of each cell of a grid, cell by cell: the others are close to them."""
     cells = np.round(points / grain).astype(np.int64)
     x, y, z = (cells - cells.min(axis=0)).T
     numbers = (x * (y.max() + 1) + y) * (z.max() + 1) + z
@@ -131,24 +131,24 @@ def _away(points: Floats, others: Floats) -> Floats:
 
 
 def _tree(points: Floats) -> cKDTree:
-    """Points to search among: made quickly, as it is not asked often."""
+    """A search tree of points: built quickly, because it is not queried often."""
     return cKDTree(points, balanced_tree=False, compact_nodes=False)
 
 
 def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
-    """What keeps an object from being printed, at the size that it has.
+    """What keeps an object from being printed at its present size.
 
     It must be closed, one body without a trapped void, and nowhere thinner than the nozzle
     allows: a ball as wide as the thinnest wall, rolled inside, must come close to all of the
-    surface, and get from everywhere to everywhere. Edges and tips may become blunter as far as
-    the settings say; where both sides are parallel within 30 degrees, half a wall is the limit.
+    surface, and get from any place to any other. Edges and tips may become blunter by as much as
+    the settings allow; where both sides are parallel within 30 degrees, half a wall is the limit.
 
     Args:
         mesh: Metres, scaled as it will be printed.
         check: Thinnest wall, and what counts as an edge or a tip.
 
     Returns:
-        A few words for each problem; nothing if it can be printed.
+        A few words for each problem; empty if it can be printed.
     """
     if not mesh.is_watertight or not mesh.is_winding_consistent:
         return ["not closed"]

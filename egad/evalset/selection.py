@@ -1,6 +1,6 @@
 """Selection of the evaluation set: one object per cell of a coarse grid, diverse as a set.
 
-Source: EGAD, section IV-A, but optimised over the whole set at once (ours).
+Source: EGAD, section IV-A, but optimized over the whole set at once (ours).
 """
 
 import re
@@ -43,8 +43,9 @@ def candidates_by_cell(
     """The row numbers of the objects in each coarse cell that has any, row by row.
 
     A cell without any borrows the object that lies nearest to it, at most `settings.borrow` cells
-    away, unless it is the last of its own cell. That counts as in the borrowing cell only. Where
-    the graspability of some objects is certain, the others of their cell are no candidates.
+    away, unless it is the last object of its own cell. A borrowed object counts as in the borrowing
+    cell only. Where the graspability of some objects is certain, the other objects of their cell
+    are not candidates.
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
@@ -104,7 +105,7 @@ class Selection(NamedTuple):
         table: Columns of `tables.evaluation.EVAL49`, sorted by label.
         chosen: Row numbers of the objects, cell by cell.
         candidates: Row numbers of all that could have been chosen, cell by cell.
-        left_out: Row numbers of the objects with problems, and these.
+        left_out: Row numbers of the objects with problems, and their problems.
     """
 
     table: pd.DataFrame
@@ -121,20 +122,20 @@ def select(
     rng: np.random.Generator,
     problems: Check | None = None,
 ) -> Selection:
-    """Choose one object for every coarse cell that has any, or one near by to borrow.
+    """Choose one object for every coarse cell that has any, or one nearby to borrow.
 
     The sum of the distances of all pairs is a local maximum: no exchange of one or two objects
     for others of their cells makes it larger. The best of several random starts is taken. An
-    object with problems is left out and the rest chosen again, so only those are looked at that
-    would be chosen.
+    object with problems is left out and the rest is chosen again, so only objects that would be
+    chosen are checked.
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
-        distances: (n, n) distances of the objects.
+        distances: (n, n) distances between the objects.
         settings: Rows, columns, restarts.
         space: Ranges of the grid.
         rng: For the random starts.
-        problems: What is wrong with the object of a row number; nothing if it may be chosen.
+        problems: What is wrong with the object of a row number; empty if it may be chosen.
     """
     left_out: dict[int, list[str]] = {}
     fine: set[int] = set()
@@ -178,16 +179,16 @@ def improve(start: Ints, candidates: Sequence[Ints], distances: Distances) -> In
 
 
 def _exchange_pair(chosen: Ints, candidates: Sequence[Ints], distances: Distances) -> Ints | None:
-    """The set after the first exchange of two objects that makes it better; None: there is none.
+    """The set after the first exchange of two objects that improves it; None if there is none.
 
-    The pairs of an object of one cell with one of any later cell are looked at together.
+    All pairs of an object of one cell and an object of any later cell are evaluated together.
     """
     if len(candidates) < 2:
         return None
     gains = distances[:, chosen].sum(axis=1)
     objects, ends = np.concatenate(candidates), np.cumsum([len(cell) for cell in candidates])
     cells = np.repeat(np.arange(len(candidates)), np.diff(ends, prepend=0))
-    own = distances[objects, chosen[cells]]  # to what is chosen of the same cell
+    own = distances[objects, chosen[cells]]  # to the chosen object of the same cell
     for first, rows in enumerate(candidates[:-1]):
         old, end = chosen[first], ends[first]
         columns, others = objects[end:], distances[np.ix_(rows, chosen)][:, cells[end:]]
@@ -236,7 +237,7 @@ def mean_distance(chosen: Ints, distances: Distances) -> float:
 
 
 def bound(candidates: Sequence[Ints], distances: Distances) -> float:
-    """What the mean distance of no set can exceed.
+    """An upper bound of the mean distance of any set.
 
     Each object of a set lies at most as far from the others as from the farthest of their cells.
     """
@@ -257,19 +258,19 @@ def best_of_random(
     rng: np.random.Generator,
     draws: int = 1000,
 ) -> float:
-    """The largest mean distance among random sets, to hold that of the chosen set against."""
+    """The largest mean distance among random sets, to compare with that of the chosen set."""
     drawn = (random_choice(candidates, rng) for _ in range(draws))
     return max(mean_distance(chosen, distances) for chosen in drawn)
 
 
 def empty_cells(chosen: pd.DataFrame, settings: SelectEval) -> list[str]:
-    """Labels of the coarse cells that no object of the set stands for."""
+    """Labels of the coarse cells that no object of the set represents."""
     labels = labels_of(settings.rows, settings.columns)
     return [label for label in labels if label not in set(chosen["label"])]
 
 
 def nearest_distances(chosen: Ints, distances: Distances) -> NDArray[np.float64]:
-    """Distance of each to the nearest other; NaN for a single one."""
+    """Distance of each object to the nearest other one; NaN for a single one."""
     if len(chosen) < 2:
         return np.full(len(chosen), np.nan)
     among = distances[np.ix_(chosen, chosen)].copy()
@@ -288,8 +289,8 @@ def selection_table(
 
     Args:
         chosen: Columns of `tables.objects.OBJECTS`.
-        cells: (n,) numbers of the cells that they stand for, row by row.
-        columns: Of the grid.
+        cells: (n,) numbers of the cells that they represent, row by row.
+        columns: Number of columns of the grid.
         borrowed: (n,) whether they come from neighboring cells.
         nearest: (n,) distances to the nearest other.
     """

@@ -1,7 +1,7 @@
 """Dex-Net databases: one HDF5 file with the objects of a dataset and the grasps of a gripper.
 
 The groups and attributes are those that Dex-Net's database classes read. A grasp is a group with
-attributes, so there are millions of these: they are made by the low-level calls of h5py.
+attributes, so there are millions of groups: they are made by the low-level calls of h5py.
 """
 
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ _TEXT = h5py.string_dtype()  # Dex-Net compares strings, and would get bytes fro
 
 @dataclass(frozen=True)
 class DexnetObject:
-    """What a database holds of an object.
+    """What a database holds about an object.
 
     Attributes:
         mesh: Metres, in the frame that the grasps are in.

@@ -26,8 +26,8 @@ def load_grasps(path: str | Path, gripper: str | None = None) -> Grasps:
         were simulated.
 
     Raises:
-        UserError: There is no such gripper in the folder, none is named, or one with a file;
-            or the path is none.
+        UserError: There is no such gripper in the folder, or none is named; a gripper is named for
+            a file; or `path` is not a path.
         TableError: The table is damaged, or is not one of grasps.
     """
     table = grasp_table(as_path("path", path), gripper)
@@ -67,7 +67,7 @@ def check_opening(dataset: Path, gripper: str, opening: float) -> None:
         opening: Its opening, metres, as the settings have it.
 
     Raises:
-        UserError: Its opening was another one.
+        UserError: It had another opening.
         TableError: The table of scales is missing or damaged.
     """
     path = dataset / "rescaled" / gripper / "scales.parquet"
@@ -80,7 +80,7 @@ def check_opening(dataset: Path, gripper: str, opening: float) -> None:
 
 
 def by_object(path: Path, columns: list[str]) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The grasps of one object after the other, never more than some thousands in memory.
+    """The grasps of one object after the other, never more than a few thousand in memory.
 
     Args:
         path: A table of grasps, sorted by label.

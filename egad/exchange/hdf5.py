@@ -34,7 +34,7 @@ class DamagedError(UserError):
 
 @contextmanager
 def writing(path: Path) -> Iterator[h5py.File]:
-    """A new file, which gets its name only once it is complete, and else leaves nothing.
+    """A new file, which gets its name only once it is complete, and otherwise leaves nothing.
 
     Raises:
         UserError: It cannot be written, for instance because the disk is full.
@@ -53,7 +53,7 @@ def writing(path: Path) -> Iterator[h5py.File]:
 
 
 def sound_keys(path: Path, group: str) -> list[str]:
-    """Names in a group of a file, all of which is read to see that nothing is damaged.
+    """Names in a group of a file; the whole file is read to see that nothing is damaged.
 
     Raises:
         DamagedError: It is not HDF5, is truncated or damaged, or has no such group.
@@ -75,7 +75,7 @@ def _read_all(item: h5py.Group | h5py.Dataset) -> None:
     """Read every attribute and array; HDF5 compares their checksums."""
     dict(item.attrs)
     if isinstance(item, h5py.Group):
-        for name in item:  # .values() has None for what is damaged
+        for name in item:  # .values() has None for damaged items
             _read_all(item[name])
         return
     item[()]
@@ -84,11 +84,11 @@ def _read_all(item: h5py.Group | h5py.Dataset) -> None:
 
 
 def check_key(name: str, what: str = "object") -> str:
-    """A name that may stand for an object in HDF5 files and in the names of files.
+    """Return a name if it may stand for an object in HDF5 files and in the names of files.
 
     Args:
         name: The name.
-        what: What it is of.
+        what: What it names.
 
     Raises:
         UserError: It holds other characters than letters, digits, `_`, `-` and `.`.
@@ -102,7 +102,7 @@ def check_key(name: str, what: str = "object") -> str:
 
 
 def add_group(parent: h5py.Group, path: str) -> h5py.Group:
-    """Add a group, one step after the other: those that HDF5 makes on its way hold the time."""
+    """Add a group level by level: intermediate groups that HDF5 makes itself hold the time."""
     group = parent
     for name in path.split("/"):
         group = group.require_group(name)
@@ -121,9 +121,9 @@ def add_array(group: h5py.Group, name: str, values: ArrayLike) -> None:
 
 
 def copy_group(source: h5py.Group, target: h5py.Group) -> None:
-    """Copy all that is in a group, as if it were made anew; arrays stay compressed.
+    """Copy all that is in a group, as if it were newly made; arrays stay compressed.
 
-    HDF5's own copy takes over how the file of the source happened to be filled.
+    HDF5's own copy would depend on how the source file happened to be filled.
     """
     for name, value in source.attrs.items():
         target.attrs[name] = value

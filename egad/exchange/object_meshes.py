@@ -15,7 +15,7 @@ class MeshFiles(NamedTuple):
 
     Attributes:
         visual: The true surface, in metres.
-        parts: Convex parts, which stand for it in contacts.
+        parts: Convex parts, which replace it in contacts.
         part_unit: Unit of the parts, metres.
     """
 

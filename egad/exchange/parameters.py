@@ -28,7 +28,8 @@ class DexNet(Parameters):
         2,
         ge=1,
         le=64,
-        description="cells between the bounding box of the object and the edge; Dex-Net: 5 of 100",
+        description="cells between the bounding box of the object and the edge of the field; "
+        "Dex-Net uses 5 of 100",
     )
     pose_probability: Fraction = Field(
         0.01, description="stable poses with a lower probability are omitted"
@@ -49,14 +50,14 @@ class Acronym(Parameters):
 
     min_robust_success_rate: Fraction = Field(
         0.5,
-        description="a grasp counts as a success if the open hand is free of collisions at the "
-        "grasp and on its straight approach, for the best of the approach angles tried, and if its "
-        "robust success rate is at least this",
+        description="minimum robust success rate of a grasp that counts as a success; the open "
+        "hand must also be free of collisions at the grasp and on its straight approach, for the "
+        "best of the approach angles tried",
     )
 
 
 class GripperFormat(ParameterGroup):
-    """A format that depends on the gripper alone, beside what it reads."""
+    """A format that depends only on the gripper and the files that it reads."""
 
     gripper: Gripper
 

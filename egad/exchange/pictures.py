@@ -17,7 +17,7 @@ NOTHING = 0.0  # what readers of these sets take for a missing depth
 def write_by_split(
     pictures: Iterable[RenderedImage], folder: Path, write: Callable[[RenderedImage, Path], bool]
 ) -> int:
-    """Write a set of images, one folder per split, and log how many were written of how many.
+    """Write a set of images, one folder per split, and log how many of them were written.
 
     Args:
         pictures: The images.

@@ -1,7 +1,7 @@
 """The formats of other programs, each a module with its name in the folder of its kind.
 
-- `objects/NAME.py`: `write(folder, name, made, friction)` writes one object into a folder that is
-  there. `made` is an `egad.evalset.SimulationObject`: mesh, convex parts, mass and stable poses.
+- `objects/NAME.py`: `write(folder, name, made, friction)` writes one object into an existing
+  folder. `made` is an `egad.evalset.SimulationObject`: mesh, convex parts, mass and stable poses.
 - `images/NAME.py`: `write(pictures, gripper, folder)` writes rendered images into an empty folder.
 - `grasps/NAME.py`: `run(settings, ..., out)` writes the grasps of a run, and makes `out`. Its
   parameters name what it reads: `gripper`, the name, and files of `SOURCES`. The annotation of
@@ -120,7 +120,7 @@ def needs_run(name: str) -> bool:
 
 
 def writer_of(name: str) -> Callable[..., Any]:
-    """What writes one object in a format of objects: arguments as of `objects/NAME.py`."""
+    """The function that writes one object in a format of objects, as in `objects/NAME.py`."""
     write: Callable[..., Any] = module_of(name).write
     return partial(write, ending=name) if name in SURFACES else write
 
@@ -187,7 +187,7 @@ def write_format(
     Args:
         name: The format.
         objects: Which objects are written, for a format of objects.
-        settings: Of the class `settings_class`.
+        settings: Settings of the class that `settings_class` returns.
         gripper: The name of the gripper.
         reads: The files of `sources`.
         out: File or folder to write.

@@ -7,5 +7,5 @@ from egad.io import write_mesh
 
 
 def write(folder: Path, name: str, made: SimulationObject, _friction: float, ending: str) -> None:
-    """Write `NAME.ENDING`, called as formats of objects are."""
+    """Write `NAME.ENDING`, with the arguments of formats of objects."""
     write_mesh(made.mesh, folder / f"{name}.{ending}")

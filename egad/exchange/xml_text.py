@@ -8,7 +8,7 @@ from egad.geometry import MassProperties
 
 DRAKE = "http://drake.mit.edu"  # namespace of what Drake adds to URDF and SDFormat
 # kg m2: MuJoCo takes no principal moment below 1e-14, that of a ball of 0.9 mm at 400 kg/m3. A body
-# with a larger one starts and stops to turn more slowly, and falls as before.
+# with a larger moment starts and stops turning more slowly, and falls as before.
 MIN_MOMENT = 2e-14
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 

@@ -1,4 +1,4 @@
-"""Where a detector fails: objects that can be grasped, and that it does not grasp."""
+"""Where a detector fails: objects that can be grasped, but that it does not grasp."""
 
 import lazy_loader
 

@@ -22,7 +22,7 @@ CELL = ["complexity_cell", "difficulty_cell"]
 
 
 class FailureAtlas:
-    """Failures of a detector, what else was examined, and all attempts.
+    """Failures of a detector, the other examined objects, and all attempts.
 
     Attributes:
         table: One row per failure, columns of `tables.failures.FAILURES`.
@@ -30,8 +30,8 @@ class FailureAtlas:
             `tables.failures.EXAMINED`.
         attempts: One row per simulated grasp, columns of `tables.failures.FAILURE_ATTEMPTS`.
         shape: How voxels became meshes.
-        settings: Those of the search, if known: gripper, scale rule, approach, engines, cells.
-        detector: What the detector is called, if known.
+        settings: Settings of the search, if known: gripper, scale rule, approach, engines, cells.
+        detector: Name of the detector, if known.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class FailureAtlas:
         )
 
     def _repr_html_(self) -> str:
-        """Its numbers, for notebooks; `plot` draws it."""
+        """A summary in numbers, for notebooks; `plot` draws the map."""
         verdicts = self.examined["verdict"].value_counts()
         facts = {
             "failures": len(self),
@@ -79,7 +79,7 @@ class FailureAtlas:
         return len(self.table[CELL].drop_duplicates())
 
     def failure_rate(self) -> Rate:
-        """Failures among the objects with attempts: of this search, not of all objects."""
+        """Failures among the objects with attempts in this search, not among all objects."""
         tried = self.examined[self.examined["attempts"] > 0]
         return Rate(int((tried["verdict"] == ObjectVerdict.FAILURE).sum()), len(tried))
 
@@ -108,7 +108,7 @@ class FailureAtlas:
         """The settings of the search.
 
         Raises:
-            UserError: They are not known: the atlas was not made by a search.
+            UserError: The settings are not known: the atlas was not made by a search.
         """
         if self.settings is None:
             raise UserError("the settings of the search are not known: the atlas has only tables")
@@ -126,7 +126,7 @@ class FailureAtlas:
 
         See `egad.failures.write_page`.
         """
-        # By name: the page does not affect results, so its changes must not re-run jobs.
+        # Imported by name: the page does not affect results, so its changes must not re-run jobs.
         write = importlib.import_module("egad.failures.atlas_page").write_page
         write(self, path, films, objects=objects, jobs=jobs)
 
@@ -135,7 +135,7 @@ class FailureAtlas:
 
         Args:
             place: A folder, for `failures.parquet`, `examined.parquet` and `attempts.parquet`; or
-                a file `P.parquet` for the failures, beside which the others are
+                a file `P.parquet` for the failures, next to which the other tables are written as
                 `P.examined.parquet` and `P.attempts.parquet`, as in the results of a run.
         """
         failures, examined, attempts = _files(Path(place))
@@ -148,10 +148,10 @@ class FailureAtlas:
 
     @classmethod
     def load(cls, place: str | Path) -> "FailureAtlas":
-        """Read what `save`, `egad failures` or a run wrote.
+        """Read an atlas written by `save`, `egad failures` or a run.
 
         Args:
-            place: A folder or a file, as of `save`.
+            place: A folder or a file, as for `save`.
 
         Raises:
             TableError: A table is missing or damaged.
@@ -179,14 +179,14 @@ def _files(place: Path) -> tuple[Path, Path, Path]:
 
 
 def merge(shards: Sequence[Found], settings: FailureParameters) -> pd.DataFrame:
-    """The failures of all shards in one archive, without what explains them.
+    """Merge the failures of all shards into one archive, without explanations.
 
     Args:
-        shards: What each has found.
+        shards: Results of each shard.
         settings: Cells, and how many failures each keeps.
 
     Returns:
-        Columns of `tables.failures.FAILURES` but those of `EXPLAINED`.
+        Columns of `tables.failures.FAILURES` except those of `EXPLAINED`.
     """
     archive = empty_archive(settings)
     examined = pd.concat([each.examined for each in shards], ignore_index=True)

@@ -1,4 +1,4 @@
-"""The page of an atlas: what its tables say, shapes measured, and attempts filmed again."""
+"""The page of an atlas: its tables, measured shape features, and films of repeated attempts."""
 
 import io
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 
 MAX_SOLVED = 200  # objects that failures are compared with
-EVERY = 2  # frames of the simulation, of which one is kept: 10 a second
+EVERY = 2  # one of this many frames of the simulation is kept: 10 frames per second
 FRAME_TIME, LAST_TIME = 100, 1200  # milliseconds
 QUALITY = 55  # of WebP
 PICTURE = 192  # pixels
@@ -47,16 +47,16 @@ def write_page(
 ) -> None:
     """Write an HTML page that explains the failures of a detector; it needs no other file.
 
-    It shows the map of the regret beside that of the dataset, why the detector fails, the outcomes,
-    the features of shape that tell failures from solved objects, and the worst failures with films
-    of the detector and of the reference at the same drop.
+    It shows the map of the regret next to that of the dataset, why the detector fails, the
+    outcomes, the shape features that distinguish failures from solved objects, and the worst
+    failures with films of the detector and of the reference at the same drop.
 
     Args:
-        atlas: As `egad.find_failures` returns it, or `FailureAtlas.load`.
+        atlas: An atlas from `egad.find_failures` or `FailureAtlas.load`.
         path: HTML file to write.
         films: How many of the 20 worst failures have films; about 10 s each.
         objects: The dataset that the search began with; by default the released objects if it
-            began with some of these, else those that it looked at.
+            began with some of these, otherwise the objects that it looked at.
         jobs: Processes; the page does not depend on them.
 
     Raises:
@@ -102,7 +102,7 @@ def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
 
     Args:
         examined: Columns of `tables.failures.EXAMINED`.
-        seed: Decides which.
+        seed: Seed of the sample.
     """
     found = examined[examined["verdict"] == ObjectVerdict.DETECTOR_SUCCEEDS]
     found = found[found["voxels"].map(len) > 0].drop_duplicates("id")
@@ -113,15 +113,15 @@ def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
 def film_rows(attempts: pd.DataFrame, engine: str) -> pd.DataFrame:
     """The attempts of detector and reference at the drop that shows a failure best.
 
-    Of the fresh drops at which the reference alone succeeds, it is the first one at which the
-    detector fails by its most frequent outcome there.
+    Among the fresh drops at which only the reference succeeds, this is the first one at which the
+    detector fails with its most frequent outcome at these drops.
 
     Args:
         attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
         engine: The physics engine.
 
     Returns:
-        The row of the detector, then that of the reference; none without such a drop.
+        The row of the detector, then that of the reference; no rows if there is no such drop.
     """
     fresh = attempts[(attempts["purpose"] == "confirm") & (attempts["engine"] == engine)]
     drops = failed_drops(attempts, engine)
@@ -149,7 +149,7 @@ def _example(
     attempts: Mapping[str, pd.DataFrame],
     settings: FailureParameters,
 ) -> Example:
-    """Picture and films of a failure; films are left out where they are not wanted."""
+    """Picture and films of a failure; films are left out if not wanted."""
     row, with_films = item
     mesh = scaled_surface(row["voxels"], settings)
     picture = png_bytes(render(mesh, PICTURE))
@@ -172,10 +172,10 @@ def _example(
 
 
 def animation(frames: list[RgbImage]) -> bytes:
-    """An animated WebP file of a film, in real time, that shows its end for a while.
+    """An animated WebP file of a film, in real time, that holds its last frame for a while.
 
     Args:
-        frames: 20 a second.
+        frames: 20 frames per second.
     """
     *kept, last = [Image.fromarray(frame) for frame in [*frames[:-1:EVERY], frames[-1]]]
     buffer = io.BytesIO()
@@ -192,7 +192,7 @@ def animation(frames: list[RgbImage]) -> bytes:
 
 
 def _feature_shares(failures: pd.DataFrame, solved: pd.DataFrame) -> list[FeatureShare]:
-    """Features as the page shows them; those that explain most come first."""
+    """Features as shown on the page; those that explain most come first."""
     found = []
     for name, share in shares(failures, solved).items():
         title, unit, factor, meaning = SHAPE_FEATURES[name]
@@ -215,7 +215,7 @@ def _feature_shares(failures: pd.DataFrame, solved: pd.DataFrame) -> list[Featur
 
 
 def _dataset(examined: pd.DataFrame, objects: Dataset | None) -> pd.DataFrame:
-    """The objects that a search began with, as far as they are known."""
+    """The objects that a search began with, as far as known."""
     looked = examined[examined["source"] == "archive"].dropna(subset=["graspability"])
     if objects is None:
         released = load()

@@ -1,4 +1,4 @@
-"""What tables of simulated attempts at objects say."""
+"""Evaluating tables of simulated attempts at objects."""
 
 import numpy as np
 import pandas as pd
@@ -13,12 +13,12 @@ def by_object(attempts: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def pairs_of(attempts: pd.DataFrame, engine: str, purpose: str = "confirm") -> list[PairedDrop]:
-    """What came of the reference and of the detector at the fresh drops, in their order.
+    """Results of the reference and of the detector at the fresh drops, in their order.
 
     Args:
         attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
         engine: The physics engine.
-        purpose: Of the drops.
+        purpose: Purpose of the drops.
     """
     fresh = attempts[(attempts["purpose"] == purpose) & (attempts["engine"] == engine)]
     by_who = fresh.pivot_table(index="drop", columns="who", values="success", aggfunc="first")
@@ -29,11 +29,11 @@ def pairs_of(attempts: pd.DataFrame, engine: str, purpose: str = "confirm") -> l
 
 
 def counts_of(attempts: pd.DataFrame, purpose: str = "confirm") -> dict[str, float]:
-    """What came of the fresh drops, by engine: columns of `tables.failures.EXAMINED`.
+    """Results of the fresh drops, by engine: columns of `tables.failures.EXAMINED`.
 
     Args:
         attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
-        purpose: Of the drops.
+        purpose: Purpose of the drops.
     """
     values: dict[str, float] = {}
     for engine in ENGINES:
@@ -51,7 +51,7 @@ def counts_of(attempts: pd.DataFrame, purpose: str = "confirm") -> dict[str, flo
 
 
 def failed_drops(attempts: pd.DataFrame, engine: str) -> list[int]:
-    """Numbers of the fresh drops in an engine at which the reference alone succeeded.
+    """Numbers of the fresh drops in an engine at which only the reference succeeded.
 
     Args:
         attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
@@ -66,9 +66,9 @@ def explanation(attempts: pd.DataFrame, engine: str, most: int) -> dict[str, int
     """Why a detector fails at an object: columns of `tables.failures.EXPLAINED`.
 
     Args:
-        attempts: Of one object, those of `Examination.explain` among them.
-        engine: In which that tried other proposals.
-        most: At how many drops it did.
+        attempts: Attempts at one object, including those of `Examination.explain`.
+        engine: Engine in which `explain` tried other proposals.
+        most: Maximum number of drops at which it did.
     """
     drops = failed_drops(attempts, engine)[:most]
     chosen = attempts[(attempts["who"] == "detector") & attempts["drop"].isin(drops)]

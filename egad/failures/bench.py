@@ -1,7 +1,7 @@
 """A table with one object to try grasps on: dropped, seen by a detector, and grasped.
 
 Grasps from above need a hand on a vertical axis and a camera above (`TrialRunner`); grasps from any
-direction a hand without an arm and six cameras (`ClutterRunner`). Both are used in the same words.
+direction need a hand without an arm and six cameras (`ClutterRunner`). Both have one interface.
 """
 
 from abc import ABC, abstractmethod
@@ -53,16 +53,16 @@ from egad.sim import (
     put,
 )
 
-MIN_DOWN = np.cos(np.radians(10))  # of the approach of a grasp that is carried out from above
+MIN_DOWN = np.cos(np.radians(10))  # of the approach of a grasp that is executed from above
 MAX_PROPOSALS = 10
 Proposals: TypeAlias = list[Grasp] | GraspPoses
 
 
 class Bench(ABC):
-    """A table with one object; what a method gives depends on its arguments alone.
+    """A table with one object; the result of each method depends only on its arguments.
 
     Attributes:
-        engine: What computes the physics.
+        engine: The physics engine.
         gripper: The hand.
         world: The table with the object and the hand.
     """
@@ -82,10 +82,10 @@ class Bench(ABC):
     def propose(
         self, detect: Detector, rest: Pose, rng: np.random.Generator
     ) -> list[PoseGrasp] | Outcome | Failure:
-        """What a detector proposes for an object that lies somewhere.
+        """Proposals of a detector for an object at rest.
 
         Returns:
-            At most ten grasps that the hand can do, best first; or why there is none.
+            At most ten grasps that the hand can execute, best first; or why there is none.
         """
         camera_rng, detector_rng = rng.spawn(2)
 
@@ -101,10 +101,10 @@ class Bench(ABC):
 
     @abstractmethod
     def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
-        """Carry a grasp out."""
+        """Execute a grasp."""
 
     def can_do(self, grasp: PoseGrasp) -> bool:
-        """Whether the hand can come to a grasp."""
+        """Whether the hand can execute a grasp."""
         return infeasibility(grasp, self.gripper) is None
 
     @abstractmethod
@@ -115,7 +115,7 @@ class Bench(ABC):
         camera_rng: np.random.Generator,
         detector_rng: np.random.Generator,
     ) -> Proposals:
-        """The answer of a detector, which may fail as it likes."""
+        """The answer of a detector; it may raise any error."""
 
 
 class BenchFromAbove(Bench):
@@ -125,7 +125,7 @@ class BenchFromAbove(Bench):
         """Set up.
 
         Args:
-            runner: With a world of the object.
+            runner: Runner with a world of the object.
             grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
         """
         self.engine, self.gripper = runner.trials.engine, runner.gripper
@@ -194,8 +194,8 @@ class BenchFromAnywhere(Bench):
         """Set up.
 
         Args:
-            engine: That of the world.
-            world: With the object and the robot `egad.sim.free_hand`.
+            engine: Engine of the world.
+            world: World with the object and the robot `egad.sim.free_hand`.
             grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
             gripper: The hand.
             noise: Whether depth images have the noise of a stereo camera.
@@ -244,15 +244,16 @@ def open_bench(
     from_above: bool,
     depth_noise: float,
 ) -> Iterator[Bench]:
-    """A bench, for as long as the block lasts.
+    """A bench, for the duration of the `with` block.
 
     Args:
-        engine: What computes the physics.
+        engine: The physics engine.
         model: The object.
         grasps: Its labelled grasps, columns of `tables.grasping.GRASPS`.
         gripper: The hand.
         from_above: Whether grasps come straight from above, or from any direction.
-        depth_noise: Noise of the depth images, pixels; from any direction, any noise is 0.1.
+        depth_noise: Noise of the depth images, pixels; from any direction, any nonzero value means
+            0.1.
     """
     if from_above:
         arm = ARMS["axis"](gripper)

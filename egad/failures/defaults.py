@@ -18,12 +18,12 @@ def failure_parameters(
     rule: str = "paper",
     shape: Shape | None = None,
 ) -> FailureParameters:
-    """The settings of a search with defaults for all that is not given.
+    """The settings of a search, with defaults for everything that is not given.
 
     Args:
-        gripper: What objects are scaled to and grasped with.
+        gripper: The gripper that objects are scaled to and grasped with.
         search: The search.
-        seed: Decides all that is random.
+        seed: Seed of everything random.
         rule: How objects are scaled, see `egad.rescale`.
         shape: How voxels become meshes.
 

@@ -1,7 +1,7 @@
-"""Evidence from pairs of attempts that an object is a failure; one may look after every pair.
+"""Evidence from pairs of attempts that an object is a failure, valid after every pair.
 
 Both tests are e-processes, that is, products of bets against a null hypothesis. Whatever the
-rule for stopping, the product reaches 1 / level with at most that probability while the hypothesis
+stopping rule, the product reaches 1 / level with at most the probability `level` if the hypothesis
 holds (Ville's inequality; Ramdas et al. 2023, "Game-theoretic statistics and safe anytime-valid
 inference"). The bets are ours.
 """
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-ODDS = 0.1  # of the failures that the null hypothesis allows, those that the bet expects
+ODDS = 0.1  # fraction of the failures allowed by the null hypothesis that the bet expects
 STAKE = 0.9  # of the largest bet that cannot lose everything
 
 
@@ -23,12 +23,12 @@ class PairedDrop(NamedTuple):
 
 
 class Claim(NamedTuple):
-    """What is to be shown.
+    """The claim that is tested.
 
     Attributes:
-        reference: Success rate of the reference, at least.
-        regret: Success rate of the reference minus that of the detector, at least.
-        confidence: Of each of the two.
+        reference: Minimum success rate of the reference.
+        regret: Minimum difference of the success rates of reference and detector.
+        confidence: Confidence of each of the two.
     """
 
     reference: float = 0.8
@@ -40,11 +40,11 @@ class Claim(NamedTuple):
         return bool(min(self.evidence(pairs)) >= self._needed)
 
     def is_hopeless(self, pairs: Sequence[PairedDrop], most: int) -> bool:
-        """Whether the evidence cannot suffice any more, whatever comes of the pairs that are left.
+        """Whether the evidence can no longer suffice, whatever the results of the remaining pairs.
 
         Args:
-            pairs: Those so far.
-            most: Pairs in all.
+            pairs: Pairs so far.
+            most: Total number of pairs.
         """
         best = [*pairs, *[PairedDrop(True, False)] * (most - len(pairs))]
         return not any(self.is_shown(best[:count]) for count in range(len(pairs), most + 1))

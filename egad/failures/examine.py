@@ -1,8 +1,9 @@
 """Whether an object is a failure: screened with few attempts, confirmed with fresh ones.
 
-An object is a failure of a detector if it can be grasped, and the detector does not: the reference
-holds it in at least 80 % of the attempts, and in at least 50 points more than the detector from the
-same poses, both with 95 % confidence, in every physics engine, on drops that nothing was chosen by.
+An object is a failure of a detector if it can be grasped, but the detector does not grasp it: the
+reference holds it in at least 80 % of the attempts, and at least 50 percentage points more often
+than the detector from the same poses. Both must hold with 95 % confidence, in every physics engine,
+on drops that were not used to choose anything. These are the default settings.
 """
 
 import warnings
@@ -30,18 +31,18 @@ from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
 ON_ROUGH = ("screen", "choose")  # purposes of attempts on few convex parts
-ROUGH = 0.002  # metres: deviation of convex parts while it is not certain that they matter
-SOLVED = 0.5  # of the success rate that a failure may have: more is not looked at further
-TRIES = 3  # grasps of the reference at a drop, while it is chosen
-HOPELESS = 0.3  # of the drops: if none of these held at more of them, the choice ends
-PATIENCE = 2  # drops for each one that is wanted, as some do not come to rest
+ROUGH = 0.002  # metres: deviation of convex parts while it is uncertain whether they matter
+SOLVED = 0.5  # of the success rate that a failure may have: above this, examination ends
+TRIES = 3  # grasps of the reference per drop, while it is chosen
+HOPELESS = 0.3  # fraction of the drops without a grasp that holds, above which the choice ends
+PATIENCE = 2  # drops for each one wanted, as some objects do not come to rest
 
 
 def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
-    """From where a detector grasps: as the settings say, or else by what it wants to see.
+    """The approach of a detector: from the settings, or else from the input that it asks for.
 
     Raises:
-        UserError: It grasps from above and wants to see more than what a camera there sees.
+        UserError: It grasps from above and asks for more than the view of a camera there.
     """
     sees = asked_for(detect)
     if search.approach == "above" and sees != "view":
@@ -55,13 +56,13 @@ def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "an
 def model_of_attempts(
     mesh: trimesh.Trimesh, purpose: str, settings: FailureParameters, name: str = "the mesh"
 ) -> Model:
-    """An object as it is simulated for a purpose: with few convex parts until it may be a failure.
+    """An object as simulated for a purpose: with few convex parts until it may be a failure.
 
     Args:
         mesh: A closed surface, scaled to the gripper, metres.
         purpose: As in `tables.failures.FAILURE_ATTEMPTS`.
         settings: Density and convex parts.
-        name: What warnings call it.
+        name: Its name in warnings.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has no convex parts.
@@ -90,10 +91,10 @@ class Examination:
 
         Args:
             mesh: A closed surface wound outwards, scaled to the gripper, metres.
-            object_id: With the seed of the settings it decides all drops.
+            object_id: Determines all drops, with the seed of the settings.
             detect: The detector.
             settings: Gripper, engines, numbers of attempts.
-            report: Is told 1 after every attempt.
+            report: Called with 1 after every attempt.
         """
         self._mesh, self._id = mesh, object_id
         self._settings, self._search = settings, settings.failures
@@ -103,7 +104,7 @@ class Examination:
         self._solved = 0  # attempts in which the detector succeeded, before fresh ones
 
     def run(self) -> Examined:
-        """Screen, choose the reference, and confirm, as far as it is necessary."""
+        """Screen, choose the reference, and confirm, as far as necessary."""
         try:
             verdict, reason = self._verdict()
         except RejectedError as problem:
@@ -130,10 +131,10 @@ class Examination:
         """Try the other proposals of the detector where it failed and the reference did not.
 
         Args:
-            attempts: Of this object, columns of `tables.failures.FAILURE_ATTEMPTS`.
+            attempts: Attempts at this object, columns of `tables.failures.FAILURE_ATTEMPTS`.
 
         Returns:
-            The further attempts, one by one until one succeeds; none where nothing was proposed.
+            The further attempts at each drop, until one succeeds; none if nothing was proposed.
         """
         recorder, engine = self._recorder, self._search.engines[0]
         exact = model_of_attempts(self._mesh, "explain", self._settings, self._id)
@@ -153,18 +154,18 @@ class Examination:
     def paired(
         self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
     ) -> pd.DataFrame:
-        """Try both from a fixed number of drops in each engine.
+        """Try detector and reference from a fixed number of drops in each engine.
 
-        The reference knows what it learnt before. If its choice was cut short, it is completed
+        The reference keeps what it learned before. If its choice was cut short, it is completed
         first.
 
         Args:
-            purpose: Of the drops, which it decides: none that this object was tried for already.
+            purpose: Purpose of the drops, which determines them; must be new for this object.
             count: Drops in each engine.
             before: All attempts at this object so far, in their order, columns of
                 `tables.failures.FAILURE_ATTEMPTS`.
-            least: Both must succeed so often in each engine; once one cannot, no more is tried. By
-                default all are, whatever comes of them.
+            least: Both must succeed this often in each engine; once one cannot, trying stops. By
+                default all drops are tried, whatever the results.
 
         Returns:
             The further attempts, with the same columns.
@@ -189,7 +190,7 @@ class Examination:
         return self._recorder.table()
 
     def _try_pairs(self, bench: Bench, purpose: str, count: int, least: int) -> bool:
-        """Try both from `count` drops; False once one of them cannot succeed often enough."""
+        """Try both from `count` drops; return False once one cannot succeed often enough."""
         pairs: list[PairedDrop] = []
         for number in range(PATIENCE * count):
             pair = self._paired(bench, purpose, number)
@@ -205,7 +206,7 @@ class Examination:
 
     @contextmanager
     def _benches(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[Bench]]:
-        """A bench in each engine, for as long as the block lasts."""
+        """A bench in each engine, for the duration of the `with` block."""
         with ExitStack() as stack:
             yield [
                 stack.enter_context(
@@ -228,7 +229,7 @@ class Examination:
             return empty(GRASPS)
 
     def _screen(self, benches: Sequence[Bench]) -> tuple[ObjectVerdict, str] | None:
-        """Few attempts of the detector alone; None if it is worth looking further."""
+        """Make a few attempts with the detector alone; None if the object is worth examining."""
         drops = 0
         for number in range(self._search.screen):
             bench = benches[number % len(benches)]
@@ -242,11 +243,11 @@ class Examination:
         return None if drops else (ObjectVerdict.NOT_SIMULATED, "it does not come to rest")
 
     def _is_solved(self, planned: int) -> bool:
-        """Whether the detector is too good for a failure, given how many attempts are planned."""
+        """Whether the detector succeeds too often for a failure, given the planned attempts."""
         return self._solved > SOLVED * (1 - self._search.least_regret) * planned
 
     def _choose(self, benches: Sequence[Bench]) -> ObjectVerdict | None:
-        """Let the reference try grasps, then the detector; None if the object is still open."""
+        """Let the reference try grasps, then the detector; None if there is no verdict yet."""
         lost, planned = 0, self._search.screen + self._search.choose
         for number in range(self._search.choose):
             lost += not self._choose_at(benches, number)
@@ -257,7 +258,7 @@ class Examination:
         return None
 
     def _choose_at(self, benches: Sequence[Bench], number: int) -> bool:
-        """Whether the reference holds the object at a drop; if so, the detector tries, too."""
+        """Whether the reference holds the object at a drop; if so, the detector also tries."""
         bench = benches[number % len(benches)]
         drop = self._recorder.drop(bench, "choose", number)
         if drop is None or not self._try_reference(drop):
@@ -280,7 +281,7 @@ class Examination:
     def _confirm(self, benches: Sequence[Bench]) -> bool:
         """Try both from fresh drops until it is clear whether the object is a failure.
 
-        The engines take turns, so that one in which it is none ends all soon.
+        The engines take turns, so that the test ends early if it is not a failure in one of them.
         """
         search = self._search
         claim = Claim(search.least_reference, search.least_regret, search.confidence)
@@ -298,7 +299,7 @@ class Examination:
         return not open_ones
 
     def _paired(self, bench: Bench, purpose: str, number: int) -> PairedDrop | None:
-        """A fresh drop at which both try; None if the object does not come to rest."""
+        """Try both at a fresh drop; None if the object does not come to rest."""
         drop = self._recorder.drop(bench, purpose, number)
         if drop is None:
             return None

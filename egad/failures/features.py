@@ -1,7 +1,7 @@
-"""The shape of objects where a detector fails and where it succeeds: few numbers, each measured.
+"""The shape of objects where a detector fails and where it succeeds, as a few measured features.
 
-The features of an object are read from its surface, and from the grasps that held it in the search:
-where and how the hand touched it, whoever proposed them.
+The features of an object are computed from its surface, and from the grasps that held it in the
+search: where and how the hand touched it, whoever proposed them.
 """
 
 import math
@@ -25,12 +25,12 @@ from egad.tables import parquet
 POINTS = 20_000  # on a surface, or in a box
 THIN = 0.1  # quantile of the thickness over the surface
 NEAR = 0.005  # metres: surface around a contact
-MAX_GRASPS = 12  # of an object, those that held it first
+MAX_GRASPS = 12  # of an object: the first that held it
 LINES = 7  # rays along each side of a finger pad
 OPPOSITE = -0.5  # cosine: surface turned further away is the other side of a wall
 SKIN = 1e-6  # metres under the surface, where rays begin
 ABOVE = 0.02  # metres from a suction cup to where rays begin
-TAIL = 0.05  # of the objects that the detector solves lie beyond either end of their range
+TAIL = 0.05  # fraction of the objects that the detector solves beyond either end of their range
 RANGE = (TAIL, 1 - TAIL)
 
 
@@ -38,10 +38,10 @@ class ShapeFeature(NamedTuple):
     """A feature, in words.
 
     Attributes:
-        title: What it is called.
-        unit: Of the number as it is shown; empty if it has none.
-        factor: From the number in tables to the one that is shown.
-        meaning: How it is defined.
+        title: Its name.
+        unit: Unit of the number as shown; empty if it has none.
+        factor: From the number in tables to the one shown.
+        meaning: Its definition.
     """
 
     title: str
@@ -98,9 +98,9 @@ def shape_features(
 
     Args:
         mesh: A closed surface wound outwards, scaled as in the search, metres.
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object. The median of the
-            first twelve grasps that held counts; NaN without any.
-        gripper: The hand. A suction cup has one contact, and so no size in the hand.
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object. Features of grasps
+            are medians over the first twelve grasps that held; NaN without any.
+        gripper: The hand. A suction cup has one contact, and so no `grasp_size`.
 
     Returns:
         `grasp_size`, `wall_thickness` (m), `contact_curvature` (1/m), `concavity` and `asymmetry`
@@ -128,8 +128,8 @@ def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[PoseGrasp
     """The first grasps that held an object, in the frame of its mesh.
 
     Args:
-        mesh: As of `shape_features`.
-        attempts: As of `shape_features`.
+        mesh: As in `shape_features`.
+        attempts: As in `shape_features`.
     """
     to_mesh = np.linalg.inv(principal_frame(mass_properties(mesh, Material().density))[1])
     found = []
@@ -144,12 +144,12 @@ def contact_points(caster: RayCaster, grasp: PoseGrasp, gripper: Gripper) -> Flo
     """Where the fingers, or the cup, first meet an object.
 
     Args:
-        caster: Of the object.
-        grasp: In the frame of the object.
+        caster: Ray caster of the object.
+        grasp: Grasp in the frame of the object.
         gripper: The hand.
 
     Returns:
-        (2, 3) metres; (1, 3) of a suction cup; (0, 3) if one of them meets nothing.
+        (2, 3) metres; (1, 3) for a suction cup; (0, 3) if one of them meets nothing.
     """
     if gripper.cup is not None:
         starts = np.array([[0.0, 0.0, -ABOVE]])
@@ -175,7 +175,7 @@ def contact_points(caster: RayCaster, grasp: PoseGrasp, gripper: Gripper) -> Flo
 def _first_contact(
     caster: RayCaster, pose: Floats, starts: Floats, direction: Floats
 ) -> Floats | None:
-    """The nearest point that parallel rays meet, (3,); all are in the frame of the hand."""
+    """The nearest point that parallel rays hit, (3,); rays are given in the frame of the hand."""
     origins = starts @ pose[:3, :3].T + pose[:3, 3]
     along = pose[:3, :3] @ direction
     distances = caster.first_hits(origins, np.broadcast_to(along, origins.shape)).distances
@@ -189,9 +189,9 @@ def _first_contact(
 def patch_curvature(points: Floats, normals: Floats, contact: Floats) -> float:
     """How much a surface curves around a contact, 1/m.
 
-    The mean angle between the normals within 5 mm and their mean is 2/3 of 5 mm over the radius on
-    a large ball. Surface turned by more than 120 degrees from the nearest point, such as the other
-    side of a wall, does not count.
+    On a large ball, the mean angle between the normals within 5 mm and their mean is 2/3 of 5 mm
+    over the radius. Parts of the surface turned by more than 120 degrees from the nearest point,
+    such as the other side of a wall, do not count.
 
     Args:
         points: Spread evenly over the surface, (n, 3), metres.
@@ -215,7 +215,7 @@ def wall_thickness(caster: RayCaster, points: Floats, normals: Floats) -> float:
     """Thickness along the inward normal that 90 % of a surface exceeds, metres.
 
     Args:
-        caster: Of the solid.
+        caster: Ray caster of the solid.
         points: Spread evenly over its surface, (n, 3), metres.
         normals: Outward unit normals there, (n, 3).
     """
@@ -225,15 +225,15 @@ def wall_thickness(caster: RayCaster, points: Floats, normals: Floats) -> float:
 
 
 def concavity(mesh: trimesh.Trimesh) -> float:
-    """Share of the convex hull of a solid that it does not fill, 0 to 1."""
+    """Share of its convex hull that a solid does not fill, 0 to 1."""
     return float(max(1 - mesh.volume / mesh.convex_hull.volume, 0.0))
 
 
 def asymmetry(mesh: trimesh.Trimesh) -> float:
     """Share of a solid whose mirror image lies outside of it, 0 to 1.
 
-    The least of the three planes through the center of mass at right angles to a principal axis; a
-    plane of symmetry is one of these, unless two principal moments are equal.
+    This is the minimum over the three mirror planes through the center of mass perpendicular to a
+    principal axis; a plane of symmetry is one of these, unless two principal moments are equal.
 
     Args:
         mesh: A closed surface wound outwards, metres.
@@ -250,7 +250,7 @@ def asymmetry(mesh: trimesh.Trimesh) -> float:
 
 
 class ExplainedShare(NamedTuple):
-    """How a feature tells failures from objects that the detector solves.
+    """How a feature distinguishes failures from objects that the detector solves.
 
     Attributes:
         low: Quantile 5 % of the feature over the solved objects.
@@ -258,8 +258,8 @@ class ExplainedShare(NamedTuple):
         below: Share of the failures below the range from low to high.
         above: Share of the failures above.
         value: Share of the failures that the feature explains: those outside the range, minus the
-            10 % of solved objects that lie there, too. It may be negative.
-        ci_low: Lower end of its 95 % interval, were other objects of their kind taken.
+            10 % of solved objects that also lie there. It may be negative.
+        ci_low: Lower end of its 95 % interval for other objects of the same kind.
         ci_high: Upper end.
     """
 
@@ -276,15 +276,15 @@ def shares(failures: pd.DataFrame, solved: pd.DataFrame) -> dict[str, ExplainedS
     """For each feature, the share of the failures that it explains.
 
     A feature explains a failure if hardly any object that the detector solves has such a value.
-    The shares overlap, as a thin object may be concave, too: they do not add up. They are
+    The shares overlap, as a thin object may also be concave: they do not add up. They are
     associations, not causes.
 
     Args:
         failures: The features of the failures, a column each; NaN where unknown.
-        solved: The same of objects that the detector solves.
+        solved: The same for objects that the detector solves.
 
     Returns:
-        By the names of the columns that at least one failure and two solved objects have.
+        By name of the columns that are known for at least one failure and two solved objects.
     """
     found = {}
     for name in failures:
@@ -313,7 +313,8 @@ def _share(failures: Floats, solved: Floats) -> ExplainedShare:
 def _interval(failures: Floats, solved: Floats, outside: int) -> Interval:
     """The interval of a share, by bootstrap over all objects.
 
-    It is never narrower than Wilson's of the failures outside: few may agree by chance.
+    It is never narrower than Wilson's interval of the failures outside, as few failures may agree
+    by chance.
     """
     values = np.concatenate([failures, solved])
     is_failure = np.arange(len(values)) < len(failures)

@@ -1,4 +1,4 @@
-"""Find the failures of a detector: shards of a search, in processes, that can be resumed."""
+"""Find the failures of a detector: resumable shards of a search, in parallel processes."""
 
 import time
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ from egad.sim import ENGINES, EngineName, check_engine
 from egad.tables import parquet
 from egad.tables.failures import FAILURES
 
-WRITING = 10.0  # seconds between two times that a search is written
+WRITING = 10.0  # seconds between writing the state of a search
 
 
 def find_failures(
@@ -57,39 +57,40 @@ def find_failures(
     """Find objects at which a detector fails although they can be grasped.
 
     An object is a failure if a reference, which knows where it lies and was chosen on other drops,
-    holds it in at least 80 % of the attempts and in at least 50 points more than the detector
-    (`least_regret`), from the same poses, with 95 % confidence each, in every engine. Objects come
-    from the released archive, from random genomes, and from children of the failures (MAP-Elites
-    with the regret as objective).
+    holds it in at least 80 % of the attempts and at least 50 percentage points more often than the
+    detector (`least_regret`), from the same poses, with 95 % confidence each, in every engine; the
+    shares are the defaults.
+    Objects come from the released archive, from random genomes, and from children of the failures
+    (MAP-Elites with the regret as objective).
 
     Args:
-        detector: A function or object as of `egad.run_trials` or `egad.run_benchmark`; a
-            `egad.detectors.DetectorConfig`, such as of a command; or a name.
+        detector: A function or object as for `egad.run_trials` or `egad.run_benchmark`; an
+            `egad.detectors.DetectorConfig`, for example of a command; or a name.
         gripper: The gripper, or its name.
         objects: Objects with genomes to begin with; by default the released ones.
-        attempts: Simulated grasps in all; those of the reference count. About 0.15 s each.
+        attempts: Simulated grasps in all, including those of the reference. About 0.15 s each.
         strategy: screening: the objects; random: random genomes; mutation: children of the
-            objects; evolution: the objects, random genomes and children of failures, most from the
-            one that gives most failures per attempt.
+            objects; evolution: the objects, random genomes and children of failures, mostly from
+            the source that gives most failures per attempt.
         approach: `above`: grasps straight from above, as in `egad.run_trials`; `any`: in any
-            direction, as in `egad.run_benchmark`. By default what the input of the detector says.
-        depth_noise: Noise of the depth images, pixels, as of `egad.run_trials`.
-        least_regret: Success rate of the reference minus that of the detector at a failure, at
-            least, 0 to 1; lower for a detector that hardly ever fails.
-        engines: Physics engines in all of which an object must be a failure; by default those that
+            direction, as in `egad.run_benchmark`. By default it depends on the detector's input.
+        depth_noise: Noise of the depth images, pixels, as in `egad.run_trials`.
+        least_regret: Minimum difference of the success rates of reference and detector at a
+            failure, 0 to 1; use a lower value for a detector that hardly ever fails.
+        engines: Physics engines; an object must be a failure in all of them. By default those that
             are installed.
         seed: The same arguments give the same atlas.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
-        shards: Independent searches that share the attempts; at most so many run at once.
+        shards: Independent searches that share the attempts; at most this many run at once.
         jobs: Processes; the result does not depend on them.
-        out: Folder where all is written, and where a search that was cut off goes on.
+        out: Folder for all results; an interrupted search resumes from it.
 
     Raises:
-        UserError: The detector does nothing but fail at the first three objects, cannot be found
+        UserError: The detector fails in every attempt at the first three objects, cannot be found
             or made, or is for another kind of gripper; the folder holds another search; an engine
-            is not installed, or a number is out of bounds.
+            is not installed, or a number is out of range.
 
-    Source: ours; regret as in PAIRED (Dennis et al. 2020), computed instead of learnt.
+    Source: ours; regret as in PAIRED (Dennis et al. 2020), computed instead of learned.
     """
     hand = as_gripper(gripper)
     used = tuple(filter(find_spec, ENGINES)) if engines is None else tuple(engines)
@@ -126,10 +127,10 @@ def search_failures(
         detect: The detector.
         settings: Everything else.
         jobs: Processes; the result does not depend on them.
-        folder: Where all is written, and where a search that was cut off goes on.
+        folder: Folder for all results; an interrupted search resumes from it.
 
     Raises:
-        UserError: As of `find_failures`; the text says where the results so far are.
+        UserError: As in `find_failures`; the message says where the results so far are.
     """
     search = settings.failures
     for engine in search.engines:
@@ -158,18 +159,19 @@ def run_shard(
     store: Store | None = None,
     done: Path | None = None,
 ) -> Found:
-    """One shard of a search, from where it was cut off.
+    """Run one shard of a search, from where it was interrupted.
 
     Args:
         shard: Its number.
         archive: Objects to begin with, columns of `tables.evolution.ARCHIVE`.
         detect: The detector.
         settings: Everything else.
-        store: Where it is written from time to time.
+        store: Where its state is written from time to time.
         done: File of `shared_progress`, which counts the attempts.
 
     Raises:
-        UserError: The detector does nothing but fail at the first three objects, or cannot be made.
+        UserError: The detector fails in every attempt at the first three objects, or cannot be
+            made.
     """
     found = [NOTHING if store is None else store.read(shard)]
     report = int if done is None else partial(count_done, done)
@@ -195,9 +197,9 @@ def join(
     """The atlas of all shards; the detector is asked again why it failed.
 
     Args:
-        shards: What each has found.
+        shards: Results of each shard.
         detect: The detector.
-        settings: Those of the search.
+        settings: Settings of the search.
         jobs: Processes; the result does not depend on them.
     """
     table, search = merge(shards, settings), settings.failures
@@ -233,14 +235,14 @@ def _explained(
 
 
 def name_of(detect: Detect) -> str:
-    """What a detector is called: its name, or that of its function or class."""
+    """The name of a detector, or of its function or class."""
     if isinstance(detect, DetectorConfig):
         return detect.name
     return str(getattr(detect, "__name__", type(detect).__name__))
 
 
 def _found(detector: Detect | str, gripper: Gripper) -> Detect:
-    """The detector, if it is one, and for the gripper."""
+    """The detector; checks that it is one, and that it suits the gripper."""
     if isinstance(detector, str):
         name = check_name("detector", detector, (*SHIPPED_NETWORKS, *IN_SCENES))
         detector = DetectorConfig(detector=name)

@@ -1,8 +1,8 @@
 """Failures and, for each, the most similar object of equal difficulty that the detector grasps.
 
-A failure by itself may be a hard object, and a success an easy one. Of a matched pair, both lie at
-about the same complexity and graspability, and look alike. Both are tried on drops that nothing was
-chosen by, so what comes of these holds for the pair as it is printed.
+A failure by itself may be a hard object, and a success an easy one. The objects of a matched pair
+have about the same complexity and graspability, and look alike. Both are tried on drops that were
+not used to choose anything, so the results hold for the pair as it is printed.
 """
 
 from collections.abc import Sequence
@@ -39,17 +39,17 @@ ROW = {True: 0, False: 1}  # of the labels: A for failures, B for their partners
 
 
 class MatchedSet:
-    """Pairs of a failure and the object that is matched to it.
+    """Pairs of a failure and the object matched to it.
 
     Attributes:
         table: One row per object, columns of `tables.failures.MATCHED`, sorted by label. The counts
             are those of the drops with the purpose `matched`.
         attempts: One row per simulated grasp that was made for the set, columns of
             `tables.failures.FAILURE_ATTEMPTS`.
-        replaced: How many objects were chosen as partners and turned out to be none, by the reason.
-        unmatched: How many failures were left out because no object is a partner of theirs.
+        replaced: How many objects were chosen as partners but did not qualify, by reason.
+        unmatched: How many failures were left out because they have no partner.
         shape: How voxels become meshes.
-        rules: What the partners had to be like.
+        rules: Requirements for the partners.
     """
 
     def __init__(
@@ -94,11 +94,11 @@ class MatchedSet:
         failures: bool,
         who: Literal["detector", "reference"] = "detector",
     ) -> Rate:
-        """How often objects were held on the drops that nothing was chosen by.
+        """How often objects were held on the drops that were not used to choose anything.
 
         Args:
             engine: The physics engine.
-            failures: At the failures, or at their partners.
+            failures: Whether at the failures, or at their partners.
             who: Whose grasps.
         """
         rows = self.table[self.table["is_failure"] == failures]
@@ -125,7 +125,7 @@ class MatchedSet:
 
     @classmethod
     def load(cls, folder: str | Path) -> "MatchedSet":
-        """Read what `save` wrote.
+        """Read a set written by `save`.
 
         Raises:
             TableError: A table is missing or damaged.
@@ -156,27 +156,27 @@ def match_failures(
     """Choose failures of an atlas, match objects to them, and try both on fresh drops.
 
     The failures are spread over the map. Each gets the object that is most similar in shape among
-    those that lie in the cells around, and that the search found the detector to succeed at, or did
-    not try; no object is used twice, and the sum of the similarities is the largest. An object
-    becomes a partner only if it can be printed, and if detector and reference hold it often enough
-    in as many attempts as are asked for; a failure is left out after 12 objects that do not become
-    its partner. Then all are tried on other drops.
+    those in the cells around it that the detector succeeded at in the search, or that were not
+    tried. No object is used twice, and the assignment maximizes the sum of the similarities. An
+    object becomes a partner only if it can be printed, and if detector and reference hold it often
+    enough in the requested number of attempts. A failure is left out after 12 objects that do not
+    qualify as its partner. Then all objects are tried on other drops.
 
     Args:
-        atlas: What `egad.find_failures` returned.
+        atlas: An atlas from `egad.find_failures`.
         detect: The detector of the search.
-        pairs: At most so many, 1 to 10; fewer if too few failures have a partner.
-        attempts: Of the detector and of the reference each, at each object and in each engine.
-        within: How far a partner may be away, in complexity and in graspability, cells.
-        succeeds: How often the detector must hold it, 0 to 1; the reference in 80 %.
+        pairs: Maximum number of pairs, 1 to 10; fewer if too few failures have a partner.
+        attempts: Attempts of detector and reference each, at each object and in each engine.
+        within: Maximum distance of a partner in complexity and in graspability, cells.
+        succeeds: How often the detector must hold a partner, 0 to 1; the reference must in 80 %.
         objects: Objects with genomes that may become partners besides those of the atlas; by
             default the released ones.
         jobs: Processes; the result does not depend on them.
 
     Raises:
-        OnlyFailuresError: The detector does nothing but fail at the first three objects.
-        UserError: No failure has a partner, a number is out of bounds, or the atlas was not made by
-            a search; objects have other voxels than those of the atlas.
+        OnlyFailuresError: The detector fails in every attempt at the first three objects.
+        UserError: No failure has a partner, a number is out of range, the atlas was not made by a
+            search, or objects have other voxels than those of the atlas.
     """
     settings = atlas.searched_with()
     if check_count("pairs", pairs) > MAX_PAIRS:
@@ -211,7 +211,7 @@ def percent(rate: Rate) -> str:
 def _try_fresh(
     item: tuple[Row, pd.DataFrame], count: int, detect: Detect, settings: FailureParameters
 ) -> pd.DataFrame:
-    """The attempts at an object that nothing is chosen by."""
+    """Make the attempts at an object that are not used to choose anything."""
     row, past = item
     with opened(detect, settings.failures.planning_time) as asked:
         examination = Examination(

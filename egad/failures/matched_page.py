@@ -1,4 +1,4 @@
-"""What the datasheet of a matched set says of its pairs."""
+"""What the datasheet of a matched set says about its pairs."""
 
 from typing import Any
 
@@ -45,8 +45,8 @@ def introduction(found: MatchedSet, name: str, detector: str) -> str:
 
     Args:
         found: The pairs.
-        name: What the set is called.
-        detector: What the detector is called.
+        name: Name of the set.
+        detector: Name of the detector.
     """
     engines = found.engines
     columns = [

@@ -1,4 +1,4 @@
-"""Choose failures of an atlas and the object that is matched to each."""
+"""Choose failures of an atlas and the object matched to each."""
 
 import math
 from collections import Counter
@@ -29,18 +29,18 @@ from egad.sim import ENGINES
 from egad.tables import parquet
 from egad.tables.failures import FAILURE_ATTEMPTS
 
-REFERENCE = 0.8  # success rate of the reference at a partner, at least
-FORBIDDEN = 1e3  # cost of a pair that is none
-PATIENCE = 12  # objects that are tried as the partner of a failure
+REFERENCE = 0.8  # minimum success rate of the reference at a partner
+FORBIDDEN = 1e3  # cost of a pair that is not allowed
+PATIENCE = 12  # objects tried as the partner of a failure
 Row = dict[str, Any]
 
 
 class PartnerRules(NamedTuple):
-    """What an object must be like to be the partner of a failure.
+    """Requirements for the partner of a failure.
 
     Attributes:
-        within: How far it may be away, in complexity and in difficulty, cells.
-        succeeds: How often the detector holds it, at least, 0 to 1.
+        within: Maximum distance in complexity and in difficulty, cells.
+        succeeds: Minimum success rate of the detector, 0 to 1.
     """
 
     within: int = 2
@@ -52,7 +52,7 @@ class CandidateTrial(NamedTuple):
 
     Attributes:
         attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`.
-        reason: Why the object is no partner of a failure; empty if it is.
+        reason: Why the object does not qualify as a partner; empty if it does.
     """
 
     attempts: pd.DataFrame
@@ -60,14 +60,14 @@ class CandidateTrial(NamedTuple):
 
 
 def spread(cells: Floats, regret: Floats) -> list[int]:
-    """All objects, those first that are spread over the map.
+    """Order all objects so that the first ones are spread over the map.
 
-    The first one has the highest regret; each further one lies farthest, in cells, from the nearest
-    one before it, and of those that lie as far it has the highest regret.
+    The first one has the highest regret. Each further one is farthest, in cells, from its nearest
+    predecessor; ties are broken by the highest regret.
 
     Args:
         cells: (n, 2) cells of the objects.
-        regret: (n,) what decides between equals; of equals in this, too, the first one is taken.
+        regret: (n,) breaks ties; if it is also equal, the first object is taken.
     """
     away = np.full(len(cells), np.inf)
     order: list[int] = []
@@ -80,9 +80,10 @@ def spread(cells: Floats, regret: Floats) -> list[int]:
 
 
 def assign(similarity: Floats, allowed: Flags) -> list[int]:
-    """The partner of each row, a column of its own; -1 if none is left for it.
+    """Assign each row a different column as its partner; -1 if none is left for it.
 
-    As many as possible get one; of all ways to do so, the sum of the similarities is the largest.
+    As many rows as possible get a partner; among all ways to do so, the sum of the similarities is
+    the largest.
 
     Args:
         similarity: (n, m), 0 to 1.
@@ -95,7 +96,7 @@ def assign(similarity: Floats, allowed: Flags) -> list[int]:
 
 
 class Matching:
-    """Looks for pairs; what it has computed and tried is kept.
+    """Looks for pairs, and keeps what it has computed and tried.
 
     Attributes:
         rows: What is known of each failure and of each candidate, by id.
@@ -118,11 +119,11 @@ class Matching:
         Args:
             atlas: Failures, and objects that the detector succeeds at.
             archive: Further objects, columns of `tables.evolution.ARCHIVE`.
-            rules: What a partner must be like.
-            count: Attempts in each engine by which an object becomes a partner.
+            rules: Requirements for a partner.
+            count: Attempts in each engine with which an object qualifies as a partner.
             detect: The detector.
-            settings: Those of the search.
-            mapper: Of `workers`.
+            settings: Settings of the search.
+            mapper: From `workers`.
         """
         self._failures = atlas.table.sort_values("id", ignore_index=True)
         self._candidates = _candidates(atlas, archive, settings)
@@ -137,7 +138,7 @@ class Matching:
         self.graphs: dict[str, reeb.ReebGraph] = {}
         self._similar: dict[int, Floats] = {}
         self._tried: dict[str, CandidateTrial] = {}
-        self._in_vain: Counter[int] = Counter()  # partners that turned out to be none
+        self._in_vain: Counter[int] = Counter()  # partners that did not qualify, by failure
         self._monitor = FailureMonitor(None, keep_going=False, quiet=True, remedy="")
         self.unmatched = 0
         apart = _cells(self._failures)[:, None] - _cells(self._candidates)[None]
@@ -145,13 +146,13 @@ class Matching:
 
     @property
     def replaced(self) -> dict[str, int]:
-        """How many objects were chosen as partners and turned out to be none, by the reason."""
+        """How many objects were chosen as partners but did not qualify, by reason."""
         reasons = Counter(each.reason for each in self._tried.values() if each.reason)
         return dict(sorted(reasons.items()))
 
     @property
     def attempts(self) -> list[pd.DataFrame]:
-        """Those by which candidates became partners or did not."""
+        """Attempts that decided whether candidates became partners."""
         return [each.attempts for each in self._tried.values()]
 
     def past(self, name: str) -> pd.DataFrame:
@@ -163,7 +164,7 @@ class Matching:
         return self._known.get(name, parquet.empty(FAILURE_ATTEMPTS))
 
     def similarity(self, pair: tuple[str, str]) -> float:
-        """Of the shapes of two objects that were compared."""
+        """Similarity of the shapes of two objects that were compared."""
         graphs = [self.graphs[name] for name in pair]
         weight = self._settings.breeding.similarity.weight
         return float(similarities(Forest(weight, graphs), np.array([[0, 1]]))[0])
@@ -173,7 +174,7 @@ class Matching:
 
         Raises:
             UserError: There is no pair.
-            OnlyFailuresError: The detector does nothing but fail at the first three objects.
+            OnlyFailuresError: The detector fails in every attempt at the first three objects.
         """
         some = np.flatnonzero(self._near.any(axis=1))
         self.unmatched = len(self._near) - len(some)
@@ -232,7 +233,7 @@ class Matching:
             self.graphs[row["id"]] = reeb.unpack(graph)
 
     def _unqualified(self, partners: Sequence[int]) -> list[int]:
-        """Those partners that turn out to be none; they are tried if they have not been."""
+        """The partners that do not qualify; those not tried before are tried now."""
         names = {each: str(self._candidates.loc[each, "id"]) for each in partners}
         fresh = [name for name in names.values() if name not in self._tried]
         items = [(self.rows[name], self._of_search(name)) for name in fresh]
@@ -264,7 +265,7 @@ def _cells(table: pd.DataFrame) -> Floats:
 
 
 def _as_examined(row: Row) -> Row:
-    """A failure with what an examined object has besides."""
+    """A failure with the additional columns of an examined object."""
     return row | {"verdict": ObjectVerdict.FAILURE.value, "step": row["epoch"]}
 
 
@@ -280,7 +281,7 @@ def _qualify(
     detect: Detect,
     settings: FailureParameters,
 ) -> CandidateTrial:
-    """Try a candidate; whether it may be a partner."""
+    """Try a candidate, and decide whether it may be a partner."""
     row, past = item
     mesh, name = scaled_surface(row["voxels"], settings), row["id"]
     nothing = parquet.empty(FAILURE_ATTEMPTS)

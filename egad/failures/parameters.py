@@ -24,10 +24,10 @@ Strategy = Literal["evolution", "screening", "mutation", "random"]
 
 
 class FailureSearch(Parameters):
-    """Search for objects at which a detector fails although they can be grasped."""
+    """Search for objects that a detector fails to grasp although they can be grasped."""
 
     attempts: int = Field(
-        6000, ge=1, description="simulated grasps in all, those of the reference included"
+        6000, ge=1, description="total number of simulated grasps, including those of the reference"
     )
     shards: int = Field(
         2, ge=1, le=1000, description="independent searches that share the attempts, one job each"
@@ -36,49 +36,59 @@ class FailureSearch(Parameters):
         "evolution",
         description="where objects come from: screening: the archive; random: random genomes; "
         "mutation: children of the archive; evolution: the archive, random genomes and children of "
-        "failures, most from the one that gives most failures",
+        "failures, most of them from the source that yields the most failures",
     )
     approach: Literal["above", "any"] | None = Field(
         None,
-        description="grasps straight from above, or from any direction; nothing: what the input of "
-        "the detector says: a view from above or something else",
+        description="above: grasps straight from above; any: from any direction; nothing: above if "
+        "the input of the detector is a view from above, any otherwise",
     )
     depth_noise: float = Field(
-        0.1, ge=0, le=10, description="noise of the depth images, as `trials.depth_noise`, pixels"
+        0.1,
+        ge=0,
+        le=10,
+        description="noise of the depth images, as in `trials.depth_noise`, pixels; with the "
+        "approach `any`, everything above 0 is 0.1",
     )
     engines: tuple[EngineName, ...] = Field(
         ENGINES,
         min_length=1,
-        description="physics engines, in all of which an object must be a failure",
+        description="physics engines; a failure must be one in all of them",
     )
     screen: int = Field(
-        5, ge=1, description="most attempts of the detector that decide whether to look further"
+        5,
+        ge=1,
+        description="maximum number of attempts of the detector to decide whether to examine an "
+        "object further",
     )
-    choose: int = Field(
-        8, ge=1, description="drops on which the grasps of the reference are chosen"
-    )
+    choose: int = Field(8, ge=1, description="drops used to choose the grasps of the reference")
     confirm: int = Field(
-        24, ge=1, description="most fresh drops in each engine that confirm a failure"
+        24, ge=1, description="maximum number of fresh drops in each engine to confirm a failure"
     )
     explain: int = Field(
-        6, ge=0, description="drops at which the other proposals of the detector are tried, too"
+        6,
+        ge=0,
+        description="failed drops at which the other proposals of the detector are also tried",
     )
     least_reference: PositiveFraction = Field(
-        0.8, lt=1, description="success rate of the reference at a failure, at least"
+        0.8, lt=1, description="minimum success rate of the reference at a failure"
     )
     least_regret: Fraction = Field(
         0.5,
         lt=1,
-        description="success rate of the reference minus that of the detector, at least",
+        description="minimum difference between the success rates of the reference and the "
+        "detector at a failure",
     )
     confidence: PositiveFraction = Field(
-        0.95, lt=1, description="confidence of both, in each engine"
+        0.95, lt=1, description="confidence of `least_reference` and `least_regret`, in each engine"
     )
     elites_per_cell: int = Field(
-        3, ge=1, description="failures that a cell keeps: those that are least alike"
+        3, ge=1, description="failures that a cell keeps: the least similar ones"
     )
     planning_time: float = Field(
-        60.0, gt=0, description="time limit of the detector, seconds; what exceeds it fails"
+        60.0,
+        gt=0,
+        description="time limit of the detector, seconds; an attempt that exceeds it fails",
     )
 
 

@@ -1,4 +1,4 @@
-"""Attempts at one object: drops, grasps of the detector and of others, and what came of each."""
+"""Attempts at one object: drops, grasps of the detector and of others, and their results."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -19,10 +19,10 @@ class Drop(NamedTuple):
     """An object that has come to rest.
 
     Attributes:
-        bench: On which.
+        bench: The bench that it lies on.
         rest: Where it lies.
         purpose: As in `tables.failures.FAILURE_ATTEMPTS`.
-        number: Of the drop for this purpose.
+        number: Number of the drop for this purpose.
     """
 
     bench: Bench
@@ -44,10 +44,10 @@ class Recorder:
         """Begin without a row.
 
         Args:
-            object_id: With the seed it decides all drops.
+            object_id: Determines all drops, with the seed.
             detect: The detector.
-            seed: Decides all that is random.
-            report: Is told 1 after every attempt.
+            seed: Seed of everything random.
+            report: Called with 1 after every attempt.
         """
         self._id, self._detect, self._seed, self._report = object_id, detect, seed, report
         self._rows: list[dict[str, Any]] = []
@@ -62,7 +62,7 @@ class Recorder:
         return None if rest is None else Drop(bench, rest, purpose, number)
 
     def propose(self, drop: Drop) -> list[PoseGrasp] | Outcome | Failure:
-        """What the detector proposes; see `Bench.propose`."""
+        """Proposals of the detector; see `Bench.propose`."""
         rng = self._rng(f"detector {drop.bench.engine}", drop.purpose, drop.number)
         return drop.bench.propose(self._detect, drop.rest, rng)
 
@@ -79,7 +79,7 @@ class Recorder:
         return success
 
     def execute(self, drop: Drop, who: str, grasp: PoseGrasp, rank: int = 0) -> bool:
-        """Whether a grasp holds that somebody proposed, as the first one or a later one."""
+        """Execute a grasp proposed by `who`, with its rank; return whether it holds."""
         return self.note(drop, who, drop.bench.execute(drop.rest, grasp), grasp, rank)
 
     def note(
@@ -91,7 +91,7 @@ class Recorder:
         rank: int = 0,
         failure: str = "",
     ) -> bool:
-        """Keep a row of what came of an attempt; whether it succeeded."""
+        """Record the result of an attempt as a row; return whether it succeeded."""
         lies = [*drop.rest.position.tolist(), *drop.rest.quaternion.tolist()]
         self._rows.append(
             {

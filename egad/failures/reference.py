@@ -1,7 +1,7 @@
-"""The reference: what can be done at an object, known from grasps that were tried before.
+"""The reference: what is possible at an object, learned from grasps that were tried before.
 
 It knows where the object is. It chooses among the labelled grasps of the object and all grasps that
-succeeded at it before, whoever proposed them, and takes the one that is expected to succeed most.
+succeeded at it before, whoever proposed them, and takes the one with the highest expected success.
 """
 
 from collections.abc import Mapping
@@ -21,11 +21,11 @@ NEAR = 0.005  # metres between the middles of the pads of grasps that are alike
 ALIKE = np.cos(np.radians(15))  # of the angles between their axes, and between their approaches
 LEARNT = ("screen", "choose")  # purposes of the attempts that a reference learns from
 REST = tuple(f"rest_{part}" for part in POSE_PARTS)
-BEST, WORST = 0.9, 0.5  # what is expected of the first and the last labelled grasp, before trials
+BEST, WORST = 0.9, 0.5  # expected success of the first and the last labelled grasp, before trials
 
 
 class Tried(NamedTuple):
-    """A grasp that was carried out.
+    """A grasp that was executed.
 
     Attributes:
         grasp: Its pose, from the frame of the hand to that of the object.
@@ -37,19 +37,19 @@ class Tried(NamedTuple):
 
 
 class ReferencePolicy:
-    """Chooses grasps by what came of others like them."""
+    """Chooses grasps by the results of similar ones."""
 
     def __init__(self) -> None:
-        """Know of no grasp."""
+        """Start without any grasp."""
         self._tried: list[Tried] = []
 
     @classmethod
     def of(cls, attempts: pd.DataFrame) -> Self:
-        """A reference that knows what can be learnt from attempts at an object.
+        """A reference that has learned from attempts at an object.
 
         Args:
-            attempts: In their order, columns of `tables.failures.FAILURE_ATTEMPTS`. Those of other
-                purposes than `screen` and `choose` are left out.
+            attempts: Attempts in their order, columns of `tables.failures.FAILURE_ATTEMPTS`. Those
+                for purposes other than `screen` and `choose` are left out.
         """
         policy = cls()
         carried_out = attempts["pose"].map(len) > 0
@@ -58,24 +58,24 @@ class ReferencePolicy:
         return policy
 
     def remember(self, rest: Pose, grasp: PoseGrasp, success: bool) -> None:
-        """Learn what came of a grasp.
+        """Learn from the result of a grasp.
 
         Args:
             rest: Where the object lay.
-            grasp: What was tried, in the world.
+            grasp: The grasp that was tried, in the world frame.
             success: Whether it held.
         """
         local = np.linalg.inv(rest.matrix) @ grasp.pose
         self._tried.append(Tried(grasp._replace(pose=local), success))
 
     def ranked(self, bench: Bench, rest: Pose) -> list[PoseGrasp]:
-        """Grasps of an object where it lies, those first of which most is expected.
+        """Grasps of an object where it lies, highest expected success first.
 
-        The expectation is the mean success of all grasps like it that were tried, and of one
-        more, with which a labelled grasp begins: 0.9 for the best to 0.5 for the last.
+        The expectation is the mean success of all similar grasps that were tried and of a prior,
+        which counts as one more: from 0.9 for the best labelled grasp to 0.5 for the last.
 
         Args:
-            bench: With the object.
+            bench: Bench with the object.
             rest: Where it lies.
         """
         labelled = bench.labelled(rest)
@@ -94,7 +94,7 @@ class ReferencePolicy:
         return [grasps[number] for number in np.argsort(-expected, kind="stable").tolist()]
 
     def _expected(self, poses: Floats, rest: Pose, prior: Floats) -> Floats:
-        """What is expected of grasps at poses (n, 4, 4) that begin with a prior (n,)."""
+        """Expected success of grasps at poses (n, 4, 4) with a prior (n,)."""
         if not self._tried:
             return prior
         tried = rest.matrix @ np.array([each.grasp.pose for each in self._tried])

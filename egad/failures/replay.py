@@ -1,4 +1,4 @@
-"""Attempts of a search again, from their rows alone: without the detector, and filmed."""
+"""Repeating attempts of a search from their rows alone, without the detector, and filming them."""
 
 from collections import defaultdict
 from collections.abc import Callable
@@ -24,19 +24,19 @@ def repeat_attempts(
     settings: FailureParameters,
     watch: Callable[[int, Bench], object] = lambda *_: None,
 ) -> list[Outcome]:
-    """What comes of grasps of an object when they are carried out again.
+    """The outcomes of grasps of an object when they are executed again.
 
     Args:
         mesh: The object, scaled as in the search.
         attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object.
-        settings: Those of the search.
-        watch: Called before each attempt, with its number in the table and where it takes place.
+        settings: Settings of the search.
+        watch: Called before each attempt, with its number in the table and its bench.
 
     Returns:
         The outcomes, in the order of the table.
 
     Raises:
-        UserError: Nothing was tried in one of the attempts.
+        UserError: One of the attempts has no grasp.
     """
     if (attempts["pose"].map(len) == 0).any():
         raise UserError("there is no grasp to repeat: the detector proposed nothing")
@@ -66,15 +66,15 @@ def repeat_attempts(
 def film_attempts(
     mesh: trimesh.Trimesh, attempts: pd.DataFrame, settings: FailureParameters
 ) -> list[list[RgbImage]]:
-    """The frames of grasps of an object that are carried out again, 20 a second.
+    """The frames of grasps of an object that are executed again, 20 per second.
 
     Args:
         mesh: The object, scaled as in the search.
         attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object.
-        settings: Those of the search.
+        settings: Settings of the search.
 
     Raises:
-        UserError: Nothing was tried in one of the attempts, or it ends differently.
+        UserError: One of the attempts has no grasp, or ends differently.
     """
     films: dict[int, Film] = {}
     again = repeat_attempts(

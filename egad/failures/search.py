@@ -1,9 +1,9 @@
 """The search for failures: MAP-Elites whose objective is the regret of a detector.
 
-Objects come from three sources: an archive that spans complexity and graspability already, random
+Objects come from three sources: an archive that already spans complexity and graspability, random
 genomes, and children of the objects at which the detector does worst. The source that has given
-most failures per attempt has three of five steps, each of the others one. A cell that is full of
-failures is closed: no attempt is spent there.
+most failures per attempt gets three of five steps, each of the others one. A cell that is full of
+failures is closed: no attempts are spent there.
 """
 
 import logging
@@ -37,13 +37,13 @@ from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
 
 log = logging.getLogger(__name__)
 
-LITTER = 10  # objects of a step
-PROMISING = 0.5  # estimated regret of parents, if there are some
+LITTER = 10  # objects per step
+PROMISING = 0.5  # minimum estimated regret of parents
 SOURCES = ("archive", "child", "random")
-TURNS = 5  # steps of which each source but the best has one
+TURNS = 5  # steps of which each source except the best gets one
 EXPECTED = (1, 150)  # failures and attempts of a source, before anything is known
-IDLE = 500  # steps in a row without an attempt that end a search
-DOUBTFUL = 20  # attempts of a detector that never succeeds after which this is told
+IDLE = 500  # steps in a row without an attempt after which a search ends
+DOUBTFUL = 20  # attempts without any success of the detector after which a warning is logged
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Target:
         source: archive, child or random.
         genome: Columns of `tables.evolution.GENOME`.
         voxels: As archives keep them.
-        parents: Their ids.
+        parents: Ids of its parents.
         complexity: NaN if it was not measured.
         graspability: NaN if it was not measured.
     """
@@ -90,7 +90,7 @@ def joined(found: Sequence[Found]) -> Found:
 
 
 class Search:
-    """One shard of a search; it goes on from what is known."""
+    """One shard of a search, which continues from earlier results."""
 
     def __init__(
         self,
@@ -101,7 +101,7 @@ class Search:
         before: Found = NOTHING,
         report: Callable[[int], object] = int,
     ) -> None:
-        """Go on from what has been found.
+        """Continue from what has been found.
 
         Args:
             archive: Objects to begin with, columns of `tables.evolution.ARCHIVE`.
@@ -109,7 +109,7 @@ class Search:
             settings: Everything else.
             shard: Number of the shard.
             before: What this shard has found so far, in whole steps.
-            report: Is told 1 after every attempt.
+            report: Called with 1 after every attempt.
         """
         self._detect, self._settings, self._shard = detect, settings, shard
         self._report = report
@@ -137,10 +137,10 @@ class Search:
         return self._spent
 
     def steps(self) -> Iterator[Found]:
-        """What each further step finds, until all attempts are spent or nothing is left to try.
+        """Results of each further step, until all attempts are spent or nothing is left to try.
 
         Raises:
-            OnlyFailuresError: The detector does nothing but fail at the first three objects.
+            OnlyFailuresError: The detector fails in every attempt at the first three objects.
         """
         budget = attempts_of(self._shard, self._settings.failures)
         while self._spent < budget and self._idle < IDLE:
@@ -183,7 +183,7 @@ class Search:
         return self._children(promising if source == "child" else [])
 
     def _source(self, can: dict[str, bool]) -> str:
-        """Where the next objects come from: the best of the sources that there are, or its turn."""
+        """Source of the next objects: the best available one, or another one whose turn it is."""
         failures, attempts = EXPECTED
         order = sorted(
             (source for source in SOURCES if can.get(source, True)),
@@ -208,7 +208,7 @@ class Search:
         return children
 
     def _consider(self, target: Target) -> tuple[dict[str, Any], pd.DataFrame]:
-        """Measure an object and examine it, if a failure of its cell is wanted."""
+        """Measure an object and, if its cell is not full of failures, examine it."""
         nothing = NOTHING.attempts
         try:
             mesh = surface_of(target.voxels, self._settings)
@@ -229,7 +229,7 @@ class Search:
         return self._row(target, (complexity, value), cell, found, graph), found.attempts
 
     def _look_after_detector(self, attempts: pd.DataFrame) -> None:
-        """End the search if the detector does nothing but fail, and tell if it never succeeds."""
+        """End the search if the detector fails in every attempt; warn if it never succeeds."""
         self._monitor.check(attempts)
         few = self._asked < DOUBTFUL
         self._asked += len(attempts)
@@ -238,7 +238,7 @@ class Search:
             log.warning("the detector succeeded in none of the first %d attempts", self._asked)
 
     def _measures(self, target: Target, mesh: trimesh.Trimesh) -> tuple[float, float]:
-        """Complexity and graspability, as the archive has them."""
+        """Complexity and graspability, as measured for the archive."""
         if math.isfinite(target.graspability):
             return target.complexity, target.graspability
         settings = self._settings.breeding
@@ -287,7 +287,7 @@ class Search:
         }
 
     def _remember(self, row: dict[str, Any]) -> None:
-        """Take a row into account: those of an earlier run, too."""
+        """Take a row into account, also one of an earlier run."""
         self._seen.add(row["id"])
         self._spent += row["attempts"]
         self._yields[row["source"]]["attempts"] += row["attempts"]
@@ -299,13 +299,13 @@ class Search:
 
 
 def attempts_of(shard: int, search: FailureSearch) -> int:
-    """How many attempts a shard makes; the last object may need some more."""
+    """Number of attempts of a shard; the last object may need some more."""
     every, more = divmod(search.attempts, search.shards)
     return every + (shard < more)
 
 
 def empty_archive(settings: FailureParameters) -> Archive:
-    """An archive for objects with a regret: cells as in the settings, of as many failures."""
+    """An archive for objects with a regret; the settings give its cells and their capacity."""
     update = {"elites_per_cell": settings.failures.elites_per_cell}
     space = settings.breeding.space.model_copy(update=update)
     return Archive(space, settings.breeding.similarity)

@@ -1,4 +1,4 @@
-"""Where a search is kept while it runs, so that one that was cut off goes on."""
+"""Storage of a running search, so that it can be resumed after an interruption."""
 
 import hashlib
 import inspect
@@ -29,13 +29,13 @@ class Store:
         """Use a folder.
 
         Args:
-            folder: It need not be there.
+            folder: The folder; need not exist.
             archive: Objects that the search begins with.
             detect: The detector.
             settings: Everything else.
 
         Raises:
-            UserError: It holds another search, or a file of the detector is missing.
+            UserError: The folder holds another search, or a file of the detector is missing.
         """
         self.folder = folder
         self._search = {
@@ -52,13 +52,13 @@ class Store:
                 )
 
     def read(self, shard: int) -> Found:
-        """What a shard has written; nothing if it has not."""
+        """What a shard has written, if anything."""
         path = self.folder / f"shard-{shard}"
         if not (path / "examined.parquet").is_file():
             return NOTHING
         examined = parquet.read(path / "examined.parquet", EXAMINED)
         attempts = parquet.read(path / "attempts.parquet", FAILURE_ATTEMPTS)
-        # an older table of objects may stand beside a newer one of attempts
+        # an older table of objects may be next to a newer one of attempts
         return Found(examined, attempts[attempts["id"].isin(set(examined["id"]))])
 
     def write(self, shard: int, found: Found) -> None:
@@ -70,10 +70,10 @@ class Store:
 
     @contextmanager
     def named_in_errors(self) -> Iterator[None]:
-        """Let errors of the user say where the results so far are.
+        """Make user errors say where the results so far are.
 
         Raises:
-            UserError: As within the block.
+            UserError: As raised within the block.
         """
         try:
             yield
@@ -90,13 +90,13 @@ class Store:
 
 
 def _fingerprint(detect: Detect) -> list[str]:
-    """What tells a detector from others and from itself with other code or weights."""
+    """What identifies a detector, including its code and weights."""
     if isinstance(detect, DetectorConfig):
         return [detect.model_dump_json(), *fingerprint(detect)]
     named = detect if inspect.isroutine(detect) else type(detect)
     try:
         source = inspect.getsource(named)
-    except (OSError, TypeError):  # of code that is not in a file
+    except (OSError, TypeError):  # raised for code that is not in a file
         source = ""
     return [f"{named.__module__}.{named.__qualname__}", _checksum(source)]
 

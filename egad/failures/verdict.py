@@ -1,4 +1,4 @@
-"""What an object is to a detector, and by which attempts that is known."""
+"""The verdict on an object for a detector, and the attempts that led to it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from egad.failures.evidence import PairedDrop
 
 
 class ObjectVerdict(StrEnum):
-    """What an object is to a detector."""
+    """The verdict on an object for a detector."""
 
     FAILURE = "failure"
     DETECTOR_SUCCEEDS = "detector_succeeds"
@@ -32,11 +32,11 @@ GRASPABLE = (
 
 @dataclass(frozen=True)
 class Examined:
-    """What became of an object.
+    """The result of examining an object.
 
     Attributes:
-        verdict: What it is.
-        reason: Why, if the counts do not say it.
+        verdict: The verdict.
+        reason: Its reason, if the counts do not show it.
         attempts: One row per simulated grasp, columns of `tables.failures.FAILURE_ATTEMPTS`.
     """
 
@@ -45,14 +45,14 @@ class Examined:
     attempts: pd.DataFrame
 
     def pairs(self, engine: str) -> list[PairedDrop]:
-        """The fresh drops in an engine, as of `pairs_of`."""
+        """The fresh drops in an engine, as from `pairs_of`."""
         return pairs_of(self.attempts, engine)
 
     @property
     def objective(self) -> float:
-        """An estimate of the regret, shrunk towards 0, in steps of 0.1, for the search to climb.
+        """An estimate of the regret, shrunk towards 0, in steps of 0.1: objective of the search.
 
-        The lowest of all engines with fresh drops; without any, that of all attempts of the
+        It is the lowest over all engines with fresh drops; without any, that of all attempts of the
         detector.
         """
         if self.verdict not in GRASPABLE:

@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from egad.errors import RejectedError, UserError
 
 PACKAGE = Path(__file__).parents[1]
-# Longest sides of things that are grasped, metres. A thing of 60 mm lies outside if m, mm and inch
-# are mistaken for each other, or m and cm; mistaking mm or inch for cm gives usual sizes, too.
+# Usual longest sides of graspable objects, metres. A 60 mm object falls outside this range if m, mm
+# and inch are confused, or m and cm; confusing mm or inch with cm still gives usual sizes.
 USUAL_SIDES = (0.005, 1.0)
-ROUNDING = 1e-12  # of the cube of the longest side: a smaller volume is none
+ROUNDING = 1e-12  # of the cube of the longest side: a smaller volume counts as none
 
 OPEN = "open or inconsistently wound surface: `egad.repair` may close it"
 
@@ -36,7 +36,7 @@ class DroppedBodiesWarning(UserWarning):
 
 
 def warn_user(text: str, category: type[UserWarning]) -> None:
-    """Warn, and name the line that called egad."""
+    """Issue a warning that names the line that called egad."""
     warnings.warn(text, category, stacklevel=_calls_within_egad())
 
 
@@ -69,11 +69,11 @@ def _not_a_mesh(given: object) -> str:
 
 
 def check_surface(mesh: trimesh.Trimesh) -> None:
-    """Make sure that there is a surface at all.
+    """Make sure that a mesh has a surface at all.
 
     Raises:
         UserError: It is not a mesh.
-        RejectedError: As of `check_mesh`, or no area.
+        RejectedError: As for `check_mesh`; or it has no area.
     """
     check_mesh(mesh)
     if not mesh.area > 0:
@@ -81,11 +81,11 @@ def check_surface(mesh: trimesh.Trimesh) -> None:
 
 
 def check_solid(mesh: trimesh.Trimesh) -> None:
-    """Make sure that a surface is closed, wound outwards, and has something within.
+    """Make sure that a surface is closed, wound outwards, and encloses a volume.
 
     Raises:
         UserError: It is not a mesh.
-        RejectedError: As of `check_surface`; or it is open, inside out, or has no volume.
+        RejectedError: As for `check_surface`; or it is open, inside out, or has no volume.
     """
     check_surface(mesh)
     if not _is_closed(np.asarray(mesh.faces), len(mesh.vertices)):
@@ -104,7 +104,7 @@ def _is_closed(faces: NDArray[np.int64], count: int) -> bool:
 
 
 def _relative_volume(mesh: trimesh.Trimesh) -> float:
-    """Signed volume as a part of the cube of the longest side of the box."""
+    """Signed volume as a fraction of the cube of the longest side of the bounding box."""
     low, high = np.asarray(mesh.bounds)
     a, b, c = np.moveaxis((mesh.triangles - (low + high) / 2) / (high - low).max(), 1, 0)
     return float(np.einsum("ij,ij", a, np.cross(b, c))) / 6
@@ -116,15 +116,15 @@ def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metr
     Args:
         mesh: The mesh.
         what: What the warning calls it.
-        unit: That the coordinates had when they were read.
+        unit: Unit of the coordinates when they were read.
 
     Warns:
-        UnitsWarning: The longest side is not between 5 mm and 1 m. It names the line that called
-            egad.
+        UnitsWarning: The longest side is not between 5 mm and 1 m. The warning names the line that
+            called egad.
 
     Raises:
         UserError: It is not a mesh.
-        RejectedError: As of `check_mesh`.
+        RejectedError: As for `check_mesh`.
     """
     check_mesh(mesh)
     longest = float(mesh.extents.max())
@@ -138,9 +138,9 @@ def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metr
 
 
 def _calls_within_egad() -> int:
-    """How many calls, with this one, lie above the line of the user's program.
+    """Number of calls, including this one, above the line of the user's program.
 
-    Calls of `contextlib` between them are those of our decorators.
+    Calls of `contextlib` among them come from our decorators.
     """
     calls = traceback.walk_stack(inspect.currentframe())
     files = (Path(frame.f_code.co_filename) for frame, _ in calls)
@@ -149,14 +149,14 @@ def _calls_within_egad() -> int:
 
 
 def units_doubt(longest_sides: Mapping[str, float], unit: str | None) -> str:
-    """A sentence about meshes that are so large or small that their unit is probably another.
+    """A sentence about meshes so large or small that their unit is probably wrong.
 
     Args:
-        longest_sides: By the names of the meshes, metres; NaN for those that could not be read.
-        unit: That they were read with; None if the files say it.
+        longest_sides: Longest side of each mesh by name, metres; NaN if it could not be read.
+        unit: Unit that they were read with; None if the files state it.
 
     Returns:
-        Nothing if all have usual sizes.
+        An empty string if all have usual sizes.
     """
     known = {name: side for name, side in longest_sides.items() if np.isfinite(side)}
     odd = {name: side for name, side in known.items() if not has_usual_size(side)}
@@ -171,7 +171,7 @@ def units_doubt(longest_sides: Mapping[str, float], unit: str | None) -> str:
 
 
 def has_usual_size(longest_sides: ArrayLike) -> NDArray[np.bool_]:
-    """Whether meshes are as large as things that are grasped: longest sides in metres, (n,)."""
+    """Whether meshes have the size of graspable objects, given longest sides in metres, (n,)."""
     low, high = USUAL_SIDES
     sides = np.asarray(longest_sides, dtype=np.float64)
     return np.asarray((sides >= low) & (sides <= high))

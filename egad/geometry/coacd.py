@@ -1,4 +1,4 @@
-"""Convex parts by CoACD, the other choice beside our own cutting."""
+"""Convex parts by CoACD, the alternative to our own decomposition."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -23,15 +23,15 @@ Task = tuple[Floats, NDArray[np.int64], float, int]
 def coacd_parts(
     mesh: trimesh.Trimesh, threshold: float, max_parts: int, max_vertices: int
 ) -> list[trimesh.Trimesh]:
-    """Convex hulls that together stand for a solid, by CoACD with its seed 0.
+    """Convex hulls that together approximate a solid, by CoACD with seed 0.
 
-    It runs in a process of its own, which it is known to abort at times.
+    CoACD runs in a separate process because it sometimes aborts its process.
 
     Args:
         mesh: A closed surface wound outwards: inside out, CoACD loses most of the volume.
-        threshold: Concavity that a part may have, CoACD's measure.
-        max_parts: Most hulls.
-        max_vertices: Most vertices of a hull. Those that matter least are left out.
+        threshold: Concavity that a part may have, by CoACD's measure.
+        max_parts: Maximum number of hulls.
+        max_vertices: Maximum number of vertices of a hull. Those that matter least are left out.
 
     Returns:
         Convex meshes with outward normals, at least one.
@@ -59,7 +59,7 @@ def coacd_parts(
 
 @contextmanager
 def _coacd() -> Iterator[Callable[[Task], list[Floats]]]:
-    """CoACD in this process, whose output is dropped: it prints a lot."""
+    """Run CoACD in this process and discard its output: it prints a lot."""
     import coacd  # noqa: PLC0415 (an extra)
 
     silence = os.open(os.devnull, os.O_WRONLY)

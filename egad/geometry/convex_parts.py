@@ -19,20 +19,20 @@ from egad.geometry.manifold import Solid, arrays, is_solid, solid_within, to_mes
 from egad.geometry.parameters import DEVIATION, MAX_VERTICES
 from egad.geometry.touchable import MAX_BURIED, Touchable, touchable_points
 
-# The surface is simplified by this part of the allowed deviation, but by no more than that part of
-# the longest side: finer detail costs time and changes no contact.
+# The surface is simplified by the first fraction of the allowed deviation, but by no more than the
+# second fraction of the longest side: finer detail costs time and changes no contact.
 SIMPLIFICATION, MAX_SIMPLIFICATION = 0.3, 0.005
-SLIVER = 1e-6  # of the volume: thinner crumbs have no usable hull
-# Cutting goes on to this part of the allowed error; then parts are joined again until it is spent.
+SLIVER = 1e-6  # of the volume: smaller crumbs have no usable hull
+# Cutting stops at this fraction of the allowed error; then parts are merged until it is used up.
 OVERCUT = 0.7
-MIN_EXCESS = 0.3  # of the allowed error, for solids that simplification made larger
-BURIED = 0.002  # of the touchable points: may stay too deep in the hulls of pieces
+MIN_EXCESS = 0.3  # of the allowed error: the minimum, for solids that simplification made larger
+BURIED = 0.002  # of the touchable points may stay too deep in the hulls of pieces
 CONVEX = 1e-3  # of a hull: with less excess a solid has no hollow to cut at
-SPARE = 2  # times as many pieces as parts are allowed are cut at most
+SPARE = 2  # at most this many times as many pieces are cut as parts are allowed
 
 
 class Decomposition(NamedTuple):
-    """Convex parts, and the bounds that they keep.
+    """Convex parts, and the error bounds that they meet.
 
     Attributes:
         parts: Convex meshes with outward normals, at least one.
@@ -46,13 +46,13 @@ class Decomposition(NamedTuple):
 
 
 class _Piece(NamedTuple):
-    """A piece in the heap: the one farthest beyond its bounds comes out first."""
+    """A piece in the heap: the one that exceeds its bounds most is popped first."""
 
     negative_badness: float
-    number: int  # of equals, the older one
+    number: int  # breaks ties: the older piece first
     solid: Solid
     hull: Hull
-    touchable: Touchable  # on its side of all cuts, so that no other hull holds them
+    touchable: Touchable  # points on its side of all cuts, so that no other hull holds them
     excess: float  # volume of the hull beyond the solid
     buried: int  # touchable points that lie too deep in the hull
 
@@ -73,36 +73,36 @@ def decompose(
     deviation: float = DEVIATION,
     max_vertices: int = MAX_VERTICES,
 ) -> Decomposition:
-    """Convex hulls that together stand for a solid (ours).
+    """Convex hulls that together approximate a solid (ours).
 
-    The solid is cut again and again: always the piece whose hull is worst, at the plane that leaves
+    The solid is cut repeatedly: always the piece with the worst hull, along the plane that leaves
     the smallest hulls. A hull is bad if it exceeds the solid, if points that a finger can touch lie
-    deep in it, or if it needs too many vertices. Then pieces whose common hull adds least are
-    joined again, as long as it stays within the bounds; this undoes unlucky cuts. If there are
-    still too many, both bounds are loosened by the same factor until enough of them can be joined.
-    In the end faces of hulls that bridge a hollow are moved inwards, so that they lie in the middle
-    of the hollow, and corners that matter little are left out.
+    deep in it, or if it needs too many vertices. Then the pieces whose common hull adds the least
+    volume are merged, as long as it stays within the bounds; this undoes unlucky cuts. If there are
+    still too many, both bounds are loosened by the same factor until enough of them can be merged.
+    Finally, faces of hulls that bridge a hollow are moved inwards to lie in the middle of the
+    hollow, and corners that matter little are left out.
 
-    Points that fingers can touch lie deeper in a part than `deviation` at about 1 % of the surface,
-    and the parts leave out a layer about as thick at most. What they leave out does not grow with
-    loosened bounds, unless parts need fewer vertices.
+    On about 1 % of the surface, points that fingers can touch lie deeper in a part than
+    `deviation`. The parts leave out a layer that is at most about as thick. This layer does not
+    grow with loosened bounds, unless parts need fewer vertices.
 
     Args:
         mesh: A closed surface, wound either way, metres.
-        max_parts: Most hulls.
+        max_parts: Maximum number of hulls.
         volume_error: The hulls may exceed the solid by this fraction of it.
         deviation: How deep the touchable surface may lie in a hull, metres.
-        max_vertices: Most vertices of a hull.
+        max_vertices: Maximum number of vertices of a hull.
 
     Returns:
-        The parts, and the bounds that they keep: looser ones than asked for if the object needs
-        more than `max_parts`, or its surface is too fine for the points that are tested.
+        The parts, and the bounds that they meet: looser ones than requested if the object needs
+        more than `max_parts`, or if its surface is too fine for the points that are tested.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
         UserError: It is not a mesh.
     """
-    with one_thread():  # several take twice the CPU time for matrices as small as these
+    with one_thread():  # several threads take twice the CPU time for such small matrices
         tolerances = Tolerances(deviation, volume_error, max_vertices, LOWERING * deviation)
         return _decomposed(_solid(mesh), max_parts, tolerances)
 
@@ -135,18 +135,18 @@ def _joined(
     touchable: Touchable,
     wanted: Tolerances,
 ) -> tuple[list[Hull], Tolerances]:
-    """Join hulls within bounds, which are loosened until few enough are left and keep to them.
+    """Merge hulls, loosening the bounds until few enough hulls are left and meet them.
 
     Args:
         hulls: Hulls of the pieces of a solid.
-        are_good: Whether they keep to the bounds that are wanted.
-        max_parts: Most of them.
+        are_good: Whether they meet the wanted bounds.
+        max_parts: Maximum number of hulls.
         volume: Volume of the solid.
         touchable: Points of its surface.
-        wanted: The bounds to begin with.
+        wanted: The initial bounds.
 
     Returns:
-        The hulls that are left, and the bounds that they keep to.
+        The remaining hulls, and the bounds that they meet.
     """
     kept = wanted
     for power in count():
@@ -159,7 +159,7 @@ def _joined(
 
 
 def _keep(hulls: list[Hull], volume: float, touchable: Touchable, tolerances: Tolerances) -> bool:
-    """Whether hulls keep to bounds together."""
+    """Whether hulls meet the bounds together."""
     buried = sum(int(too_deep(touchable, hull, tolerances).sum()) for hull in hulls)
     return (
         sum(hull.volume for hull in hulls) <= volume
@@ -183,7 +183,7 @@ def union_of_parts(parts: Iterable[trimesh.Trimesh]) -> Solid:
 def _solid(mesh: trimesh.Trimesh) -> Solid:
     """The solid within a surface, wound outwards.
 
-    Inside out, a surface bounds everything but the object, and every hull would be of that.
+    An inside-out surface bounds everything but the object, and every hull would be a hull of that.
     """
     check_mesh(mesh)
     solid = solid_within(mesh)
@@ -193,7 +193,7 @@ def _solid(mesh: trimesh.Trimesh) -> Solid:
 def _simplified(solid: Solid, deviation: float) -> Solid:
     low, high = np.reshape(solid.bounding_box(), (2, 3))
     by = min(SIMPLIFICATION * deviation, MAX_SIMPLIFICATION * float((high - low).max()))
-    # Anew, for it keeps its tolerance, and every cut would be simplified by as much again.
+    # Made anew: a solid keeps its tolerance, and every cut would be simplified by as much again.
     simple = to_solid(*arrays(solid.simplify(by)))
     return simple if is_solid(simple) and simple.volume() > 0 else solid
 
@@ -236,12 +236,12 @@ def _piece(solid: Solid, touchable: Touchable, numbers: Iterator[int], limits: _
 
 
 def _worst(heap: list[_Piece], limits: _Limits, few_corners: set[int]) -> _Piece | None:
-    """Take the piece that is to be cut out of the heap; None if all are good.
+    """Pop the piece to cut next from the heap; None if all are good.
 
     Args:
         heap: The pieces.
         limits: How far they may be from the solid.
-        few_corners: Numbers of those known to have few enough vertices.
+        few_corners: Numbers of the pieces known to have few enough vertices.
     """
     if (
         sum(piece.excess for piece in heap) > limits.excess

@@ -1,4 +1,4 @@
-"""The plane that a solid is best cut along, so that both sides are close to their hulls."""
+"""The best plane to cut a solid along, so that both sides are close to their hulls."""
 
 from itertools import product
 from typing import NamedTuple
@@ -12,11 +12,11 @@ from egad.geometry.touchable import depths
 
 Plane = tuple[Floats, float]  # unit normal, distance from the origin
 
-FLUSH_PLANES = 4  # largest faces at the deepest point, whose planes are tried
-GRAZE = 1e-3  # of the longest side: thinner is nothing to cut off
+FLUSH_PLANES = 4  # the planes of this many of the largest faces at the deepest point are tried
+GRAZE = 1e-3  # of the longest side: thinner slices are not cut off
 COARSENESS = 0.01  # of the longest side: the planes are tried on a solid simplified by as much
-EVEN_PLANES = 3  # a coordinate axis
-# Of the volume that a hull has beyond its solid. Whatever gains less is not worth a cut: a ring
+EVEN_PLANES = 3  # per coordinate axis
+# Fraction of the volume of a hull beyond its solid. A cut that gains less is not worth it: a ring
 # could be cut into ever thinner rings, and the hull of each would still fill its hole.
 MIN_GAIN = 1e-3
 
@@ -42,13 +42,13 @@ DIRECTIONS = _directions()
 def best_plane(solid: Solid, planes_of_hull: Floats) -> Plane:
     """The plane whose two sides have the smallest hulls (ours).
 
-    The planes tried go through the point that lies deepest below the hull, in 13 directions and
-    along the faces there, and in even steps along the axes. If all hulls together stay as large as
-    the one before, as when a ring is cut once, a plane halves one of the sides: that after which a
-    second cut of both halves leaves the smallest hulls.
+    The candidates are planes through the point that lies deepest below the hull, in 13 directions
+    and along the faces there, and planes at even steps along the axes. If no cut makes the hulls
+    smaller, as when a ring is cut once, the plane halves one of the sides of the box instead: the
+    side for which a second cut of both halves leaves the smallest hulls.
 
     Args:
-        solid: Which is not convex.
+        solid: A solid that is not convex.
         planes_of_hull: Outward unit normals and offsets, (m, 4).
     """
     cut = _best_cut(solid, planes_of_hull)
@@ -70,7 +70,7 @@ def _halving(solid: Solid, axis: int) -> Plane:
 
 
 def volume_after(solid: Solid, plane: Plane) -> float:
-    """The volume of the hulls after a cut and the best of each half; infinite if one is empty."""
+    """Volume of hulls after a cut and the best cut of each half; infinite if a half is empty."""
     halves = solid.split_by_plane(tuple(plane[0]), plane[1])
     if any(half.is_empty() for half in halves):  # the plane met a needle without volume
         return np.inf
@@ -84,7 +84,7 @@ def volume_after(solid: Solid, plane: Plane) -> float:
 
 
 def _best_cut(solid: Solid, planes_of_hull: Floats) -> _Cut:
-    """The plane whose sides have the smallest hulls; they are infinite if all planes miss."""
+    """The plane whose sides have the smallest hulls: of infinite volume if all planes miss."""
     vertices, faces = arrays(solid)
     size = float(np.ptp(vertices, axis=0).max())
     planes = _planes(vertices, faces, depths(vertices, planes_of_hull))
@@ -98,9 +98,9 @@ def _best_cut(solid: Solid, planes_of_hull: Floats) -> _Cut:
 
 
 def _sides(vertices: Floats, faces: Ints, planes: list[Plane], least: float) -> list[list[Floats]]:
-    """Points whose hulls are those of the two sides of each cut.
+    """Points with the same hulls as the two sides of each cut.
 
-    There are none if it misses, or cuts off something thinner than `least`.
+    A cut has none if it misses, or cuts off something thinner than `least`.
     """
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     starts, ends = edges[edges[:, 0] < edges[:, 1]].T  # each once

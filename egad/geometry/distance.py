@@ -10,7 +10,7 @@ from egad._util.arrays import Floats
 from egad._util.extras import needed_for
 from egad.geometry.surface_samples import spread
 
-STEP = 0.02  # of the longest side: distance between the points that are looked at
+STEP = 0.02  # of the longest side: distance between the sampled points
 CELL = 0.5  # of that distance
 ROUNDING = 1e-9  # relative
 WHAT = "the distance to a surface"
@@ -18,7 +18,7 @@ STEPS = 10  # binary digits of a distance within a cell: a thousandth
 
 
 def nearest(points: Floats, mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
-    """The nearest point of a mesh to each point, exact: libigl's.
+    """The exact nearest point of a mesh to each point, by libigl.
 
     Args:
         points: (n, 3).
@@ -54,8 +54,8 @@ def largest_deviation(surface: trimesh.Trimesh, mesh: trimesh.Trimesh) -> float:
 def _furthest(points: Floats, mesh: trimesh.Trimesh, size: float) -> float:
     """The largest distance of points (n, 3) from a mesh.
 
-    Thin triangles have many points in the same spot. So one point of each cell of a grid is tried,
-    and the others only where they can be further away than all of these.
+    Thin triangles have many points in the same spot. So one point per grid cell is tested first,
+    and the others only where they can be farther away than all of these.
     """
     cells = np.floor((points - points.min(axis=0)) / size).astype(np.int64)
     numbers = np.ravel_multi_index(tuple(cells.T), tuple(cells.max(axis=0) + 1))
@@ -72,8 +72,8 @@ class DistanceField(NamedTuple):
 
     Attributes:
         values: (n, n, n) metres along x, y, z; negative within the solid.
-        origin: (3,) place of the first node, metres.
-        resolution: Distance of two neighboring nodes, metres.
+        origin: (3,) position of the first node, metres.
+        resolution: Distance between two neighboring nodes, metres.
     """
 
     values: NDArray[np.float32]
@@ -86,7 +86,7 @@ def distance_field(mesh: trimesh.Trimesh, size: int, padding: int) -> DistanceFi
 
     The longest side of the axis-aligned box is `size - 2 * padding` cells long, and node
     `size // 2` lies in the middle of the box. Distances are exact except for rounding to a power of
-    two, about a thousandth of a cell: that halves the field when it is compressed.
+    two, about a thousandth of a cell: this halves the size of the compressed field.
 
     Args:
         mesh: A surface around a solid, metres, wound outwards.

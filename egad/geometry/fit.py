@@ -1,4 +1,4 @@
-"""How close hulls must be to the touchable surface, and making them closer."""
+"""How close hulls must be to the touchable surface, and how to bring them closer."""
 
 from itertools import count
 from typing import NamedTuple
@@ -20,13 +20,13 @@ from egad.geometry.touchable import (
     within_box,
 )
 
-# Parts of the allowed deviation:
+# Fractions of the allowed deviation:
 DEPTH = 0.8  # of points in the end; those between them may lie a little deeper
 LOWERING = 0.8  # at most, of faces that bridge a hollow
 NEIGHBORS = 0.3  # faces this much deeper above a point than the nearest are lowered too
-# By leaving out corners, parts of the allowed deviation and of the allowed volume error:
-LOSS = (1.0, 0.5)  # to keep to the number of vertices
-FINAL_LOSS = (0.5, 0.25)  # although there might be more
+# Losses by leaving out corners, as fractions of the allowed deviation and volume error:
+LOSS = (1.0, 0.5)  # to meet the limit on the number of vertices
+FINAL_LOSS = (0.5, 0.25)  # in the end, even if more vertices are allowed
 BURIED = 0.005  # of the points of a common hull, at most
 CHECKED = 0.8  # of the share that may be buried: other points may show a little more
 REFITS = 3  # to twice as many points and more, before the bounds are loosened
@@ -39,7 +39,7 @@ class Tolerances(NamedTuple):
     Attributes:
         deviation: Metres, of the touchable surface.
         volume_error: Relative.
-        max_vertices: Most vertices of a part.
+        max_vertices: Maximum number of vertices of a part.
         lowering: By how much faces may be moved inwards, metres.
     """
 
@@ -49,12 +49,12 @@ class Tolerances(NamedTuple):
     lowering: float
 
     def loosened(self, factor: float) -> "Tolerances":
-        """Larger errors, all of them outwards: faces are moved inwards no further."""
+        """Looser bounds, but only for outward errors: faces are not moved further inwards."""
         deviation, volume_error = factor * self.deviation, factor * self.volume_error
         return self._replace(deviation=deviation, volume_error=volume_error)
 
     def can_be_reduced(self, hull: Hull) -> bool:
-        """Whether few enough corners keep the shape of a hull."""
+        """Whether a hull keeps its shape with few enough corners."""
         return len(hull.points) <= self.max_vertices or self.reduced(hull, LOSS)[1]
 
     def reduced(self, hull: Hull, loss: tuple[float, float]) -> tuple[Hull, bool]:
@@ -111,12 +111,12 @@ def lower_faces(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hul
 
 
 def finish(hull: Hull, touchable: Touchable, kept: Tolerances, wanted: Tolerances) -> Hull:
-    """A hull as a part: lowered, and without the corners that matter least.
+    """Turn a hull into a part: lower its faces, and leave out the corners that matter least.
 
     Args:
         hull: With a volume.
         touchable: Points of the surface.
-        kept: The tolerances that the hull keeps to.
+        kept: The tolerances that the hull meets.
         wanted: Those that leaving out corners keeps to.
     """
     return wanted.reduced(lower_faces(hull, touchable, kept), FINAL_LOSS)[0]
@@ -129,19 +129,20 @@ def finish_all(
     kept: Tolerances,
     wanted: Tolerances,
 ) -> tuple[list[Hull], Tolerances]:
-    """Hulls as parts, checked at other points of the surface than those they are fitted to (ours).
+    """Turn hulls into parts, and check them at points that they are not fitted to (ours).
 
-    If too many of these lie too deep, the hulls are fitted to both, and checked at new ones.
+    If too many of these points lie too deep, the hulls are fitted to both sets of points, and
+    checked at new ones.
 
     Args:
-        hulls: That stand for a solid, with a volume.
+        hulls: Hulls that together approximate a solid, each with a volume.
         mesh: Its surface, wound outwards, metres.
         touchable: Points of it.
-        kept: The bounds that the hulls keep to.
+        kept: The bounds that the hulls meet.
         wanted: Those that leaving out corners keeps to.
 
     Returns:
-        The parts, and the bounds that they keep to: looser ones if more points did not help.
+        The parts, and the bounds that they meet: looser ones if more points did not help.
     """
     for number in count():
         finished = [finish(hull, touchable, kept, wanted) for hull in hulls]

@@ -9,20 +9,20 @@ from egad.geometry.hulls import Hull
 
 
 def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
-    """A hull of some of the corners of a hull, which has nearly its shape (ours).
+    """A hull of some of the corners of a hull, with nearly its shape (ours).
 
-    The corners farthest outside the hull of those chosen so far are added, again and again: the
-    farthest above each of its faces, if they are half as far outside as the farthest of all.
+    The corners farthest outside the hull of those chosen so far are added repeatedly: the farthest
+    above each of its faces, if it is at least half as far outside as the farthest of all.
 
     Args:
         hull: A hull that has a volume.
-        most: Most corners, at least 4.
-        distance: None is added when all others lie at most this far outside, in the unit of the
-            hull,
-        share: and at most this share of the volume is lost.
+        most: Maximum number of corners, at least 4.
+        distance: No corner is added once all others lie at most this far outside, in the unit of
+            the hull, and the lost volume is within `share`.
+        share: Fraction of the volume that may be lost.
 
     Returns:
-        The hull of the chosen corners, in their order; and whether it keeps to the bounds of loss.
+        The hull of the chosen corners, in their order, and whether its losses are within bounds.
     """
     chosen = _far_apart(hull.points)
     while True:
@@ -37,7 +37,7 @@ def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tupl
 
 
 def _farthest(heights: Floats, facets: NDArray[np.int64], most: int) -> list[int]:
-    """Numbers of points highest above their facets and half as high as any, highest first."""
+    """Indices of points highest above their facets and half as high as any, highest first."""
     order = np.argsort(-heights, kind="stable")
     _, first = np.unique(facets[order], return_index=True)
     leaders = order[np.sort(first)]
@@ -46,7 +46,7 @@ def _farthest(heights: Floats, facets: NDArray[np.int64], most: int) -> list[int
 
 
 def _far_apart(points: Floats) -> list[int]:
-    """Numbers of four points that span a tetrahedron."""
+    """Indices of four points that span a tetrahedron."""
     first = int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())
     from_first = points - points[first]
     second = int((from_first**2).sum(axis=1).argmax())

@@ -1,8 +1,8 @@
-"""Convex hulls of points, and joining those that lie close together.
+"""Convex hulls of points, and merging of hulls that lie close together.
 
-manifold3d finds a hull four times as fast as Qhull, but now and then leaves out a point and with it
-several percent of the volume. So it compares cuts and gives lower bounds, and Qhull decides what is
-joined.
+manifold3d finds a hull four times as fast as Qhull, but occasionally misses a point, and with it
+several percent of the volume. So manifold3d is used to compare cuts and for lower bounds, and Qhull
+decides which hulls are merged.
 """
 
 import heapq
@@ -61,15 +61,15 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
 
 
 def merge_hulls(hulls: Sequence[Hull], allowed: float, fits: Callable[[Hull], bool]) -> list[Hull]:
-    """Join the two touching hulls whose common hull adds least volume, again and again (ours).
+    """Repeatedly merge the two touching hulls whose common hull adds the least volume (ours).
 
     Args:
         hulls: Hulls of the pieces of a solid.
-        allowed: Joining stops before the volumes of the hulls add up to more than this.
+        allowed: Merging stops before the volumes of the hulls add up to more than this.
         fits: Whether a common hull may take the place of two.
 
     Returns:
-        The hulls that are left, those that stayed as they were first.
+        The remaining hulls, unchanged ones first.
     """
     pool = _Pool(hulls)
     total = sum(hull.volume for hull in hulls)
@@ -84,7 +84,7 @@ def merge_hulls(hulls: Sequence[Hull], allowed: float, fits: Callable[[Hull], bo
 
 
 class _Pool:
-    """Hulls by number, and a heap of what joining two that touch adds at least."""
+    """Hulls by number, and a heap of the least volume that merging two touching hulls adds."""
 
     def __init__(self, hulls: Iterable[Hull]) -> None:
         self.hulls: list[Hull] = []
@@ -108,7 +108,7 @@ class _Pool:
         return None
 
     def join(self, first: int, second: int) -> None:
-        """Put the common hull in the place of two."""
+        """Replace two hulls by their common hull."""
         self.alive -= {first, second}
         self._add(self.common(first, second))
 

@@ -1,4 +1,4 @@
-"""To and from manifold3d, whose solids are exact under union, intersection and cutting."""
+"""Conversion to manifold3d and back: its solids are exact under union, intersection and cutting."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -16,18 +16,18 @@ Solid = Any  # manifold3d.Manifold, which has no type information
 
 def to_solid(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Solid:
     """The solid within closed surfaces that wind outwards; see `is_solid`."""
-    points = np.array(vertices, dtype=np.float64, order="C")  # copies: it takes no read-only ones
+    points = np.array(vertices, dtype=np.float64, order="C")  # copies: it rejects read-only ones
     triangles = np.array(faces, dtype=np.uint64, order="C")
     return manifold3d.Manifold(manifold3d.Mesh64(points, triangles))
 
 
 def is_solid(solid: Solid) -> bool:
-    """Whether every edge had two faces, wound alike, and something is left of it."""
+    """Whether every edge had two faces, wound consistently, and the solid is not empty."""
     return bool(solid.status() == manifold3d.Error.NoError and not solid.is_empty())
 
 
 def solid_within(mesh: trimesh.Trimesh) -> Solid:
-    """What a closed surface bounds; of negative volume if it is inside out.
+    """The solid that a closed surface bounds; its volume is negative if it is inside out.
 
     Raises:
         RejectedError: It is open or wound inconsistently, or has no volume.
@@ -41,7 +41,7 @@ def solid_within(mesh: trimesh.Trimesh) -> Solid:
 
 
 def wind_outwards(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """A copy of a closed surface that is wound outwards; raises as `solid_within`."""
+    """A copy of a closed surface, wound outwards; raises the errors of `solid_within`."""
     found = mesh.copy()
     if solid_within(mesh).volume() < 0:
         found.invert()

@@ -18,7 +18,9 @@ SHELL_THICKNESS = 0.002  # metres: glasses, cups and bowls are 1 to 5 mm thick
 class Material(Parameters):
     """Material of the objects."""
 
-    density: float = Field(400.0, gt=0, description="kg/m3; printed PLA at 20 % infill: 350-450")
+    density: float = Field(
+        400.0, gt=0, description="density, kg/m3; printed PLA at 20 % infill: 350-450"
+    )
 
 
 class Rescale(Parameters):
@@ -27,8 +29,8 @@ class Rescale(Parameters):
     rule: ScaleRule = Field(
         "paper",
         description="paper: smallest side at most `side_fraction` of the opening; egad-script: "
-        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of it; "
-        "none: objects stay as they are",
+        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of the "
+        "opening; none: objects keep their size",
     )
     side_fraction: PositiveFraction = Field(
         SIDE_FRACTION, description="fraction of the opening that the rule uses"

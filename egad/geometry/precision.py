@@ -1,8 +1,8 @@
 """Single precision: coordinates that every mesh format holds exactly.
 
 STL, PLY and GLB files hold single-precision numbers, and so do most programs that read OBJ. A mesh
-with such coordinates is the same in all formats and programs, to the bit, as long as they keep
-its unit: STL files that egad writes are in millimetres, which is another rounding.
+with such coordinates is bit-identical in all formats and programs, as long as they keep its unit.
+STL files that egad writes are in millimetres, so their coordinates are rounded once more.
 """
 
 import numpy as np

@@ -13,13 +13,13 @@ from egad.geometry.manifold import Solid, to_mesh, union
 PIECES = (2, 5)  # of an object
 SIDES = (0.2, 1.0)  # of a piece, before the object is scaled
 SEGMENTS = 48  # of a full turn
-DEPTH = 0.2  # from the skin to the point that two pieces share, as part of the way to the middle
-# A piece has three sides; these of three random ones. All touch the unit ball if their sides are 2.
+DEPTH = 0.2  # of the way from the skin to the middle: where the point that two pieces share lies
+# Which of three random sides a piece uses. Pieces with sides of 2 touch the unit ball.
 KINDS = {"box": [0, 1, 2], "cylinder": [0, 0, 1], "sphere": [0, 0, 0]}
 
 
 class Piece(NamedTuple):
-    """A primitive in its place.
+    """A primitive and its pose.
 
     Attributes:
         kind: A key of `KINDS`.
@@ -71,7 +71,7 @@ def loose_piece(rng: np.random.Generator) -> Piece:
 def attach(piece: Piece, base: Piece, rng: np.random.Generator) -> Piece:
     """Move a piece so that it shares a point with a base, and its middle lies further out.
 
-    The point is not far below the skin of either, but so far that the pieces overlap.
+    The point lies a little below the skin of both, so that the pieces overlap.
     """
     outwards, onwards = _below_skin(base, rng), _below_skin(piece, rng)
     away = np.copysign(1.0, outwards @ onwards)  # a piece is the same seen from the other side

@@ -12,7 +12,7 @@ from egad._util.arrays import Flags, Floats, Singles
 from egad._util.kernels import kernel
 
 MISS = 1e30  # Embree gives 1e37 where a ray meets nothing
-GRAZING = 1e-4  # of the mesh's size: farther than this off, Embree's distance is the better one
+GRAZING = 1e-4  # of the mesh's size: if the distances differ by more, Embree's is the better one
 OBLIQUE = np.array([0.4359, 0.5931, 0.6769]) / np.linalg.norm([0.4359, 0.5931, 0.6769])
 
 
@@ -21,7 +21,7 @@ class Intersections(NamedTuple):
 
     Attributes:
         faces: (n,) its number; -1 without a hit.
-        distances: (n,) in lengths of the direction; infinite without a hit.
+        distances: (n,) in units of the length of the direction; infinite without a hit.
         coordinates: (n, 2) barycentric coordinates of the second and third corner.
         normals: (n, 3) of the triangle, of any length; zeros without a hit.
     """
@@ -63,7 +63,7 @@ class TriangleScene:
         )
 
     def distances(self, origins: NDArray[Any], directions: NDArray[Any]) -> Singles:
-        """Distances to the first triangle, (n,), in lengths of the direction; else infinite."""
+        """Distances, (n,), in units of the direction's length; infinite if no triangle is hit."""
         return _infinite_where_missed(
             self._scene.run(*_rays(origins, directions), query="DISTANCE")
         )
@@ -107,7 +107,7 @@ class RayCaster:
 
     Attributes:
         mesh: The mesh.
-        triangles: (m, 3, 3) their corners, metres.
+        triangles: (m, 3, 3) corners of its triangles, metres.
         areas: (m,) in square metres.
         normals: (m, 3) outward unit normals of the triangles; zeros for those without area.
     """
@@ -145,7 +145,7 @@ class RayCaster:
         return np.asarray(self.first_hits(origins, directions).distances <= reach)
 
     def contains(self, points: Floats) -> Flags:
-        """Whether each of n points lies in the mesh, which is closed: a ray first leaves it."""
+        """Whether each of n points lies in the closed mesh: a ray from it first leaves the mesh."""
         hits = self.first_hits(points, np.broadcast_to(OBLIQUE, points.shape))
         return np.asarray(np.isfinite(hits.distances) & ~hits.entering)
 
@@ -159,11 +159,11 @@ def _exact_hits(
     starts: Floats,
     directions: Floats,
 ) -> tuple[Floats, Floats, Flags]:
-    """What rays meet that hit known faces at about these distances.
+    """Exact hits of rays on known faces at approximate distances.
 
     Returns:
         Distances to the planes of the faces, normals, and whether rays come from outside. A
-        grazing ray may meet the plane far from the triangle: then the distance is the given one.
+        grazing ray may meet the plane far from the triangle: then the given distance is kept.
     """
     exact = distances.astype(np.float64)
     found, entering = np.zeros((len(faces), 3)), np.zeros(len(faces), np.bool_)

@@ -19,7 +19,7 @@ class Triangulation(NamedTuple):
 
 
 class _Room(NamedTuple):
-    """A triangulation with space for more, and which face corners lie at the start of an edge."""
+    """A triangulation with spare capacity, and which face corners lie at the start of an edge."""
 
     vertices: Floats
     faces: Ints32
@@ -102,14 +102,14 @@ def face_areas(mesh: Triangulation) -> Floats:
 
 @kernel()
 def refine(mesh: Triangulation, count: int, longest: float = 0.0) -> Triangulation:
-    """Split the longest edge at its midpoint, again and again.
+    """Repeatedly split the longest edge at its midpoint.
 
-    Of equally long edges the one with the lowest number is split. New vertices follow the old
+    Among equally long edges, the one with the lowest number is split. New vertices follow the old
     ones. A mesh that has enough vertices stays as it is.
 
     Args:
         mesh: What to refine.
-        count: Stop when there are so many vertices.
+        count: Stop at this number of vertices.
         longest: Stop when no edge is longer than this.
     """
     start = len(mesh.vertices)

@@ -1,4 +1,4 @@
-"""Repair: any triangle mesh to one closed surface that bounds a solid, or the reason why not."""
+"""Repair any triangle mesh into one closed surface that bounds a solid, or say why it fails."""
 
 from typing import NamedTuple, cast, get_args
 
@@ -38,7 +38,7 @@ def close_holes(mesh: trimesh.Trimesh, largest: float) -> trimesh.Trimesh | None
 
     Args:
         mesh: Consistently wound; not changed.
-        largest: Most area of all patches together, as a part of the area of the surface.
+        largest: Maximum area of all patches together, as a fraction of the area of the surface.
 
     Returns:
         The closed surface; None if open edges form no loops, or the holes are too large.
@@ -100,9 +100,9 @@ class Repaired(NamedTuple):
         mesh: The surface, wound outwards.
         changed: Whether more than merging vertices was needed.
         shell_thickness: Thickness of the wall that an open surface was given; 0 for all others.
-        dropped_bodies: How many bodies, closed or open, were left out, as only the largest closed
-            one is kept.
-        dropped_volume: Their part of the volume of all bodies, with holes closed; open surfaces
+        dropped_bodies: Number of bodies, closed or open, that were left out because only the
+            largest closed one is kept.
+        dropped_volume: Their fraction of the volume of all bodies, with holes closed; open surfaces
             without volume have none.
     """
 
@@ -143,14 +143,14 @@ def repair(
 ) -> Repaired:
     """The outer surface of the largest solid part of a mesh.
 
-    A mesh that already is one closed surface without crossings comes back with its triangles as
-    they were. Otherwise: cracks are welded; faces without area and doubled faces removed; every
-    shell is wound outwards and its small holes closed; the union of the shells is taken, in
-    which overlaps and the walls of trapped voids vanish; its largest part by volume is kept, and
-    regions where that passes through itself are cut out and rebuilt.
+    A mesh that already is one closed surface without crossings is returned with its triangles
+    unchanged. Otherwise: cracks are welded; faces without area and doubled faces removed; every
+    shell is wound outwards and its small holes closed; the union of the shells is taken, which
+    removes overlaps and the walls of trapped voids; its largest part by volume is kept, and regions
+    where it passes through itself are cut out and rebuilt.
 
-    What stays open, such as the scan of a glass, can be thickened: it becomes the middle of a wall
-    with round rims. A side of the box grows by at most the thickness.
+    A surface that stays open, such as the scan of a glass, can be thickened: it becomes the middle
+    of a wall with round rims. A side of the box grows by at most the thickness.
 
     Args:
         mesh: In metres; in any unit if nothing is thickened. Not changed.
@@ -158,14 +158,14 @@ def repair(
         thickness: Thickness of that wall, metres; common cups and glasses have the default, 2 mm.
 
     Returns:
-        The surface, every edge with exactly two faces; and what was done.
+        The surface, in which every edge has exactly two faces, and what was done.
 
     Raises:
         RejectedError: The mesh is not finite, has no area or no volume, holes too large to close,
             or faces that no solid can have.
         UserError: It is not a mesh, or an option is not among those allowed.
 
-    Source: not in the EGAD paper; on manifold3d.
+    Source: not in the EGAD paper; built on manifold3d.
     """
     _check_options(open_surfaces, thickness)
     check_surface(mesh)
@@ -187,10 +187,10 @@ def repair_for_files(
     open_surfaces: OpenSurfaces = "reject",
     thickness: float = SHELL_THICKNESS,
 ) -> Repaired:
-    """As `repair`, with coordinates in single precision, which all mesh files hold exactly.
+    """Like `repair`, with coordinates in single precision, which all mesh files hold exactly.
 
-    A surface that would cross itself or lose a triangle by the rounding keeps its coordinates: it
-    has details that are a millionth of its distance from the origin.
+    A surface that rounding would make cross itself or lose a triangle keeps its coordinates: it has
+    details that are a millionth of its distance from the origin.
 
     Args:
         mesh: As for `repair`.
@@ -209,9 +209,9 @@ def repair_for_files(
 
 
 def dropped_text(bodies: int, volume: float) -> str:
-    """How many bodies were left out and their part of the volume, as a phrase; empty for none.
+    """How many bodies were left out and their fraction of the volume, as a phrase; empty for none.
 
-    Bodies without volume are open surfaces, whose area has a limit.
+    Bodies without volume are open surfaces.
     """
     if not bodies:
         return ""
@@ -253,11 +253,11 @@ def _largest(solid: Solid) -> Solid:
 def _dropped(
     solids: list[Solid], open_shells: list[trimesh.Trimesh], kept: Solid
 ) -> tuple[int, float]:
-    """How many bodies there are beside the largest of each solid, and their part of the volume.
+    """Number of bodies besides the largest of each solid, and their fraction of the volume.
 
     Args:
         solids: Solids made of closed bodies.
-        open_shells: Those that were left out, which count as far as they stick out of what is kept.
+        open_shells: Open shells that were left out; only what lies outside the kept solid counts.
         kept: The solid that is kept.
     """
     volumes = [sorted(part.volume() for part in solid.decompose())[:-1] for solid in solids]
@@ -285,7 +285,8 @@ def _solids(
 ) -> tuple[list[Solid], list[trimesh.Trimesh], bool]:
     """A solid for each shell that can be closed.
 
-    The others are dropped if they are only debris; else they get a wall of the thickness given.
+    The others are dropped if they are only debris; otherwise they get a wall of the given
+    thickness.
 
     Returns:
         The solids, the shells that are dropped, and whether there is such a wall.
@@ -317,7 +318,7 @@ def _reason(failed: list[trimesh.Trimesh]) -> str:
 
 
 def _shells(mesh: trimesh.Trimesh) -> list[trimesh.Trimesh]:
-    """Parts that hang together by edges with two faces, each wound consistently."""
+    """Parts connected by edges with two faces, each wound consistently."""
     if len(mesh.faces) == 0:
         return []
     groups = trimesh.graph.connected_components(
@@ -334,14 +335,14 @@ def _shells(mesh: trimesh.Trimesh) -> list[trimesh.Trimesh]:
 
 
 def _outward(part: trimesh.Trimesh) -> Solid | None:
-    """The solid within a shell, turned round if it is inside out; None if it bounds nothing."""
+    """The solid within a shell, flipped if it is inside out; None if it bounds nothing."""
     outward = part.faces if part.volume > 0 else part.faces[:, ::-1]
     solid = to_solid(part.vertices, outward)
     return solid if is_solid(solid) else None
 
 
 def _welded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """Vertices at open edges that are closer than a crack become one."""
+    """Merge vertices at open edges that are closer than a crack."""
     rim = np.unique(trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1))
     rim = np.unique(mesh.edges_sorted[rim])
     if len(rim) == 0:
@@ -355,7 +356,7 @@ def _welded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
 
 
 def _cleaned(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, trimesh.Trimesh]:
-    """Faces with three corners, each once; and one of each two that lie back to back."""
+    """Faces with three corners, without duplicates, and one of each pair that lies back to back."""
     faces = np.asarray(mesh.faces)
     ordered = np.sort(faces, axis=1)
     faces = faces[(ordered[:, 1:] != ordered[:, :-1]).all(axis=1)]

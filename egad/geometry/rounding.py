@@ -7,8 +7,8 @@ from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.geometry.refinement import Triangulation, distinct_corners, face_areas, triangulation
 
-MAX_ROUNDING = 1e-4  # rounding that is looked for, over the square root of the area
-USUAL = 5e-6  # the same: of files in which planes are upright, so that rounding leaves them flat
+MAX_ROUNDING = 1e-4  # largest rounding considered, over the square root of the area
+USUAL = 5e-6  # over the same: rounding of files, which leaves planes parallel to the axes flat
 GAP = 10.0  # flat folds and real ones differ in height by at least this factor,
 STRAY = 0.05  # except for a few: this many per flat fold
 FLAT = 0.15  # smallest fraction of flat folds that tells rounding from chance
@@ -17,18 +17,18 @@ FLAT = 0.15  # smallest fraction of flat folds that tells rounding from chance
 def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
     """Estimate how far rounded coordinates may have moved vertices, from faces in one plane.
 
-    Two faces that share an edge form a fold. If they lie in one plane, its height is 0, and rounded
-    coordinates make it about as large as the rounding, far below the heights of real folds. The
-    estimate is the largest height with such a gap above it, or the usual rounding of files, which
-    moves corners also where it leaves upright planes flat. It needs no knowledge of the file, and
-    does not change when the mesh is turned, moved or scaled.
+    Two faces that share an edge form a fold. If they lie in one plane, the height of the fold is 0,
+    and rounded coordinates make it about as large as the rounding, far below the heights of real
+    folds. The estimate is the largest height with such a gap above it, or the usual rounding of
+    files, which also moves corners where it leaves planes parallel to the axes flat. It needs no
+    knowledge of the file, and does not change when the mesh is turned, moved or scaled.
 
     Args:
         vertices: (n, 3), in any unit.
         faces: (f, 3) indices.
 
     Returns:
-        The unit of the vertices; 0 if few folds are flat, or if heights have no gap, as on the
+        In the unit of the vertices; 0 if few folds are flat, or if heights have no gap, as on the
         smooth surfaces of evolved objects.
 
     Source: ours.

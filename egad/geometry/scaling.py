@@ -14,21 +14,21 @@ from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_mesh
 from egad.geometry.precision import is_single, to_single
 
-TURNS = 800  # orientations tried; they lie some 8 degrees apart, as the box has 24 of its own
-STARTS = 3  # the best of them that are turned further
-FEW = 0  # digits of the angles of faces that trimesh tells apart: few of a smooth hull are enough
-TILT = 0.05  # radians: first step of that
+TURNS = 800  # orientations tried, about 8 degrees apart, given the 24 symmetries of the box
+STARTS = 3  # how many of the best ones are turned further
+FEW = 0  # digits of the face angles that trimesh compares: few faces of a smooth hull are enough
+TILT = 0.05  # radians: first step of turning them further
 FLAT = 1e-9  # smallest side over longest: less is rounding
 ENLARGED = 1 + 1e-9  # a larger factor is more than rounding
-AT_ONCE = 50  # orientations whose products with the points are in memory: they fit into the cache
+AT_ONCE = 50  # orientations multiplied with the points at once: the products fit into the cache
 
 
 def box_sides(mesh: trimesh.Trimesh) -> Floats:
     """Sides of the minimum-volume oriented box, ascending, (3,) (ours).
 
-    A face of the smallest box need not lie on a face of the convex hull, which is all that
-    trimesh looks at. So its box and the best of evenly spread orientations are each turned to
-    the nearest local minimum of the volume.
+    The smallest box need not have a face on a face of the convex hull, but trimesh only tries boxes
+    that do. So its box and the best of evenly spread orientations are each turned to the nearest
+    local minimum of the volume.
 
     Raises:
         RejectedError: All vertices lie in one plane, or the mesh is empty or not finite.
@@ -73,7 +73,7 @@ def _turned_to_minimum(points: Floats) -> Floats:
 
 
 def _extents(rows: Floats) -> Floats:
-    """Largest less smallest value of each row: quick, as rows lie together in memory."""
+    """Range of each row: fast, because rows are contiguous in memory."""
     extents: Floats = rows.max(axis=1) - rows.min(axis=1)
     return extents
 
@@ -146,7 +146,7 @@ def rescale(
 ) -> tuple[trimesh.Trimesh, dict[str, Any]]:
     """Scale an object about the origin of its coordinates to fit a gripper.
 
-    Coordinates in single precision stay so: they are rounded.
+    Coordinates in single precision stay in single precision: they are rounded.
 
     Args:
         mesh: Metres; not changed.

@@ -10,7 +10,7 @@ from egad.geometry.manifold import Solid, arrays, box, is_solid, union
 
 DEPTH = 1e-6  # of the longest side: shallower crossings are rounding
 MARGIN = 1e-3  # of the longest side: left around the triangles that cross
-CRUMB = 0.05  # of the longest side: smaller pieces that still cross become their hull
+CRUMB = 0.05  # of the longest side: smaller pieces that still cross are replaced by their hull
 ROUNDS = 4
 
 
@@ -134,8 +134,8 @@ def untangle(solid: Solid) -> Solid:
 
     The smallest boxes around the triangles that cross are cut out. Within them the solid falls
     into bodies that overlap: their union has one surface. A piece that crosses itself is halved
-    until its parts do not, or are crumbs, which are replaced by their convex hull. What is inside
-    out is dropped. Then the pieces are put back, and all else stays as it was.
+    until its parts do not, or are crumbs, which are replaced by their convex hull. Whatever is
+    inside out is dropped. Then the pieces are put back, and everything else stays as it was.
 
     Raises:
         RejectedError: The surface still passes through itself after some rounds.
@@ -176,7 +176,7 @@ def _halved(body: Solid, size: float) -> list[Solid]:
 
 
 def _merged(low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """The common boxes of boxes that overlap, so that no two of the result do."""
+    """Merge boxes that overlap, until no two of them do."""
     lows, highs = low[:0], high[:0]
     for new in zip(low, high, strict=True):
         first, last = new

@@ -15,7 +15,7 @@ from egad.geometry.self_intersections import untangle
 
 CELLS = 4  # of the grid across a wall
 OFFSET = 0.37  # of a cell: so that flat surfaces rarely lie in a plane of nodes
-ROUNDING = 2**20 + 1  # steps of a thickness, odd: the level is in the middle between two of them
+ROUNDING = 2**20 + 1  # steps per thickness, odd: the level lies midway between two of them
 TOLERANCES = (0.02, 0.005, 0.001)  # of the thickness: how far simplification may move the surface
 MAX_SPREAD = 30_000  # area over thickness squared; 0.12 m2 with a wall of 2 mm: 20 s and 1.8 GB
 
@@ -92,7 +92,7 @@ def _without_voids(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
 
 
 def _simplified(solid: Solid, thickness: float) -> Solid:
-    """Simplify a solid, so far that its surface does not pass through itself for good."""
+    """Simplify a solid as far as its surface can be kept from passing through itself."""
     for tolerance in TOLERANCES:
         with suppress(RejectedError):
             return untangle(solid.simplify(tolerance * thickness))

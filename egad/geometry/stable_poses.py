@@ -1,4 +1,4 @@
-"""How a solid comes to rest on a table: the faces of its hull that it stays on, and how often."""
+"""How a solid comes to rest on a table: the faces of its hull that it rests on, and how often."""
 
 from typing import NamedTuple
 
@@ -18,16 +18,16 @@ ROUNDING = 1e-9  # products of unit vectors differ by less, however they are add
 class StablePose(NamedTuple):
     """An object at rest on the table z = 0, its center of mass above the origin.
 
-    The turn about the vertical is free; it is the one that comes from the shortest turn that
-    brings the resting face down.
+    The rotation about the vertical is arbitrary: it results from the smallest rotation that brings
+    the resting face down.
 
     Attributes:
-        probability: That a drop in a random orientation, without bouncing, ends here.
+        probability: Probability that a drop in a random orientation, without bouncing, ends here.
         face: Indices of the vertices of the mesh at the corners of the resting face, ascending.
         normal: Outward normal of this face in the frame of the mesh, (3,).
         rotation: From the frame of the mesh to that of the table, (3, 3).
         height: Height of the center of mass above the table, in the unit of the mesh.
-        margin: The least angle by which the table must be tilted for it to topple, radians.
+        margin: The least angle by which the table must be tilted for the object to topple, radians.
         center: Center of mass in the frame of the mesh, (3,).
     """
 
@@ -67,9 +67,10 @@ class StablePose(NamedTuple):
 class _Facets(NamedTuple):
     """The flat faces of a hull; m of them, each of one or more triangles of the hull.
 
-    `triangles` are all of the hull, (t, 3) vertices of the mesh, and `face` the face of each.
-    `start`, `end`, `owner` and `beyond` are of the edges between two faces: end points, (k, 3),
-    the face whose outline it is part of, counterclockwise, and the face behind it.
+    `triangles` are all triangles of the hull, (t, 3) vertices of the mesh, and `face` is the face
+    of each. `start`, `end`, `owner` and `beyond` describe the edges between two faces: the end
+    points, (k, 3), the face whose outline the edge is part of, counterclockwise, and the face
+    behind it.
     """
 
     normals: Floats
@@ -86,10 +87,10 @@ class _Facets(NamedTuple):
 def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
     """All faces of the convex hull that a solid can rest on, the most probable first.
 
-    An object in a random orientation comes down on the face that the vertical through its center
-    of mass meets: with a chance of that face's solid angle / 4 pi. If the center of mass is not
-    above the face, it rolls over the edge nearest to the foot of the vertical, and on from there:
-    every roll lowers the center of mass. Nothing slides, bounces or swings through.
+    An object in a random orientation lands on the face that the vertical through its center of mass
+    meets, with a probability of that face's solid angle / 4 pi. If the center of mass is not above
+    the face, it rolls over the edge nearest to the foot of the vertical, and so on: every roll
+    lowers the center of mass. Nothing slides, bounces or swings through.
 
     Args:
         mesh: Any surface, in any unit; only its hull counts.
@@ -120,14 +121,14 @@ def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
 
 
 def group_poses(poses: list[StablePose], angle: float) -> list[StablePose]:
-    """Poses that are nearly the same as one: a rounded bottom has many small faces.
+    """Merge poses that are nearly the same: a rounded bottom has many small faces.
 
     Args:
         poses: The most probable first.
         angle: Each joins the first one whose resting face is turned by less than this, radians.
 
     Returns:
-        Those that others joined, with the probabilities of these; again the most probable first.
+        The poses that others joined, with the summed probabilities; again the most probable first.
     """
     kept: list[StablePose] = []
     normals, least = np.empty((len(poses), 3)), np.cos(angle)
@@ -164,7 +165,7 @@ def _facets(vertices: Floats, center: Floats) -> _Facets:
         hull = ConvexHull(vertices)
     except QhullError as error:
         raise RejectedError("no hull to rest on: flat") from error
-    # Qhull joins what is flat to its precision, and gives its triangles the very same plane.
+    # Qhull merges faces that are flat to its precision and gives their triangles the same plane.
     planes, face = np.unique(hull.equations, axis=0, return_inverse=True)
     face = face.ravel()
     heights = -(planes[:, :3] @ center + planes[:, 3])
@@ -174,7 +175,7 @@ def _facets(vertices: Floats, center: Floats) -> _Facets:
     angles = np.zeros(len(planes))
     np.add.at(angles, face, _solid_angles(vertices[triangles] - center))
     sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)  # 01, 12, 20
-    behind = face[np.roll(neighbors, -2, axis=1)]  # a neighbor is named after the far corner
+    behind = face[np.roll(neighbors, -2, axis=1)]  # a neighbor has the index of the opposite corner
     rim = behind != face[:, None]
     ends = vertices[sides[rim]] - center
     owner = np.broadcast_to(face[:, None], behind.shape)[rim]
@@ -206,7 +207,7 @@ def _rolls(facets: _Facets) -> tuple[Floats, Ints]:
     np.minimum.at(least, facets.owner, depth)
     target = np.arange(len(facets.heights))
     falls = np.flatnonzero((depth < 0) & (facets.heights[facets.beyond] < heights))
-    # The last of a face wins: the nearest edge, and of those that meet there the one overstepped.
+    # The last of a face wins: the nearest edge, and of edges that meet there, the overstepped one.
     order = falls[np.lexsort((-depth[falls], -away[falls]))]
     target[facets.owner[order]] = facets.beyond[order]
     return np.arctan2(np.maximum(least, 0), facets.heights), target

@@ -19,14 +19,14 @@ class Samples(NamedTuple):
 
 
 def spread(mesh: trimesh.Trimesh, spacing: float) -> Samples:
-    """The middles of the pieces of all triangles, halved until no side exceeds the spacing.
+    """The centers of all triangles, after halving them until no side exceeds the spacing.
 
     Args:
         mesh: A surface, wound outwards; triangles without area have no normal and no samples.
         spacing: In the unit of the mesh.
     """
     owners = np.flatnonzero(np.asarray(mesh.area_faces) > 0)
-    # corners, axes, triangles: what is done to all triangles is done to numbers side by side
+    # corners, axes, triangles: operations on all triangles run over contiguous numbers
     pieces = np.ascontiguousarray(np.asarray(mesh.triangles)[owners].transpose(1, 2, 0))
     middles, faces = [], []
     while len(owners):
@@ -64,11 +64,11 @@ def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
 
     Args:
         mesh: A closed surface, wound outwards.
-        spacing: Between points, in the unit of the mesh, at most.
+        spacing: Maximum distance between points, in the unit of the mesh.
 
     Returns:
-        Points and unit normals, (n, 3): at each point from the normal of one side to that of the
-        other, at most `TURN` apart. Edges that bend less have none.
+        Points and unit normals, (n, 3). The normals at a point run from that of one side to that of
+        the other, at most `TURN` apart. Edges that bend less have none.
     """
     angles = np.asarray(mesh.face_adjacency_angles)
     bent = ~np.asarray(mesh.face_adjacency_convex) & (angles > TURN) & (angles < np.pi - 1e-6)

@@ -14,7 +14,7 @@ from egad.geometry.rays import RayCaster
 from egad.random import generator
 
 FINGER = 0.01  # metres, the thickness of a finger: 99.6 % of labelled contacts have as much space
-START = 1e-4  # metres before the surface: there the rays begin, which must not meet it
+START = 1e-4  # metres in front of the surface, where the rays start so as not to meet it
 SAMPLES = 16000  # on the whole surface; half as many miss small necks
 MAX_BURIED = 0.01  # of the touchable surface: may lie deeper in parts than their deviation
 BLOCK = 2**16  # elements of a matrix that are computed at once
@@ -28,7 +28,7 @@ class Touchable(NamedTuple):
     normals: Floats
 
     def where(self, chosen: NDArray[Any]) -> "Touchable":
-        """Some of the points: flags, (n,), or numbers."""
+        """Some of the points, by flags, (n,), or indices."""
         return Touchable(self.points[chosen], self.normals[chosen])
 
     def and_more(self, others: "Touchable") -> "Touchable":
@@ -39,12 +39,12 @@ class Touchable(NamedTuple):
 def touchable_points(mesh: trimesh.Trimesh, purpose: str) -> Touchable:
     """Points all over a surface that a finger can touch (ours).
 
-    A point counts if a ray along its outward normal runs 10 mm through free space, which is as
-    thick as fingers are. So the inside of a narrow hole does not count.
+    A point counts if a ray along its outward normal runs through 10 mm of free space, the thickness
+    of a finger. So the inside of a narrow hole does not count.
 
     Args:
         mesh: A closed surface, metres, wound outwards.
-        purpose: Names the points: different ones for each purpose.
+        purpose: Selects the points: each purpose has different ones.
 
     Returns:
         At most 16,000 points, each of which stands for the same area.
@@ -69,7 +69,7 @@ def depths(points: Floats, planes: Floats) -> Floats:
         points: In the unit of the planes.
         planes: Outward unit normals and offsets, (m, 4).
     """
-    # In single precision, which errs by less than 1e-8 m where lengths are those of objects.
+    # Single precision errs by less than 1e-8 m for lengths of the size of objects.
     few, normals, offsets = (
         each.astype(np.float32) for each in (points, planes[:, :3].T, planes[:, 3])
     )
@@ -97,7 +97,7 @@ def facing_depths(touchable: Touchable, planes: Floats) -> Floats:
 def deeper_points(
     points: Floats, normals: Floats, planes: Floats, depth: float, facing_depth: float
 ) -> NDArray[np.bool_]:
-    """Which of n points lie deeper than `depth` in a hull, and by another depth below some planes.
+    """Which of n points lie deeper than `depth` in a hull, and `facing_depth` below some planes.
 
     Args:
         points: (n, 3).
@@ -128,11 +128,11 @@ def _blocks(count: int, width: int) -> list[slice]:
 
 
 def buried_share(mesh: trimesh.Trimesh, parts: Iterable[trimesh.Trimesh], depth: float) -> float:
-    """Share of the touchable surface that lies deeper in one of some convex parts (ours).
+    """Share of the touchable surface that lies deeper than `depth` in a convex part (ours).
 
     Args:
         mesh: A closed surface, metres, wound outwards.
-        parts: Convex meshes that stand for it.
+        parts: Convex meshes that approximate it.
         depth: Metres.
     """
     hulls = (hull_of(np.asarray(part.vertices)) for part in parts)
@@ -140,7 +140,7 @@ def buried_share(mesh: trimesh.Trimesh, parts: Iterable[trimesh.Trimesh], depth:
 
 
 def share_within(points: Floats, hulls: Iterable[Hull], depth: float) -> float:
-    """Share of points (n, 3) that lie deeper than `depth` in one of some hulls."""
+    """Share of points (n, 3) that lie deeper than `depth` in any of some hulls."""
     buried = np.zeros(len(points), dtype=np.bool_)
     for hull in hulls:
         near = np.flatnonzero(within_box(points, hull.points))

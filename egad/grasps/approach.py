@@ -1,7 +1,7 @@
-"""From where the body of a hand reaches a grasp without touching the object (ours).
+"""Approaches from which the body of a hand reaches a grasp without touching the object (ours).
 
-The fingers are open as far as they go: a hand comes in like that, and it is what the sampler and
-the robust quality close from. `egad.grippers.hand` says what the hand looks like.
+The fingers are fully open: a hand approaches like that, and the sampler and the robust quality
+close the fingers from there. `egad.grippers.hand` describes the hand.
 """
 
 from collections.abc import Sequence
@@ -23,10 +23,10 @@ class Approaches(NamedTuple):
 
     Attributes:
         directions: (n, 3) unit vectors along which the hand moves towards the object.
-        fits: (n,) whether the hand touches nothing when it is there.
+        fits: (n,) whether the hand touches nothing at the grasp.
         free: (n,) whether it touches nothing on the way in either.
-        angles_fit: (n,) angles that fit.
-        angles_collision_free: (n,) angles that are free.
+        angles_fit: (n,) number of angles that fit.
+        angles_collision_free: (n,) number of angles that are free.
     """
 
     directions: Floats
@@ -44,19 +44,20 @@ def best_approaches(
     angles: int = 16,
     way: float = 0.1,
 ) -> Approaches:
-    """Find for each of n grasps the approach along which the open hand has most room.
+    """Find the approach with the most clearance for the open hand, for each of n grasps.
 
-    The approaches tried are spread evenly around the closing axis, the first pointing down
-    (along -z) as far as the axis allows. At each, the hand is tested at the grasp and along its
-    straight way in, exactly: it is swept along that way, and no part of it may share a point with
-    the object, surface or inside. Of the approaches that are free, the one farthest from any that
-    is not is taken; else of those that fit at the grasp; else the first.
+    The approaches tried are spread evenly around the closing axis; the first points down (along -z)
+    as far as the axis allows. At each, the hand is tested exactly, at the grasp and along its
+    straight way in: it is swept along that way, and no part of it may share a point with the
+    object, surface or inside. The free approach farthest from any that is not free is chosen. If
+    none is free, the same is done with those that fit at the grasp; if none fits, the first
+    approach is chosen.
 
     Args:
         caster: Ray caster of the object, closed, metres.
         grasps: The grasps.
         body: The hand.
-        angles: Approaches to try.
+        angles: Number of approaches to try.
         way: Length of the straight way in, metres.
     """
     first = first_approaches(grasps.axes)
@@ -79,7 +80,7 @@ def best_approaches(
 
 
 def first_approaches(axes: Floats) -> Floats:
-    """Unit vectors at right angles to closing axes, as near to -z as can be: (n, 3)."""
+    """Unit vectors perpendicular to closing axes, as close to -z as possible: (n, 3)."""
     down = np.array([0.0, 0.0, -1.0])
     vertical = np.abs(axes[:, 2:]) > 1 - 1e-9
     wanted = np.where(vertical, [-1.0, 0.0, 0.0], down)
@@ -125,8 +126,8 @@ def _swallowed(
 ) -> Flags:
     """In which poses a part of the hand has its middle in the object: (n, k).
 
-    A part that touches no surface lies all inside or all outside, as any point of it. Arguments
-    are those of `blocked_turns`.
+    A part that touches no surface lies entirely inside or outside, like any of its points. The
+    arguments are those of `blocked_turns`.
     """
     result = np.zeros((len(origins), len(turns)), dtype=bool)
     back = np.zeros((len(origins), 1)) if behind is None else behind[:, None]
@@ -140,7 +141,7 @@ def _swallowed(
 
 
 def _roomiest(blocked: Flags) -> Ints:
-    """Per row the first of the free angles that are farthest from any blocked one; else 0."""
+    """Per row, the first of the free angles farthest from any blocked one; 0 if none is free."""
     angles = blocked.shape[1]
     room = np.zeros(blocked.shape, dtype=int)
     near = blocked.copy()

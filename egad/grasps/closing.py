@@ -15,8 +15,8 @@ def needed_openings_of_model(
     """The smallest opening at which both fingers stand beside the object at each of n grasps.
 
     The hand stays where its pads will reach the contacts, and its fingers close along their path.
-    Openings are tried as the model tabulates them, and the answer is one of these: it is too large
-    by at most the distance of two.
+    Only openings that the model tabulates are tried, so the result is too large by at most the step
+    between two of them.
 
     Args:
         caster: Ray caster of the object, closed, metres.

@@ -9,9 +9,9 @@ from egad._util.kernels import kernel
 from egad.grippers import Gripper, Part
 
 TABLE_CLEARANCE = 0.003  # fingertips stay this far above whatever lies below them
-SIDE_CLEARANCE = 0.008  # free space that is wanted on each side of what is held
-# The same before a jaw that does not move, if only an image tells where the object is: what is left
-# is how far the other jaw pushes the object.
+SIDE_CLEARANCE = 0.008  # free space wanted on each side of the held object
+# The same in front of a fixed jaw, if only an image tells where the object is: the other jaw pushes
+# the object by as much as is left.
 FIXED_SIDE_CLEARANCE = 0.003
 MIN_DEPTH = 0.003  # the fingertips reach at least this far below the contacts
 
@@ -23,7 +23,7 @@ def roomy(distance: Floats, gripper: Gripper) -> Floats:
 
 
 def expected_distance(opening: float, gripper: Gripper) -> float | None:
-    """For contacts how far apart `roomy` opens so far, metres; None if it opens as far as it can.
+    """Contact distance for which `roomy` gives this opening, metres; None for the widest opening.
 
     Args:
         opening: Metres.
@@ -60,7 +60,7 @@ def blocked_turns(
     centers, radii = spheres(triangles)
     boxes = np.stack([part.box for part in parts])
     behind = np.zeros(len(origins)) if behind is None else behind
-    # nearest that a box comes to the axis: no turn brings it nearer
+    # smallest distance of each box from the axis: no turn brings it nearer
     ends = boxes.copy()
     ends[:, :, 2] -= behind.max(initial=0.0), behind.min(initial=0.0)
     gaps = np.linalg.norm(np.maximum(np.maximum(ends[:, 0], -ends[:, 1]), 0)[:, 1:], axis=1)
@@ -135,7 +135,7 @@ def _block_turns(
 
 @kernel()
 def _touches(triangle: Floats, box: Floats, planes: Floats, first: int, end: int) -> bool:
-    """Whether a triangle meets the part with this box and these of the planes, if any."""
+    """Whether a triangle meets the part with this box and planes `first` to `end`, if any."""
     if not box_meets_triangle(triangle, box):
         return False
     if first == end:
@@ -171,9 +171,10 @@ def local(
 
 @kernel()
 def clipped(polygon: Floats, planes: Floats) -> tuple[Floats, int]:
-    """What planes leave of a convex polygon (c, 3): corners, and how many of them; 0 if nothing.
+    """Clip a convex polygon (c, 3) by planes: corners, and how many of them; 0 if nothing is left.
 
-    Sutherland and Hodgman 1974. What is in front of a plane (normal . point + offset > 0) goes.
+    Sutherland and Hodgman 1974. Whatever is in front of a plane (normal . point + offset > 0) is
+    removed.
     """
     count = len(polygon)
     corners = np.empty((count + len(planes) + 1, 3))

@@ -50,7 +50,7 @@ class Grasps:
         return f"Grasps({', '.join(parts)})"
 
     def _repr_html_(self) -> str:
-        """Their numbers, for notebooks; `plot` draws their quality, `egad.view` the grasps."""
+        """Summary for notebooks; `plot` draws the quality, `egad.view` the grasps."""
         return facts_html("Grasps", {"grasps": len(self), **self._facts()})
 
     def _facts(self) -> dict[str, str]:
@@ -102,7 +102,7 @@ class Grasps:
 
     @property
     def widths(self) -> Floats:
-        """(n,) distances of the two contacts, metres."""
+        """(n,) distances between the two contacts, metres."""
         return self._column("width")
 
     @property
@@ -121,7 +121,7 @@ class Grasps:
         return np.asarray(self._table["collision_free"], dtype=bool)
 
     def sorted_by(self, column: str = "quality") -> Self:
-        """The grasps in descending order of a column, equals in the order that they have.
+        """The grasps in descending order of a column; ties keep their order.
 
         Raises:
             UserError: There is no such column.
@@ -135,7 +135,7 @@ class Grasps:
         """The grasps of one object of a dataset, by its label.
 
         Raises:
-            UserError: The grasps are of a single object, or there are none of this label.
+            UserError: The grasps are of a single object, or there are none with this label.
         """
         if "label" not in self._table:
             raise UserError("these grasps are of a single object, which has no label")

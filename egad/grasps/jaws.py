@@ -1,9 +1,10 @@
-"""What jaws at an angle do to a grasp (ours).
+"""How jaws that are not parallel affect a grasp (ours).
 
-The faces of a jaw that turns are parallel at one opening only. What is held between them touches
-both, and the line of the closing force then leans by half the angle to either face: a body that
-lies flat against one face presses it off its middle, and a round one turns. So friction must carry
-half the angle at each contact, whatever the surface of the object is like, or it is squeezed out.
+The faces of a jaw that turns are parallel at one opening only. An object between them touches both,
+and the line of the closing force then leans by half the angle to either face: a body that lies flat
+against one face presses on it off its middle, and a round one turns. So friction must carry half
+the angle at each contact, whatever the surface of the object is like, or the object is squeezed
+out.
 """
 
 from typing import NamedTuple, Self
@@ -21,7 +22,7 @@ class JawFaces(NamedTuple):
     Attributes:
         body: The hand.
         approaches: (n, 3) unit vectors along which it points.
-        excess: (n,) how much wider than the contacts it stays open, as it meets something else
+        excess: (n,) how much wider than the contacts it stays open because it meets something else
             first, metres.
     """
 
@@ -33,7 +34,7 @@ class JawFaces(NamedTuple):
     def of(
         cls, body: HandBody, grasps: ContactPairs, approaches: Floats, needed: Floats
     ) -> Self | None:
-        """Those at some grasps; None for a hand with parallel jaws.
+        """The jaw faces at some grasps; None for a hand with parallel jaws.
 
         Args:
             body: The hand.
@@ -63,9 +64,10 @@ def face_normals(axes: Floats, approaches: Floats, angles: Floats) -> Floats:
     """Outward normals of n objects that fit between jaws at an angle: (n, 2, 3).
 
     Args:
-        axes: (n, 3) unit closing axes, to which the faces lean alike.
-        approaches: (n, 3) unit vectors; what is along the axes does not count.
-        angles: (n,) between the faces, radians; positive if they are farther apart at the tips.
+        axes: (n, 3) unit closing axes; both faces lean equally to them.
+        approaches: (n, 3) unit vectors; their components along the axes do not count.
+        angles: (n,) angles between the faces, radians; positive if they are farther apart at the
+            tips.
     """
     along = np.einsum("nk,nk->n", approaches, axes)[:, None] * axes
     ahead = approaches - along

@@ -38,7 +38,7 @@ def label_parameters(
     cone: float = CONE,
     approach_angles: int = APPROACH_ANGLES,
 ) -> LabelParameters:
-    """The default parameters of labelled grasps, with those that are given.
+    """The default parameters of labelled grasps, overridden by the given ones.
 
     Raises:
         UserError: A value is not allowed.
@@ -67,7 +67,7 @@ def label_grasps(
         mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
         com: (3,) center of mass, metres.
         settings: The gripper, how many grasps, and how to rate them.
-        rng: Where chance comes from.
+        rng: Random number generator.
         body: Body of the gripper's hand.
 
     Returns:
@@ -75,8 +75,8 @@ def label_grasps(
         except `id` and `label`.
 
     Raises:
-        RejectedError: There is no grasp; the reason says what became of the candidates. Or the mesh
-            is open, bounds no volume or is not finite.
+        RejectedError: No grasp was found; the reason says at which tests the candidates failed. Or
+            the mesh is open, bounds no volume or is not finite.
         UserError: It is not a mesh.
     """
     check_solid(mesh)
@@ -90,9 +90,9 @@ def label_grasps(
 def sample_for_labels(
     caster: RayCaster, settings: LabelParameters, rng: np.random.Generator
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """The grasps of an object that will be rated, and what became of all candidates.
+    """Sample the grasps of an object to be rated; also returns the sampling statistics.
 
-    The sampler's own test of one horizontal approach is left out: the body of the hand is tested
+    The sampler's own test of one horizontal approach is skipped: the body of the hand is tested
     from all around instead.
     """
     wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
@@ -140,7 +140,7 @@ def rate_grasps(
             **_columns("axis", grasps.axes),
             **_columns("approach", approach.directions),
             "width": grasps.widths,
-            # a hand that fits is a hair wider than its opening, see `hand.CLEARANCE`
+            # a hand that fits is slightly wider than its opening, see `hand.CLEARANCE`
             "needed_opening": np.where(approach.fits, np.minimum(needed, gripper.opening), needed),
             **_columns("contact0", grasps.points[:, 0]),
             **_columns("contact1", grasps.points[:, 1]),
@@ -161,10 +161,10 @@ def rate_grasps(
 def statistics_row(
     wanted: int, statistics: SamplingStatistics, grasps: pd.DataFrame
 ) -> dict[str, int]:
-    """What became of the candidates of an object: a row of `tables.grasping.SAMPLING`.
+    """Sampling statistics of an object: a row of `tables.grasping.SAMPLING`.
 
     Args:
-        wanted: Grasps wanted.
+        wanted: Number of grasps wanted.
         statistics: Sampling statistics.
         grasps: The rated grasps, with the columns of `tables.grasping.GRASPS`; may be empty.
     """

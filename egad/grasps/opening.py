@@ -1,4 +1,4 @@
-"""The opening that a grasp needs for whole fingers, and the part of a surface that fits (ours)."""
+"""The opening that a grasp needs for whole fingers, and the graspable part of a surface (ours)."""
 
 import numpy as np
 import trimesh
@@ -11,7 +11,7 @@ from egad.grasps.collision import apart, clipped, local, spheres
 from egad.grasps.sampler import ContactPairs
 from egad.grippers import HandBody, ModelBody, finger_span
 
-SPACING = 0.05  # of the longest side of the mesh: between the points, at most
+SPACING = 0.05  # of the longest side of the mesh: largest distance between points
 SKIN = 1e-6  # of it: how far below the surface rays start
 
 
@@ -20,20 +20,21 @@ def needed_openings(
 ) -> Floats:
     """The smallest opening at which both fingers stand beside the object at each of n grasps.
 
-    The hand is where the grasp is, its fingers equally far from the middle of the contacts and at
-    least as far apart as these. The fingers are whole boxes with their width, length and thickness;
-    what they enclose and what is behind them both count. The palm does not. If this is more than
-    the width of the grasp, pads that close meet something else before they reach both contacts.
+    The hand is at the grasp, with its fingers equally far from the middle of the contacts and at
+    least as far apart as the contacts. The fingers are whole boxes with width, length and
+    thickness; both what they enclose and what is behind them count. The palm does not. If the
+    opening is larger than the width of the grasp, closing pads meet something else before they
+    reach both contacts.
 
     Args:
         caster: Ray caster of the object, closed, metres.
         grasps: The grasps.
         approaches: (n, 3) unit vectors along which the hand points, at right angles to the axes.
-        body: The hand. The opening of boxes does not matter; of a maker's model, see
+        body: The hand. For boxes, the opening does not matter; for a maker's model, see
             `needed_openings_of_model`.
 
     Returns:
-        (n,) metres, between the inner faces of the fingers; may be more than the gripper has.
+        (n,) metres, between the inner faces of the fingers; may exceed the opening of the gripper.
     """
     if isinstance(body, ModelBody):
         return needed_openings_of_model(caster, grasps, approaches, body)
@@ -116,7 +117,7 @@ def _taken(
     least: float,
     taken: Floats,
 ) -> int:
-    """The intervals of distances at which a triangle reaches into a finger; how many."""
+    """Store the distances at which triangles reach into a finger as intervals; returns how many."""
     corners = np.empty((3, 3))
     count = 0
     for m in range(len(triangles)):
@@ -167,13 +168,13 @@ def _first_gap(taken: Floats, least: float) -> tuple[float, float]:
 
 
 def graspable_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
-    """How thick a solid is behind points spread over its surface, straight along the normals.
+    """Thickness of a solid behind points spread over its surface, straight along the normals.
 
     Args:
         mesh: A closed surface, wound outwards.
 
     Returns:
-        Widths, (n,), in the unit of the mesh, and the area that each stands for, (n,).
+        Widths, (n,), in the unit of the mesh, and the area that each represents, (n,).
     """
     size = float(np.max(mesh.extents))
     samples = spread(mesh, SPACING * size)
@@ -184,5 +185,5 @@ def graspable_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
 
 
 def graspable_fraction(widths: Floats, areas: Floats, opening: float) -> float:
-    """The part of the surface, by area, whose widths are at most the opening."""
+    """Fraction of the surface, by area, whose widths are at most the opening."""
     return float(areas[widths <= opening].sum() / areas.sum())

@@ -15,49 +15,66 @@ class Quality(Parameters):
     """Ferrari-Canny grasp quality, one deterministic value per grasp."""
 
     friction: float = Field(FRICTION, gt=0, le=2, description="Coulomb friction coefficient")
-    torque_scaling: float = Field(100.0, gt=0, description="torque units per force unit, 1/m")
-    finger_radius: Length = Field(0.005, description="radius of the soft finger's contact, metres")
+    torque_scaling: float = Field(
+        100.0, gt=0, description="weight of a torque relative to a force, 1/m"
+    )
+    finger_radius: Length = Field(0.005, description="contact radius of the soft finger, metres")
     cone_faces: int = Field(8, ge=3, le=24, description="edges of the linearized friction cone")
 
 
 class Robust(Parameters):
-    """The same quality under uncertainty: the mean over perturbed copies of a grasp."""
+    """Robust grasp quality: the mean quality over perturbed copies of a grasp."""
 
-    samples: int = Field(25, ge=1, description="perturbed copies of a grasp")
-    torque_scaling: float = Field(1000.0, gt=0, description="torque units per force unit, 1/m")
-    grasp_translation_sigma: Sigma = Field(0.001, description="grasp center, metres per axis")
-    grasp_rotation_sigma: Sigma = Field(0.001, description="grasp axis, radians per axis")
-    object_translation_sigma: Sigma = Field(0.005, description="object position, metres per axis")
-    object_rotation_sigma: Sigma = Field(0.01, description="object rotation, radians per axis")
-    com_sigma: Sigma = Field(0.01, description="center of mass, metres per axis")
-    friction_sigma: Sigma = Field(0.1, description="friction coefficient")
+    samples: int = Field(25, ge=1, description="number of perturbed copies of a grasp")
+    torque_scaling: float = Field(
+        1000.0, gt=0, description="weight of a torque relative to a force, 1/m"
+    )
+    grasp_translation_sigma: Sigma = Field(
+        0.001, description="standard deviation of the grasp center, metres per axis"
+    )
+    grasp_rotation_sigma: Sigma = Field(
+        0.001, description="standard deviation of the grasp axis, radians per axis"
+    )
+    object_translation_sigma: Sigma = Field(
+        0.005, description="standard deviation of the object position, metres per axis"
+    )
+    object_rotation_sigma: Sigma = Field(
+        0.01, description="standard deviation of the object rotation, radians per axis"
+    )
+    com_sigma: Sigma = Field(
+        0.01, description="standard deviation of the center of mass, metres per axis"
+    )
+    friction_sigma: Sigma = Field(0.1, description="standard deviation of the friction coefficient")
 
 
 class Sampling(Parameters):
     """Antipodal grasp sampler."""
 
     cone: float = Field(
-        CONE, gt=0, le=2, description="tangent of the widest angle between axis and normals"
+        CONE,
+        gt=0,
+        le=2,
+        description="tangent of the largest angle between the grasp axis and the contact normals",
     )
     spacing: float = Field(
         0.0025,
         ge=0,
-        description="smallest distance between grasps, metres; 4.5 degrees count as 2.5 mm",
+        description="minimum distance between grasps, metres; 4.5 degrees count as 2.5 mm",
     )
     candidates: int = Field(200, ge=1, description="candidate axes sampled per round")
-    rounds: int = Field(10, ge=1, description="largest number of rounds")
+    rounds: int = Field(10, ge=1, description="maximum number of rounds")
     approach_clearance: float = Field(
         0.1,
         ge=0,
-        description="length of the straight approach on which open fingers must not collide, "
-        "metres; 0: off (grasp labels check the whole hand instead)",
+        description="length of the straight approach along which the open fingers must not "
+        "collide, metres; 0: off (grasp labels check the whole hand instead)",
     )
 
 
 class GraspLabel(Parameters):
     """Labelled grasps."""
 
-    grasps: int = Field(100, ge=1, description="largest number of grasps per object")
+    grasps: int = Field(100, ge=1, description="maximum number of grasps per object")
     approach_angles: int = Field(
         APPROACH_ANGLES,
         ge=1,

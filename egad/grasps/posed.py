@@ -15,15 +15,15 @@ from egad.tables.columns import vector_names
 def label_poses(
     caster: RayCaster, poses: Floats, widths: Floats, quality: Floats, body: HandBody, way: float
 ) -> pd.DataFrame:
-    """What is known of grasps of which the pose is given.
+    """Label grasps that are given as poses.
 
     The normals are those where rays from the open fingers along the closing axis meet the surface;
-    missing if they meet none.
+    they are missing if the rays meet none.
 
     Args:
         caster: Ray caster of the object, closed, metres.
-        poses: (n, 4, 4) of the hand, see `Grasps.poses`, metres.
-        widths: (n,) distances of the contacts, metres.
+        poses: (n, 4, 4) poses of the hand, see `Grasps.poses`, metres.
+        widths: (n,) distances between the contacts, metres.
         quality: (n,).
         body: Body of the hand.
         way: Length of the straight way in, metres.

@@ -49,8 +49,8 @@ def panda_poses(poses: Floats, fingertip: float) -> Floats:
 def graspnet_poses(poses: Floats, depth: float) -> Floats:
     """Poses of GraspNet's hand: (n, 4, 4).
 
-    Its x is the approach, its y the closing axis, and its z = x cross y. Contacts lie at x = depth:
-    there graspnetAPI closes the fingers when it evaluates a grasp.
+    Its x is the approach, its y the closing axis, and its z = x cross y. Contacts lie at x = depth,
+    where graspnetAPI closes the fingers when it evaluates a grasp.
 
     Args:
         poses: (n, 4, 4) in our own frame.
@@ -74,7 +74,7 @@ def dexnet_frames(axes: Floats) -> Floats:
 def dexnet_angles(axes: Floats, approaches: Floats) -> Floats:
     """Dex-Net's approach angles, radians, (n,).
 
-    By an angle `a` the approach is `cos(a) x + sin(a) z` of the frame at angle 0.
+    At an angle `a`, the approach is `cos(a) x + sin(a) z` of the frame at angle 0.
     """
     frames = dexnet_frames(axes)
     along = np.einsum("nk,nk->n", frames[:, :, 0], approaches)
@@ -87,7 +87,7 @@ def dexnet_configurations(
 ) -> Floats:
     """The ten numbers of Dex-Net's parallel-jaw grasps: (n, 10).
 
-    Center, closing axis, widest opening, approach angle, width of the jaws (points: 0) and least
+    Center, closing axis, widest opening, approach angle, width of the jaws (0: points) and smallest
     opening (0).
     """
     rest = np.zeros((len(centers), 4))

@@ -32,9 +32,9 @@ def ferrari_canny(
     The value is exact: the smallest distance from the origin to a facet of the convex hull of all
     wrenches; 0 if the origin is not strictly inside, or if a finger slips because the angle
     between the axis and its normal exceeds the friction angle. With `a` that angle and `d` the
-    distance of the center of mass from the line of contacts it is at most
-    `pi finger_radius^2 friction torque_scaling cos(a)^2 / sqrt(1 + (torque_scaling d)^2)`
-    for the better of the two contacts.
+    distance of the center of mass from the line of contacts, the quality is at most
+    `pi finger_radius^2 friction torque_scaling cos(a)^2 / sqrt(1 + (torque_scaling d)^2)` for the
+    better of the two contacts.
 
     Args:
         points: (n, 2, 3) contacts, metres.
@@ -42,7 +42,7 @@ def ferrari_canny(
         axis: (n, 3) unit vectors from the first contact to the second.
         com: (3,) or (n, 3) center of mass, metres.
         friction: Coulomb friction coefficient, one for all or (n,).
-        torque_scaling: What a torque counts beside a force, 1/m.
+        torque_scaling: Weight of a torque relative to a force, 1/m.
         finger_radius: Radius of the soft contact, metres; it resists torsion.
         cone_faces: Edges of a linearized friction cone, 3 to 28.
         floor: A quality below this may be replaced by an upper bound that is also below it; this
@@ -84,10 +84,10 @@ def quality_bound(
 ) -> Floats:
     """An upper bound of `ferrari_canny` in closed form.
 
-    No contact force turns the object about the line of contacts; only torsion does, and no more
-    than `pi finger_radius^2 friction torque_scaling cos(a)^2`, with `a` the angle between the axis
-    and the normal of the better contact. The wrench that resists this turn about a line at the
-    distance `d` from the center of mass has the length `sqrt(1 + (torque_scaling d)^2)`. (Ours.)
+    No contact force turns the object about the line of contacts; only torsion does, by no more than
+    `pi finger_radius^2 friction torque_scaling cos(a)^2`, with `a` the angle between the axis and
+    the normal of the better contact. The wrench that resists this turn about a line at the distance
+    `d` from the center of mass has the length `sqrt(1 + (torque_scaling d)^2)`. (Ours.)
 
     Args:
         points: (n, 2, 3) contacts on a line along the axis, metres.
@@ -95,7 +95,7 @@ def quality_bound(
         axis: (n, 3) unit vectors from the first contact to the second.
         com: (3,) center of mass, metres.
         friction: Coulomb friction coefficient.
-        torque_scaling: What a torque counts beside a force, 1/m.
+        torque_scaling: Weight of a torque relative to a force, 1/m.
         finger_radius: Radius of the soft contact, metres.
 
     Returns:
@@ -126,11 +126,11 @@ def wrenches(
 ) -> Floats:
     """The wrenches that the contacts of each of n grasps can apply to the object.
 
-    A finger presses with the part of a unit force along its inward normal. Its friction cone has
-    `cone_faces` edges, the first leaning towards x; torsion acts either way about the normal.
+    A finger presses with the component of a unit force along its inward normal. Its friction cone
+    has `cone_faces` edges, the first leaning towards x; torsion acts either way about the normal.
 
     Args:
-        arms: (n, 2, 3) contacts from the center of mass, times the torque scaling.
+        arms: (n, 2, 3) contacts relative to the center of mass, times the torque scaling.
         normals: (n, 2, 3) outward unit normals.
         axis: (n, 3) closing axes.
         friction: (n,) friction coefficients.

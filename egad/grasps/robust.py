@@ -1,8 +1,8 @@
-"""Grasp quality under uncertainty: the mean over disturbed copies of a grasp.
+"""Grasp quality under uncertainty: the mean over perturbed copies of a grasp.
 
-The random variables are those that Dex-Net documents (Mahler et al., RSS 2017). Ours: every copy
-has its own object pose, the center of mass is disturbed around its true place, and a finger that
-meets the object beyond the middle pushes it along instead of missing it.
+The random variables are those that Dex-Net documents (Mahler et al., RSS 2017). Our changes: every
+copy has its own object pose, the center of mass is perturbed around its true position, and a finger
+that meets the object beyond the middle pushes it along instead of missing it.
 """
 
 import numpy as np
@@ -28,21 +28,21 @@ def robust_ferrari_canny(
     rng: np.random.Generator,
     faces: JawFaces | None = None,
 ) -> tuple[Floats, Floats, Floats]:
-    """Quality of each of n grasps over disturbed copies.
+    """Quality of each of n grasps over perturbed copies.
 
-    In every copy the object and the hand are a little off, the center of mass and the friction
-    differ, and the open fingers close again on what is there. A copy counts 0 if a finger starts
-    inside the object or meets nothing.
+    In every copy, the object and the hand are slightly displaced, the center of mass and the
+    friction differ, and the open fingers close again on whatever is there. A copy counts as 0 if a
+    finger starts inside the object or meets nothing.
 
     Args:
         caster: Ray caster of the object, metres.
         grasps: The n grasps.
         com: (3,) center of mass, metres.
-        opening: Distance of the open fingers, metres.
-        quality: Contact model; its torque scaling gives way to that of `robust`.
+        opening: Distance between the open fingers, metres.
+        quality: Contact model; its torque scaling is replaced by that of `robust`.
         robust: Number of copies and their spread.
-        rng: Where chance comes from.
-        faces: Those of a hand with one moving jaw, which must hold the copies, too.
+        rng: Random number generator.
+        faces: Jaw faces of a hand with one moving jaw, which must hold the copies, too.
 
     Returns:
         Mean, standard deviation (of the copies), and fraction of copies with positive quality:
@@ -77,13 +77,13 @@ def robust_ferrari_canny(
 def close_fingers(
     caster: RayCaster, centers: Floats, axes: Floats, opening: float
 ) -> tuple[ContactPairs, NDArray[np.bool_]]:
-    """Close fingers from half an opening either side of n centers.
+    """Close fingers from half an opening on either side of n centers.
 
     Args:
         caster: The object.
         centers: (n, 3) midpoints of the open fingers, metres.
         axes: (n, 3) unit vectors from the first finger to the second.
-        opening: Distance of the open fingers, metres.
+        opening: Distance between the open fingers, metres.
 
     Returns:
         The contacts, and where they exist: both fingers start outside and meet the object before
@@ -102,7 +102,7 @@ def close_fingers(
 def _disturb(
     grasps: ContactPairs, com: Floats, robust: Robust, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Centers and axes of the copies, grasp by grasp, in the frame of the disturbed object.
+    """Centers and axes of the copies, grasp by grasp, in the frame of the perturbed object.
 
     The object turns about its center of mass and shifts; the hand turns and shifts. Instead of
     moving the mesh, the hand is moved back.

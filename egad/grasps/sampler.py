@@ -15,7 +15,7 @@ from egad._util.kernels import kernel
 from egad.geometry import RayCaster
 from egad.grasps.parameters import Sampling
 
-TURN = 0.05 * 2 / np.pi  # metres that a radian of turn counts in the distance of two grasps
+TURN = 0.05 * 2 / np.pi  # metres that a radian of rotation adds to the distance between grasps
 CONTACT_TOLERANCE = 1e-6  # of the opening
 
 
@@ -49,7 +49,7 @@ class ContactPairs:
 
     @property
     def widths(self) -> Floats:
-        """(n,) distances of the contacts, metres."""
+        """(n,) distances between the contacts, metres."""
         return np.asarray(np.linalg.norm(self.points[:, 1] - self.points[:, 0], axis=1))
 
     def take(self, indices: Ints) -> "ContactPairs":
@@ -59,13 +59,13 @@ class ContactPairs:
 
 @dataclass(frozen=True)
 class SamplingStatistics:
-    """What became of the candidates. Each is counted once, at the first test that it fails."""
+    """Sampling statistics: each candidate is counted once, at the first test that it fails."""
 
     candidates: int = 0
     too_wide: int = 0  # no opposite surface within the opening
     not_antipodal: int = 0  # the second contact faces too far away from the axis
     blocked: int = 0  # something is in the way of the open fingers
-    too_close: int = 0  # too much like a grasp that was found before
+    too_close: int = 0  # too similar to a grasp that was found before
 
     def __add__(self, other: "SamplingStatistics") -> "SamplingStatistics":
         return SamplingStatistics(
@@ -88,24 +88,23 @@ def sample_contacts(
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Find grasps that are well spread over an object.
 
-    First contacts are uniform over the surface; the axis leaves the inward normal by an angle
-    whose tangent is uniform up to the cone. The second contact is where a finger that closes from
-    the opening's far end meets the object. Then the open fingers, placed evenly about the
-    midpoint of the contacts, must be able to close to these contacts, and to approach in a
+    First contacts are uniform over the surface; the axis deviates from the inward normal by an
+    angle whose tangent is uniform up to the cone. The second contact is where a finger that closes
+    from the opening's far end meets the object. Then the open fingers, placed symmetrically about
+    the midpoint of the contacts, must be able to close onto these contacts, and to approach in a
     straight line of length `approach_clearance` along one of `approach_directions`.
 
     Args:
         caster: Ray caster of the object, metres.
-        opening: Distance of the open fingers, metres.
-        count: Grasps wanted.
-        sampling: Rules. A round draws twice as many candidates as grasps are wanted, if that is
+        opening: Distance between the open fingers, metres.
+        count: Number of grasps wanted.
+        sampling: Rules. A round samples twice as many candidates as grasps are wanted, if that is
             more than its setting.
-        rng: Where chance comes from.
+        rng: Random number generator.
         wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
 
     Returns:
-        Up to `count` grasps, fewer if the rounds did not give more, and what became of the
-        candidates.
+        Up to `count` grasps, fewer if the rounds did not find more, and the sampling statistics.
     """
     grasps, statistics = ContactPairs.empty(), SamplingStatistics()
     for _ in range(sampling.rounds):
@@ -127,21 +126,21 @@ def valid_contacts(
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Draw candidates as `sample_contacts` does and keep all that are grasps, however close.
+    """Sample candidates like `sample_contacts`, and keep all that are grasps, however close.
 
     They are independent draws from one distribution, so a percentile of their quality has no
     bias from spacing.
 
     Args:
         caster: Ray caster of the object, metres.
-        opening: Distance of the open fingers, metres.
-        candidates: How many to draw.
+        opening: Distance between the open fingers, metres.
+        candidates: Number of candidates to sample.
         sampling: Rules; rounds and spacing do not matter.
-        rng: Where chance comes from.
+        rng: Random number generator.
         wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
 
     Returns:
-        The grasps among them, in the order drawn, and what became of the others.
+        The grasps among them, in the order sampled, and the sampling statistics.
     """
     starts, faces = _points(caster, candidates, rng)
     normals = caster.normals[faces]
@@ -182,7 +181,7 @@ def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Fl
 
 @kernel()
 def _points_inside(triangles: Floats, faces: Ints, along: Floats) -> Floats:
-    """Points at parts of two sides of triangles, back from the other half of a parallelogram."""
+    """Points at fractions of two sides of triangles, folded back from the full parallelogram."""
     points = np.empty((len(faces), 3))
     for i, face in enumerate(faces):
         one, two = along[i]
@@ -205,7 +204,7 @@ def _axes_in_cone(normals: Floats, cone: float, rng: np.random.Generator) -> Flo
 
 @kernel()
 def _leaning(normals: Floats, first: Floats, second: Floats) -> Floats:
-    """Unit vectors along -normals plus so much of two directions at right angles to them."""
+    """Unit vectors along -normals plus given amounts of two directions perpendicular to them."""
     axes, one, two = np.empty_like(normals), np.empty(3), np.empty(3)
     for i, normal in enumerate(normals):
         least = np.argmin(np.abs(normal))
@@ -238,7 +237,7 @@ def _close(
     opening: float,
     sampling: Sampling,
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Close fingers along the axes; what stays are grasps that touch at the starts."""
+    """Close fingers along the axes, and keep the grasps that touch at the starts."""
     far = starts + opening * axes
     hits = caster.first_hits(far, -axes)
     fits = hits.entering & (hits.distances < opening)
@@ -301,7 +300,7 @@ def _spread(centers: Floats, axes: Floats, old: int, spacing: float) -> Ints:
 
 @kernel(inline="always")
 def _gap(centers: Floats, axes: Floats, i: int, j: int, spacing: float) -> float:
-    """How far apart two grasps are; without their turn if their centers are `spacing` apart."""
+    """Distance between two grasps; without rotation if their centers are `spacing` apart."""
     square = 0.0
     for k in range(3):
         square += (centers[i, k] - centers[j, k]) ** 2

@@ -1,4 +1,4 @@
-"""What simulated grasps say of their objects."""
+"""What simulated grasps tell about their objects."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -19,7 +19,7 @@ SHAKEN_AND_HELD = tuple(
 
 
 def with_outcome(grasps: pd.DataFrame) -> pd.DataFrame:
-    """The grasps of which it is known whether they succeed.
+    """The grasps that are known to succeed or fail.
 
     They are those that were simulated, and those at which the open hand collides.
 
@@ -35,11 +35,11 @@ def held_when_shaken(grasps: pd.DataFrame) -> NDArray[np.bool_]:
 
 
 def antipodal_success_rates(grasps: pd.DataFrame) -> pd.DataFrame:
-    """How often the simulated antipodal grasps of each object held (ours).
+    """Success rate of the simulated antipodal grasps of each object (ours).
 
     Args:
-        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`; those that were not simulated, or
-            with which the engine failed, do not count.
+        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`; grasps that were not simulated, or on
+            which the engine failed, do not count.
 
     Returns:
         One row per object that has any, sorted by label, columns of
@@ -63,8 +63,8 @@ class SuccessRate(NamedTuple):
     """How often grasps succeeded.
 
     Attributes:
-        n: Grasps of which the engine could tell.
-        rate: Those that succeeded / n; not a number without any.
+        n: Number of grasps that the engine could judge.
+        rate: Number that succeeded / n; NaN if n is 0.
         std: Standard error of the rate.
     """
 
@@ -74,7 +74,7 @@ class SuccessRate(NamedTuple):
 
 
 def success_rate(outcomes: Iterable[str]) -> SuccessRate:
-    """How often grasps succeeded that were drawn independently of each other.
+    """Success rate of grasps that were sampled independently of each other.
 
     Args:
         outcomes: Values of `egad.outcomes.Outcome`.

@@ -15,7 +15,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from egad._util.kernels import kernel
 
-TOLERANCE = 1e-12  # of the largest coordinate: what is nearer to a plane lies on it
+TOLERANCE = 1e-12  # of the largest coordinate: points nearer to a plane lie on it
 _FACETS = 4096
 _SLOTS_LOG2 = 10
 _SLOTS = 1 << _SLOTS_LOG2
@@ -24,7 +24,7 @@ _HASH_FACTOR = 0x1E3779B97F4A7C15
 
 
 class Workspace(NamedTuple):
-    """Memory of one hull, to be used again for the next one."""
+    """Memory for one hull, reused for the next one."""
 
     vertices: NDArray[np.int64]
     neighbors: NDArray[np.int64]
@@ -75,7 +75,7 @@ def depths(points: NDArray[np.float64], floor: float = 0.0) -> NDArray[np.float6
 
 
 def slow_depth(points: NDArray[np.float64]) -> float:
-    """The same for one set of points by Qhull, which copes with any input."""
+    """As `depths`, for one set of points, by Qhull, which copes with any input."""
     try:
         offset = -float(ConvexHull(points).equations[:, -1].max())
     except QhullError:  # flat
@@ -94,9 +94,9 @@ def _depths(points: NDArray[np.float64], floor: float) -> NDArray[np.float64]:
 
 @kernel()
 def _depth(points: NDArray[np.float64], space: Workspace, floor: float) -> float:
-    """The smallest facet offset, or 0; any upper bound of it that is below the floor.
+    """The smallest facet offset, or 0; or an upper bound of it that is below the floor.
 
-    NaN if the hull outgrows its memory or is spoiled.
+    NaN if the hull outgrows its memory or becomes inconsistent.
     """
     tolerance = TOLERANCE * np.abs(points).max()
     if not _start(points, space, tolerance):

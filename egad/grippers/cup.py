@@ -1,4 +1,4 @@
-"""What is set of a suction cup."""
+"""Settings of a suction cup."""
 
 from typing import Any
 
@@ -14,14 +14,15 @@ class SuctionCup(UserParameters):
     The cup is a pyramid of springs: a ring of `sides` vertices, and an apex on the approach axis.
 
     Source: Mahler et al., Dex-Net 3.0, ICRA 2018, arXiv 1709.06670: strain, vacuum force, friction
-    and bending. GraspGen (NVlabs, `single_suction_cup_30mm.yaml`) has the same four and gives
-    radius, height and sides, which the paper does not. The stem is the collision cylinder of
+    and bending. GraspGen (NVlabs, `single_suction_cup_30mm.yaml`) has the same four values and
+    gives radius, height and sides, which the paper does not. The stem is the collision cylinder of
     SuctionNet-1Billion. The tolerance is the residual that GraspGen's solver accepts.
     """
 
     radius: Length = Field(0.015, description="radius of the ring, metres; a 30 mm cup")
     height: Length = Field(
-        0.03, description="from the ring to the apex, metres; twice the radius if not given"
+        0.03,
+        description="distance from the ring to the apex, metres; twice the radius if not given",
     )
     sides: int = Field(15, ge=5, le=360, description="vertices of the ring")
     max_strain: float = Field(
@@ -39,11 +40,16 @@ class SuctionCup(UserParameters):
     torque_tolerance: float = Field(
         0.0316,
         ge=0,
-        description="bending torque beyond that limit that still counts as resisted, newton metres",
+        description="bending torque beyond the limit given by `bending` that still counts as "
+        "resisted, newton metres",
     )
     stem_radius: Length = Field(0.01, description="radius of the stem, metres")
-    stem_length: Length = Field(0.09, description="length of the stem from the apex on, metres")
-    approach: Length = Field(0.1, description="length of the straight way to the object, metres")
+    stem_length: Length = Field(
+        0.09, description="length of the stem, starting at the apex, metres"
+    )
+    approach: Length = Field(
+        0.1, description="length of the straight approach to the object, metres"
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -1,4 +1,4 @@
-"""Hands that a URDF or MJCF file describes: MuJoCo is loaded only where there is such a file."""
+"""Hands described by a URDF or MJCF file: MuJoCo is loaded only if there is such a file."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,7 +15,7 @@ def read_described(path: Path, values: Mapping[str, Any]) -> GripperModel:
 
     Args:
         path: The file.
-        values: Settings of a gripper, of which those count that are not left to be found.
+        values: Settings of a gripper; those that override what is found in the file count.
 
     Raises:
         UserError: The file cannot be used, or MuJoCo is not installed.

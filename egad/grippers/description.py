@@ -1,4 +1,4 @@
-"""Reading the model of a hand that its maker publishes: URDF or MJCF, by MuJoCo."""
+"""Read the model of a hand that its maker publishes, URDF or MJCF, with MuJoCo."""
 
 import logging
 from collections.abc import Callable, Collection, Iterator
@@ -76,7 +76,7 @@ def compile_with_shapes(spec: mujoco.MjSpec, path: Path, bodies: Collection[int]
 
 
 def description_files(path: Path) -> list[Path]:
-    """A URDF or MJCF file and those meshes it names that are there.
+    """A URDF or MJCF file and the meshes it names that exist.
 
     Args:
         path: The file.
@@ -90,7 +90,7 @@ def description_files(path: Path) -> list[Path]:
 
 
 def mesh_files(spec: mujoco.MjSpec, path: Path) -> list[Path]:
-    """Those meshes that a description from a file names and that are there."""
+    """The meshes that a description from a file names and that exist."""
     packages, found = cache(list_packages), []
     for mesh in spec.meshes:
         with suppress(UserError):
@@ -100,7 +100,7 @@ def mesh_files(spec: mujoco.MjSpec, path: Path) -> list[Path]:
 
 @contextmanager
 def name_file_in_messages(path: Path) -> Iterator[None]:
-    """Name the file in errors, and log what MuJoCo warns of with it.
+    """Name the file in errors, and log MuJoCo's warnings with its name.
 
     Otherwise MuJoCo writes its warnings into a file in the current folder.
     """
@@ -115,14 +115,14 @@ def name_file_in_messages(path: Path) -> Iterator[None]:
 
 
 def _replace(shape: mujoco.MjsGeom) -> None:
-    """Put a small ball that touches nothing in the place of a shape."""
+    """Replace a shape by a small ball that touches nothing."""
     shape.type, shape.meshname = mujoco.mjtGeom.mjGEOM_SPHERE, ""
     shape.size[:], shape.fromto[:] = MIN_INERTIA, np.nan
     shape.contype = shape.conaffinity = 0
 
 
 def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """The model of a description, with shapes that collide only."""
+    """The model of a description, with only the shapes that collide."""
     compiler = spec.compiler
     compiler.fusestatic = False
     compiler.discardvisual = compiler.balanceinertia = True
@@ -143,7 +143,7 @@ def shapes_of(model: mujoco.MjModel, body: int) -> list[Floats]:
 def shape_surfaces(model: mujoco.MjModel, body: int) -> Iterator[tuple[Floats, Ints]]:
     """Points and faces of the collision shapes of a link, in its frame.
 
-    Shapes that are no meshes, and meshes of which only the convex hull is known, have no faces:
+    Shapes that are not meshes, and meshes of which only the convex hull is known, have no faces:
     the convex hull of their points counts.
     """
     first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
@@ -168,7 +168,7 @@ def _faces(model: mujoco.MjModel, shape: int) -> Ints:
 
 
 def _corners(model: mujoco.MjModel, shape: int) -> Floats:
-    """Points of a shape in its own frame. Round ones get the corners of polygons around them."""
+    """Points of a shape in its own frame; round shapes get the corners of polygons around them."""
     kind, size = model.geom_type[shape], model.geom_size[shape]
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         mesh = model.geom_dataid[shape]
@@ -216,10 +216,10 @@ def _check_shapes(model: mujoco.MjModel) -> None:
 
 
 def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
-    """Let meshes be read from where they are, or give them the corners of their convex hulls.
+    """Let meshes be read from their files, or give them the corners of their convex hulls.
 
     Raises:
-        UserError: One is missing, or cannot be read; with its link.
+        UserError: One is missing or cannot be read; the message names its link.
     """
     packages = cache(list_packages)
     users = {shape.meshname: shape.parent.name for shape in reversed(spec.geoms) if shape.meshname}
@@ -239,7 +239,7 @@ def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
         if corners is not None:
             mesh.uservert = corners.ravel()
             continue
-        # As bytes, for MuJoCo remembers files by the second in which they were changed
+        # As bytes, because MuJoCo caches files by the second in which they were changed
         mesh.file = f"{len(spec.assets)}{file.suffix}"
         spec.assets = {**spec.assets, str(Path(spec.meshdir) / mesh.file): file.read_bytes()}
 
@@ -247,7 +247,7 @@ def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
 def _mesh_file(
     spec: mujoco.MjSpec, mesh: mujoco.MjsMesh, path: Path, packages: Callable[[], Packages]
 ) -> Path:
-    """Where a mesh is; raises as `find_file`."""
+    """Where a mesh is; raises the errors of `find_file`."""
     wanted = mesh.file if "://" in mesh.file else str(Path(spec.meshdir) / mesh.file)
     return find_file(wanted, path, packages)
 

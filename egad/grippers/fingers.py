@@ -1,4 +1,4 @@
-"""Finding the two fingers of a described hand: what moves, and which way."""
+"""Find the two fingers of a described hand: what moves, and which way."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -15,8 +15,8 @@ from egad.grippers.tree import body_name, joint_name, subtree
 
 SMALL_STEP = 1e-3  # of the stroke
 STANDING = 1e-7  # metres; fingers that move less in a small step stand still
-SPREAD = 0.5  # of the speed of closing: fingers that move more than this across it are not two
-SNAP = 2.0  # degrees; axes this near to one of the palm's axes are meant to be that
+SPREAD = 0.5  # of the closing speed: links that move more than this across it are not two fingers
+SNAP = 2.0  # degrees; axes this close to one of the palm's axes are taken to be that axis
 MAX_DRIVEN = 4
 WHOLE_ROBOT = "; of a whole robot, name a link of each finger: finger_links: [NAME, NAME]"
 
@@ -25,7 +25,7 @@ class Sides(NamedTuple):
     """The moving links of both fingers, and the axis along which they close.
 
     Attributes:
-        links: Links of the finger at the lower, and of the one at the higher end of the axis.
+        links: Links of the finger at the lower end of the axis, and of the one at the higher end.
         axis: Unit vector in the frame of the palm.
         signs: Which way each driven joint moves from open to closed, (n,).
     """
@@ -36,12 +36,12 @@ class Sides(NamedTuple):
 
 
 def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = None) -> list[int]:
-    """Those joints of a hand that are driven: by an actuator, or else those that mimic no other.
+    """The driven joints of a hand: those with an actuator, or else those that mimic no other.
 
     Args:
         model: The description.
         joints: Numbers of the joints of the hand.
-        wanted: Name of the one that is driven, if it is known.
+        wanted: Name of the driven joint, if it is known.
 
     Raises:
         UserError: There is none of this name, or it has no limits, or there are too many.
@@ -74,7 +74,7 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
 
 
 def find_moving_jaw(mechanism: Mechanism, chains: list[int]) -> int | None:
-    """The only link of a hand that moves, if one joint moves it against the rest; None otherwise.
+    """The only moving link of a hand, if one joint moves it against the rest; None otherwise.
 
     Args:
         mechanism: The joints.
@@ -132,7 +132,7 @@ class _Motion(NamedTuple):
 
     Attributes:
         sizes: How far groups of links move against each other, along each axis, descending.
-        axis: That along which they do most.
+        axis: The axis along which they move most.
         before: (n, 3) the middles of the groups before the step.
         after: The same after it.
         signs: Which way each driven joint moves, (n,).
@@ -146,7 +146,7 @@ class _Motion(NamedTuple):
 
 
 def _motions(mechanism: Mechanism, groups: list[frozenset[int]]) -> Iterator[_Motion]:
-    """The steps from the middle of the stroke, with each driven joint either way."""
+    """The steps from the middle of the stroke, with each driven joint moving either way."""
     middle, span = mechanism.ranges().mean(axis=1), np.ptp(mechanism.ranges(), axis=1)
     near = mechanism.middle()
     for others in product((1.0, -1.0), repeat=len(span) - 1):
@@ -165,7 +165,7 @@ def _motions(mechanism: Mechanism, groups: list[frozenset[int]]) -> Iterator[_Mo
 
 
 def snapped(axis: Floats) -> Floats:
-    """A unit vector, or the axis of the frame that it nearly is."""
+    """A unit vector, or the axis of the frame that it is close to."""
     largest = int(np.abs(axis).argmax())
     if abs(axis[largest]) < np.cos(np.radians(SNAP)) * np.linalg.norm(axis):
         return np.asarray(axis / np.linalg.norm(axis))

@@ -40,7 +40,7 @@ class Part(NamedTuple):
     Attributes:
         box: (2, 3) low and high corner of its bounding box, metres.
         planes: (k, 4) outward unit normals and offsets: the part is where normal . point + offset
-            is nowhere positive. Without any it fills its box.
+            is positive for none of them. Without planes, it fills its box.
         middle: (3,) a point in it, metres.
     """
 
@@ -50,7 +50,7 @@ class Part(NamedTuple):
 
 
 class Pieces(NamedTuple):
-    """Parts of n hands that are alike but for a shift.
+    """Parts of n hands that differ only by a shift.
 
     Attributes:
         rows: (m,) which of the hands.
@@ -74,7 +74,7 @@ class HandBody(ABC):
 
     @abstractmethod
     def parts(self, retreat: float = 0.0) -> list[Part]:
-        """The open hand, swept back by the length of the straight way that it came, metres."""
+        """The open hand, swept back along its straight approach by `retreat`, metres."""
 
     @abstractmethod
     def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
@@ -82,18 +82,18 @@ class HandBody(ABC):
 
     @abstractmethod
     def reach(self, openings: Floats) -> Floats:
-        """Place of the pads along the approach, as they come together, (n,) metres.
+        """Position of the pads along the approach while they close, (n,) metres.
 
-        Of linkages the pads move on an arc. Only differences between openings matter.
+        The pads of linkages move on an arc. Only differences between openings matter.
         """
 
     def aside(self, widths: Floats, openings: Floats, clearance: float = JAW_CLEARANCE) -> Floats:
-        """Place of the middle between the pads along the closing axis, (n,) metres.
+        """Position of the midpoint between the pads along the closing axis, (n,) metres.
 
         Args:
-            widths: (n,) distances of contacts, metres; their middle is at 0.
-            openings: (n,) of a hand that is to close on them.
-            clearance: Between the first contact and a jaw that is fixed, metres.
+            widths: (n,) distances between contacts, metres; their middle is at 0.
+            openings: (n,) openings of a hand that is to close on them.
+            clearance: Distance between the first contact and a fixed jaw, metres.
         """
         del openings, clearance
         return np.zeros_like(widths)
@@ -107,9 +107,9 @@ class BoxBody(HandBody):
 
         Args:
             gripper: Sizes of the boxes.
-            palm: A mesh in the place of the palm box. Its origin is the middle of the palm's face,
+            palm: A mesh that replaces the palm box. Its origin is the middle of the palm's face,
                 where the fingers begin, its axes are those of the hand, its unit is the metre. Each
-                of its bodies counts with its convex hull.
+                of its bodies is replaced by its convex hull.
 
         Raises:
             RejectedError: A body of the mesh is flat.
@@ -194,11 +194,11 @@ class ModelBody(HandBody):
     def at(
         self, level: int, retreat: float = 0.0, *, bodies: tuple[int, ...] = BODIES
     ) -> list[Part]:
-        """The hand at one of the openings that are tabulated, with its pads at the origin.
+        """The hand at one of the tabulated openings, with its pads at the origin.
 
         Args:
             level: Number of the opening.
-            retreat: Length of the straight way that it came, metres.
+            retreat: Length of its straight approach, metres.
             bodies: Which of its bodies, as in `HandLink`.
         """
         opening = float(self.model.openings[level])
@@ -232,7 +232,7 @@ def check_jaws(gripper: Gripper, what: str) -> None:
 
     Args:
         gripper: The gripper.
-        what: What needs them, the subject of the sentence of the error.
+        what: What needs them: the subject of the error message.
 
     Raises:
         UserError: It has a suction cup.
@@ -244,7 +244,7 @@ def check_jaws(gripper: Gripper, what: str) -> None:
 def tip_reach(gripper: Gripper) -> float:
     """How far a hand reaches beyond the origin of its frame, along the approach, metres.
 
-    Of jaws this is `finger_span`; the origin of a suction cup is in its ring.
+    For jaws, this is from `finger_span`; the origin of a suction cup is in its ring.
     """
     return finger_span(gripper)[1] if gripper.cup is None else 0.0
 
@@ -279,7 +279,7 @@ def _hull(points: Floats, retreat: float) -> Part:
 
 
 def hand_body(gripper: Gripper) -> HandBody:
-    """The body of a hand: boxes, with a mesh in the place of the palm, or a maker's model.
+    """The body of a hand: boxes, with a mesh instead of the palm box, or a maker's model.
 
     Raises:
         UserError: A file cannot be used.

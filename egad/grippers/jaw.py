@@ -1,10 +1,10 @@
 """A hand with one jaw that is fixed to the palm, and one that turns or slides.
 
 The closing axis is the normal of the fixed jaw's inner face. The pads are where both jaws are
-nearest to each other, which is at the tips of most hands. The opening is the gap between the inner
-faces there, along the closing axis, at the middle of their breadth: what a body touches that lies
-against the fixed jaw. The fixed pad stays where it is, so the middle between the pads moves by half
-the opening, and faces of a jaw that turns are parallel at one opening only.
+closest to each other, which is at the tips for most hands. The opening is the gap between the inner
+faces there, along the closing axis, at the middle of their breadth: where a body that lies against
+the fixed jaw touches them. The fixed pad stays where it is, so the middle between the pads moves by
+half the opening, and faces of a jaw that turns are parallel at one opening only.
 """
 
 from typing import NamedTuple
@@ -25,15 +25,15 @@ from egad.grippers.tree import body_name
 GRID = 5e-4  # metres, between points of a jaw's face
 BREADTH = (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)  # metres from the middle of a jaw's breadth
 DEPTH_STEP = 0.01  # metres, between places along a jaw
-MARGIN = 5  # of these around the points that were found on it
-SKIN = 1e-5  # metres before a face, where rays start; thinner slices are left where they are
+MARGIN = 5  # grid points around those that were found on it
+SKIN = 1e-5  # metres in front of a face, where rays start; thinner slices are left where they are
 PAD_DEPTH = 1e-3  # metres that a pad may lie behind the foremost point of its jaw
 FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
-# Metres around the middle of a pad, which comes first, along its breadth and its length
+# Offsets from the middle of a pad, which comes first, along its breadth and its length, metres
 PATCH = [(0.0, 0.0), *((y, z) for y in (-1e-3, 0.0, 1e-3) for z in (-1e-3, -5e-4, 5e-4, 1e-3))]
 STEEPEST = np.cos(np.radians(75.0))  # how far the face of a jaw may turn away from the other one
 CONVEX = 0.02  # of a hull: with less excess a shape counts as convex
-# How much convex parts may add: depth in hollows, metres, and part of the volume
+# How much convex parts may add: depth in hollows, metres, and fraction of the volume
 JAW, PALM = (5e-4, 0.1), (2e-3, 0.5)
 MAX_PARTS = 64
 
@@ -61,9 +61,9 @@ class JawStroke(NamedTuple):
     """The way of a jaw from closed to open.
 
     Attributes:
-        positions: (k, q) of all joints.
+        positions: (k, q) positions of all joints.
         openings: (k,) gap of the inner faces at the pads, ascending, metres.
-        angles: (k,) between them, radians; positive if they are farther apart at the tips.
+        angles: (k,) angles between them, radians; positive if they are farther apart at the tips.
         fixed_pad: (3,) middle of the fixed pad, in the frame of the palm, metres.
         extent: Breadth and length of the pads, metres.
     """
@@ -82,7 +82,7 @@ class JawSolids:
         mechanism: The joints.
         body: Number of the link that moves.
         moving: Its surface, in its frame.
-        solids: What does not move, in the frame of the palm.
+        solids: The solids that do not move, in the frame of the palm.
         middle: The middle of their volume.
         facing: How they face each other.
     """
@@ -93,7 +93,7 @@ class JawSolids:
         Args:
             mechanism: The joints, of which one is driven.
             body: Number of the link that moves.
-            static: Numbers of those that do not.
+            static: Numbers of the links that do not move.
 
         Raises:
             UserError: The jaws never face each other.
@@ -122,7 +122,7 @@ class JawSolids:
         self.facing: Facing = find_facing(mechanism, body, self.moving, self._fixed)
 
     def positions(self, joint: float) -> Floats:
-        """Positions of all joints at one of the driven joint."""
+        """Positions of all joints at a position of the driven joint."""
         return self.mechanism.follow(np.array([joint]), self.mechanism.model.qpos0)
 
     def angle(self, joint: float, frame: JawFrame) -> float:
@@ -152,7 +152,8 @@ class JawSolids:
     def gap(self, pad: Floats, joint: float, frame: JawFrame) -> float:
         """Gap of the inner faces at the pads, metres; NaN where the moving jaw is not there.
 
-        In a groove that shows no face, that of the points around counts if most of them have one.
+        If a groove hides the face at the pad, the median gap around it counts, if most points there
+        have one.
         """
         offsets = np.array(PATCH) @ np.stack([frame.across, frame.approach])
         gaps = self.gaps(pad + offsets, joint, frame)
@@ -175,7 +176,7 @@ class JawSolids:
 
 
 def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None) -> JawStroke:
-    """Where the pads are, and how far they are apart at each position of the joint.
+    """Where the pads are, and how far apart they are at each position of the joint.
 
     Args:
         jaws: The jaws.
@@ -183,7 +184,7 @@ def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None)
         tcp: Middle of the closed pads in the frame of the palm, metres; found if None.
 
     Raises:
-        UserError: They do not open, or wider than any hand.
+        UserError: They do not open, or open wider than any hand.
     """
     low, high = jaws.mechanism.ranges()[0]
     closed, wide = (low, high) if jaws.facing.closing < 0 else (high, low)
@@ -214,7 +215,7 @@ def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None)
 
 
 def _useful(gaps: Floats, start: int) -> tuple[int, int]:
-    """The positions around one between which the gap is known and grows, but for small steps."""
+    """Range of positions around one where the gap is known and grows, except for small steps."""
     known = np.isfinite(gaps)
     if not known.any():
         raise UserError("its jaws never face each other where they are nearest")
@@ -259,7 +260,7 @@ def _on_fixed_face(jaws: JawSolids, frame: JawFrame, tcp: Floats, pad: Floats) -
 
 
 def _grid(jaws: JawSolids, frame: JawFrame) -> Floats:
-    """Points a little before the foremost of the fixed jaw's face, over all of it, (n, 3)."""
+    """Points just in front of the foremost point of the fixed jaw's face, all over it, (n, 3)."""
     seen = jaws.facing.points @ frame.matrix
     low, high = seen.min(axis=0), seen.max(axis=0)
     across, along = (
@@ -283,8 +284,8 @@ def gaps_along(
         root: Where the fixed jaw begins, along the approach, metres.
 
     Returns:
-        (d,) depths beyond the pads and (k, d) gaps of what stands out most near the middle of
-        their breadth, metres; NaN where one of the faces is not.
+        (d,) depths beyond the pads and (k, d) gaps between what protrudes most near the middle of
+        their breadth, metres; NaN where one of the faces is missing.
     """
     length = float(stroke.fixed_pad @ frame.approach) - root
     depths = -DEPTH_STEP * np.arange(max(int(length / DEPTH_STEP), 0) + 1)
@@ -302,9 +303,9 @@ def gaps_along(
 
 
 def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
-    """Where the fixed jaw begins, along the approach: the palm is what stands before its face.
+    """Where the fixed jaw begins, along the approach: the palm is what protrudes from its face.
 
-    It begins with the hand if nothing does.
+    If nothing protrudes, the jaw begins where the hand begins.
     """
     surfaces = np.concatenate([np.asarray(solid.vertices) for solid in jaws.solids])
     lowest = float((surfaces @ frame.approach).min())
@@ -401,7 +402,7 @@ def _placed(solid: trimesh.Trimesh, turn: Floats, place: Floats) -> trimesh.Trim
 def _cut(
     mesh: trimesh.Trimesh, normal: Floats, height: float
 ) -> list[tuple[trimesh.Trimesh, bool]]:
-    """What lies ahead of a plane and behind it, and whether it lies ahead."""
+    """The pieces ahead of a plane and behind it, each with whether it lies ahead."""
     heights = np.asarray(mesh.vertices) @ normal
     solid = to_solid(mesh.vertices, mesh.faces)
     one_side = heights.min() >= height - SKIN or heights.max() <= height + SKIN

@@ -1,4 +1,4 @@
-"""Where a moving jaw and a fixed one look at each other, on solids of the shapes of their links."""
+"""Where a moving jaw and a fixed one face each other, on solids of the shapes of their links."""
 
 from contextlib import suppress
 from typing import NamedTuple
@@ -17,13 +17,13 @@ from egad.grippers.mechanism import Mechanism
 from egad.grippers.tree import body_name
 
 POSITIONS = 17  # of the joint, at which faces are compared
-SKIN = 1e-6  # metres before a face, where rays start
-SPACING = 0.002  # metres, of the points on a jaw that look out
+SKIN = 1e-6  # metres in front of a face, where rays start
+SPACING = 0.002  # metres between the points on a jaw that look out
 FACING = np.cos(np.radians(30.0))  # how far two faces may turn away from each other
-ALIKE = np.cos(np.radians(5.0))  # faces that belong to one, apart from steps
-DISTAL = 0.4  # of the longest lever: what is nearer to the hinge is its bearing
+ALIKE = np.cos(np.radians(5.0))  # faces that turn less belong to one face, apart from steps
+DISTAL = 0.4  # of the longest lever: whatever is nearer to the hinge is its bearing
 ROUNDING = 0.04  # of directions that are compared
-MIN_AREA = 2e-6  # square metres that look at each other
+MIN_AREA = 2e-6  # square metres that face each other
 
 
 class Facing(NamedTuple):
@@ -44,7 +44,7 @@ class Facing(NamedTuple):
 
 
 def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
-    """The collision shapes of a link in its frame; a surface that is open by its convex hull."""
+    """The collision shapes of a link in its frame; open surfaces become their convex hull."""
     solids = []
     for points, faces in shape_surfaces(model, body):
         with suppress(QhullError):  # it is flat, and touches nothing
@@ -121,7 +121,7 @@ def _looks(
     normals: Floats,
     fixed: RayCaster,
 ) -> _Looks:
-    """Which points look at a face that looks back, and which way the joint takes them there."""
+    """Which points look at a face that looks back, and which way the joint moves them there."""
     positions = mechanism.follow(np.array([position]), mechanism.model.qpos0)
     turns, places = mechanism.placement(positions)
     there, ahead = points @ turns[body].T + places[body], normals @ turns[body].T
@@ -140,7 +140,7 @@ def _looks(
 
 
 def _prevailing(normals: Floats, weights: Floats) -> tuple[Floats, Flags]:
-    """The direction that most of some unit vectors have, and which of them have it."""
+    """The most common direction of some unit vectors, and which of them have it."""
     candidates = np.unique(np.round(normals / ROUNDING), axis=0)
     candidates /= np.linalg.norm(candidates, axis=1, keepdims=True)
     votes = [float(weights[normals @ each > ALIKE].sum()) for each in candidates]

@@ -1,4 +1,4 @@
-"""The links of a described hand: their convex parts, and how they hang on each other."""
+"""The links of a described hand: their convex parts, and how they are connected."""
 
 import mujoco
 import numpy as np
@@ -17,7 +17,7 @@ def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides)
     Args:
         model: The description.
         body: Number of the link in it.
-        bodies: Those of all links of the hand.
+        bodies: Numbers of all links of the hand.
         sides: The fingers.
 
     Raises:

@@ -11,7 +11,7 @@ from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers.tree import body_name, joint_name
 
-# Weights of what a linkage obeys, of its springs, and of staying where it was
+# Weights of the constraints of a linkage, of its springs, and of staying where it was
 CLOSED, SPRINGS, STAYING = 1e3, 1e-2, 1e-5
 TIGHT = 1e-14  # relative tolerances
 LOOSE = 1e-4  # metres or radians by which joints may miss a constraint
@@ -32,7 +32,7 @@ class Mechanism:
         model: Links, joints and constraints.
         palm: Number of the link that carries the fingers.
         driven: Numbers of the joints that are driven.
-        followers: Numbers of those that follow.
+        followers: Numbers of the joints that follow.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Mechanism:
             model.jnt_qposadr[driven],
             model.jnt_qposadr[followers],
         )
-        # A joint that mimics another one goes where that takes it, as in the tools of ROS.
+        # A joint that mimics another one goes wherever that one takes it, as in the tools of ROS.
         mimics = np.isin(followers, list(coupled_joints(model)))
         ends = np.array([[-np.inf], [np.inf]])
         self._low, self._high = np.where(mimics, ends, _limits(model, followers))
@@ -66,8 +66,8 @@ class Mechanism:
     def follow(self, driven: Floats, near: Floats) -> Floats:
         """Positions of all joints for positions of the driven ones.
 
-        The followers obey all constraints between them; what these leave open is decided by the
-        springs, as in a hand that touches nothing, and by the limits.
+        The followers obey all constraints between them. What the constraints leave open is decided
+        by the springs, as in a hand that touches nothing, and by the limits.
 
         Args:
             driven: (n,) metres or radians.
@@ -89,8 +89,8 @@ class Mechanism:
                 ]
             )
 
-        # Moves, not positions: the first step of the solver is as long as what it starts from, so
-        # that it stops at once near 0, but not at 0 itself.
+        # Moves, not positions: the first step of the solver is as long as its starting point, so it
+        # stops at once near 0, but not at 0 itself.
         bounds = (self._low - start - 1e-9, self._high - start + 1e-9)
         found = least_squares(
             errors, np.zeros_like(start), bounds=bounds, xtol=TIGHT, ftol=TIGHT, gtol=TIGHT
@@ -103,7 +103,7 @@ class Mechanism:
         return bool(np.abs(self._gaps(positions)).max(initial=0.0) <= LOOSE)
 
     def check(self, positions: Floats) -> None:
-        """Raise UserError if a constraint does not hold, with its joints or links."""
+        """Raise UserError, with the joints or links, if a constraint does not hold."""
         if self.holds(positions):
             return
         gaps = np.abs(self._gaps(positions))
@@ -161,7 +161,7 @@ class Mechanism:
 
         Returns:
             (n, 3) metres per radian, or per metre, in the frame of the palm; and (n,) the levers
-            of the points about a hinge, metres, 1 for a joint that slides.
+            of the points about a hinge, metres; 1 for a sliding joint.
         """
         joint = int(self.model.body_jntadr[body])
         axis = self.axis(joint, positions)

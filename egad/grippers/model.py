@@ -14,7 +14,7 @@ class LinkJoint(NamedTuple):
     """How a link moves on the one that carries it.
 
     Attributes:
-        name: In the description.
+        name: Name in the description.
         kind: prismatic or revolute.
         axis: Unit vector that it moves along or about, in the frame of the link.
         anchor: A point of the axis, in the frame of the link, metres.
@@ -32,13 +32,13 @@ class HandLink(NamedTuple):
     """A rigid part of a hand.
 
     Attributes:
-        name: In the description.
+        name: Name in the description.
         body: PALM_BODY, FIRST_FINGER (the finger at negative x) or SECOND_FINGER.
         shapes: (n, 3) arrays of corners of its convex parts, in its own frame, metres.
         mass: Kilograms.
-        carrier: Number of the link that carries it; -1 for those that carry the palm, and for it.
+        carrier: Number of the link that carries it; -1 for the palm, and for links that carry it.
         place: (4, 4) pose in the frame of the carrier when its joint is at `zero`.
-        joint: How it moves there; None if it does not.
+        joint: How it moves on the carrier; None if it does not.
     """
 
     name: str
@@ -59,22 +59,23 @@ class GripperModel:
 
     Attributes:
         links: All links; the first one is the palm.
-        openings: (k,) distances of the middles of the pads, from closed to open, metres.
+        openings: (k,) distances between the middles of the pads, from closed to open, metres.
         reach: (k,) height of the middle between the pads along z; 0 when closed, metres.
-        aside: (k,) the same along x: half of what a hand opens that has only one moving jaw.
-        angles: (k,) between the inner faces of the jaws, radians; positive if they are farther
-            apart at the tips. 0 unless only one jaw moves.
+        aside: (k,) the same along x: half the opening of a hand that has only one moving jaw.
+        angles: (k,) angles between the inner faces of the jaws, radians; positive if they are
+            farther apart at the tips. 0 unless only one jaw moves.
         turns: (k, l, 3, 3) rotations of the links in the frame of the hand.
         places: (k, l, 3) positions of the links in the frame of the hand, metres.
         joints: Names of the joints that move, the driven ones first.
-        n_driven: How many of them are driven; several if each finger has a drive of its own.
+        n_driven: How many of them are driven; several if each finger has its own drive.
         positions: (k, j) their positions, metres or radians.
         palm_to_hand: (4, 4) pose of the frame of the hand in that of the palm.
         pad: Low and high corner of both pads, when closed, in the frame of the hand, (2, 3).
-        lever: Of a hand with one moving jaw, the torque of its joint for a newton between the pads,
+        lever: For a hand with one moving jaw, the torque of its joint per newton between the pads,
             metres; 1 if it slides. None if both fingers move.
-        depths: (d,) of places along its fixed jaw, beyond the pads along z, metres.
-        gaps: (k, d) between the inner faces there, along x, metres; NaN where one of them is not.
+        depths: (d,) depths along its fixed jaw, beyond the pads along z, metres.
+        gaps: (k, d) gaps between the inner faces there, along x, metres; NaN where one of them is
+            missing.
     """
 
     links: tuple[HandLink, ...]

@@ -1,4 +1,4 @@
-"""Hands of which other Python packages have the model: read when they are asked for by name."""
+"""Hands whose models come with other Python packages: read when they are requested by name."""
 
 import importlib.util
 from collections.abc import Mapping
@@ -12,16 +12,16 @@ class PackagedHand(NamedTuple):
     """A hand in other packages.
 
     Attributes:
-        sources: Names of the packages, as they are installed, the modules that they bring, and
-            where the file is in these; the first one that is there is used.
-        settings: What is set of it besides its file.
+        sources: Names of the packages, as they are installed, the modules that they provide, and
+            where the file is in these; the first one that exists is used.
+        settings: Its settings besides its file.
     """
 
     sources: tuple[tuple[str, str, str], ...]
     settings: Mapping[str, Any]
 
 
-# 10 N: half the stall torque of the servo, to which LeRobot limits it, at the tip. Its jaws are
+# 10 N at the tip: half the stall torque of the servo, to which LeRobot limits it. Its jaws are
 # printed.
 PACKAGED = {
     "so101": PackagedHand(
@@ -35,7 +35,7 @@ PACKAGED = {
 
 
 def packaged_settings(name: str) -> dict[str, Any]:
-    """Settings of a hand that another package has: its file, and those that differ.
+    """Settings of a hand from another package: its file, and those that differ.
 
     Args:
         name: One of `PACKAGED`.

@@ -1,4 +1,4 @@
-"""Finding the pads of a described hand: the faces of both fingers that meet first."""
+"""Find the pads of a described hand: the faces of both fingers that meet first."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -16,7 +16,7 @@ from egad.grippers.mechanism import Mechanism, Placement
 from egad.grippers.tree import body_name, link_number
 
 FACING = np.cos(np.radians(25.0))  # how far a face of a pad may turn away from the other finger
-# metres that the foremost and the hindmost corner of a face of a pad may lie behind the link's
+# metres that the foremost and the rearmost corner of a pad's face may lie behind the link's
 PAD_DEPTH, PAD_TILT = 1e-3, 1.3e-3
 MIN_OVERLAP = 5e-4  # metres of the pads
 
@@ -77,7 +77,7 @@ def find_pads(
 
 
 def _front(model: mujoco.MjModel, placement: Placement, body: int, ahead: Floats) -> Floats:
-    """The foremost faces of a link that look ahead, (n, 3, 3)."""
+    """The foremost faces of a link that face ahead, (n, 3, 3)."""
     found = [np.empty((0, 3, 3))]
     for shape in shapes_of(model, body):
         points = shape @ placement.turns[body].T + placement.places[body]
@@ -94,7 +94,7 @@ def _front(model: mujoco.MjModel, placement: Placement, body: int, ahead: Floats
 
 
 def _gap(first: Floats, second: Floats, axis: Floats) -> float:
-    """Distance of faces along an axis."""
+    """Distance between faces along an axis."""
     return float((second @ axis).min() - (first @ axis).max())
 
 

@@ -1,4 +1,4 @@
-"""What is set of a gripper: two jaws, or a suction cup."""
+"""Settings of a gripper: two jaws, or a suction cup."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -30,7 +30,7 @@ def _as_text(path: object) -> object:
     return str(path) if isinstance(path, Path) else path
 
 
-if TYPE_CHECKING:  # what may be given; it is kept as a text
+if TYPE_CHECKING:  # what may be given; it is kept as text
     FilePath = str | Path
 else:
     FilePath = Annotated[UserPath, BeforeValidator(_as_text)]
@@ -50,12 +50,12 @@ class Gripper(UserParameters):
     """A gripper: two jaws that close, or a suction cup."""
 
     cup: SuctionCup | None = Field(
-        default=None, description="a suction cup in the place of the jaws; nothing: jaws"
+        default=None, description="suction cup in place of jaws; nothing: jaws"
     )
     sampler: UserPath = Field(
         default="",
-        description="grasp sampler: antipodal (jaws) or suction (cups) if empty; or FILE.py:NAME, "
-        "a function of your own",
+        description="grasp sampler: empty: antipodal (jaws) or suction (cups); FILE.py:NAME: a "
+        "function of your own",
     )
 
     file: FilePath | None = Field(
@@ -65,30 +65,30 @@ class Gripper(UserParameters):
     )
     joint: str | None = Field(
         default=None,
-        description="name of the joint in the file that closes the hand; found if null",
+        description="name of the joint in the file that closes the hand; nothing: detected",
     )
     finger_links: tuple[str, str] | None = Field(
-        default=None, description="names of a link of each finger in the file; found if null"
+        default=None, description="names of one link of each finger in the file; nothing: detected"
     )
     pad_links: tuple[str, str] | None = Field(
-        default=None, description="names of the links in the file with the pads; found if null"
+        default=None, description="names of the links with the pads in the file; nothing: detected"
     )
     tcp: Place | None = Field(
         default=None,
         description="middle of the closed pads in the frame of the palm's link in the file, "
-        "metres; found if null",
+        "metres; nothing: detected",
     )
     closing_axis: Place | None = Field(
         default=None,
-        description="closing axis in the frame of the palm's link in the file; found if null",
+        description="closing axis in the frame of the palm's link in the file; nothing: detected",
     )
     approach_axis: Place | None = Field(
         default=None,
-        description="approach axis in the frame of the palm's link in the file; found if null",
+        description="approach axis in the frame of the palm's link in the file; nothing: detected",
     )
     opening: Length = Field(
-        description="widest opening, metres; with a file, that of the hand; with a cup, that of "
-        "jaws that objects would be scaled alike for (0.08)"
+        description="widest opening, metres; with a file, by default that of the hand; with a cup, "
+        "objects are scaled as for jaws of this opening (default 0.08)"
     )
     finger_length: Length = Field(
         default=0.04, description="length of a finger from palm to fingertip, metres"
@@ -102,12 +102,13 @@ class Gripper(UserParameters):
     )
     fingertip: Length | None = Field(
         default=None,
-        description="from the middle of the pads to the fingertips, metres; half the width of a "
-        "finger if null",
+        description="distance from the middle of the pads to the fingertips, metres; nothing: half "
+        "the width of a finger",
     )
     palm: tuple[Length, Length, Length] = Field(
         default=(0.1, 0.06, 0.05),
-        description="palm box, metres: along the closing axis, across it, along the approach",
+        description="sides of the palm box, metres: along the closing axis, across it, along the "
+        "approach",
     )
     mesh: FilePath | None = Field(
         default=None,
@@ -133,17 +134,18 @@ class Gripper(UserParameters):
         """A gripper from the URDF or MJCF file that its maker publishes.
 
         The actuated joint, mimic joints and linkages, the fingers and their pads, the closing and
-        approach axes and the opening are found in the file. Give what is found wrongly. One of two
-        jaws may be part of the palm, and the other one turn or slide.
+        approach axes and the opening are found in the file. Set explicitly whatever is found
+        incorrectly. One of the two jaws may be part of the palm, while the other one turns or
+        slides.
 
         Args:
-            file: The file. Its meshes are looked for where it says, and packages of ROS in the
+            file: The file. Its meshes are searched for where it says, and ROS packages in the
                 folders above it and in those of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH.
             settings: Other fields of a gripper, such as `force` or `joint`.
 
         Raises:
             UserError: The file cannot be used, or it is neither a parallel-jaw hand nor one with a
-                moving jaw; the text names the link or joint.
+                moving jaw; the message names the link or joint.
         """
         return cls(file=file, **settings)
 
@@ -152,7 +154,7 @@ class Gripper(UserParameters):
     def _sizes_from_the_file(cls, values: Any) -> Any:  # noqa: ANN401 (whatever was given)
         if not isinstance(values, dict):
             return values
-        # what a strict reading of JSON takes for a tuple, it does not behind a validator
+        # strict reading of JSON accepts a list as a tuple, but not behind a validator
         values = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
         if values.get("cup") is not None:
             return _with_cup(values)
@@ -201,10 +203,10 @@ class Gripper(UserParameters):
 
 
 def _with_cup(values: dict[str, Any]) -> dict[str, Any]:
-    """What a gripper with a cup has.
+    """The settings of a gripper with a cup.
 
     Raises:
-        ValueError: It has something of jaws.
+        ValueError: It has a setting of jaws.
     """
     fields = Gripper.model_fields
     others = {name: value for name, value in values.items() if name in fields.keys() - OF_CUP}

@@ -1,4 +1,4 @@
-"""Reading a hand from the URDF or MJCF file that its maker publishes."""
+"""Read a hand from the URDF or MJCF file that its maker publishes."""
 
 import logging
 from collections.abc import Mapping
@@ -40,11 +40,11 @@ from egad.grippers.tree import find_palm, hand_bodies, joint_name, moving_joints
 log = logging.getLogger(__name__)
 
 SHORT = 5e-4  # metres or of a unit vector: shorter vectors have no direction
-UPRIGHT = 20.0  # degrees; an approach this near to an axis of the palm is meant to be that
+UPRIGHT = 20.0  # degrees; an approach this close to an axis of the palm is taken to be that axis
 
 
 class Choices(NamedTuple):
-    """What is not left to be found in a description: settings of `Gripper` of the same names.
+    """What is given instead of found in a description: settings of `Gripper` with the same names.
 
     Attributes:
         joint: Name of the joint that closes the hand.
@@ -68,10 +68,11 @@ def read_model(path: Path, choices: Choices = Choices()) -> GripperModel:  # noq
 
     Args:
         path: The file.
-        choices: What is not left to be found.
+        choices: What is given instead of found.
 
     Raises:
-        UserError: The file cannot be used, or it is no hand with two jaws; with the link or joint.
+        UserError: The file cannot be used, or it is not a hand with two jaws; the message names the
+            link or joint.
     """
     changed = path.stat().st_mtime_ns if path.is_file() else 0
     with name_file_in_messages(path):
@@ -90,7 +91,7 @@ def _description(path: Path, changed: int) -> mujoco.MjSpec:
 def _read_model(
     path: Path, choices: Choices, changed: int, meshes: tuple[tuple[Path, int], ...]
 ) -> GripperModel:
-    """The same; the files are read again when one of them, or of its `meshes`, has `changed`."""
+    """As `read_model`; files are read again when the file or one of its `meshes` has `changed`."""
     del meshes
     with name_file_in_messages(path):
         model, beyond = _modelled(_description(path, changed).copy(), path, choices)
@@ -214,7 +215,7 @@ def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperM
 
 
 def _unit(axis: Place) -> Floats:
-    """A closing axis that was given, as a unit vector."""
+    """A given closing axis as a unit vector."""
     vector = np.array(axis, dtype=np.float64)
     length = float(np.linalg.norm(vector))
     if not length > SHORT:
@@ -223,7 +224,7 @@ def _unit(axis: Place) -> Floats:
 
 
 def _along(sides: Sides, axis: Floats) -> Sides:
-    """The same fingers with a closing axis that was given, a unit vector."""
+    """The same fingers with a given closing axis, a unit vector."""
     if axis @ sides.axis < 0:
         return Sides((sides.links[1], sides.links[0]), axis, sides.signs)
     return sides._replace(axis=axis)
@@ -255,7 +256,7 @@ def _towards(
 
 
 def _approach(mechanism: Mechanism, positions: Floats, closing: Floats, ahead: Floats) -> Floats:
-    """Across the closing axis and the axes of hinges, from the palm towards the pads: ahead."""
+    """The direction across the closing axis and hinges, from the palm towards the pads: `ahead`."""
     model = mechanism.model
     ahead = ahead - (ahead @ closing) * closing
     joints = [*mechanism.driven, *mechanism.followers]

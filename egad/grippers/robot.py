@@ -41,7 +41,7 @@ def joint_values(gripper: Gripper, opening: float) -> dict[str, float]:
 
     Args:
         gripper: The gripper.
-        opening: Distance of the pads, metres; the nearest one that the hand has is used.
+        opening: Distance between the pads, metres; the nearest one that the hand has is used.
 
     Returns:
         Metres or radians, by the names of the joints; empty for a gripper without a file.
@@ -69,13 +69,13 @@ def base_pose(gripper: Gripper, opening: float) -> Floats | None:
     """Pose of the base link in the frame of a grasp, (4, 4), metres; None without a file.
 
     The frame of a grasp has its origin midway between the pads, x along the closing axis and z
-    along the approach. While they close, the middle of the pads of a linkage moves along z, and
-    that of a hand with one moving jaw along x, so the pose depends on the opening. With the opening
-    that the object leaves, the pads meet the contacts of the grasp.
+    along the approach. While the hand closes, the midpoint of the pads of a linkage moves along z,
+    and that of a hand with one moving jaw along x, so the pose depends on the opening. At the
+    opening that the object leaves, the pads meet the contacts of the grasp.
 
     Args:
         gripper: The gripper.
-        opening: Distance of the pads, metres; the nearest one that the hand has is used.
+        opening: Distance between the pads, metres; the nearest one that the hand has is used.
 
     Raises:
         UserError: Its file cannot be used.

@@ -1,4 +1,4 @@
-"""Files of collision shapes: where they are, and those that MuJoCo does not read."""
+"""Files of collision shapes: find them, and read those that MuJoCo does not read."""
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,11 +19,11 @@ from egad.io import count_binary_faces, read_content
 Packages = Mapping[str, Sequence[Path]]  # folders by names
 
 PACKAGE = ("package://", "model://")
-STL_FACES = 200_000  # of a file that MuJoCo reads
+STL_FACES = 200_000  # at most, of a file that MuJoCo reads
 
 
 def list_packages() -> Packages:
-    """The packages of ROS below ROS_PACKAGE_PATH by their names and those of their folders.
+    """The ROS packages below ROS_PACKAGE_PATH, by their names and those of their folders.
 
     Links are followed, into each folder once.
     """
@@ -45,17 +45,17 @@ def list_packages() -> Packages:
 
 
 def find_file(wanted: str, path: Path, packages: Callable[[], Packages] = list_packages) -> Path:
-    """Where a file is that a description names.
+    """The path of a file that a description names.
 
     Args:
-        wanted: A path, or a URI: file://, or package://NAME/ or model://NAME/ for packages of ROS
-            in the folders above the description, and in those of ROS_PACKAGE_PATH and
+        wanted: A path, or a URI: file://, or package://NAME/ or model://NAME/ for ROS packages in
+            the folders above the description, and in those of ROS_PACKAGE_PATH and
             AMENT_PREFIX_PATH.
         path: The description.
         packages: Called if a package is not in the folders above; may remember its result.
 
     Raises:
-        UserError: It is not there; with where it was looked for.
+        UserError: It does not exist; the message says where it was searched for.
     """
     folder = path.resolve().parent
     scheme = next((each for each in PACKAGE if wanted.startswith(each)), None)
@@ -98,7 +98,7 @@ def _listed(variable: str) -> list[Path]:
 
 
 def _package_name(folder: Path) -> str | None:
-    """Name of the package of ROS in a folder; None if there is none."""
+    """Name of the ROS package in a folder; None if there is none."""
     try:
         root = ElementTree.parse(folder / "package.xml")  # noqa: S314 (expat limits entities)
     except (OSError, ElementTree.ParseError):
@@ -110,8 +110,8 @@ def read_shape(path: Path) -> Floats | None:
     """Corners of the convex hull of a shape that MuJoCo does not read; None if it does.
 
     MuJoCo reads OBJ, its own MSH, and binary STL of up to 200,000 faces. Text STL, larger
-    STL, PLY, OFF and Collada are read here. The unit of a Collada file counts, and its upward axis
-    does not, as in RViz and MoveIt.
+    STL, PLY, OFF and Collada are read here. The unit of a Collada file counts, but its up axis does
+    not, as in RViz and MoveIt.
 
     Args:
         path: The file.
@@ -135,7 +135,7 @@ def read_shape(path: Path) -> Floats | None:
 
 
 def _is_regular_stl(path: Path) -> bool:
-    """Whether a binary STL file is as long as it says, and MuJoCo reads as many faces."""
+    """Whether a binary STL file has the length it states, and MuJoCo reads as many faces."""
     return 0 < (count_binary_faces(path) or 0) <= STL_FACES
 
 

@@ -1,4 +1,4 @@
-"""The boxes that stand for a described hand where boxes will do."""
+"""The boxes that represent a described hand where boxes are enough."""
 
 from typing import Any
 
@@ -14,8 +14,8 @@ MIN_SIDE = 1e-3  # metres, of a box
 def sizes_of(model: GripperModel) -> dict[str, Any]:
     """Opening, and sizes of boxes for the fingers and the palm, as in `Gripper`.
 
-    A finger is measured where its pad is. It begins where the links end that do not move, when the
-    pads are nearest to these: those of a linkage come forward while they close.
+    A finger is measured at its pad. It begins where the fixed links end, at the opening where the
+    pads are nearest to these links: the pads of a linkage move forward while they close.
 
     Args:
         model: The hand.
@@ -52,7 +52,7 @@ def sizes_of(model: GripperModel) -> dict[str, Any]:
 
 
 def _lowest_tip(model: GripperModel) -> float:
-    """How far the jaws reach along the approach, at any opening, metres."""
+    """How far the jaws reach along the approach at most, over all openings, metres."""
     return max(
         float(points[:, 2].max())
         for opening in model.openings

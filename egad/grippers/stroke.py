@@ -21,8 +21,8 @@ class Stroke(NamedTuple):
     """The way from closed to open.
 
     Attributes:
-        positions: (k, q) of all joints.
-        middles: (k, 2, 3) of both pads, in the frame of the palm, metres.
+        positions: (k, q) positions of all joints.
+        middles: (k, 2, 3) middles of both pads, in the frame of the palm, metres.
         pads: The faces that meet.
     """
 
@@ -46,7 +46,7 @@ def find_stroke(mechanism: Mechanism, sides: Sides, links: Sequence[str] | None 
     pads = find_pads(mechanism, way[-1], sides, links)
 
     def gap(part: float) -> float:
-        """Distance of the pads at a part of the way."""
+        """Distance between the pads at a fraction of the way."""
         (middles,) = _middles(mechanism, _follow(mechanism, sides, np.array([part])), pads)
         return float((middles[1] - middles[0]) @ sides.axis)
 
@@ -59,9 +59,9 @@ def find_stroke(mechanism: Mechanism, sides: Sides, links: Sequence[str] | None 
 
 
 def _follow(mechanism: Mechanism, sides: Sides, parts: Floats) -> list[Floats]:
-    """Positions of all joints at parts of the way from one end of the driven ones to the other.
+    """Positions of all joints at fractions of the way between the ends of the driven joints.
 
-    The joints are followed from the middle outwards, each from where it was.
+    The joints are followed from the middle outwards, each step from the previous one.
     """
     ranges = mechanism.ranges()
     start = np.where(sides.signs > 0, ranges[:, 0], ranges[:, 1])
@@ -89,14 +89,14 @@ def _middles(mechanism: Mechanism, way: Sequence[Floats], pads: Pads) -> Floats:
 
 
 def _useful(gaps: Floats, names: str) -> tuple[float, float]:
-    """Between which parts of the way the pads come together, up to where they meet.
+    """The fractions of the way between which the pads come together, up to where they meet.
 
     Args:
-        gaps: Distances of the pads at even parts of the way, metres.
+        gaps: Distances between the pads at even fractions of the way, metres.
         names: Names of their links.
 
     Raises:
-        UserError: They do not, or open wider than any hand.
+        UserError: They do not come together, or open wider than any hand.
     """
     parts, widest = np.linspace(0, 1, len(gaps)), int(gaps.argmax())
     opening = float(gaps[widest])

@@ -49,7 +49,7 @@ def gripper(name: str) -> Gripper:
 
 
 def as_gripper(hand: Gripper | str) -> Gripper:
-    """A gripper, given itself or by its name.
+    """A gripper, given as such or by name.
 
     Raises:
         UserError: There is no gripper of this name, or it is something else.

@@ -1,4 +1,4 @@
-"""Where programs for hands with one moving jaw have the tool center point (TCP)."""
+"""Where programs for hands with one moving jaw place the tool center point (TCP)."""
 
 from typing import NamedTuple
 
@@ -27,7 +27,7 @@ class LinkFrame(NamedTuple):
 
 
 _SO101_AXES = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-# Sites of the name `gripperframe` on the link `gripper` of an SO-101
+# Sites named `gripperframe` on the link `gripper` of an SO-101
 SO101_FRAMES = {
     "gripperframe": LinkFrame((-0.0079, -0.000218121, -0.0981274), _SO101_AXES),
     "menagerie": LinkFrame((0.012, -0.000218, -0.098127), _SO101_AXES),
@@ -40,16 +40,16 @@ def tcp_poses(gripper: Gripper, poses: ArrayLike, widths: ArrayLike, convention:
 
     `fixed_jaw` is on the face of the fixed jaw, at the pads; x points out along the jaws, z from
     the fixed to the moving one. `gripperframe` is the same on an SO-101, as TheRobotStudio, LeRobot
-    and SO101-Nexus have it, and `menagerie` lies 20 mm before that face, as in MuJoCo Menagerie.
-    `midpoint` is midway between the pads at the width of the grasp, with the axes of the link with
-    the fixed jaw, as in ManiSkill.
+    and SO101-Nexus define it, and `menagerie` lies 20 mm in front of that face, as in MuJoCo
+    Menagerie. `midpoint` is midway between the pads at the width of the grasp, with the axes of the
+    link with the fixed jaw, as in ManiSkill.
 
     Args:
         gripper: The hand, with its file. For `gripperframe` and `menagerie`, an SO-101 whose palm
             has the frame of the maker's link `gripper`.
         poses: (n, 4, 4) of `egad.grasps.Grasps.poses`.
         widths: (n,) distances of the contacts, metres.
-        convention: Its name.
+        convention: Name of the convention.
 
     Raises:
         UserError: There is no such convention, the shapes do not fit, or both jaws of the hand

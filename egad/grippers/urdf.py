@@ -1,4 +1,4 @@
-"""URDF files, without what a hand does not need or MuJoCo refuses."""
+"""URDF files, reduced to what a hand needs and MuJoCo accepts."""
 
 import logging
 import math
@@ -21,19 +21,19 @@ INERTIA = 1e-3  # kg m2 per kilogram; the motion of a hand does not depend on it
 
 
 def read_urdf(path: Path) -> str | None:
-    """The links and joints of a URDF file, as a text that MuJoCo reads; None if it is MJCF.
+    """The links and joints of a URDF file, as text that MuJoCo reads; None if it is MJCF.
 
-    Links keep their masses and collision shapes, and joints what they move along, between which
-    limits, and which other joint they mimic. What is seen, driven, measured or simulated is left
-    out, and so are moments of inertia, which need not be possible ones. Of an element that occurs
-    several times in a joint or shape, the first one counts, as in ROS. A joint that floats is
-    taken for a fixed one: it belongs to what carries the hand.
+    Links keep their masses and collision shapes; joints keep their axis, their limits, and the
+    joint that they mimic. Whatever is only seen, driven, measured or simulated is left out, and so
+    are moments of inertia, which may be impossible ones. If an element occurs several times in a
+    joint or shape, the first one counts, as in ROS. A floating joint is treated as fixed: it
+    belongs to what carries the hand.
 
     Args:
         path: The file.
 
     Raises:
-        UserError: It is neither URDF nor MJCF, or xacro, or names a link or joint that it lacks.
+        UserError: It is xacro, or neither URDF nor MJCF, or it names a link or joint that it lacks.
     """
     root = _root(path.read_bytes())
     if root is None or root.tag == "mujoco":
@@ -57,7 +57,7 @@ def read_urdf(path: Path) -> str | None:
 
 
 def _root(data: bytes) -> Element | None:
-    """The outermost element; None if it is no XML. Prefixes of names need not be declared."""
+    """The outermost element; None if it is not XML. Prefixes of names need not be declared."""
     builder, parser = TreeBuilder(), expat.ParserCreate()
     parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
     try:
@@ -68,7 +68,7 @@ def _root(data: bytes) -> Element | None:
 
 
 def _is_xacro(element: Element) -> bool:
-    """Whether an element is to be expanded, or one of its attributes is."""
+    """Whether an element or one of its attributes is to be expanded."""
     texts = element.attrib.values()
     return element.tag.startswith("xacro:") or any("${" in each or "$(" in each for each in texts)
 
@@ -131,7 +131,7 @@ def _joint(given: Element, path: Path) -> Element:
 
 
 def _check_numbers(part: Element) -> None:
-    """Raise UserError if a link or joint has something else where a number is due."""
+    """Raise UserError if a link or joint has something else where a number is expected."""
     for element in part.iter():
         for key in sorted(NUMBERS & set(element.attrib)):
             _numbers(element, key, part)
@@ -171,7 +171,7 @@ def _by_name(elements: list[Element]) -> dict[str, Element]:
 
 
 def _check(links: Mapping[str, Element], joints: Mapping[str, Element]) -> None:
-    """Raise UserError if a joint names a link or joint that is missing, or a link hangs on two."""
+    """Raise UserError if a joint names a missing link or joint, or a link hangs on two joints."""
     carriers: dict[str, str] = {}
     for name, joint in joints.items():
         for tag, link in _named_links(joint):
@@ -191,7 +191,7 @@ def _check(links: Mapping[str, Element], joints: Mapping[str, Element]) -> None:
 
 
 def _named_links(joint: Element) -> Iterator[tuple[str, str]]:
-    """Which links a joint names, as what."""
+    """The links that a joint names, each with its role."""
     for tag in ("parent", "child"):
         found = joint.find(tag)
         yield tag, "" if found is None else found.get("link", "")

@@ -4,7 +4,7 @@ import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 
-EARLIEST = (1980, 1, 1, 0, 0, 0)  # the first time that a ZIP archive can note
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest time that a ZIP archive can hold
 READABLE = 0o100644 << 16  # a plain file that everybody may read
 UNIX = 3
 

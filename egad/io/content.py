@@ -12,7 +12,7 @@ class Content(NamedTuple):
     Attributes:
         vertices: (n, 3).
         faces: (m, 3) vertex indices.
-        unit: That the file states: one of `egad.io.units.LENGTHS`; None if it states none.
+        unit: The unit that the file states: one of `egad.io.units.LENGTHS`; None if it states none.
     """
 
     vertices: NDArray[np.float64]

@@ -11,12 +11,12 @@ MAX_BYTES, MAX_ROWS = 1 << 24, 100_000
 
 
 def csv_lines(path: Path) -> list[tuple[int, list[str]]]:
-    """The cells of the lines of a CSV file, with the numbers of these; empty ones are left out.
+    """The cells of the lines of a CSV file, with line numbers; empty lines are left out.
 
     Cells are separated by commas or, as some programs do, by semicolons.
 
     Raises:
-        UserError: It is no CSV file, or too large.
+        UserError: It is not a CSV file, or is too large.
     """
     if path.stat().st_size > MAX_BYTES:
         raise UserError(f"{path}: larger than {MAX_BYTES:,} bytes; split it")

@@ -1,4 +1,4 @@
-"""Folders of mesh files: which files are objects, and what these are called."""
+"""Folders of mesh files: which files are objects, and the names of these."""
 
 import difflib
 import hashlib
@@ -16,15 +16,16 @@ _WILDCARD = re.compile(r"[*?\[]")
 
 
 def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
-    """The mesh files that a pattern fits, sorted; hidden ones and those in hidden folders are not.
+    """The mesh files that match a pattern, sorted, except hidden ones and those in hidden folders.
 
     Args:
         folder: Where to look.
-        pattern: A glob relative to the folder; `**`, once, is any number of folders.
+        pattern: A glob relative to the folder; `**`, at most once, stands for any number of
+            folders.
 
     Raises:
         UserError: There is no such folder, it cannot be read, no mesh file is in it, or the pattern
-            is no such glob.
+            is not such a glob.
     """
     _check_folder(folder)
     try:
@@ -52,7 +53,7 @@ def _check_folder(folder: Path) -> None:
 
 
 def _similar(folder: Path) -> str:
-    """A question for the folder that a missing one may be meant for, if there is any."""
+    """A question that suggests a similar folder for a missing one, if there is any."""
     try:
         names = [path.name for path in folder.parent.iterdir() if path.is_dir()]
     except OSError:
@@ -67,13 +68,13 @@ def _is_mesh(path: Path, folder: Path) -> bool:
 
 
 def objects_in(folder: Path, pattern: str = EVERY_FILE) -> dict[str, Path]:
-    """The mesh files that a pattern fits, by the names of the objects.
+    """The mesh files that match a pattern, by the names of the objects.
 
     A name is made of the parts of the path that the wildcards of the pattern match, without the
     ending: `*/scan/mesh.ply` names `mug/scan/mesh.ply` `mug`.
 
     Raises:
-        UserError: As `mesh_files`.
+        UserError: As for `mesh_files`.
     """
     paths = [path.relative_to(folder) for path in mesh_files(folder, pattern)]
     named = _unique({path: _matched(path, pattern) for path in paths})

@@ -16,7 +16,7 @@ def check_ending(path: Path | None, endings: tuple[str, ...] = ENDINGS) -> None:
     """Make sure, before any work, that a file can be written.
 
     Raises:
-        UserError: The name does not end as one that can, or there is no such folder.
+        UserError: The name has none of these endings, or there is no such folder.
     """
     if path is None:
         return

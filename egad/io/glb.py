@@ -15,13 +15,13 @@ from egad.io.gltf import TO_Y_UP
 
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963  # numbers of OpenGL, which glTF uses
 GREY_LINEAR = (0.48, 0.51, 0.57)  # linear RGB
-ROUGHNESS = 0.7  # of a matt surface
+ROUGHNESS = 0.7  # of a matte surface
 
 
 def write_glb(mesh: trimesh.Trimesh, path: Path) -> None:
-    """Write a GLB file, in metres, with a matt grey material; its node has the name of the file.
+    """Write a GLB file, in metres, with a matte gray material; its node has the name of the file.
 
-    It has no normals, which by glTF means that faces are flat.
+    It has no normals, which in glTF means that faces are flat.
 
     Args:
         mesh: The surface, metres.

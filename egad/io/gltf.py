@@ -111,7 +111,7 @@ def _placed_meshes(document: Json, binary: bytes) -> Iterator[tuple[int, Floats]
 
 
 def _roots(document: Json) -> list[int]:
-    """The nodes of the default scene; without scenes, all nodes that hang at no other."""
+    """The nodes of the default scene; without scenes, all nodes that have no parent."""
     if scenes := document.get("scenes"):
         return list(scenes[document.get("scene") or 0].get("nodes", []))
     nodes = document.get("nodes", [])

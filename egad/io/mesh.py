@@ -64,7 +64,7 @@ def read_mesh(path: Path, units: str | None) -> trimesh.Trimesh:
     check_surface(mesh)
     with np.errstate(invalid="ignore"):  # coordinates too large to round
         mesh.merge_vertices()
-    check_surface(mesh)  # of tiny triangles, nothing may be left
+    check_surface(mesh)  # nothing may be left of tiny triangles
     return mesh
 
 
@@ -104,8 +104,8 @@ def read_content(path: Path) -> Content:
     except (RejectedError, LimitError) as reason:
         raise RejectedError(f"{unreadable}: {reason}") from reason
     except (MemoryError, UserError):
-        raise  # says nothing of the file
-    except Exception as error:  # parsers raise whatever comes their way on broken files
+        raise  # says nothing about the file
+    except Exception as error:  # parsers may raise anything on broken files
         raise RejectedError(f"{unreadable}: it is damaged") from error
     return content
 
@@ -125,7 +125,7 @@ def check_unit_known(paths: Iterable[Path], units: str | None) -> None:
 
 
 def _is_silent(path: Path) -> bool:
-    """Whether a file and its format say nothing of its unit."""
+    """Whether a file and its format say nothing about its unit."""
     ending = path.suffix.lower()
     if ending not in ENDINGS or ending[1:] in PRESCRIBED or not path.is_file():
         return False
@@ -135,7 +135,7 @@ def _is_silent(path: Path) -> bool:
 
 
 def _parsed(path: Path) -> Content:
-    """Parse a file: here if its size says what that takes, else in a limited process."""
+    """Parse a file: here if its size limits the cost, otherwise in a limited process."""
     if path.suffix.lower() == ".obj":
         data = path.read_bytes()
         if plain := parse_plain_obj(data):

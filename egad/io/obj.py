@@ -9,14 +9,14 @@ from egad.io.polygons import triangles_of
 from egad.io.text import check_digits, no_number, plain_text
 from egad.io.units import stated_in_comments
 
-# Of shapes that triangles cannot stand for; lines and points of the format have no surface.
+# Shapes that triangles cannot represent; lines and points of the format have no surface.
 REFUSED = {
     b"curv": "a free-form curve",
     b"surf": "a free-form surface",
     b"call": "a reference to another file",
     b"fo": "a face of an old version",
 }
-# Names, looks, parameters of what is refused, lines and points; some files hold their materials.
+# Names, looks, parameters of refused shapes, lines and points; some files hold their materials.
 IGNORED = frozenset(
     (
         b"vn vt vp l p o g s mg usemtl mtllib usemap maplib lod bevel c_interp d_interp "
@@ -86,7 +86,7 @@ class _Reader:
             no_number(words[:4], where, float)
         if len(values) < 3:
             raise RejectedError(f"{where}: a vertex has {len(values)} coordinates")
-        if len(words) == 4 and values[3] != 1:  # with more, they are colours
+        if len(words) == 4 and values[3] != 1:  # with more, they are colors
             raise RejectedError(f"{where}: a vertex has the weight {values[3]:g}; only 1 is read")
         check_at_most(len(self.vertices) + 1, MAX_VERTICES, "vertices")
         self.vertices.append((values[0], values[1], values[2]))

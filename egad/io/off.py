@@ -47,7 +47,7 @@ def parse_off(data: bytes) -> Content:
 
 
 def _free_rows(words: list[bytes], count: int, polygons: int) -> list[list[bytes]] | None:
-    """Vertices and faces without colors, as words on any lines; None if they do not fit so."""
+    """Vertices and faces without colors, as words on any lines; None if they do not fit."""
     rows = [words[3 * k : 3 * k + 3] for k in range(min(count, len(words)))]
     place = 3 * count
     for _ in range(polygons):
@@ -60,7 +60,7 @@ def _free_rows(words: list[bytes], count: int, polygons: int) -> list[list[bytes
 
 
 def _body(text: bytes) -> tuple[bytes, bytes]:
-    """What the header, which may be missing, says of vertices; and what follows it."""
+    """What the header, which may be missing, says about vertices; and what follows it."""
     header = _HEADER.match(text)
     if header is None:
         if re.match(rb"\s*\d", text):

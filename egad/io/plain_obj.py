@@ -1,4 +1,4 @@
-"""Wavefront OBJ files of nothing but triangles: what this program writes, and reads in no time."""
+"""Wavefront OBJ files with only triangles, which this program writes, and reads quickly."""
 
 from pathlib import Path
 from typing import Any
@@ -35,8 +35,8 @@ def obj_text(vertices: Floats, faces: Ints) -> str:
 
 
 def _texts(values: Floats) -> list[str]:
-    """Numbers as `repr` writes them. Arrow is quicker, and as good for sizes of objects."""
-    size = np.abs(values)  # Arrow writes exponents and whole numbers otherwise
+    """Numbers as `repr` writes them. Arrow is faster, and writes the same for usual sizes."""
+    size = np.abs(values)  # Arrow writes exponents and whole numbers differently
     alike = (size >= 1e-4) & (size < 1e6) & (values != np.floor(values))
     texts = pa.array(values).cast(pa.string())
     others = pa.array([repr(value) for value in values[~alike].tolist()], pa.string())
@@ -66,7 +66,7 @@ def parse_plain_obj(data: bytes) -> tuple[Floats, Ints] | None:
 
 
 def _numbers(lines: bytes, start: bytes, also: bytes, kind: type) -> NDArray[Any] | None:
-    """The numbers of lines of three after the same start, (n, 3); None if they are not so."""
+    """The three numbers of each line after the same start, (n, 3); None if some line differs."""
     text = np.frombuffer(lines, np.uint8)
     ends, spaces = np.flatnonzero(text == ord("\n")), np.flatnonzero(text == ord(" "))
     count = len(ends)
@@ -91,7 +91,7 @@ def _decimals(lines: bytes) -> Floats:
     """The numbers of lines of a letter and three numbers, (n, 3): several times as fast as NumPy.
 
     Raises:
-        ValueError: Something is no number.
+        ValueError: Something is not a number.
     """
     names = ["x", "y", "z"]
     table = csv.read_csv(

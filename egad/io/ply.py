@@ -184,7 +184,7 @@ def _text_rows(data: bytes, elements: list[Element], _order: str) -> dict[str, E
 
 
 def _points(words: list[bytes], element: Element) -> ElementRows:
-    """The coordinates of vertices of so many words each."""
+    """The coordinates of vertices, which have one word for each property."""
     if element.name != "vertex":
         return NOTHING
     names, width = [one.name for one in element.properties], len(element.properties)
@@ -290,7 +290,7 @@ def _is_uniform(rows: np.ndarray, element: Element) -> bool:
 
 
 def _columns(rows: np.ndarray, element: Element) -> ElementRows:
-    """What is used of rows that are all alike."""
+    """The used numbers of rows that are all alike."""
     found, used = NOTHING, _used(element)
     names = [one.name for one in element.properties]
     if element.name == "vertex":

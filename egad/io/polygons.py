@@ -14,9 +14,9 @@ ROUNDING = 1e-6  # of areas of polygons of size 1
 def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
     """Triangles of polygons, in their order; (m, 3) vertex indices.
 
-    A polygon is cut by diagonals from its first corner where that is right, as it is for all
-    convex ones. Others are triangulated in their mean plane. Polygons of one or two corners have no
-    area: they are points and edges, which are left out.
+    A polygon is cut by diagonals from its first corner where that is valid, as it is for all convex
+    ones. Others are triangulated in their mean plane. Polygons of one or two corners have no area:
+    they are points and edges, which are left out.
 
     Args:
         vertices: (n, 3).
@@ -52,7 +52,7 @@ def check_corners(corners: Ints, count: int) -> None:
 
 
 def strip_triangles(strip: Ints) -> Ints:
-    """Triangles of a strip, which turn by turns; those that only link two parts are left out."""
+    """Triangles of a strip, which wind alternately; those that only link two parts are left out."""
     rows = np.column_stack([strip[:-2], strip[1:-1], strip[2:]])
     rows[1::2] = rows[1::2, [1, 0, 2]]
     a, b, c = rows.T

@@ -58,7 +58,7 @@ def _is_text(data: bytes) -> bool:
 
 
 def parse_binary(data: bytes) -> Content:
-    """Read a binary STL file. A count of 0 is what programs write that do not know it yet.
+    """Read a binary STL file. Programs that do not know the count yet write 0.
 
     Raises:
         RejectedError: It is truncated, or holds more facets than its header says.

@@ -1,4 +1,4 @@
-"""Hashes of files that are no tables, beside them, for `sha256sum --check`.
+"""Hashes of files other than tables, stored beside them, for `sha256sum --check`.
 
 A folder has them in `SHA256SUMS`, a file `NAME` in `NAME.sha256`. The first line, a comment to
 other programs, says where the files come from (`egad.tables.origin`).
@@ -15,7 +15,7 @@ from egad.tables import origin
 
 SUMS, SUMS_ENDING = "SHA256SUMS", ".sha256"
 _ORIGIN = "# egad-origin "
-MAX_BYTES = 1 << 26  # of a file of sums: some half a million lines
+MAX_BYTES = 1 << 26  # of a file of sums: about half a million lines
 
 
 def checksum(path: Path) -> str:
@@ -29,7 +29,7 @@ def checksum(path: Path) -> str:
 
 
 def files_of(folder: Path) -> list[Path]:
-    """All files of a folder and of those in it, but hidden ones and its own `SHA256SUMS`."""
+    """All files of a folder and its subfolders, except hidden ones and its own `SHA256SUMS`."""
     found = (path for path in folder.rglob("*") if path.is_file() and path != folder / SUMS)
     return sorted(path for path in found if not is_hidden(path.relative_to(folder)))
 
@@ -53,10 +53,10 @@ def write_sums(path: Path) -> None:
 
 
 def read_sums(path: Path) -> tuple[dict[Path, str], dict[str, Any]]:
-    """The files that a file of sums is about with their sums, and their origin if it has one.
+    """The files that a file of sums lists, with their sums, and their origin if it has one.
 
     Raises:
-        UserError: It is damaged, or about a file outside of its folder.
+        UserError: It is damaged, or lists a file outside its folder.
     """
     if path.stat().st_size > MAX_BYTES:
         raise UserError(f"{path}: not a checksum file (larger than {MAX_BYTES:,} bytes)")
@@ -79,7 +79,7 @@ def missing_files(folder: Path) -> list[Path]:
 
 
 def _inside(name: str) -> str:
-    """The name of a file of a folder, unless it leads out of it."""
+    """Return the name of a file unless it leads out of its folder."""
     path = PurePosixPath(name)
     if path.is_absolute() or ".." in path.parts or "\0" in name:
         raise ValueError(f"{name!r} is outside of its folder")

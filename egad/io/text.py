@@ -1,4 +1,4 @@
-"""Text of mesh files: encodings, line ends and numbers of all programs."""
+"""Text of mesh files: encodings, line endings and numbers of all programs."""
 
 import re
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ def is_utf16(data: bytes) -> bool:
 
 
 def is_padding(rest: bytes) -> bool:
-    """Whether what follows the data of a binary file is no more data: only zeros, or text."""
+    """Whether what follows the data of a binary file is not data: only zeros, or text."""
     text = rest.strip(b"\0")
     return text.isascii() and text.decode("latin-1").translate(_BLANKS).isprintable()
 
@@ -48,7 +48,7 @@ def reals(words: Sequence[bytes], what: str) -> NDArray[np.float64]:
         what: What each of them belongs to, for the message.
 
     Raises:
-        RejectedError: One of them is no number; the message has it.
+        RejectedError: One of them is not a number; the message quotes it.
     """
     try:
         return _numbers(words, np.float64)
@@ -70,7 +70,7 @@ def _numbers(words: Sequence[bytes], kind: type[np.number[Any]]) -> NDArray[Any]
 
 
 def check_digits(words: Sequence[bytes]) -> None:
-    """Refuse what is a number only to Python: digits with underscores between them.
+    """Refuse numbers that only Python accepts: digits with underscores between them.
 
     Raises:
         ValueError: There are some.

@@ -44,7 +44,7 @@ def parse_3mf(data: bytes) -> Content:
     """Read a 3MF file. Bodies for support, and what is not built, are left out.
 
     Raises:
-        RejectedError: It is no 3MF file, needs an extension that is not read, has no solid to
+        RejectedError: It is not a 3MF file, needs an extension that is not read, has no solid to
             build, or more than is read.
     """
     try:
@@ -169,7 +169,7 @@ class _Package:
 
 
 class _Tree(ElementTree.TreeBuilder):
-    """Builds the elements of a file, and notes what its namespaces are called.
+    """Builds the elements of a file, and notes the names of its namespaces.
 
     Attributes:
         namespaces: Those of the root, by prefix.
@@ -238,7 +238,7 @@ def _transform(element: Element) -> Floats:
 
 
 def _compose(first: Floats, second: Floats) -> Floats:
-    """What both do, one after the other."""
+    """The transform that applies both, one after the other."""
     turned = first @ second[:3]
     turned[3] += second[3]
     return turned

@@ -35,7 +35,7 @@ _COMMENTS = re.compile(rb"(?:#|^(?:comment|obj_info)\b)[^\n]*", re.MULTILINE)
 def stated_in(comment: bytes) -> str | None:
     """The unit that a comment or header states, such as `unit: millimetre` or `units in cm`.
 
-    A word that is no unit of length states none.
+    A word that is not a unit of length states none.
     """
     words = (word.decode().lower() for word in _STATEMENT.findall(comment))
     return next((UNIT_OF[word] for word in words if word in UNIT_OF), None)
@@ -67,7 +67,7 @@ def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float
 
     Raises:
         UserError: The caller gives an unknown unit.
-        RejectedError: The file states another unit; or nobody gives one.
+        RejectedError: The file states another unit; or neither gives one.
     """
     check_unit(asked)
     if asked and stated and asked != stated:

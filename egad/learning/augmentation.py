@@ -14,7 +14,7 @@ from scipy import ndimage
 from egad.learning.parameters import SIZE
 from egad.perception import Rectangles, half_turn
 
-AIMED = 0.75  # part of the crops that show a positive grasp, if the image has one
+AIMED = 0.75  # fraction of the crops that show a positive grasp, if the image has one
 
 
 class Change(NamedTuple):
@@ -51,13 +51,13 @@ def sample_change(zoom: tuple[float, float], rng: np.random.Generator) -> Change
 
     Args:
         zoom: Least and greatest part of the side that is shown.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     return Change(int(rng.integers(4)), float(rng.uniform(*zoom)))
 
 
 def sample_crop(rectangles: Rectangles, side: int, rng: np.random.Generator) -> Crop:
-    """Draw a square of an image: three of four contain the center of one of its grasps (ours).
+    """Draw a square of an image: three out of four contain the center of one of its grasps (ours).
 
     All squares that contain it are equally likely. The fourth, and those of an image without
     grasps, are anywhere.
@@ -65,7 +65,7 @@ def sample_crop(rectangles: Rectangles, side: int, rng: np.random.Generator) -> 
     Args:
         rectangles: (n, 5) grasps in the image.
         side: Pixels along each side, at most 300.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     centers = rectangles[(np.abs(rectangles[:, :2] - (SIZE - 1) / 2) < SIZE / 2).all(axis=1), :2]
     low, high = np.zeros(2, int), np.full(2, SIZE - side)

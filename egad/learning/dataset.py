@@ -1,7 +1,7 @@
 """Training examples: images read on demand, in an order that follows from the seed alone.
 
 A stream has a length and gives its examples by number, so that a `torch.utils.data.DataLoader`
-takes it as it is, with any number of workers, and training can go on anywhere.
+takes it as it is, with any number of workers, and training can resume anywhere.
 """
 
 from collections import OrderedDict
@@ -46,16 +46,17 @@ GRASP = ["u", "v", "angle", "opening", "depth_center", "quality"]
 SIMULATED = "simulated_success"
 NAMES = ["image", "id", "objects", "split", "depth", "mask", "height", "width", "focal", *GRASP]
 WINDOW = 2048  # images that are shuffled together; about as many are kept in memory, packed
-FARTHEST = 1e5  # pixels; numbers of grasps beyond this are no pixels of an image
+FARTHEST = 1e5  # pixels; numbers of grasps beyond this are not pixels of an image
 
 
 class PositiveFilter(NamedTuple):
     """Which grasps are shown to a network, and as what.
 
     Attributes:
-        quality: Robust quality that a grasp must have more of; it must be free of collision, too.
+        quality: Robust quality that a grasp must exceed; it must also be free of collisions.
         breadth: Width of the jaws along their face, metres.
-        simulated: Whether a grasp must have succeeded in simulation, instead of the quality.
+        simulated: Whether a grasp must have succeeded in simulation, instead of exceeding the
+            quality.
     """
 
     quality: float
@@ -107,7 +108,7 @@ class ImageDataset:
         self._lock = Lock()
 
     def __reduce__(self) -> tuple[type["ImageDataset"], tuple[Sequence[Path], PositiveFilter]]:
-        """A copy for another process looks through the shards anew."""
+        """A copy for another process looks through the shards again."""
         return ImageDataset, (self.folders, self.rule)
 
     def __str__(self) -> str:
@@ -128,8 +129,8 @@ class ImageDataset:
         """The image of a row of the index.
 
         Returns:
-            Depth, (300, 300) metres, not a number where it is missing; and its positive grasps,
-            from the worst to the best.
+            Depth, (300, 300) metres, NaN where it is missing; and its positive grasps, from the
+            worst to the best.
 
         Raises:
             TableError: It is damaged or of another size.
@@ -144,7 +145,7 @@ class ImageDataset:
 
     @contextmanager
     def _named(self, number: int) -> Iterator[dict[str, Any]]:
-        """What is stored of the image of a row of the index; what is wrong with it is told so."""
+        """The stored data of the image of a row of the index; errors in it name the image."""
         place = self.index.iloc[number]
         row = self._group(place["shard"], place["group"]).iloc[place["row"]]
         try:
@@ -184,7 +185,7 @@ def positive(shown: Mapping[str, Any], rule: PositiveFilter) -> NDArray[np.bool_
     Args:
         shown: The lists of its grasps, by the names in `rule.columns`; a grasp that was not
             simulated has no value in `simulated_success`, and is not positive by it.
-        rule: Which are.
+        rule: Which grasps are positive.
     """
     free, value = (np.asarray(shown[name]) for name in rule.columns)
     good = value.astype(bool) if rule.simulated else value.astype(float) > rule.quality
@@ -193,7 +194,7 @@ def positive(shown: Mapping[str, Any], rule: PositiveFilter) -> NDArray[np.bool_
 
 
 def _whole(shown: Mapping[str, Any]) -> NDArray[np.float32]:
-    """The depth image of a row of a shard, of the size that goes in, with some depth in it."""
+    """The depth image of a row of a shard, of the input size, with some depth in it."""
     if (shown["height"], shown["width"]) != (SIZE, SIZE):
         raise ValueError(f"it is {shown['width']} x {shown['height']}, not {SIZE} x {SIZE}")
     depth = depth_of(shown)
@@ -206,7 +207,7 @@ def positives(shown: Mapping[str, Any], rule: PositiveFilter) -> Rectangles:
     """The positive grasps of a row of a shard, (n, 5), from the worst to the best.
 
     Raises:
-        ValueError: Lists are of unequal lengths, or numbers are no pixels.
+        ValueError: Lists are of unequal lengths, or numbers are not pixels.
     """
     names = [*GRASP, *rule.columns]
     if len({len(shown[name]) for name in names}) > 1:
@@ -228,7 +229,7 @@ def _no_images() -> pd.DataFrame:
 
 
 class Passes:
-    """Labels of an index by the numbers of examples: pass after pass, each label once a pass."""
+    """Labels of an index by the numbers of examples: pass after pass, each label once per pass."""
 
     def __init__(
         self,
@@ -237,7 +238,7 @@ class Passes:
         together: Sequence[str] = ("shard", "group"),
         window: int | None = None,
     ) -> None:
-        """Shuffle nothing yet; arguments as of `order`."""
+        """Shuffle nothing yet; arguments as for `order`."""
         self._index, self._seed, self._together, self._window = index, seed, together, window
         self._kept: dict[int, NDArray[np.int64]] = {}  # the order of the last pass
 
@@ -256,7 +257,7 @@ Example = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
 class Stream:
-    """Shuffled and changed training images: pass after pass, each image once a pass."""
+    """Shuffled and changed training images: pass after pass, each image once per pass."""
 
     def __init__(
         self,
@@ -302,10 +303,10 @@ def example(
     change: Change = UNCHANGED,
     crop: Crop = WHOLE,
 ) -> Example:
-    """What a network gets and should answer, (1, side, side) and (4, side, side).
+    """The input of a network and its target, (1, side, side) and (4, side, side).
 
     Args:
-        depth: The whole image, (300, 300) metres; not a number where it is missing.
+        depth: The whole image, (300, 300) metres; NaN where it is missing.
         rectangles: (n, 5) positive grasps in it, from the worst to the best.
         change: How it is changed.
         crop: The part of the changed image that is shown. From its depths, the mean of the whole
@@ -326,12 +327,12 @@ def order(
 ) -> NDArray[np.int64]:
     """Labels of an index, shuffled, so that few groups of rows are open at a time.
 
-    The groups are shuffled, and then the rows of each window that follow one another.
+    The groups are shuffled, and then the rows within each window of successive groups.
 
     Args:
         index: Rows of `ImageDataset.index` or the like.
-        seed: The order follows from it,
-        times: and from the number of the pass.
+        seed: The order follows from it and from `times`.
+        times: The number of the pass.
         together: Columns that tell which rows are read together.
         window: Rows that are shuffled together, about; None: `WINDOW`.
     """

@@ -1,6 +1,6 @@
 """How good a network is on labelled images: loss, rectangle score, and a simple baseline.
 
-PyTorch, an extra, is only needed once a network is judged.
+PyTorch, an extra, is needed only to judge a network.
 """
 
 import math
@@ -73,7 +73,7 @@ class ImageScore(NamedTuple):
 
     Attributes:
         losses: Mean squared error of each map, (4,).
-        hit: Whether its best grasp agrees with a positive one; none if there is no positive one.
+        hit: Whether its best grasp agrees with a positive one; None if there is no positive one.
     """
 
     losses: NDArray[np.float64]
@@ -118,8 +118,8 @@ class Score:
         n_correct: Images in which its best grasp agrees with a positive one.
         n_images: Images with a positive grasp.
         objects: Objects in these.
-        interval: The 95 % interval of the share that is right, for other objects and scenes of the
-            same kind.
+        interval: The 95 % interval of the share that is correct, for other objects and scenes of
+            the same kind.
         loss: Mean over all images.
     """
 
@@ -131,16 +131,16 @@ class Score:
 
     @property
     def rate(self) -> float:
-        """The part that is right; NaN if no image counts."""
+        """The part that is correct; NaN if no image counts."""
         return self.n_correct / self.n_images if self.n_images else math.nan
 
 
 def total_score(index: pd.DataFrame, judgements: Sequence[ImageScore]) -> Score:
-    """Put the judgements of some images together.
+    """Combine the judgements of some images.
 
     Args:
-        index: Rows of `ImageDataset.index`,
-        judgements: and what was answered to each.
+        index: Rows of `ImageDataset.index`.
+        judgements: The score of each of these images.
     """
     hits = [each.hit for each in judgements]
     table = pd.DataFrame({"label": index["id"], "objects": index["objects"], "success": hits})

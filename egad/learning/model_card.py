@@ -1,4 +1,4 @@
-"""The model card of a trained network: what it learnt from, how, and how good it is."""
+"""The model card of a trained network: what it was trained on, how, and how good it is."""
 
 import platform
 from collections.abc import Mapping
@@ -56,7 +56,7 @@ positive grasp, if there are any, are examples where nothing can be grasped.
 
 @dataclass(frozen=True)
 class TrainedNetwork:
-    """What there is to tell of a network.
+    """What the card tells about a network.
 
     Attributes:
         title: Name of the network.
@@ -64,8 +64,8 @@ class TrainedNetwork:
         source: Where the images are.
         index: `egad.learning.dataset.ImageDataset.index`.
         history: Columns of `tables.training.HISTORY`.
-        score: On the split `test`.
-        outline: What the outline alone reaches there.
+        score: Its score on the split `test`.
+        outline: The score of the outline alone there.
         settings: How it was trained, by name; among them `positive` and `quality`.
     """
 
@@ -125,7 +125,7 @@ def counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int]]:
 
 
 def versions() -> list[tuple[str, str]]:
-    """Versions of all that the numbers depend on."""
+    """Versions of everything that the numbers depend on."""
     found = [("egad", __version__), ("python", platform.python_version())]
     for name in PACKAGES:
         with suppress(PackageNotFoundError):
@@ -134,7 +134,7 @@ def versions() -> list[tuple[str, str]]:
 
 
 def _rule(settings: Mapping[str, Any]) -> str:
-    """What makes a grasp positive that is free of collision."""
+    """What makes a collision-free grasp positive."""
     if settings["positive"] == "simulated":
         return "succeeded in simulation"
     return f"has a robust quality above {settings['quality']}"

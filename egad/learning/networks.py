@@ -62,8 +62,8 @@ def gg_cnn() -> Heads:
 def gg_cnn2() -> Heads:
     """The second one: pooled twice, dilated in the middle, enlarged twice.
 
-    The weights have no place for the transposed convolutions that the project's code has now:
-    14 and 17 are layers without weights. That these are bilinear is ours to guess.
+    The published weights have none for the transposed convolutions in the project's current code:
+    14 and 17 are layers without weights. That these are bilinear is our guess.
     """
     layers = [
         *(nn.Conv2d(1, 16, 11, padding=5), nn.ReLU()),
@@ -86,8 +86,8 @@ def new_network(name: str, seed: int) -> Heads:
     """A network as it is before training.
 
     Weights are by the rule of He et al. ("Delving deep into rectifiers", ICCV 2015, section 2.2),
-    and biases are 0. Ours is that the first layer expects an input that varies by 1 cm instead of
-    1, and that the heads have a tenth of these weights, so that all answers are small. With
+    and biases are 0. Two changes are ours: the first layer expects an input that varies by 1 cm
+    instead of 1, and the heads have a tenth of these weights, so that all answers are small. With
     Xavier's rule and the biases of PyTorch, as in GG-CNN, biases outweigh such an input, and up to
     half of the channels of a layer are 0 for every image from the beginning.
 
@@ -106,7 +106,7 @@ def with_initial_weights(
     Args:
         make: Makes the network.
         seed: The weights follow from it.
-        first: Factor of those of the first layer.
+        first: Factor of the weights of the first layer.
         small: Layers that have a tenth of the weights.
     """
     with torch.random.fork_rng(devices=[]):
@@ -132,7 +132,7 @@ def _inputs(layer: nn.Conv2d | nn.ConvTranspose2d | nn.Conv3d) -> float:
 
 
 def parameters(network: nn.Module) -> int:
-    """How many numbers training may change."""
+    """How many numbers training can change."""
     return sum(each.numel() for each in network.parameters())
 
 
@@ -140,10 +140,9 @@ def inference(network: nn.Module) -> Infer:
     """A network as a function of arrays, on one core: the same input gives the same answer.
 
     Returns:
-        From an image or a grid to channels of the same size. GG-CNN: from a depth image of
-        300 x 300, as `targets.prepare_input` gives it, to quality, cos 2a, sin 2a and width,
-        (4, 300, 300). VGN: from a grid (40, 40, 40) to quality, quaternion and width,
-        (6, 40, 40, 40).
+        A function from an image or a grid to channels of the same size. GG-CNN: from a depth image
+        of 300 x 300, as `targets.prepare_input` gives it, to (4, 300, 300): quality, cos 2a, sin 2a
+        and width. VGN: from a grid (40, 40, 40) to (6, 40, 40, 40): quality, quaternion and width.
     """
     network.eval()
     torch.set_num_threads(1)

@@ -16,11 +16,11 @@ class Training(Parameters):
 
     network: NetworkName = Field(
         "ggcnn2",
-        description="GG-CNN (62,420 weights) or GG-CNN2 (66,676); or VGN (313,238), which learns "
-        "from labelled scenes by the settings of `training_vgn`, not by those here",
+        description="GG-CNN (62,420 weights) or GG-CNN2 (66,676); or VGN (313,238), which is "
+        "trained on labelled scenes with the settings of `training_vgn` instead of those here",
     )
     images: int = Field(
-        10000, ge=1, description="number of training examples; each shows a crop of an image"
+        10000, ge=1, description="number of training examples, each a crop of an image"
     )
     epoch: int = Field(
         2000, ge=1, description="examples between two evaluations on the validation set"
@@ -30,13 +30,13 @@ class Training(Parameters):
         0.001,
         gt=0,
         le=1,
-        description="learning rate of Adam at the beginning; it falls to 0 along half a cosine",
+        description="initial learning rate of Adam; it decays to 0 along half a cosine",
     )
     validation: int = Field(
-        100, ge=1, description="largest number of validation images that are evaluated"
+        100, ge=1, description="maximum number of validation images to evaluate"
     )
     test: int = Field(
-        1000, ge=1, description="largest number of test images that the result is scored on"
+        1000, ge=1, description="maximum number of test images to score the result on"
     )
     positive: Literal["quality", "simulated"] = Field(
         "quality",
@@ -44,13 +44,15 @@ class Training(Parameters):
         "that succeeded in simulation",
     )
     quality: float = Field(
-        0.001, ge=0, description="robust quality above which grasps are positive, if it decides"
+        0.001,
+        ge=0,
+        description="robust quality above which grasps are positive (positive: quality)",
     )
     breadth: Length = Field(0.02, description="width of the jaws in the training labels, metres")
     zoom: tuple[PositiveFraction, PositiveFraction] = Field(
         (0.5, 1.0),
         description="range of the fraction of an image's side that is enlarged to the whole side; "
-        "it is sampled anew for every example, as are quarter turns",
+        "sampled for every example, as are quarter turns",
     )
     crop: int = Field(
         144,
@@ -58,7 +60,7 @@ class Training(Parameters):
         le=SIZE,
         multiple_of=12,
         description="side of the square of an enlarged image that an example shows, pixels, a "
-        "multiple of 12; its place is sampled, too",
+        "multiple of 12; its position is also sampled",
     )
 
     @model_validator(mode="after")
@@ -72,10 +74,10 @@ class VgnTraining(Parameters):
     """Training of the network of VGN on labelled scenes; see `training.network`."""
 
     examples: int = Field(
-        10000, ge=1, description="number of training examples; each shows a scene with its grasps"
+        10000, ge=1, description="number of training examples, each a scene with its grasps"
     )
     scenes: int | None = Field(
-        None, ge=1, description="most training scenes, drawn at random; nothing: all"
+        None, ge=1, description="maximum number of training scenes, drawn at random; nothing: all"
     )
     epoch: int = Field(
         1000, ge=1, description="examples between two evaluations on the validation set"
@@ -85,24 +87,24 @@ class VgnTraining(Parameters):
         0.0003,
         gt=0,
         le=1,
-        description="learning rate of Adam at the beginning; it falls to 0 along half a cosine",
+        description="initial learning rate of Adam; it decays to 0 along half a cosine",
     )
     validation: int = Field(
-        100, ge=1, description="largest number of validation scenes that are evaluated"
+        100, ge=1, description="maximum number of validation scenes to evaluate"
     )
     test: int = Field(
-        1000, ge=1, description="largest number of test scenes that the result is scored on"
+        1000, ge=1, description="maximum number of test scenes to score the result on"
     )
     rise: int = Field(
         6,
         ge=0,
         le=20,
-        description="how far a scene is moved up or down in its cube, at most, voxels; it is "
-        "sampled anew for every example, as are quarter turns and the views that are seen",
+        description="largest shift of a scene up or down in its cube, voxels; sampled for every "
+        "example, as are quarter turns and the views used",
     )
     noise: tuple[NoiseName, ...] = Field(
         ("none",),
         min_length=1,
-        description="noise that is added anew for every example to scenes whose images have none; "
-        "one of these is drawn; validation and test see the images as they are",
+        description="kinds of noise added to scenes whose images have none; one is drawn for every "
+        "example; validation and test use the images as they are",
     )

@@ -1,7 +1,7 @@
 """Training examples for VGN's network: the grid of a scene, and its labelled grasps at voxels.
 
 As in VGN's code (ethz-asl/vgn, branch corl2020), a grasp belongs to the voxel whose number is
-nearest to its position, in voxels from the corner of the cube. Ours is that a scene is an example
+nearest to its position, in voxels from the corner of the cube. Unlike there, an example is a scene
 with all of its grasps, so that the network is computed once for all of them.
 """
 
@@ -24,7 +24,7 @@ WINDOW = 128  # scenes that are shuffled together, about
 
 
 class Scene(Protocol):
-    """What is read of a labelled scene."""
+    """The parts of a labelled scene that are read."""
 
     @property
     def view_count(self) -> int:
@@ -80,7 +80,7 @@ class NetworkGrasps(NamedTuple):
 
 
 class SceneExample(NamedTuple):
-    """What a network gets, and what it should answer at some voxels.
+    """The input of a network, and what it should answer at some voxels.
 
     Attributes:
         grid: (n, n, n) distances, encoded.
@@ -157,7 +157,7 @@ def held_rotations(matrices: Floats, yaws: NDArray[np.bool_]) -> Singles:
 
     Args:
         matrices: (m, 3, 3) of the labels.
-        yaws: (m, y) as of `NetworkGrasps`.
+        yaws: (m, y) as in `NetworkGrasps`.
     """
     count, tried = yaws.shape
     numbers = np.arange(2 * tried)
@@ -188,7 +188,7 @@ def moved_poses(poses: Floats, tsdf: Tsdf, move: Move) -> Floats:
 
 
 class SceneStream:
-    """Shuffled and moved training scenes: pass after pass, each scene once a pass.
+    """Shuffled and moved training scenes: pass after pass, each scene once per pass.
 
     Attributes:
         index: Rows of the index of the scenes that are shown.
@@ -212,7 +212,7 @@ class SceneStream:
             length: How many examples there are.
             rise: Voxels that a scene is moved up or down, at most.
             seed: Order, moves and the numbers of views follow from it.
-            most: So many of the scenes, drawn at random, or all of them.
+            most: How many of the scenes are shown, drawn at random; None: all of them.
             noise: Kinds of noise, one of which each example gets if its images have none.
 
         Raises:
@@ -230,7 +230,7 @@ class SceneStream:
         return self._length
 
     def __getitem__(self, number: int) -> SceneExample:
-        """An example by its number; each number of views is equally likely, and any of them."""
+        """An example by its number; each number of views is equally likely, and so is each view."""
         if not 0 <= number < self._length:
             raise IndexError(number)
         scene = self._scenes.scene(self._passes[number])

@@ -65,7 +65,7 @@ COUNTS = ("objects", "packed", "piles", "without a positive grasp", "grasps", "p
 
 @dataclass(frozen=True)
 class TrainedOnScenes:
-    """What there is to tell of a network.
+    """What the card tells about a network.
 
     Attributes:
         title: Name of the network.
@@ -75,7 +75,7 @@ class TrainedOnScenes:
         index: One row per scene: `kind`, `split`, `objects`, `noise`, `views`, `grasps` and
             `positive`.
         history: Columns of `tables.training.SCENE_HISTORY`.
-        score: On the split `test`.
+        score: Its score on the split `test`.
         settings: How it was trained, by name.
     """
 

@@ -21,7 +21,7 @@ class GraspAnswers(NamedTuple):
 
     Attributes:
         success: (m,) whether the grasp succeeded.
-        quality: (m,) predicted.
+        quality: (m,) predicted quality.
         angles: (m,) between the predicted rotation and the nearest one that holds, degrees.
         widths: (m,) how far the predicted width is off, metres.
         losses: (m, 3) of quality, rotation and width, weighted.
@@ -36,7 +36,7 @@ class GraspAnswers(NamedTuple):
 
 @dataclass(frozen=True)
 class SceneEstimate:
-    """A number of some scenes, and its 95 % interval for other scenes of the same kind."""
+    """A statistic of some scenes, and its 95 % interval for other scenes of the same kind."""
 
     value: float
     interval: Interval
@@ -50,15 +50,17 @@ class SceneScore:
         scenes: How many they are.
         grasps: Labelled grasps in them.
         positive: How many of these succeeded.
-        average_precision: Of the quality; that of guesses is the share of positives.
-        balanced_accuracy: Mean of the fractions of the positive and of the negative grasps that
-            are told right at a quality of 0.5.
+        average_precision: Average precision of the quality; that of guesses is the share of
+            positives.
+        balanced_accuracy: Mean of the fractions of the positive and of the negative grasps that are
+            classified correctly at a quality of 0.5.
         angle: Mean error of the rotation at positive grasps, degrees.
         width: Mean error of the width at positive grasps, metres.
         loss: Mean over the grasps.
-        thresholds: Of the quality,
-        recall: which fraction of the positive grasps has at least that,
-        precision: and which fraction of the grasps with at least that is positive; NaN if none has.
+        thresholds: Thresholds of the quality.
+        recall: Fraction of the positive grasps that have at least that quality.
+        precision: Fraction of the grasps with at least that quality that are positive; NaN if there
+            are none.
     """
 
     scenes: int
@@ -114,7 +116,7 @@ def _ranked_average_precision(
 
 
 def scene_score(answers: Sequence[GraspAnswers]) -> SceneScore:
-    """Put the answers to some scenes together; the intervals are for other scenes."""
+    """Combine the answers to some scenes; the intervals are for other scenes."""
     success, quality = _joined(answers, "success").astype(bool), _joined(answers, "quality")
     at_least = [quality >= threshold for threshold in THRESHOLDS]
     return SceneScore(
@@ -173,7 +175,7 @@ def _mean(values: NDArray[np.floating] | NDArray[np.bool_]) -> float:
 def _average_precision_estimate(
     answers: Sequence[GraspAnswers], success: NDArray[np.bool_], quality: Floats
 ) -> SceneEstimate:
-    """The average precision, and its interval by drawing scenes."""
+    """The average precision, and its interval by resampling scenes."""
     ranked = np.argsort(-quality, kind="stable")
     scene = np.repeat(np.arange(len(answers)), [len(each.success) for each in answers])[ranked]
     ends, right = _ends(quality[ranked]), success[ranked]
@@ -186,7 +188,7 @@ def _average_precision_estimate(
 
 
 def _balanced_accuracy(answers: Sequence[GraspAnswers]) -> SceneEstimate:
-    """The mean of the fractions of both classes that are told right at 0.5."""
+    """The mean of the fractions of both classes that are classified correctly at 0.5."""
     sums = np.array(
         [
             [(high & good).sum(), good.sum(), (~high & ~good).sum(), (~good).sum()]
@@ -211,7 +213,7 @@ def _mean_estimate(values: Sequence[Floats]) -> SceneEstimate:
 
 
 def _estimate(sums: Floats, statistic: Callable[[Floats], Floats]) -> SceneEstimate:
-    """A statistic of sums over scenes, of (n, k) numbers of the scenes."""
+    """A statistic of sums over scenes, given (n, k) numbers of the scenes."""
     with np.errstate(invalid="ignore"):
         interval = bootstrap(lambda draws: statistic(sums[draws].sum(axis=1)), len(sums))
         return SceneEstimate(float(statistic(sums.sum(axis=0))), interval)

@@ -2,9 +2,9 @@
 
 The loss is VGN's: binary cross-entropy of the quality and, at grasps that succeeded, the distance
 1 - |q.q'| of the rotation to the nearest one that holds, and 0.01 times the squared error of the
-width in voxels. VGN knows one yaw of a grasp, and its half turn; here all that were tried and held
-are right. VGN leaves out failed grasps until there are as many of them as of others; here all
-count, with weights that have the same sums.
+width in voxels. VGN knows one yaw of a grasp, and its half turn; here all yaws that were tried and
+held are correct. VGN leaves out failed grasps until there are as many of them as of others; here
+all grasps count, with weights that have the same sum for both classes.
 """
 
 from collections.abc import Sequence
@@ -31,21 +31,21 @@ from egad.learning.training import LearningSchedule, spread, thread_pool
 from egad.learning.vgn import VgnNetwork
 
 WIDTH_WEIGHT = 0.01
-MIN_PROBABILITY = 1e-12  # probability; that of an answer that is quite wrong counts as this
+MIN_PROBABILITY = 1e-12  # a smaller probability, of an answer that is quite wrong, counts as this
 
 
 class ClassWeights(NamedTuple):
-    """What a grasp of each class counts, so that both classes of a set count alike."""
+    """Weights of a grasp of each class, so that both classes of a set count equally."""
 
     positive: float
     negative: float
 
 
 def class_weights(grasps: int, positive: int) -> ClassWeights:
-    """The weights for numbers of all and of positive grasps; their mean over the grasps is 1.
+    """The weights, from the numbers of all and of positive grasps; their mean over grasps is 1.
 
     Raises:
-        UserError: A class has none.
+        UserError: A class has no grasps.
     """
     if not 0 < positive < grasps:
         kind = "succeeded" if positive == 0 else "failed"
@@ -70,11 +70,11 @@ class SceneTask:
         """Look for the scenes.
 
         Args:
-            scenes: Those of the split `train` are learnt from.
+            scenes: The scenes; those of the split `train` are for training.
             gripper: The hand of their grasps.
             settings: How long and how fast.
             seed: Order, moves and views of the scenes follow from it.
-            device: Of the network, `cpu` or as PyTorch names it.
+            device: Device of the network, `cpu` or as PyTorch names it.
 
         Raises:
             UserError: There are none to train on or to validate with, or a class of grasps is
@@ -149,7 +149,7 @@ def grasp_losses(found: torch.Tensor, example: SceneExample, weights: ClassWeigh
     Args:
         found: (m, 6) answers at the voxels of the grasps.
         example: What they should be.
-        weights: Of the classes.
+        weights: Weights of the classes.
     """
     success, rotations, widths = (
         torch.from_numpy(values).to(found.device)

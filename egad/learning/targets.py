@@ -37,7 +37,7 @@ class Answer(NamedTuple):
 
 
 def prepare_input(depth: NDArray[np.floating], mean: float | None = None) -> NDArray[np.float32]:
-    """Depths less their mean, clipped to [-1, 1] metre, as the networks are trained on.
+    """Depths minus their mean, clipped to [-1, 1] metre, as the networks are trained on.
 
     Args:
         depth: Metres, without gaps.
@@ -51,8 +51,9 @@ def prepare_input(depth: NDArray[np.floating], mean: float | None = None) -> NDA
 def read_maps(maps: NDArray[np.floating]) -> Answer:
     """Smooth the four maps (4, height, width) of a network, and decode angle and width.
 
-    A network learns a width of 0 wherever there is no grasp. So where it is half certain it answers
-    with half of the width; the quotient by the quality is the width of the grasp, if there is one.
+    A network learns a width of 0 wherever there is no grasp. So where it is half certain, it
+    answers with half of the width; divided by the quality, this is the width of the grasp, if there
+    is one.
     """
     quality, cosine, sine, width = (
         ndimage.gaussian_filter(each.astype(np.float64), SMOOTHING) for each in maps
@@ -65,7 +66,7 @@ def read_as_published(maps: NDArray[np.floating]) -> Answer:
     """Decode angle and width, then smooth all three, as on the robot of EGAD.
 
     Smoothing mixes angles of -90 and 90 degrees, which are the same, into 0; and where the network
-    is half certain the width is half of that of the grasp.
+    is half certain, the width is half of that of the grasp.
     """
     quality, cosine, sine, width = maps.astype(np.float64)
     decoded = (quality, np.arctan2(sine, cosine) / 2, width * WIDEST)
@@ -92,9 +93,9 @@ def targets(rectangles: Rectangles, size: int = SIZE) -> NDArray[np.float32]:
 
     The quality is 1 in the middle third along the opening of each rectangle, over its whole
     breadth, and 0 elsewhere. There the other maps hold the angle a and the opening, clipped to 150
-    pixels, which count as 1. Where rectangles lie over each other, the later one is seen.
-    Elsewhere they are 0 (ours: in GG-CNN the angle there is 0, so its cosine 1, which smoothing
-    then mixes into the angles at the border).
+    pixels, which count as 1. Where rectangles overlap, the later one counts. Elsewhere they are 0
+    (ours: in GG-CNN the angle there is 0, so its cosine 1, which smoothing then mixes into the
+    angles at the border).
 
     Args:
         rectangles: (n, 5), from the least important to the most.

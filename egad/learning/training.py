@@ -1,6 +1,6 @@
 """Training of a network: Adam, with a learning rate that falls to 0.
 
-The same result comes out of any number of cores: each example has its gradient computed on one
+The result does not depend on the number of cores: the gradient of each example is computed on one
 core, and gradients are added up in the order of the examples. On a processor of another kind the
 last digits may differ. `ImageTask` is what GG-CNN learns (Morrison, Corke and Leitner, IJRR 2020).
 """
@@ -37,7 +37,7 @@ class LearningSchedule(NamedTuple):
     """How long a training is, and how fast.
 
     Attributes:
-        examples: How many there are in all.
+        examples: How many examples there are in all.
         epoch: Examples between two validations.
         batch: Examples per step.
         learning_rate: The largest value.
@@ -80,7 +80,7 @@ class State:
 
     Attributes:
         network: As it is now.
-        optimizer: With all that it remembers.
+        optimizer: The optimizer, with all its state.
         rows: The history, one row per epoch.
         best: The weights after the epoch of the best score, if these are wanted.
     """
@@ -97,7 +97,7 @@ class Checkpoint:
 
     Attributes:
         path: The file.
-        fingerprint: All that decides the result; a state of another training is not taken.
+        fingerprint: All that determines the result; a state of another training is not used.
     """
 
     path: Path
@@ -116,7 +116,7 @@ class Checkpoint:
             torch.save(values, temporary)
 
     def restore(self, state: State) -> None:
-        """Bring a state to where the file is; leave it as it is if there is none that fits."""
+        """Restore a state from the file; leave it as it is if there is no file that fits."""
         if not self.path.is_file():
             return
         try:
@@ -150,13 +150,13 @@ def train(
     """Train a network on images.
 
     Args:
-        network: From depths (n, 1, side, side) to maps (n, 4, side, side), without parts that draw
-            chance or look at a batch as a whole. It is changed.
+        network: Maps depths (n, 1, side, side) to maps (n, 4, side, side), without parts that are
+            random or look at a batch as a whole. It is modified.
         shards: The images.
         settings: How long, how fast, and on what.
         seed: Order and changes of the images follow from it.
-        jobs: Cores; no result depends on it.
-        checkpoint: Kept after every epoch, and gone on from.
+        jobs: Number of cores; the result does not depend on it.
+        checkpoint: Saved after every epoch; training resumes from it.
 
     Returns:
         One row per epoch: columns of `tables.training.HISTORY`.
@@ -175,10 +175,10 @@ def learn(
     """Train a network.
 
     Args:
-        network: It is changed.
+        network: It is modified.
         task: What it learns.
-        jobs: Cores; no result depends on it.
-        checkpoint: Kept after every epoch, and gone on from.
+        jobs: Number of cores; the result does not depend on it.
+        checkpoint: Saved after every epoch; training resumes from it.
 
     Returns:
         One row per epoch: `epoch`; examples so far, by the unit of the task; `loss` and its parts;
@@ -284,7 +284,7 @@ def spread(numbers: NDArray[np.int64], most: int) -> NDArray[np.int64]:
 
 @dataclass(frozen=True)
 class _Lesson:
-    """A training that is under way."""
+    """A training in progress."""
 
     state: State
     task: Task
@@ -297,7 +297,7 @@ class _Lesson:
         return _cut(range(schedule.examples), schedule.epoch)[len(self.state.rows) :]
 
     def steps(self) -> Iterator[None]:
-        """Learn; there is a pause after each step of the optimizer."""
+        """Train, with a pause after each step of the optimizer."""
         for numbers in self.epochs():
             losses = np.zeros(len(self.task.parts))
             self.state.network.train()

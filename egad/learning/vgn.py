@@ -69,8 +69,8 @@ def new_vgn(seed: int) -> VgnNetwork:
     """The network as it is before training.
 
     Weights are by the rule of He et al., and the heads of quality and width have a tenth of these,
-    so that answers are small. With the initial weights of PyTorch, as VGN had, it learns nothing
-    from the first hundreds of scenes.
+    so that answers are small. With the initial weights of PyTorch, which VGN used, it learns
+    nothing from the first few hundred scenes.
 
     Args:
         seed: Its weights follow from it.
@@ -79,7 +79,7 @@ def new_vgn(seed: int) -> VgnNetwork:
 
 
 def _activated(maps: torch.Tensor) -> torch.Tensor:
-    """Quality in [0, 1], unit quaternion and width, of the sums of the heads (n, 6, ...)."""
+    """Quality in [0, 1], unit quaternion and width, from the sums of the heads (n, 6, ...)."""
     quality, rotation, width = torch.split(maps, list(HEADS), dim=1)
     return torch.cat([torch.sigmoid(quality), functional.normalize(rotation, dim=1), width], dim=1)
 

@@ -1,4 +1,4 @@
-"""What the network of VGN gets and gives: a grid of distances, and grasps in its own frame.
+"""Input and output of the network of VGN: a grid of distances, and grasps in its own frame.
 
 Breyer et al., "Volumetric grasping network: real-time 6 DOF grasp detection in clutter", CoRL 2020.
 """

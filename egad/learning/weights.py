@@ -36,7 +36,7 @@ def read(path: str | Path, name: str | None = None) -> Heads:
 
     Args:
         path: A file of safetensors, known by its ending, or else a state dictionary of PyTorch.
-        name: `ggcnn` or `ggcnn2`; by default it is seen from the names of the weights.
+        name: `ggcnn` or `ggcnn2`; by default it is inferred from the names of the weights.
 
     Raises:
         WeightsError: The file is damaged, or holds something else.
@@ -68,7 +68,7 @@ def _load(network: nn.Module, state: Mapping[str, torch.Tensor], text: str) -> N
     """Give a network its weights.
 
     Raises:
-        WeightsError: They are of another one; the message begins with the text.
+        WeightsError: They are those of another network; the message begins with the text.
     """
     if wrong := _differences(state, network.state_dict()):
         more = f"; and {len(wrong) - MAX_NAMED} more" if len(wrong) > MAX_NAMED else ""
@@ -77,7 +77,7 @@ def _load(network: nn.Module, state: Mapping[str, torch.Tensor], text: str) -> N
 
 
 def notes_in(path: str | Path) -> Mapping[str, Any]:
-    """What `write` noted in a file; nothing of a file that something else has written.
+    """The notes that `write` made in a file; empty for a file that something else has written.
 
     Raises:
         WeightsError: The file is damaged.
@@ -105,7 +105,7 @@ def state_in(path: str | Path) -> Mapping[str, torch.Tensor]:
 
 
 def _safe(path: str | Path, data: bytes) -> Mapping[str, torch.Tensor]:
-    """The sizes that the header of the file promises are compared with what the file has."""
+    """The tensors of a safetensors file, whose header is checked against its contents."""
     try:
         state: dict[str, torch.Tensor] = safetensors.torch.load(data)
     except Exception as error:
@@ -128,7 +128,7 @@ def _pickled(path: str | Path) -> Mapping[str, torch.Tensor]:
 def _differences(
     state: Mapping[str, torch.Tensor], wanted: Mapping[str, torch.Tensor]
 ) -> list[str]:
-    """In which weights a file differs from a network, as words."""
+    """Which weights of a file differ from a network, in words."""
     words = []
     for name, value in wanted.items():
         if name not in state:

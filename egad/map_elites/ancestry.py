@@ -14,7 +14,7 @@ MEASURES = ["complexity", "graspability"]
 
 
 class Lineage:
-    """Who descends from whom, among elites and all their ancestors (ours).
+    """Lines of descent among elites and all their ancestors (ours).
 
     A child of two parents has the structure of its network from the first one: connections and
     nodes that only one parent has come from that one (`egad.cppn.child`). So the line of first
@@ -58,7 +58,7 @@ class Lineage:
     def genome(self, name: str) -> Row:
         """The CPPN of an object or ancestor, with the columns of `tables.evolution.GENOME`.
 
-        An archive may have another genome of it, with the same voxels, that was found later.
+        An archive may have another genome with the same voxels, which was found later.
 
         Raises:
             UserError: The object is not in the table.
@@ -122,12 +122,12 @@ class Lineage:
 def ancestors(elites: Iterable[str], lineage: pd.DataFrame) -> pd.DataFrame:
     """Elites and all their ancestors.
 
-    An object that was taken in more than once, or by several islands, counts as of the first time:
-    so every parent is older than its children. An archive may name other parents of it.
+    An object that was accepted more than once, or by several islands, counts from the first time,
+    so every parent is older than its children. An archive may name other parents of the object.
 
     Args:
         elites: Ids of the elites.
-        lineage: All objects that the archives of a run took in, with the columns of
+        lineage: All objects that the archives of a run accepted, with the columns of
             `tables.evolution.LINEAGE`, in any order.
 
     Returns:

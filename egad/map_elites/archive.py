@@ -29,7 +29,7 @@ class Elite:
     """An object of the archive.
 
     Attributes:
-        objective: What elites of a cell compete by; of equals the more diverse ones stay. Always 0
+        objective: What elites of a cell compete by; on ties, the more diverse ones stay. Always 0
             when objects are evolved for their diversity alone.
     """
 
@@ -63,7 +63,7 @@ class Elite:
         }
 
     def is_certain(self, confidence: float) -> bool:
-        """Whether its cell is as certain as asked for; True if nothing is known of its errors."""
+        """Whether its cell is as certain as required; True if its errors are not known."""
         return not self.cell_confidence < confidence
 
 
@@ -77,9 +77,9 @@ class Archive:
         """Start without elites.
 
         Args:
-            space: Cells and their limit.
+            space: Cells and their capacity.
             similarity: How diversity is measured.
-            threads: Diversities found at once; no result depends on it.
+            threads: Diversities computed at once; no result depends on it.
         """
         self.space = space
         self._neighborhood = Neighborhood(similarity.weight, space.neighbors, threads)
@@ -94,7 +94,7 @@ class Archive:
         return f"Archive({len(self)} elites, coverage {self.coverage:.3f})"
 
     def _repr_html_(self) -> str:
-        """Its numbers, for notebooks; `plot` draws it."""
+        """Summary for notebooks; `plot` draws the archive."""
         counts, (across, upwards) = self.counts(), self._ranges()
         facts = {
             "elites": len(self),
@@ -123,7 +123,7 @@ class Archive:
             A picture that a notebook shows; `save("map.svg")` writes it.
 
         Raises:
-            UserError: The names are not two texts.
+            UserError: The names are not two strings.
         """
         if measures is not None and not _are_two_texts(measures):
             raise UserError(f"measures is {measures!r}; allowed: two names, such as ('a', 'b')")
@@ -164,15 +164,15 @@ class Archive:
     def add(self, candidates: Iterable[Elite], refine: Refine | None = None) -> None:
         """Insert objects, then remove elites until every cell fits.
 
-        Objects that are already here are passed over. In an overfull cell uncertain elites go
-        first, then those of the lowest objective, then the least diverse ones. After each removal
-        the diversities of those that are left in overfull cells are computed again.
+        Objects that are already in the archive are skipped. From an overfull cell, uncertain elites
+        are removed first, then those with the lowest objective, then the least diverse ones. After
+        each removal, the diversities of the elites left in overfull cells are recomputed.
 
         Args:
             candidates: The objects.
-            refine: Measures objects better, in the same order; None for those that it rejects. Only
-                candidates that their cell would keep are refined, and then compete in the cell
-                where they turn out to be.
+            refine: Measures objects more accurately, in the same order; None for those that it
+                rejects. Only candidates that their cell would keep are refined; they then compete
+                in the cell that the refined measures give.
         """
         fresh = {elite.id: elite for elite in candidates if elite.id not in self}
         indices = self._neighborhood.add([elite.graph for elite in fresh.values()])
@@ -200,7 +200,7 @@ class Archive:
                 self._place(index, elite)
 
     def _losers(self) -> set[int]:
-        """What overfull cells would lose if diversities stayed as they are."""
+        """The elites that overfull cells would lose if diversities stayed as they are."""
         counts = Counter(self._cells.values())
         excess = {cell: count - self.space.elites_per_cell for cell, count in counts.items()}
         losers = set()
@@ -213,8 +213,8 @@ class Archive:
     def _trim(self) -> None:
         """Remove elites of overfull cells until every cell fits.
 
-        While there are more others than neighbors, a removal can only raise a diversity: one that
-        is stored is then a lower bound, and is found again when it is the least of the heap.
+        While there are more others than neighbors, a removal can only raise a diversity: a stored
+        one is then a lower bound, and is recomputed when it is the least of the heap.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
         queue = self._crowded(counts)
@@ -234,7 +234,7 @@ class Archive:
                 heapq.heapify(queue)
 
     def _crowded(self, counts: Counter[Cell]) -> list[tuple[bool, float, float, str, int]]:
-        """Elites of overfull cells with what they are sorted by: the first ones go first."""
+        """Elites of overfull cells with their sort keys: the first ones are removed first."""
         limit, confidence = self.space.elites_per_cell, self.space.confidence
         crowded = [index for index, cell in self._cells.items() if counts[cell] > limit]
         values = self._neighborhood.diversities(crowded)
@@ -307,13 +307,13 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
 def merge(
     frames: Iterable[pd.DataFrame], space: MeasureSpace, similarity: Similarity, threads: int = 1
 ) -> pd.DataFrame:
-    """Insert the survivors of all islands into one archive.
+    """Insert the elites of all islands into one archive.
 
     Args:
         frames: Tables with the columns of `tables.evolution.EPOCH`, in the order of the islands.
-        space: Cells and their limit.
+        space: Cells and their capacity.
         similarity: How diversity is measured.
-        threads: Diversities found at once; no result depends on it.
+        threads: Diversities computed at once; no result depends on it.
 
     Returns:
         A table with the same columns.

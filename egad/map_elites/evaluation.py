@@ -16,7 +16,7 @@ from egad.reeb import graph as reeb
 
 @dataclass(frozen=True)
 class GenomeVoxels:
-    """The voxels that a genome stands for."""
+    """The voxels that a genome describes."""
 
     id: str
     packed: bytes
@@ -35,7 +35,7 @@ Evaluate = Callable[[GenomeVoxels], Measured | str]
 
 
 def express(row: Row, settings: EvolutionParameters, rules: Rules) -> GenomeVoxels | str:
-    """The solid of a genome, or the reason why it is none that is allowed."""
+    """The solid of a genome, or the reason why it is not allowed."""
     shape = settings.shape
     try:
         solid = grow(row, shape.resolution, shape.threshold, rules)
@@ -47,8 +47,8 @@ def express(row: Row, settings: EvolutionParameters, rules: Rules) -> GenomeVoxe
 def measure(solid: GenomeVoxels, settings: EvolutionParameters) -> Measured | str:
     """The measures of a solid, or the reason why it has none.
 
-    The grasps are sampled with a generator named after the solid, so equal solids have equal
-    measures wherever and whenever they are found.
+    The grasps are sampled with a generator seeded by the solid, so equal solids have equal measures
+    wherever and whenever they are found.
     """
     mesh = packed_surface(solid.packed, settings.shape)
     try:
@@ -73,8 +73,8 @@ def first_estimate(solid_id: str, settings: EvolutionParameters) -> Estimate:
 def refine(elite: Elite, settings: EvolutionParameters) -> Elite | None:
     """An object with the final estimate of its graspability; None if there is no grasp.
 
-    Its grasps are others than those of the first estimate, whose error may be why the archive
-    would keep the object.
+    Its grasps differ from those of the first estimate, whose error may be the reason why the
+    archive would keep the object.
     """
     mesh = packed_surface(elite.voxels, settings.shape)
     rng = generator(settings.seed, "difficulty", elite.id)

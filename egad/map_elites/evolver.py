@@ -29,7 +29,7 @@ RANGES = SPACE.complexity_range, SPACE.graspability_range
 
 
 class Evolver:
-    """MAP-Elites over CPPN genomes, step by step, as `ask` and `tell` of pyribs.
+    """MAP-Elites over CPPN genomes, step by step, with `ask` and `tell` as in pyribs.
 
     ```python
     evolver = egad.Evolver(seed=0, ranges=((0, 0.2), (0, 1)))
@@ -52,11 +52,12 @@ class Evolver:
 
         Args:
             seed: The same seed and measures give the same archive.
-            population: Offspring of a step.
-            ranges: Lowest and highest value of the first and of the second measure; what lies
-                outside goes to the nearest cell.
+            population: Offspring per step.
+            ranges: Lowest and highest value of the first and of the second measure; values outside
+                go to the nearest cell.
             cells: Cells along each measure.
-            elites_per_cell: Most objects that a cell keeps: those that are least alike.
+            elites_per_cell: Maximum number of objects that a cell keeps: those that are least
+                alike.
 
         Raises:
             UserError: A number is out of bounds; the message says which.
@@ -71,17 +72,17 @@ class Evolver:
         return f"Evolver({self.archive!r})"
 
     def _repr_html_(self) -> str:
-        """The numbers of its archive, for notebooks."""
+        """Summary of its archive, for notebooks."""
         return self.archive._repr_html_()
 
     def ask(self) -> list[Candidate]:
         """The new shapes of the next step: `mesh`, `voxels` and `id` of each.
 
-        Offspring that are empty or known already are left out, so there may be less than
+        Offspring that are empty or known already are left out, so there may be fewer than
         `population`, or none.
 
         Raises:
-            UserError: The measures of the last step were not told.
+            UserError: `tell` was not called with the measures of the last step.
         """
         if self._asked is not None:
             raise UserError("tell the measures of the candidates before asking for more")
@@ -92,10 +93,10 @@ class Evolver:
         """Add the candidates that were asked for to the archive.
 
         Args:
-            measures: (n, 2) both measures of each candidate; NaN: it is rejected.
+            measures: (n, 2) both measures of each candidate; candidates with NaN are rejected.
 
         Raises:
-            UserError: Nothing was asked for, or the measures are no array of this shape.
+            UserError: Nothing was asked for, or the measures are not an array of this shape.
         """
         if self._asked is None:
             raise UserError("ask for candidates before telling their measures")
@@ -126,24 +127,24 @@ def evolve(
     """Evolve objects that span two measures.
 
     Args:
-        evaluations: Offspring in all, rounded up to whole steps of `population`.
+        evaluations: Total number of offspring, rounded up to whole steps of `population`.
         seed: The same arguments give the same archive, for any number of jobs.
-        measures: From a closed mesh in metres to two numbers; by default EGAD's complexity and
-            graspability for the gripper `yumi`, as `egad.measure`.
+        measures: Function from a closed mesh in metres to two numbers; by default EGAD's complexity
+            and graspability for the gripper `yumi`, as in `egad.measure`.
         ranges: Lowest and highest value of each measure.
         cells: Cells along each measure.
-        elites_per_cell: Most objects that a cell keeps: those that are least alike.
-        population: Offspring of a step.
-        jobs: Processes; the result does not depend on them.
+        elites_per_cell: Maximum number of objects that a cell keeps: those that are least alike.
+        population: Offspring per step.
+        jobs: Number of processes; the result does not depend on it.
 
     Returns:
         The archive: `len`, `coverage`, `qd_score`, `to_frame()`; `egad.load(archive)` gives the
         objects with their meshes.
 
     Raises:
-        UserError: A number is out of bounds; the measures are no function, do not return two
-            numbers, or cannot be sent to other processes; or no object was accepted, such as
-            when they are always NaN.
+        UserError: A number is out of bounds; the measures are not a function, do not return two
+            numbers, or cannot be sent to other processes; or no object was accepted, such as when
+            they are always NaN.
 
     Source: EGAD (Morrison, Corke and Leitner 2020), section III.
     """
@@ -171,7 +172,7 @@ def evolution_parameters(
     cells: int = SPACE.cells,
     elites_per_cell: int = SPACE.elites_per_cell,
 ) -> EvolutionParameters:
-    """The default parameters of evolution, with those that were given.
+    """The default parameters of evolution, overridden by the given ones.
 
     Raises:
         UserError: One of them is not allowed.
@@ -210,7 +211,7 @@ def _checked(ranges: tuple[Range, Range]) -> tuple[Range, Range]:
 def _measure(
     solid: GenomeVoxels, measures: Measure, settings: EvolutionParameters
 ) -> Measured | str:
-    """The measures of a solid by a function of the user, or the reason why it has none."""
+    """The measures of a solid by a user's function, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     try:
         return _with_graph(mesh, *_pair(measures(mesh)), settings.similarity)
@@ -219,7 +220,7 @@ def _measure(
 
 
 def _pair(values: object) -> tuple[float, float]:
-    """What a function of the user returned, if it is two numbers.
+    """What a user's function returned, if it is two numbers.
 
     Raises:
         UserError: It is not.

@@ -25,8 +25,8 @@ from egad.measures import coverage_of, filled_part
 from egad.tables.evolution import HISTORY, LINEAGE
 
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
-UNMEASURED = 100  # objects without measures; so many end a search whose archive is empty
-SCORED = 10  # the QD-score is computed once in as many steps
+UNMEASURED = 100  # objects without measures; this many end a search whose archive is empty
+SCORED = 10  # the QD-score is computed once in this many steps
 LINE = "coverage {coverage:.3f}, {elites} elites"
 Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
 
@@ -70,7 +70,7 @@ class Advance(NamedTuple):
         outcomes: How many offspring were evaluated, empty, known already, or rejected for which
             reason.
         refined: How many of them were measured again.
-        accepted: Those that the archive has taken in.
+        accepted: Objects that the archive accepted.
     """
 
     outcomes: Counter[str]
@@ -83,8 +83,8 @@ class Epoch(NamedTuple):
 
     Attributes:
         history: The steps, with the columns of `tables.evolution.HISTORY`.
-        lineage: All objects that the archive took in, even if they left it again, with the columns
-            of `tables.evolution.LINEAGE`.
+        lineage: All objects that the archive accepted, even if they were removed again, with the
+            columns of `tables.evolution.LINEAGE`.
         outcomes: How many offspring were evaluated, empty, known already, or rejected for which
             reason.
     """
@@ -95,7 +95,7 @@ class Epoch(NamedTuple):
 
 
 class Step(NamedTuple):
-    """Names one step."""
+    """Identifies one step."""
 
     epoch: int
     island: int
@@ -122,8 +122,8 @@ class Island:
             settings: Everything about breeding and measuring.
             epoch: Number of the epoch.
             island: Number of the island.
-            rules: What every shape must obey.
-            mapper: An order-keeping `map`; where it runs does not change the result.
+            rules: Constraints that every shape must obey.
+            mapper: An order-preserving `map`; where it runs does not change the result.
             evaluate: Gives the measures of a solid, or the reason why it has none; by default
                 `measure`.
         """
@@ -214,9 +214,9 @@ def evolve(
         settings: Everything about breeding and measuring.
         epoch: Number of the epoch.
         island: Number of the island.
-        rules: What every shape must obey.
-        mapper: An order-keeping `map`; where it runs does not change the result.
-        watch: Is told of the archive and the steps so far after each step, and may not change them.
+        rules: Constraints that every shape must obey.
+        mapper: An order-preserving `map`; where it runs does not change the result.
+        watch: Called with the archive and the steps so far after each step; may not change them.
     """
     run = Island(archive, settings, epoch, island, rules, mapper)
     rows: list[dict[str, Any]] = []
@@ -236,12 +236,12 @@ def evolve(
 
 
 def snapshot(archive: Archive, done: Advance, scored: bool) -> dict[str, Any]:
-    """What a step did: columns of `tables.evolution.HISTORY` except for the names of the step.
+    """What a step did: columns of `tables.evolution.HISTORY` except for those that identify it.
 
     Args:
         archive: After the step.
         done: What the step did.
-        scored: Whether to compute the QD-score, which asks for all diversities.
+        scored: Whether to compute the QD-score, which needs all diversities.
     """
     counts, outcomes = archive.counts(), done.outcomes
     return {
@@ -259,7 +259,7 @@ def snapshot(archive: Archive, done: Advance, scored: bool) -> dict[str, Any]:
 
 
 def _standing(rows: list[dict[str, Any]]) -> str:
-    """How the search stands; its QD-score is not taken at every step."""
+    """Progress of the search; its QD-score is not computed at every step."""
     scored = (row["qd_score"] for row in reversed(rows) if not math.isnan(row["qd_score"]))
     score = next((f", QD-score {score:.1f}" for score in scored), "")
     return LINE.format(**rows[-1]) + score if rows else ""

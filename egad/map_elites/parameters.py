@@ -20,26 +20,30 @@ class Evolution(Parameters):
     population: int = Field(100, ge=1, description="children that an island evaluates per step")
     crossover_probability: Fraction = Field(
         0.5,
-        description="probability that a child has two parents; otherwise a mutated copy of one",
+        description="probability that a child has two parents; otherwise it is a mutated copy of "
+        "one",
     )
     parents: Literal["uniform", "sparse"] = Field(
         "sparse",
         description="how parents are sampled: uniformly, or with weights that grow with the "
         "number of empty slots in their cell and the eight around it",
     )
-    siblings: int = Field(1, ge=1, description="successive children of the same parents")
+    siblings: int = Field(
+        1, ge=1, description="number of successive children with the same parents"
+    )
     restart: Fraction = Field(0.0, description="probability that a child is a new random genome")
     estimator: Literal["sequential", "paper"] = Field(
         "sequential",
-        description="how graspability is estimated: roughly, then until the cell is certain for "
-        "those that the archive would keep; or from grasps that keep a distance, as in the paper",
+        description="how graspability is estimated: sequential: roughly, then until the cell is "
+        "certain for objects that the archive would keep; paper: from grasps that keep a minimum "
+        "distance, as in the paper",
     )
     max_candidates: int = Field(
         16384,
         ge=1,
-        description="most candidate grasps of the sequential estimate of an object",
+        description="maximum number of candidate grasps per object (estimator: sequential)",
     )
-    grasps: int = Field(100, ge=1, description="grasps of the paper's estimate of an object")
+    grasps: int = Field(100, ge=1, description="grasps per object (estimator: paper)")
 
 
 class EvolutionParameters(MeasureParameters):

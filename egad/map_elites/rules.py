@@ -16,7 +16,7 @@ def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Ru
 
     Args:
         settings: All constraints.
-        resolution: Voxels along each side of the cube; None: as shapes evolve.
+        resolution: Voxels along each side of the cube; None: as in evolution.
 
     Raises:
         UserError: The constraints leave no voxel to grow in, or a mesh cannot be used.

@@ -13,7 +13,7 @@ from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import MeasureSpace, complexity_cells, difficulty_cells
 from egad.random import entropy, generator
 
-MIN_WEIGHT = 0.25  # weight of a parent that has no empty place around it: it may still be drawn
+MIN_WEIGHT = 0.25  # weight of a parent without empty slots around it: it may still be sampled
 
 
 class Parent(Protocol):
@@ -54,7 +54,7 @@ def breed(elites: Sequence[Parent], settings: EvolutionParameters, *index: int) 
     Args:
         elites: The archive, in a fixed order.
         settings: Population, crossover and mutation.
-        *index: Names the step: epoch, island, step. Every child has its own random stream.
+        *index: Identifies the step: epoch, island, step. Every child has its own random stream.
     """
     config = neat_config(settings.neat)
     rng = generator(settings.seed, "parents", *index)
@@ -93,7 +93,7 @@ def _parents(
 
 
 def _running(odds: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Running sums of chances, the last one 1."""
+    """Running sums of probabilities, the last one 1."""
     sums = np.cumsum(odds)
     return np.asarray(sums / sums[-1])
 

@@ -1,6 +1,6 @@
-"""Which cells objects can be expected in: how high the percentile of grasp quality gets (ours).
+"""The cells that objects can be expected in: how high the percentile of grasp quality gets (ours).
 
-docs/studies/search.md derives it, and has the solids that come close to it and those beyond it.
+docs/studies/search.md derives this limit, and has the solids that come close to it or exceed it.
 """
 
 import math
@@ -21,13 +21,13 @@ LEANS, HEIGHTS = 500, 81  # steps of the model
 
 
 class Attainable(NamedTuple):
-    """What the measure of graspability leaves to objects.
+    """What objects can attain in the measure of graspability.
 
     Attributes:
-        quality: No grasp has a higher quality; infinite if graspability is not the nominal
+        quality: Highest possible quality of a grasp; infinite if graspability is not the nominal
             quality of antipodal grasps.
-        graspability: The highest that is expected, of an object as thick as its box; or infinite.
-        rows: So many of the easiest rows lie above that graspability.
+        graspability: Highest expected value, for an object as thick as its box; or infinite.
+        rows: Number of easiest rows that lie above that graspability.
         edge: The lowest graspability of these rows.
     """
 
@@ -38,7 +38,7 @@ class Attainable(NamedTuple):
 
     @property
     def row_names(self) -> str:
-        """The rows that lie above, such as `rows A and B`; empty if there are none."""
+        """The rows above that graspability, such as `rows A and B`; empty if there are none."""
         names = string.ascii_uppercase[: self.rows]
         if self.rows > 2:
             return f"rows {names[0]} to {names[-1]}"
@@ -46,12 +46,12 @@ class Attainable(NamedTuple):
 
 
 def attainable_graspability(settings: MeasureParameters) -> Attainable:
-    """The highest quality of a grasp, and the percentile that is expected at most.
+    """The highest quality of a grasp, and the highest percentile that is expected.
 
     The percentile is that of a model, in which every grasp spans the smallest side of the box and
-    both of its contacts lean alike, with a tangent that is uniform up to the cone of the sampler.
-    Without lean, its line passes through the center of mass, which lies at the best height between
-    the contacts.
+    both of its contacts lean equally, with a tangent that is uniform up to the cone of the sampler.
+    Without lean, the line of the grasp passes through the center of mass, which lies at the best
+    height between the contacts.
 
     Args:
         settings: Gripper, cone of the sampler, contact model, percentile, and the cells.
@@ -73,19 +73,19 @@ def attainable_graspability(settings: MeasureParameters) -> Attainable:
 
 
 def attainable_coverage(objects: pd.DataFrame, space: MeasureSpace, rows: int) -> float:
-    """The fraction of the slots that is filled, without some of the easiest rows.
+    """Archive coverage, without some of the easiest rows.
 
     Args:
         objects: Columns complexity_cell and difficulty_cell.
         space: The cells.
-        rows: How many rows are left out: see `attainable_graspability`.
+        rows: Number of rows that are left out: see `attainable_graspability`.
     """
     filled = np.minimum(cell_counts(objects, space), space.elites_per_cell)[rows:]
     return float(filled.sum() / (filled.size * space.elites_per_cell))
 
 
 def _qualities(height: float, leans: Floats, rules: Quality) -> Floats:
-    """Quality of grasps that lean by some tangents, (n,), the center of mass above one contact."""
+    """Quality of grasps that lean by tangents (n,), with the center of mass above one contact."""
     normals = np.tile([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], (len(leans), 1, 1))
     axes = np.stack([leans, np.zeros_like(leans), np.ones_like(leans)], axis=1)
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)

@@ -21,14 +21,15 @@ CELL_WIDTH = 0.16  # bits, of the usual map
 
 
 class CoarseMeshWarning(UserWarning):
-    """A mesh has so long edges that its complexity says more of its triangles than of its shape."""
+    """A mesh has such long edges that its complexity reflects its triangles more than its shape."""
 
 
 def complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     """Entropy of the angular deficits of the vertices.
 
     Flat vertices and right angles lie on the edge of a bin. A deficit that rounded coordinates have
-    moved below the edge counts as if it were on it. So the digits of a file do not matter.
+    moved below the edge counts as if it were on it. So the number of digits in a file does not
+    matter.
 
     Args:
         mesh: A triangle mesh of any size; vertices without faces do not count.
@@ -55,10 +56,10 @@ def complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
 
 
 def fine_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
-    """Complexity of a mesh after its long edges were split, which does not change its shape.
+    """Complexity of a mesh after splitting its long edges, which does not change its shape.
 
-    On evolved objects, vertices lie evenly and close together. Their complexity can be compared
-    only with that of meshes with similar triangles.
+    The vertices of evolved objects are close together and evenly spaced. Their complexity can be
+    compared only with that of meshes with similar triangles.
 
     Args:
         mesh: A triangle mesh of any size.
@@ -66,7 +67,7 @@ def fine_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
 
     Returns:
         Bits. It equals the complexity if no edge is longer than 8 % of the square root of the
-        area. If it differs from the complexity, neither says much: see `is_coarse`.
+        area. If it differs from the complexity, neither is meaningful: see `is_coarse`.
 
     Raises:
         RejectedError: The mesh is empty or not finite.
@@ -82,7 +83,7 @@ def fine_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
 
 
 def is_coarse(complexities: ArrayLike, fine_complexities: ArrayLike) -> NDArray[np.bool_]:
-    """Whether splitting long edges moves meshes by more than a cell, (n,): they are too coarse."""
+    """Whether meshes are too coarse, (n,): splitting long edges moves them by more than a cell."""
     change = np.asarray(fine_complexities, float) - np.asarray(complexities, float)
     return np.asarray(np.abs(change) > CELL_WIDTH)
 
@@ -102,7 +103,7 @@ def angular_deficits(mesh: trimesh.Trimesh) -> Floats:
 
 
 def _deficit_errors(mesh: trimesh.Trimesh) -> Floats:
-    """How much rounded coordinates may change the `angular_deficits`, radians: each, or all."""
+    """How much rounded coordinates may change `angular_deficits`, radians: each, or one for all."""
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
     moved = rounding(vertices, faces)
     if moved == 0:

@@ -1,4 +1,4 @@
-"""Measures that a user brings: functions in files of their own, named `FILE.py:FUNCTION`."""
+"""User-defined measures: functions in files of their own, named `FILE.py:FUNCTION`."""
 
 import inspect
 import math
@@ -21,17 +21,17 @@ def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | Non
     Args:
         measure: `FILE.py:FUNCTION` or `package.module:FUNCTION`.
         mesh: Closed, in metres; the function gets a copy.
-        axes: Has the parameters of the function, as far as they are arguments of it.
+        axes: Has the parameters; those that are arguments of the function are passed to it.
 
     Raises:
-        RejectedError: The function fails, or gives no finite number.
+        RejectedError: The function fails, or does not return a finite number.
         UserError: There is no such function.
     """
     function, name = _function(measure), plugin_name(measure)
     try:
         given = function(mesh.copy(), **_parameters(function, axes or CustomMeasures()))
     except MemoryError:
-        raise  # says nothing of the object
+        raise  # says nothing about the object
     except Exception as error:
         what = f"{plugins.place_of(error)}: {type(error).__name__}: {error}"
         raise RejectedError(f"{name} failed{what}") from error
@@ -45,22 +45,22 @@ def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | Non
 
 
 def plugin_name(measure: str) -> str:
-    """What a measure is called: its function, in words."""
+    """Display name of a measure: its function, in words."""
     return measure.rpartition(":")[2].replace("_", " ").strip()
 
 
 def check_measures(axes: CustomMeasures) -> None:
-    """Make sure that the user's measures are there.
+    """Make sure that the user's measures exist.
 
     Raises:
-        UserError: One is not.
+        UserError: One does not exist.
     """
     for measure in axes.functions().values():
         _function(measure)
 
 
 def source_hash(measure: str) -> str:
-    """A fingerprint of the file that a measure is written in, which is not run.
+    """A fingerprint of the file that defines a measure; the file is not run.
 
     Raises:
         UserError: There is no such file.

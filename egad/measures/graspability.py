@@ -1,10 +1,10 @@
 """Graspability: how good the better grasps of an object are.
 
 Antipodal grasps are sampled on the object scaled to the gripper. Graspability is a percentile of
-their quality, so high values are easy (EGAD: Morrison, Corke and Leitner, RA-L 2020, who call it
-difficulty). The paper takes it from 100 grasps that keep a distance from each other. The more there
-are of those, the more the distance changes their distribution; so here grasps are independent, and
-there are as many as certainty needs.
+their quality, so high values mean easy objects (EGAD: Morrison, Corke and Leitner, RA-L 2020, who
+call it difficulty). The paper computes it from 100 grasps that keep a minimum distance from each
+other. The more grasps there are, the more this distance changes their distribution. So here, grasps
+are independent, and as many are sampled as certainty requires.
 """
 
 import math
@@ -57,7 +57,7 @@ class GraspabilityEstimate(NamedTuple):
         std: Its standard error; NaN if it is not known.
         confidence: Probability that the percentile of all grasps lies in the same cell; NaN if it
             is not known.
-        grasps: How many grasps it was taken from.
+        grasps: Number of grasps that it was computed from.
     """
 
     value: float
@@ -67,12 +67,12 @@ class GraspabilityEstimate(NamedTuple):
 
 
 class GraspedSize(NamedTuple):
-    """How large an object is while its grasps are sampled.
+    """The size of an object while its grasps are sampled.
 
     Attributes:
-        factor: The object is scaled by this.
-        sides: Sides of its box then, ascending, metres, (3,): the box along the principal axes for
-            the rule `exact`, the minimum-volume box for the others.
+        factor: Scale factor of the object.
+        sides: Sides of its scaled box, ascending, metres, (3,): the box along the principal axes
+            for the rule `exact`, the minimum-volume box for the others.
     """
 
     factor: float
@@ -84,8 +84,8 @@ def grasped_size(mesh: trimesh.Trimesh, settings: MeasureParameters, rule: str) 
 
     Args:
         mesh: Metres; in any unit for the rule `exact`.
-        settings: The gripper, and the part of its opening that the smallest side becomes.
-        rule: See `egad.rescale`. The cells of the map are by `exact`.
+        settings: The gripper, and the fraction of its opening that the smallest side becomes.
+        rule: See `egad.rescale`. The cells of the map use `exact`.
 
     Raises:
         RejectedError: The mesh is empty, flat or not finite.
@@ -112,21 +112,21 @@ def graspability(
 ) -> GraspabilityEstimate:
     """A percentile of the quality of independent grasps: high values are easy objects.
 
-    Of a suction cup, all candidates count: those that do not seal have the quality 0.
+    For a suction cup, all candidates count: those that do not seal have the quality 0.
 
-    A copy of the mesh is measured: turned until its principal axes (of the vertices) are the
+    A copy of the mesh is measured: it is rotated until its principal axes (of the vertices) are the
     coordinate axes, then scaled until its smallest side is `side_fraction` of the opening, or by
-    the factor. Grasps without quality count as zeros. Candidates are doubled until the cell of the
-    object is as certain as the space asks for, or the budget is spent. The confidence holds on
-    average over objects, but not over those that were selected by their cell. (The estimator is
-    ours.)
+    the factor. Grasps without quality count as zeros. The number of candidates is doubled until the
+    cell of the object is as certain as the space requires, or the budget is spent. The confidence
+    holds on average over objects, but not over objects that were selected by their cell. (The
+    estimator is ours.)
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
         settings: Gripper, metric, percentile, how grasps are sampled and rated, and the cells.
-        max_candidates: Most candidates to draw, of a suction cup `MAX_CUPS`; see
+        max_candidates: Maximum number of candidates; at most `MAX_CUPS` for a suction cup. See
             `valid_contacts`.
-        rng: Where chance comes from.
+        rng: Random number generator.
         com: Center of mass in the frame of the mesh; else the centroid of the volume.
         factor: Scale factor, from `grasped_size`; by default that of the rule `exact`.
 
@@ -150,12 +150,12 @@ def graspability(
 def rough_graspability(
     mesh: trimesh.Trimesh, settings: MeasureParameters, rng: np.random.Generator
 ) -> GraspabilityEstimate:
-    """The percentile from the first candidates of `graspability` alone, without its errors (NaN).
+    """The percentile from only the first candidates of `graspability`, without its errors (NaN).
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
         settings: As for `graspability`.
-        rng: Where chance comes from.
+        rng: Random number generator.
 
     Raises:
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
@@ -172,15 +172,15 @@ def spaced_graspability(
     count: int,
     rng: np.random.Generator,
 ) -> GraspabilityEstimate:
-    """The paper's estimator: a percentile of grasps that keep a distance from each other.
+    """The paper's estimator: a percentile of grasps that keep a minimum distance from each other.
 
-    They are not independent, so its errors are not known (NaN).
+    The grasps are not independent, so the errors are not known (NaN).
 
     Args:
         mesh: The object, of any size, its triangles winding outwards.
         settings: As for `graspability`.
-        count: Grasps to sample.
-        rng: Where chance comes from.
+        count: Number of grasps to sample.
+        rng: Random number generator.
 
     Raises:
         RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
@@ -197,7 +197,7 @@ class _RatedGrasps:
     """Grasps on an object, and the percentile of their quality.
 
     Attributes:
-        statistics: What became of the candidates so far.
+        statistics: Sampling statistics of the candidates so far.
     """
 
     def __init__(
@@ -278,7 +278,7 @@ class _RatedGrasps:
         """The percentile of their quality.
 
         Raises:
-            RejectedError: There is no grasp; the text has what became of the candidates.
+            RejectedError: There is no grasp; the message has the sampling statistics.
         """
         if not len(self):
             raise RejectedError(f"no grasp ({self.statistics})")
@@ -286,7 +286,7 @@ class _RatedGrasps:
         return self._sample.smallest(percentile_rank(len(self), percent))
 
     def graspability(self) -> GraspabilityEstimate:
-        """The percentile and its errors; raises as `percentile`."""
+        """The percentile and its errors; raises the errors of `percentile`."""
         value, percent = self.percentile(), self._settings.graspability.percentile
         limits = graspability_limits(value, self._settings.space)
         confidence = confidence_between(self._sample, percent, limits)
@@ -296,7 +296,7 @@ class _RatedGrasps:
 
 
 def center_of_mass(mesh: trimesh.Trimesh) -> Floats:
-    """The centroid of the volume; that of the surface where the volume has none within bounds."""
+    """The centroid of the volume; that of the surface if the former is not within the bounds."""
     triangles = np.asarray(mesh.vertices)[mesh.faces]
     center = _volume_centroid(triangles)
     low, high = bounding_box(triangles)
@@ -308,7 +308,8 @@ def center_of_mass(mesh: trimesh.Trimesh) -> Floats:
 def _volume_centroid(triangles: Floats) -> Floats:
     """The centroid of a solid from its (n, 3, 3) triangles; NaN or infinite without volume.
 
-    The same as `trimesh.Trimesh.center_mass`, without the inertia tensor that costs most of it.
+    The same as `trimesh.Trimesh.center_mass`, without the inertia tensor, which takes most of its
+    time.
     """
     moment, volume = np.zeros(3), 0.0
     a, b, c = np.empty(3), np.empty(3), np.empty(3)

@@ -50,7 +50,7 @@ def cell_of(complexity: float, graspability: float, space: MeasureSpace) -> Cell
 
 
 def cell_name(complexity_cell: int, difficulty_cell: int) -> str:
-    """The name of a cell, as labels begin: `M14`."""
+    """The name of a cell, with which labels begin: `M14`."""
     return f"{string.ascii_uppercase[difficulty_cell]}{complexity_cell:02d}"
 
 
@@ -96,10 +96,10 @@ def coverage_of(counts: Cells, space: MeasureSpace) -> float:
 
 
 def filled_cells(objects: pd.DataFrame, space: MeasureSpace) -> float:
-    """The part of all cells that hold at least one object of a table."""
+    """The fraction of all cells that hold at least one object of a table."""
     return filled_part(cell_counts(objects, space))
 
 
 def filled_part(counts: Cells) -> float:
-    """The part of all cells that hold at least one object, from `cell_counts`."""
+    """The fraction of all cells that hold at least one object, from `cell_counts`."""
     return float((counts > 0).mean())

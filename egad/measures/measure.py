@@ -23,12 +23,12 @@ class MeasureValues(NamedTuple):
     Attributes:
         complexity: Entropy of the angular deficits, bits; or the user's own measure.
         graspability: Percentile of grasp quality; high is easy. Or the user's own measure.
-        graspability_std: Standard error of the percentile; NaN for a measure of the user.
+        graspability_std: Standard error of the percentile; NaN for a user's measure.
         cell_confidence: Probability that the percentile of all grasps lies in the same cell; NaN
-            for a measure of the user.
-        grasps: How many grasps the percentile was taken from; 0 for a measure of the user.
+            for a user's measure.
+        grasps: Number of grasps that the percentile was computed from; 0 for a user's measure.
         fine_complexity: Complexity after long edges are split, bits; NaN during evolution, and for
-            a measure of the user.
+            a user's measure.
     """
 
     complexity: float
@@ -50,11 +50,11 @@ def measure_mesh(
     Args:
         mesh: One body, wound outwards, of any size.
         settings: What the measures depend on.
-        estimate: Gives the graspability of a mesh, unless it is a measure of the user.
+        estimate: Gives the graspability of a mesh, unless that is a user's measure.
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
-        UserError: A measure of the user cannot be found.
+        UserError: A user's measure cannot be found.
     """
     axes = settings.measures
     along = (
@@ -76,14 +76,14 @@ def measure_repeatably(
     max_candidates: int,
     factor: float | None = None,
 ) -> MeasureValues:
-    """Measure a closed mesh by grasps that are named after its triangles.
+    """Measure a closed mesh by grasps that are seeded by its triangles.
 
-    So a mesh has the same coordinates in every dataset, under every name and in every unit.
+    So a mesh has the same measures in every dataset, under every name and in every unit.
 
     Args:
         mesh: One body, wound outwards, of any size.
         settings: What the measures depend on.
-        max_candidates: Most candidate grasps to draw.
+        max_candidates: Maximum number of candidate grasps.
         factor: Scale factor, from `grasped_size`; by default that of the rule `exact`, as in the
             map.
 

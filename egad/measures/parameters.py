@@ -43,15 +43,15 @@ class MeasureSpace(Parameters):
     )
     cells: int = Field(25, ge=1, le=26, description="cells along each axis")
     elites_per_cell: int = Field(
-        4, ge=1, le=255, description="slots of a cell: largest number of elites"
+        4, ge=1, le=255, description="slots per cell: maximum number of elites in it"
     )
     neighbors: int = Field(
         10, ge=1, description="diversity is the mean distance to this many nearest objects"
     )
     confidence: Fraction = Field(
         0.99,
-        description="a cell is certain for an object whose graspability lies in it with at least "
-        "this probability; 0: every cell is",
+        description="the cell of an object is certain if its graspability lies in that cell with "
+        "at least this probability; 0: always certain",
     )
 
     @model_validator(mode="after")
@@ -70,11 +70,12 @@ class CustomMeasures(Parameters):
     `trimesh.Trimesh` in metres and returns a number.
     """
 
-    # Another key is a parameter of the measures whose function has an argument of that name.
+    # Any other key is a parameter of the measures whose function has an argument of that name.
 
-    complexity: UserPath = Field("", description="replaces complexity; empty: none")
+    complexity: UserPath = Field("", description="function that replaces complexity; empty: none")
     graspability: UserPath = Field(
-        "", description="replaces graspability, high values in row A; empty: none"
+        "",
+        description="function that replaces graspability, with high values in row A; empty: none",
     )
 
     @model_validator(mode="after")
@@ -110,13 +111,14 @@ class Graspability(Parameters):
     )
     metric: Literal["nominal", "robust"] = Field(
         "nominal",
-        description="quality of a grasp, or its mean over perturbed copies; the published letters "
-        "follow the nominal quality (rank correlation 0.94 against 0.43, docs/measures.md)",
+        description="nominal: quality of the grasp itself; robust: mean quality over perturbed "
+        "copies; the published letters follow the nominal quality (rank correlation 0.94 against "
+        "0.43, docs/measures.md)",
     )
     candidates: int = Field(
         512,
         ge=1,
-        description="candidate grasps drawn at first; they are doubled until the cell is certain",
+        description="initial number of candidate grasps; doubled until the cell is certain",
     )
     percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
     side_fraction: PositiveFraction = Field(
@@ -131,7 +133,7 @@ class SizeEffect(Parameters):
     fractions: list[SideFraction] = Field(
         [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2],
         min_length=1,
-        description="sizes: smallest side of the minimum-volume box over the opening, ascending",
+        description="sizes to test: smallest side of the minimum-volume box / opening, ascending",
     )
     percentiles: list[Percent] = Field(
         [65.0, 75.0, 85.0], min_length=1, description="percentiles of the quality, ascending"
@@ -169,7 +171,7 @@ class MeasureParameters(ParameterGroup):
 
 
 def space_of(gripper: Gripper, space: MeasureSpace) -> MeasureSpace:
-    """The space, with the range of graspability of a suction cup if it has that of jaws.
+    """The space; for a suction cup, its graspability range replaces the default one of jaws.
 
     The quality of a suction grasp is the share of 25 perturbed copies that hold; the limits of
     cells lie halfway between the values that it can have.
@@ -184,7 +186,7 @@ def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
     """The default parameters of EGAD's measures.
 
     Args:
-        gripper: What grasps are sampled for.
+        gripper: The gripper that grasps are sampled for.
         seed: Seed of the grasps.
 
     Raises:

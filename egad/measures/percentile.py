@@ -8,18 +8,18 @@ from scipy.special import betainc
 
 from egad._util.arrays import Floats, Ints
 
-TIGHTNESS = 0.95  # a value is often less than this part of its bound
+TIGHTNESS = 0.95  # a value is often less than this fraction of its bound
 
 
 class BoundedSample:
-    """Values of which upper bounds are known; the values themselves are computed on demand."""
+    """Values with known upper bounds; the values themselves are computed on demand."""
 
     def __init__(self, compute: Callable[[Ints, float], Floats]) -> None:
         """Start without values.
 
         Args:
-            compute: Gives the values at some indices; for a value below a limit, any upper bound
-                that is also below it.
+            compute: Gives the values at some indices; for a value below a limit, it may give any
+                upper bound that is also below it.
         """
         self._compute = compute
         self._upper = np.empty(0)  # the value itself where it is known
@@ -73,8 +73,8 @@ def percentile_rank(count: int, percent: float) -> int:
 def percentile_std(sample: BoundedSample, percent: float) -> float:
     """Standard error of a percentile of n independent values.
 
-    Half the distance of the two values whose ranks lie a standard error of the rank away; NaN if
-    there are too few values for that.
+    Half the distance between the two values whose ranks lie a standard error of the rank away; NaN
+    if there are too few values for that.
 
     Source: Woodruff, Confidence Intervals for Medians and Other Position Measures, JASA 47 (1952).
     """
@@ -89,8 +89,9 @@ def percentile_std(sample: BoundedSample, percent: float) -> float:
 def confidence_between(sample: BoundedSample, percent: float, limits: tuple[float, float]) -> float:
     """Probability that the percentile of a distribution lies between two limits.
 
-    How many of n independent values are less than a limit follows a binomial distribution; the
-    part of the distribution below the limit then has a beta distribution (with Jeffreys' prior).
+    The number of n independent values that are less than a limit follows a binomial distribution;
+    the fraction of the distribution below the limit then has a beta distribution (with Jeffreys'
+    prior).
 
     Args:
         sample: Independent values.

@@ -28,12 +28,12 @@ def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters
     """Sample and rate grasps of an object at several sizes.
 
     The object is scaled until the smallest side of its minimum-volume box is the fraction of the
-    opening. Grasps without quality count as zeros. They are those of the gripper's sampler.
+    opening. Grasps without quality count as zeros. The grasps come from the gripper's sampler.
 
     Args:
         mesh: The object, closed, its triangles winding outwards, in any unit: its own size does not
             matter.
-        name: Its name, which the random numbers follow from.
+        name: Its name, which seeds the random numbers.
         settings: Gripper, sizes, percentiles, and how grasps are sampled and rated.
 
     Returns:
@@ -60,7 +60,7 @@ def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters
 def _rated(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> Iterator[dict[str, Any]]:
-    """What was found at one size, one row per percentile."""
+    """Results at one size, one row per percentile."""
     antipodal = settings.gripper.grasps_with == ANTIPODAL
     qualities, candidates, possible = (_antipodal if antipodal else _others)(caster, settings, rng)
     for percent in settings.size_effect.percentiles:
@@ -96,7 +96,7 @@ def _antipodal(
 def _others(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> tuple[Floats, int, int]:
-    """The same of another sampler; a cup that does not seal has the quality 0."""
+    """The same for another sampler; a cup that does not seal has the quality 0."""
     wanted = settings.size_effect.grasps
     try:
         quality = draw_grasps(
@@ -120,10 +120,10 @@ def summarize(table: pd.DataFrame) -> pd.DataFrame:
         table: Columns of `tables.grasping.SIZE_EFFECT`.
 
     Returns:
-        A row for each name, fraction and percentile, in that order, names as they come: `mean`,
-        `low` and `high` quality over the repetitions that found grasps (NaN if none did), `grasps`
-        (mean number), `share` (of the candidates that are possible) and `found` (part of the
-        repetitions with grasps).
+        A row for each name, fraction and percentile, in that order, with names as they appear:
+        `mean`, `low` and `high` quality over the repetitions that found grasps (NaN if none did),
+        `grasps` (mean number), `share` (of the candidates that are possible) and `found` (fraction
+        of the repetitions with grasps).
     """
     groups = table.groupby(["name", "fraction", "percentile"], sort=False)
     numbers = groups.agg(

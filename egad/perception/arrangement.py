@@ -1,4 +1,4 @@
-"""Objects at rest on a table, and the grasps of theirs that a hand can reach from above."""
+"""Objects at rest on a table, and those of their grasps that a hand can reach from above."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
@@ -54,8 +54,8 @@ class TableGrasps(NamedTuple):
         centers: (n, 3) midpoints of the contacts, metres.
         axes: (n, 3) unit vectors from the first contact to the second.
         widths: (n,) distances of the contacts, metres.
-        free: (n,) whether the hand touches nothing, at the grasp and on its straight way in.
-        qualities: (n,) robust quality; 0 of those that are not free.
+        free: (n,) whether the hand touches nothing, at the grasp and on its straight approach.
+        qualities: (n,) robust quality; 0 for those that are not free.
         success: (n,) whether the grasp held in simulation; None if it was not simulated.
     """
 
@@ -71,7 +71,8 @@ class TableGrasps(NamedTuple):
 def is_good(free: Flags, qualities: Floats, success: Iterable[Any], quality: float) -> Flags:
     """Which of n grasps are free and hold, (n,).
 
-    Those that were simulated hold if they did then, others if they have a higher robust quality.
+    Those that were simulated hold if they did then; others, if their robust quality is above
+    `quality`.
 
     Args:
         free: (n,) attribute of `TableGrasps`.
@@ -88,7 +89,7 @@ def is_good(free: Flags, qualities: Floats, success: Iterable[Any], quality: flo
 def place(
     name: str, mesh: trimesh.Trimesh, com: Floats, factor: float, matrix: Floats, pose: int = -1
 ) -> PlacedObject:
-    """An object in another size.
+    """An object at another size.
 
     Args:
         name: Its id.
@@ -119,7 +120,7 @@ def table_grasps(
         objects: All that is on the table.
         body: The hand.
         settings: How many grasps of each object, how they are sampled and rated.
-        rng: Source of chance.
+        rng: Random number generator.
         simulate: Finds out which grasps hold.
     """
     casters = [RayCaster(_on_table([each])) for each in objects]
@@ -138,13 +139,13 @@ def sample_factor(
     rng: np.random.Generator,
     wanted: Callable[[Floats], Flags] | None = None,
 ) -> float:
-    """The size of an object at which one of its grasps, drawn at random, has a width (ours).
+    """The size of an object at which a random one of its grasps has a given width (ours).
 
     Args:
         caster: Ray caster of the object, closed, metres.
         width: Width of the grasp, metres.
         sampling: How grasps are sampled.
-        rng: Source of chance.
+        rng: Random number generator.
         wanted: Which closing axes, (n, 3) unit vectors, the grasp may have; all by default.
 
     Returns:
@@ -188,7 +189,7 @@ def _grasps_of(
     rng: np.random.Generator,
     simulate: Simulate | None,
 ) -> TableGrasps:
-    """Those of one of the objects; the caster is of it alone, in the frame of the table."""
+    """The grasps of one of the objects; the caster is for it alone, in the frame of the table."""
     opening, rules = settings.gripper.opening, settings.sampling
     rules = rules.model_copy(update={"approach_clearance": 0.0})
     level = near_level(UP, settings.render.tilt)
@@ -213,7 +214,7 @@ def _grasps_of(
 
 
 def _own(placed: PlacedObject, pairs: ContactPairs) -> tuple[ContactPairs, Floats]:
-    """Grasps and their approaches, from the frame of the table to that of the mesh."""
+    """Grasps and their approaches, moved from the frame of the table to that of the mesh."""
     rotation, place = placed.matrix[:3, :3], placed.matrix[:3, 3]
     return (
         ContactPairs(

@@ -24,7 +24,7 @@ class Intrinsics(NamedTuple):
     Attributes:
         width: Pixels.
         height: Pixels.
-        focal: Focal length, pixels, both ways.
+        focal: Focal length, pixels, in both directions.
         center: Where the optical axis meets the image, pixels (u, v).
     """
 
@@ -53,7 +53,7 @@ class Intrinsics(NamedTuple):
         return seen
 
     def slopes(self) -> tuple[Floats, Floats]:
-        """What x is at depth 1 for each column of pixels, and y for each row."""
+        """The x at depth 1 for each column of pixels, and the y for each row."""
         u, v = np.arange(self.width), np.arange(self.height)
         x, y = (u - self.center[0]) / self.focal, (v - self.center[1]) / self.focal
         return np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
@@ -74,7 +74,7 @@ class View:
     """A depth image and the camera that took it.
 
     Attributes:
-        depth: Metres along the optical axis, (height, width); not a number where it is missing.
+        depth: Metres along the optical axis, (height, width); NaN where it is missing.
         intrinsics: The camera.
         pose: (4, 4) transform from the camera (x right, y down, z forward) to the world.
         mask: k for pixels that see the k-th object of a scene, from 1; else 0, (height, width).
@@ -97,7 +97,7 @@ class View:
         return world
 
     def heights(self) -> Floats:
-        """The third coordinate of `points`, for less work, (height, width)."""
+        """The third coordinate of `points`, with less work, (height, width)."""
         x, y = self.intrinsics.slopes()
         across, down, forward = self.pose[2, :3]
         slopes = (y * down + forward)[:, None] + x * across
@@ -139,14 +139,14 @@ class DepthCamera:
         seen = intrinsics.rays(window)
         directions = (seen.reshape(-1, 3) @ to_object[:3, :3].T).astype(np.float32)
         origins = np.broadcast_to(to_object[:3, 3].astype(np.float32), directions.shape)
-        # Directions reach depth 1 each, so distances along them are depths.
+        # Each direction reaches depth 1, so distances along them are depths.
         distances = self._scene.distances(origins, directions).reshape(seen.shape[:2])
         distances[np.isinf(distances)] = np.nan
         depth[window] = np.fmin(depth[window], distances)
         return View(depth, intrinsics, pose)
 
     def _window(self, to_object: Floats, intrinsics: Intrinsics) -> Window:
-        """The rows and columns that can see the object; all if some of it is beside the lens."""
+        """The rows and columns that can see the object; all if some of it is not in front."""
         to_camera = np.linalg.inv(to_object)
         seen = self._vertices @ to_camera[:3, :3].T + to_camera[:3, 3]
         if seen[:, 2].min() <= 0:

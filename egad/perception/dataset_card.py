@@ -15,7 +15,7 @@ COLUMNS = [
     *("split", "scene", "draws", "objects", "focal"),
     *("opening", "depth_center", "quality", "collision_free", "simulated_success"),
 ]
-"""What a summary is made of."""
+"""The columns that a summary is made from."""
 
 COUNTS: dict[str, str] = {
     "objects": "objects",
@@ -31,10 +31,10 @@ NARROW = 0.05  # metres
 
 
 class Summary(NamedTuple):
-    """What there is in a set of images.
+    """The contents of a set of images.
 
     Attributes:
-        counts: What each split and the whole have of `COUNTS`: a row each, also of splits without
+        counts: The `COUNTS` of each split and of the whole set, a row each, also for splits without
             images.
         openings: How far the hand opens for each good grasp, metres.
         images: How many images there are.
@@ -49,11 +49,11 @@ class Summary(NamedTuple):
 
 
 def summary(rows: pd.DataFrame, quality: float) -> Summary:
-    """Count.
+    """Summarize a set of images.
 
     Args:
         rows: `COLUMNS` of `tables.images.IMAGES`.
-        quality: Robust quality that a good grasp has more of.
+        quality: Robust quality that a good grasp exceeds.
     """
     free = [np.asarray(each, dtype=bool) for each in rows["collision_free"]]
     good = [
@@ -103,7 +103,7 @@ def card(
         settings: What the images were rendered with.
         dataset: Name of the dataset.
         gripper: Name of the gripper.
-        found: What there is.
+        found: The contents of the set.
         rejected: Columns of `tables.objects.REJECTED`.
         figure: Name of the file with the figure of the openings.
     """

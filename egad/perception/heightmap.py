@@ -41,7 +41,7 @@ class Heightmap(NamedTuple):
     def highest(self, points: Floats) -> Floats:
         """The greatest height under points (2, n, m), over m."""
         columns, rows = self.heights.shape
-        bordered = np.zeros((columns + 2, rows + 2))  # the border is what is beside the grid
+        bordered = np.zeros((columns + 2, rows + 2))  # the border is what lies beside the grid
         bordered[1:-1, 1:-1] = self.heights
         cells = self._cells(points[0], 0) * (rows + 2) + self._cells(points[1], 1)
         highest: Floats = bordered.ravel().take(cells).max(axis=-1)
@@ -75,7 +75,7 @@ def heightmap_of(view: View, window: Window | None = None) -> Heightmap | None:
 
     Args:
         view: A depth image.
-        window: Rows and columns with all that stands, if they are known.
+        window: Rows and columns with everything that stands on the table, if they are known.
     """
     points = view.points(window or window_of(view.heights() > TABLE_CLEARANCE, 1))
     standing = points[points[..., 2] > TABLE_CLEARANCE]

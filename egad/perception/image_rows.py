@@ -37,7 +37,7 @@ def png(pixels: NDArray[np.uint16] | NDArray[np.uint8]) -> bytes:
 
 
 def depth_of(row: Mapping[str, Any]) -> NDArray[np.float32]:
-    """The depths of a row, metres, not a number where they are missing; errors as `pixels`."""
+    """The depths of a row, metres, NaN where they are missing; errors as `pixels`."""
     steps = pixels(row, "depth", "I")
     return np.where(steps > 0, steps * UNIT, np.nan).astype(np.float32)
 
@@ -48,7 +48,7 @@ def pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
     Args:
         row: Has `height`, `width` and the file.
         name: Name of its column.
-        mode: How Pillow calls such pixels, or how that begins.
+        mode: What Pillow calls such pixels, or how that begins.
 
     Raises:
         TableError: The file is damaged, or of another size or kind.

@@ -17,20 +17,20 @@ MATCHED = 7  # pixels; side of the windows that are matched (Keselman et al. 201
 MAX_INCIDENCE = 80.0  # degrees
 SPOT = 1.5  # pixels; how far lost pixels keep together
 STEREO = ImageNoise(disparity=0.1, holes=True)
-# Of the later code of VGN, after Dex-Net 2.0
+# From the later code of VGN, after Dex-Net 2.0
 GAMMA_SHAPE, GAMMA_SIGMA, GAMMA_GRID = 1000.0, 0.005, 4  # metres; pixels
 DEX_RATE = 0.5  # as in GIGA: how often the second part is added
 
 
 def add_noise(noise: NoiseName, view: View, rng: np.random.Generator) -> View:
-    """A view as a camera has it.
+    """A view as a real camera takes it.
 
     Args:
         noise: none; stereo: `add_sensor_noise` of 0.1 pixels with holes; gamma, dex:
-            `add_gamma_noise`, dex with its second part in half of the images; points: none, it is
-            added to the points of a cloud.
+            `add_gamma_noise`, dex with its second part in half of the images; points: none here,
+            the noise is added to the points of a cloud.
         view: What an ideal camera sees.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     if noise == "stereo":
         return add_sensor_noise(view, STEREO, rng)
@@ -48,7 +48,7 @@ def add_gamma_noise(view: View, rng: np.random.Generator, rate: float = 1.0) -> 
 
     Args:
         view: What an ideal camera sees.
-        rng: Source of chance.
+        rng: Random number generator.
         rate: Probability of the second part.
     """
     factor = rng.gamma(GAMMA_SHAPE, 1 / GAMMA_SHAPE)
@@ -62,19 +62,19 @@ def add_gamma_noise(view: View, rng: np.random.Generator, rate: float = 1.0) -> 
 
 
 def add_sensor_noise(view: View, noise: ImageNoise, rng: np.random.Generator) -> View:
-    """A view as a stereo camera has it: disparity noise, then holes, then lost pixels (ours).
+    """A view as a stereo camera takes it: disparity noise, then holes, then lost pixels (ours).
 
     The disparity, baseline * focal length / depth, gets normal noise, so that the depth errs in
     proportion to its square: with 0.1 pixels by 1.7 mm at 0.6 m. Stereo cameras match windows of
     pixels, 7 x 7 in a RealSense R200 (Keselman et al. 2017, "Intel RealSense stereoscopic depth
     cameras"), so the errors of pixels less than 7 apart in both directions are correlated. Holes
-    are where the second imager sees nothing (`stereo_shadow`), and where it sees the surface too
-    slanted (`grazing`).
+    are where the second imager sees nothing (`stereo_shadow`), and where it sees the surface at too
+    steep a slant (`grazing`).
 
     Args:
         view: What an ideal camera sees.
         noise: What goes wrong; each kind may be off.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     found = view.depth.copy()
     if noise.disparity > 0:
@@ -138,7 +138,7 @@ def grazing(view: View) -> Flags:
 
 
 def _slope(depth: Depth, axis: int) -> Floats:
-    """The lesser of the differences to the next pixels on either side, metres per pixel."""
+    """The smaller of the differences to the next pixels on either side, metres per pixel."""
     steps = np.diff(depth.astype(np.float64), axis=axis)
     first, last = np.take(steps, [0], axis), np.take(steps, [-1], axis)
     back, ahead = np.concatenate([first, steps], axis), np.concatenate([steps, last], axis)
@@ -146,6 +146,6 @@ def _slope(depth: Depth, axis: int) -> Floats:
 
 
 def _spots(shape: tuple[int, ...], part: float, rng: np.random.Generator) -> Flags:
-    """Spots that take about this part of an image."""
+    """Spots that cover about this part of an image."""
     field = ndimage.gaussian_filter(rng.standard_normal(shape), SPOT, mode="wrap")
     return np.asarray(field < np.quantile(field, part))

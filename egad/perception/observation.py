@@ -37,7 +37,7 @@ class Observation:
         views: Depth images from all around.
         side: Side of the workspace, a square around the origin, metres.
         point_sigma: Standard deviation of noise on each coordinate of the cloud, metres.
-        point_seed: For that noise.
+        point_seed: Seed of that noise.
     """
 
     view: View
@@ -67,7 +67,7 @@ class Observation:
         """The object that each point of `cloud` belongs to, numbered from 1 as in masks, (n,).
 
         A point belongs to what the views see nearest to it, among all that they measure higher than
-        4 mm. That is 0 for the table, which only noise lifts as high.
+        4 mm. That is 0 for the table, which only noise lifts that high.
 
         Raises:
             ValueError: It is not known which objects the views see.
@@ -77,7 +77,7 @@ class Observation:
         standing = [view.heights() > TABLE_NOISE for view in self.views]
         pairs = list(zip(self.views, standing, strict=True))
         seen = np.concatenate([view.points()[high] for view, high in pairs])
-        # Without any points, the tree answers 0, where that last number is.
+        # Without any points, the tree answers 0, which is the index of that last number.
         objects = np.append(np.concatenate([view.mask[high] for view, high in pairs]), np.uint8(0))
         nearest: NDArray[np.uint8] = objects[KDTree(seen).query(self.cloud.points)[1]]
         return nearest
@@ -94,7 +94,7 @@ class Observation:
         return tuple(PointCloud(points[own], normals[own]) for own in each)
 
     def fuse_views(self, resolution: int) -> Tsdf:
-        """The views fused into a cube of as many voxels along a side."""
+        """The views fused into a cube of `resolution` voxels along a side."""
         corner = np.array([-self.side / 2, -self.side / 2, -BELOW])
         return fuse(self.views, corner, self.side, resolution)
 

@@ -31,10 +31,14 @@ class Camera(Parameters):
     image: tuple[Pixels, Pixels] = Field(
         (300, 300), description="width and height of the depth image, pixels"
     )
-    focal: Range = Field(description="focal length, pixels")
-    distance: Range = Field(description="distance from the center of the table, metres")
-    tilt: tuple[Angle, Angle] = Field(description="angle to the vertical, degrees")
-    roll: Range = Field((0.0, 0.0), description="rotation about the optical axis, degrees")
+    focal: Range = Field(description="range of the focal length, pixels")
+    distance: Range = Field(
+        description="range of the distance from the center of the table, metres"
+    )
+    tilt: tuple[Angle, Angle] = Field(description="range of the angle to the vertical, degrees")
+    roll: Range = Field(
+        (0.0, 0.0), description="range of the rotation about the optical axis, degrees"
+    )
     shift: float = Field(
         0.1,
         ge=0,
@@ -73,25 +77,27 @@ class Render(Parameters):
         4000,
         ge=1,
         le=10_000_000,
-        description="images per dataset, for any number of objects; each split has its share, "
-        "distributed evenly over its objects",
+        description="images per dataset, regardless of the number of objects; each split has its "
+        "share, distributed evenly over its objects",
     )
-    camera: Name = Field("d435", description="camera of the table below")
+    camera: Name = Field("d435", description="camera, from the table `cameras`")
     grasps: int = Field(
         100,
         ge=1,
-        description="largest number of grasps that are sampled for each object in an image",
+        description="maximum number of grasps sampled for each object in an image",
     )
     tilt: float = Field(
         15.0,
         gt=0,
         lt=90,
-        description="largest angle between approach and vertical of a reachable grasp, degrees",
+        description="largest angle between the approach of a reachable grasp and the vertical, "
+        "degrees",
     )
     widths: tuple[Length, Length] | None = Field(
         None,
-        description="objects are shown in random sizes, such that the width of one of their grasps "
-        "is uniform in this range, metres; nothing: in the size that fits the gripper",
+        description="range of grasp widths, metres: objects are shown in random sizes, such that "
+        "the width of one of their grasps is uniform in this range; nothing: in the size that fits "
+        "the gripper",
     )
     packed: Fraction = Field(
         0.0, description="fraction of the images that show several objects, upright, side by side"
@@ -99,29 +105,29 @@ class Render(Parameters):
     pile: Fraction = Field(
         0.0, description="fraction of the images that show several objects in a pile"
     )
-    objects: int = Field(5, ge=2, le=20, description="objects of a pile, or to be packed")
+    objects: int = Field(5, ge=2, le=20, description="number of objects in a pile, or to be packed")
     quality: float = Field(
         0.001,
         ge=0,
-        description="an image has a good grasp if one is free of collisions and has a higher "
-        "robust quality than this, or held in simulation if it was simulated",
+        description="robust quality above which a collision-free grasp is good; a simulated grasp "
+        "is good if it held in simulation",
     )
     without_grasps: bool = Field(
         False,
         description="whether images without a good grasp are kept; if not, another pose and size "
-        "is drawn, at most 10 times",
+        "are drawn, at most 10 times",
     )
     simulate: bool = Field(
         False,
-        description="whether the grasps that are free of collisions are also closed, shaken and "
-        "lifted in simulation (section simulated_label)",
+        description="whether collision-free grasps are also closed, shaken and lifted in "
+        "simulation (section simulated_label)",
     )
     complexity: FractionRange = Field(
         (0.0, 1.0),
         description="range of objects by rank in complexity: [0, 0.33] is the simplest third",
     )
     subset: PositiveFraction = Field(
-        1.0, description="fraction of these objects, sampled at random"
+        1.0, description="fraction of the objects within `complexity` to use, sampled at random"
     )
     validation: Fraction = Field(
         0.1, description="fraction of objects and images in the validation set"
@@ -158,15 +164,16 @@ class ImageNoise(Parameters):
         ge=0,
         le=10,
         description="standard deviation of the disparity, pixels; the depth error grows with the "
-        "square of the depth: 0.1 pixels are 1.7 mm at 0.6 m; pixels less than 7 apart err alike",
+        "square of the depth: 0.1 pixels are 1.7 mm at 0.6 m; errors of pixels less than 7 apart "
+        "are correlated",
     )
     holes: bool = Field(
         False,
-        description="whether pixels have no depth that the second imager does not see, beside "
-        "edges, or where the line of sight is within 10 degrees of the surface",
+        description="whether depth is missing where the second imager sees nothing (beside edges), "
+        "and where the line of sight is within 10 degrees of the surface",
     )
     missing: Fraction = Field(
-        0.0, description="fraction of the pixels without depth, in small spots"
+        0.0, description="fraction of the pixels that have no depth, in small spots"
     )
 
 

@@ -1,6 +1,6 @@
 """Whether a hand can reach grasps from above (ours).
 
-The approach is turned about the closing axis until it is as near to the vertical as can be, as in
+The approach is turned about the closing axis until it is as near to the vertical as possible, as in
 Dex-Net (Mahler et al. 2017).
 """
 
@@ -18,7 +18,7 @@ from egad.grasps import (
 )
 from egad.grippers import HandBody, finger_span
 
-GAP = 1e-5  # metres; by how much nearer than the contact something else must be to be in the way
+GAP = 1e-5  # metres; something is in the way if it is nearer than the contact by more than this
 
 
 def is_reachable(
@@ -33,12 +33,12 @@ def is_reachable(
     they close.
 
     Args:
-        scene: All that is on the table, closed, metres; the table is at height 0, z is up.
+        scene: Everything on the table, closed, metres; the table is at height 0, z is up.
         centers: (n, 3) midpoints of the contacts, metres.
         axes: (n, 3) unit vectors from the first contact to the second.
         widths: (n,) distances of the contacts, metres.
         body: The hand.
-        way: Length of the straight way in, metres.
+        way: Length of the straight approach, metres.
     """
     approaches = first_approaches(axes)
     frames = np.stack([axes, np.cross(approaches, axes), approaches], axis=1)
@@ -81,7 +81,7 @@ def _lowest(body: HandBody, origins: Floats, frames: Floats, openings: Floats) -
         slopes = frames[rows][:, :, 2]
         placed = origins[rows, 2] + np.sum(shifts * slopes, axis=1)
         for part in parts:
-            # of a box, along each of its axes the lower face
+            # the lower face of a box along each of its axes
             corner = np.minimum(slopes * part.box[0], slopes * part.box[1]).sum(axis=1)
             lowest[rows] = np.minimum(lowest[rows], placed + corner)
     return lowest

@@ -33,7 +33,7 @@ class ImageGrasps(NamedTuple):
             (right), radians in [-pi/2, pi/2).
         opening: (n,) how far the hand opens, at the depth of the center, pixels.
         depth_center: (n,) of the center, along the optical axis, metres.
-        quality: (n,) robust quality; 0 of those that are not free of collisions.
+        quality: (n,) robust quality; 0 for those that are not free of collisions.
         collision_free: (n,) whether the hand touches nothing but the contacts.
         simulated_success: (n,) whether the grasp held in simulation; None if it was not simulated.
     """
@@ -61,7 +61,7 @@ class ImageGrasps(NamedTuple):
 
 
 def project_grasps(scene: CameraScene, grasps: TableGrasps, gripper: Gripper) -> ImageGrasps:
-    """Grasps in the image of a scene; those whose centers are beside it are left out.
+    """Grasps in the image of a scene; those whose centers are outside it are left out.
 
     Args:
         scene: Table and camera.
@@ -103,7 +103,7 @@ def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
     union above 0.25 and axes less than 30 degrees apart, both with the same label.
 
     Args:
-        proposed: (4,) u, v, angle and opening. The networks say nothing of the breadth of the
+        proposed: (4,) u, v, angle and opening. The networks say nothing about the breadth of the
             jaws: it is taken from each label (ours; GG-CNN takes half of the opening).
         truth: (n, 5) labels.
     """

@@ -83,7 +83,7 @@ class RenderedImage:
 
     @property
     def depth(self) -> NDArray[np.float32]:
-        """Metres along the optical axis, (height, width); not a number where it is missing."""
+        """Metres along the optical axis, (height, width); NaN where it is missing."""
         return self.view.depth
 
     @property
@@ -109,7 +109,7 @@ def pictures(
 ) -> Iterator[RenderedImage]:
     """All images of an object that lies alone, in the order of their numbers.
 
-    What chance decides comes from the seed, the object, the pose and the number of the view there.
+    Random choices follow from the seed, the object, the pose and the number of the view there.
 
     Args:
         mesh: The object as it is grasped, closed, metres.
@@ -122,7 +122,7 @@ def pictures(
         RejectedError: It rests in no pose.
     """
     seed, name = settings.seed, share.id
-    with np.errstate(invalid="ignore", divide="ignore"):  # flat ones rest in no pose
+    with np.errstate(invalid="ignore", divide="ignore"):  # flat objects rest in no pose
         com = mass_properties(mesh, 1.0).com
     poses = stable_poses(mesh, com)
     numbers = sample_object_poses(poses, share.images, generator(seed, "render poses", name))
@@ -147,13 +147,13 @@ def first_good(
     key: Sequence[str | int],
     simulate: Simulate | None = None,
 ) -> Labelled | None:
-    """The first of at most ten draws that shows a good grasp; the very first if any will do.
+    """The first of at most ten draws that shows a good grasp; the very first if none is required.
 
     Args:
         draw: Puts objects on a table.
         body: The hand.
         settings: What a good grasp is, and whether one is needed.
-        key: What the draws are for; chance follows from it and from the number of the draw.
+        key: What the draws are for; random numbers follow from it and from the number of the draw.
         simulate: Finds out which grasps hold.
 
     Returns:
@@ -211,7 +211,7 @@ def views_of(
 
 
 def draw_width(settings: RenderParameters, name: str, *key: str | int) -> float | None:
-    """The width of a grasp that decides on the size of an object, metres; None if none does.
+    """The width of a grasp that determines the size of an object, metres; None if none does.
 
     Args:
         settings: Its range.

@@ -1,4 +1,4 @@
-"""Depth images without holes and noise, as far as the images themselves tell (ours)."""
+"""Removal of holes and noise from depth images, using the images alone (ours)."""
 
 from dataclasses import replace
 
@@ -20,23 +20,24 @@ TOLERANCE = 3.0  # standard deviations of the noise; that of its weights by dept
 SMOOTHING = 5  # pixels
 STANDING = 2.5  # standard deviations over the table that count beside what surely stands there
 SURELY_STANDING = 5.0
-MARGIN = 12  # pixels of table around what stands; enough for the window, and to know the noise
+MARGIN = 12  # pixels of table around what stands; enough for the window, and to estimate the noise
 
 
 def restore(view: View) -> View:
-    """A view of a table for detectors, without holes and noise as far as can be told (ours).
+    """A view of a table for detectors, without holes and noise as far as possible (ours).
 
     Holes are filled (`fill_missing`). If the image has noise (`noise_of`), what stands on the
     table is denoised by a bilateral filter (Tomasi and Manduchi 1998): an average over depths that
     differ by little more than the noise, so that edges stay. The rest is set to the height 0 of
     the table. What stands is at least 3 mm and 2.5 standard deviations high, and higher than 5
-    somewhere, so that no bump of the noise is taken for an obstacle.
+    standard deviations somewhere, so that no bump of the noise is taken for an obstacle.
 
     Args:
         view: A depth image; the table is at height 0, and some of it is seen.
 
     Returns:
-        Depth everywhere, unless it is missing everywhere; without holes and noise, the same.
+        Depth everywhere, unless it is missing everywhere; a view without holes and noise is
+        unchanged.
     """
     if not np.isfinite(view.depth).any():
         return view
@@ -74,8 +75,8 @@ def _standing(heights: Floats) -> Flags:
 def noise_of(heights: Floats) -> float:
     """Standard deviation of the noise of heights over a table, metres.
 
-    Nothing is lower than the table, so all that seems to be is noise. The median of these depths
-    below it tells the deviation of normal noise; 0 if nothing is below.
+    Nothing is lower than the table, so whatever seems lower is noise. The median of these depths
+    below it gives the standard deviation of normal noise; 0 if nothing is below.
 
     Args:
         heights: Metres, of any shape; the table is at 0.
@@ -91,7 +92,7 @@ def fill_missing(depth: Depth) -> Depth:
     that is nearer. A row without any depth is like the next row that has some.
 
     Args:
-        depth: Metres, (height, width); not a number where it is missing, but not everywhere.
+        depth: Metres, (height, width); NaN where it is missing, but not everywhere.
     """
     gaps = ~np.isfinite(depth)
     if not gaps.any():

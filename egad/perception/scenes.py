@@ -35,7 +35,7 @@ def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.
     Args:
         poses: Their probabilities add up to 1.
         count: How many to draw.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     ends = np.cumsum([pose.probability for pose in poses])
     levels = (rng.random() + np.arange(count)) / max(count, 1) * ends[-1]
@@ -50,7 +50,7 @@ def sample_scene(center: Floats, settings: Camera, rng: np.random.Generator) -> 
     Args:
         center: (3,) what a centered image shows in its middle, in the frame of the table.
         settings: The ranges.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     matrix = np.eye(4)
     matrix[:3, :3] = Rotation.from_rotvec([0, 0, rng.uniform(0, 2 * np.pi)]).as_matrix()

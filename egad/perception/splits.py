@@ -1,4 +1,4 @@
-"""Who is trained on: splits by object, and how many images each object gets (ours)."""
+"""Splits by object, and how many images each object gets (ours)."""
 
 from collections.abc import Collection
 from itertools import count
@@ -12,7 +12,7 @@ from egad.perception.parameters import Render, SceneKind
 from egad.random import entropy, generator
 
 SPLITS = ("train", "validation", "test")
-SHARD = 500  # images, about: how many shards there are follows from the settings alone
+SHARD = 500  # images, about: the number of shards follows from the settings alone
 VIEWS = 4  # images of a scene of several objects, at most
 
 
@@ -21,10 +21,10 @@ def check_splits(index: pd.DataFrame, where: object) -> None:
 
     Args:
         index: Columns `split` and `objects`, a list of ids, of images or scenes.
-        where: What they are of, for messages.
+        where: Where these come from, for messages.
 
     Raises:
-        UserError: One is, or there is another split than those known.
+        UserError: One is, or a split is not one of those known.
     """
     if unknown := set(index["split"]) - set(SPLITS):
         raise UserError(f"{where}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
@@ -61,10 +61,10 @@ def shares(
     """The images of all objects of a dataset, in the order of their numbers.
 
     Objects are shuffled, so that any run of images is a fair sample. Scenes of several objects
-    come last; all of their objects are in one split. Splits are of all objects,
-    then those that are wanted are taken: an object is in the same split whichever part of the
-    dataset is rendered. A split has its part of the images even if it has more of the objects, so
-    the number to train on does not depend on the dataset; without objects it has none.
+    come last; all of their objects are in one split. All objects are split before the wanted ones
+    are taken: an object is in the same split whichever part of the dataset is rendered. A split has
+    its fraction of the images even if it has a larger one of the objects, so the number of training
+    images does not depend on the dataset; without objects it has none.
 
     Args:
         objects: Columns `id`, `label` and `complexity`.
@@ -127,9 +127,10 @@ def split_of(
 ) -> dict[str, str]:
     """The split of each object.
 
-    Those of the evaluation set come first, the others by chance; the first are for `test`, at least
-    all of the evaluation set, the next for `validation`. Numbers are rounded, but of three objects
-    or more each split that is to have a part has one, if the evaluation set leaves any.
+    Objects of the evaluation set come first, the others follow in random order. The first are for
+    `test`, at least all of the evaluation set; the next are for `validation`. Numbers are rounded,
+    but with three objects or more, each split that is to have a part has at least one object, if
+    the evaluation set leaves any.
     """
     held_out = set(evaluation)
     order = sorted(ids, key=lambda name: (name not in held_out, entropy(seed, "split", name)))
@@ -142,7 +143,7 @@ def split_of(
 
 
 def evenly(total: int, parts: int) -> list[int]:
-    """A number cut into whole parts that differ by one at most, spread evenly; no parts, none."""
+    """A number cut into whole parts that differ by one at most, spread evenly; none if no parts."""
     return [(i + 1) * total // parts - i * total // parts for i in range(parts)]
 
 
@@ -164,7 +165,7 @@ def _kinds(settings: Render) -> dict[str, dict[SceneKind, int]]:
 
 
 def _drawn(objects: pd.DataFrame, part: float, seed: int) -> pd.DataFrame:
-    """A part of some objects, at least one if there are any, by chance."""
+    """A random part of some objects, at least one if there are any."""
     order = sorted(objects["id"], key=lambda name: entropy(seed, "part", name))
     return objects[objects["id"].isin(order[: max(round(part * len(order)), 1)])]
 

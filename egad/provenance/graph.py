@@ -1,4 +1,4 @@
-"""The origin of files, and of all that these were made from, as plain values."""
+"""The origin of files, and of everything that they were made from, as plain values."""
 
 import os
 from collections.abc import Iterable
@@ -10,7 +10,7 @@ from egad.tables.origin import ELSEWHERE
 
 
 def provenance_graph(paths: Iterable[Path], folder: Path) -> dict[str, dict[str, Any]]:
-    """What is noted of files and folders, and of everything that they were made from.
+    """The recorded origin of files and folders, and of everything that they were made from.
 
     Args:
         paths: Files and folders.
@@ -18,12 +18,12 @@ def provenance_graph(paths: Iterable[Path], folder: Path) -> dict[str, dict[str,
 
     Returns:
         For each path what made it: stage, version and fingerprint of the code, hash of the
-        settings, seed, arguments, and its inputs with their SHA-256. Inputs that nothing is noted
-        of, or that lie outside the working directory, have no entry.
+        settings, seed, arguments, and its inputs with their SHA-256. Inputs without a record, and
+        those outside the working directory, have no entry.
 
     Raises:
         TableError: A table is damaged.
-        UserError: What is noted of a file is.
+        UserError: The record of a file is damaged.
     """
     found: dict[str, dict[str, Any]] = {}
     waiting = list(paths)

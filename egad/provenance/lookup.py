@@ -1,4 +1,4 @@
-"""The origin of a file or folder: in a table itself, beside everything else."""
+"""The origin of a file or folder: recorded in a table itself, or beside any other file."""
 
 import os
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ TABLE = ".parquet"
 
 
 class Noted(BaseModel):
-    """An `egad.tables.origin.Origin` as it was noted, of a file or folder at a path."""
+    """An `egad.tables.origin.Origin` as it was recorded for a file or folder."""
 
     path: Path
     program: str
@@ -28,9 +28,9 @@ class Noted(BaseModel):
     inputs: list[tuple[str, str]]
 
     def sources(self) -> list[tuple[Path, str]]:
-        """The inputs where they should be now, with their hashes of then.
+        """The inputs where they should be now, with their recorded hashes.
 
-        Nobody knows where those are that lay elsewhere: their paths lead nowhere.
+        It is not known where inputs from elsewhere are: their paths lead nowhere.
         """
         folder = self.path if self.path.is_dir() else self.path.parent
         return [
@@ -42,8 +42,8 @@ class Noted(BaseModel):
 def is_near(path: Path, folders: Iterable[Path]) -> bool:
     """Whether a path is a file or folder in one of some folders, links followed.
 
-    What a stranger's file names is not read unless it is: it may be a device that never ends, or
-    the whole disk.
+    Paths named in an untrusted file are not read unless they are: one may be a device that never
+    ends, or the whole disk.
     """
     kinds = (os.path.isfile, os.path.isdir)  # unlike those of `Path`, they take any text
     if not any(is_kind(path) for is_kind in kinds):
@@ -52,11 +52,11 @@ def is_near(path: Path, folders: Iterable[Path]) -> bool:
 
 
 def origin_of(path: Path) -> Noted | None:
-    """What is noted of a file or folder, if anything is.
+    """The recorded origin of a file or folder, if there is one.
 
     Raises:
         TableError: A table is damaged.
-        UserError: What is noted is.
+        UserError: The record is damaged.
     """
     if path.suffix == TABLE:
         values = parquet.origin_of(path)

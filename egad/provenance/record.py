@@ -1,4 +1,4 @@
-"""Where files come from, noted with what a stage or command writes."""
+"""Recording where files come from, together with what a stage or command writes."""
 
 import hashlib
 import json
@@ -23,14 +23,14 @@ def recorded(
     arguments: Mapping[str, Any] | None = None,
     inputs: Iterable[Path] = (),
 ) -> Iterator[None]:
-    """Whatever is written in the block says where it comes from.
+    """Record the origin of whatever is written in the block.
 
     Args:
         stage: Name of the rule or command.
         code: Fingerprint of its code.
-        settings: Those that it reads; their hash is noted, and their seed.
-        arguments: What else decides the result; those that are None are left out.
-        inputs: Files and folders that it reads; their hashes are noted.
+        settings: Those that it reads; their hash and their seed are recorded.
+        arguments: What else determines the result; those that are None are left out.
+        inputs: Files and folders that it reads; their hashes are recorded.
     """
     values = _plain(settings or {})
     origin = Origin(

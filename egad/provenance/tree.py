@@ -12,7 +12,7 @@ from egad.provenance.lookup import Noted, is_near, origin_of
 
 
 class FileNode(NamedTuple):
-    """A file, what is noted of it, and what is wrong with it if anything is."""
+    """A file, its recorded origin, and what is wrong with it, if anything."""
 
     path: Path
     noted: Noted | None
@@ -25,12 +25,12 @@ Look = Callable[[Path, str], FileNode]
 def tree(path: Path) -> Iterator[str]:
     """Lines of text: the file, and below it what it was made from, and so on.
 
-    Files that were made alike, such as those of shards, share a line. What was told once is not
-    told again. Inputs are looked at in the working directory and in the folder of the file.
+    Files that were made alike, such as those of shards, share a line. A subtree that was shown is
+    not shown again. Inputs are checked in the working directory and in the folder of the file.
 
     Raises:
         TableError: A table is damaged.
-        UserError: What is noted of a file is.
+        UserError: The record of a file is damaged.
     """
     root = [FileNode(path, origin_of(path))]
     folders = (Path.cwd(), path if path.is_dir() else path.parent)
@@ -71,7 +71,7 @@ def _node(
 
 
 def _likeness(node: FileNode) -> tuple[object, ...]:
-    """Equal for files that were made by the same from alike."""
+    """A key that is equal for files that were made alike."""
     kind = (node.path.parent, node.path.stem.rstrip("0123456789"), node.path.suffix)
     if node.noted is None:
         return (node.path.parent, node.path.suffix, node.problem.partition(";")[0])
@@ -79,7 +79,7 @@ def _likeness(node: FileNode) -> tuple[object, ...]:
 
 
 def _line(group: list[FileNode]) -> str:
-    """Files that were made alike; characters that would move the cursor are not let through."""
+    """A line for files that were made alike, without characters that would move the cursor."""
     node = group[0]
     more = f" and {len(group) - 1} more" if len(group) > 1 else ""
     made = ", ".join(_words(node.noted)) if node.noted else "no provenance recorded"

@@ -1,4 +1,4 @@
-"""Whether files are still what was made: their own hashes, and those that others noted of them."""
+"""Whether files are unchanged, by their own hashes and those recorded in files made from them."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ class Verdict:
     Attributes:
         checked: How many files were compared with a hash.
         problems: What is wrong, for each file that is not as it was made.
-        unknown: Files that nothing is noted of.
-        gone: How many inputs are not there any more, or lie neither in the folder nor in the
-            working directory.
+        unknown: Files without a record.
+        gone: How many inputs no longer exist, or lie neither in the folder nor in the working
+            directory.
     """
 
     checked: int
@@ -33,16 +33,16 @@ class Verdict:
 
 
 def verify(folder: Path) -> Verdict:
-    """Compare all files of a folder, hidden ones apart, with what was noted when they were made.
+    """Compare all files of a folder, except hidden ones, with the hashes recorded for them.
 
-    A table has a hash of itself, other files have theirs beside them; and every file is compared
-    with the hash that was noted when another was made from it.
+    A table contains a hash of itself; other files have theirs beside them. Every file is also
+    compared with the hash that was recorded when another file was made from it.
 
     Args:
         folder: Such as `results/egad`.
 
     Raises:
-        UserError: There is no such folder, or nothing is noted of any file in it.
+        UserError: There is no such folder, or no file in it has a record.
     """
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder")
@@ -81,7 +81,7 @@ def _tables(paths: Iterable[Path]) -> Found:
 
 
 def _others(records: Iterable[Path], digest: Callable[[Path], str]) -> Found:
-    """The files that sums are about, and those beside them that they are not about."""
+    """The files that checksum files list, and those beside them that they do not list."""
     for record in records:
         try:
             sums = read_sums(record)[0]
@@ -97,7 +97,7 @@ def _others(records: Iterable[Path], digest: Callable[[Path], str]) -> Found:
 
 
 def _sources(paths: Iterable[Path]) -> list[tuple[Path, Path, str]]:
-    """Files, an input of each, and its hash of then; damaged files are passed over."""
+    """Files, an input of each, and its recorded hash; damaged files are skipped."""
     found = []
     for path in paths:
         try:
@@ -109,5 +109,5 @@ def _sources(paths: Iterable[Path]) -> list[tuple[Path, Path, str]]:
 
 
 def _made(record: Path) -> Path:
-    """The file or folder that sums are about."""
+    """The file or folder that a checksum file describes."""
     return record.parent if record.name == SUMS else record.with_suffix("")

@@ -12,7 +12,7 @@ from egad._util.kernels import kernel
 from egad.errors import UserError
 from egad.reeb.graph import ReebGraph
 
-MAX_MATCHED = 5  # of nodes that one node may be matched to
+MAX_MATCHED = 5  # largest number of nodes that one node may be matched to
 
 
 class Nodes(NamedTuple):
@@ -26,16 +26,16 @@ class Nodes(NamedTuple):
 
 
 class MatchingMemory(NamedTuple):
-    """Memory of a matching, to be used again for the next one.
+    """Memory for a matching, reused for the next one.
 
-    All integers share one array, as every array of its own would slow each call down.
+    All integers share one array, because separate arrays would slow each call down.
     """
 
     ints: Ints32  # (_ROWS, 2 n): a row for each purpose below
 
 
 STATE = 0  # numbers of matches, of their nodes and of visits; what to add to nodes of either graph
-FREE = 1  # by node so shifted: whether it may still be matched in this group
+FREE = 1  # by shifted node: whether it may still be matched in this group
 SEEN = 2  # likewise: last visit as a neighbor that runs are taken from
 ADDED = 3  # likewise: last visit as a neighbor of a run
 MATCHED = 4  # nodes of all matches
@@ -49,7 +49,7 @@ _ROWS = 13
 
 @kernel()
 def space(starts: Ints32) -> MatchingMemory:
-    """Memory to match any two of the graphs that start at these nodes, the end of all included."""
+    """Memory to match any two of the graphs that start at these nodes (the last one is the end)."""
     largest = 0
     for i in range(len(starts) - 1):
         largest = max(largest, starts[i + 1] - starts[i])
@@ -67,7 +67,7 @@ class Trees(NamedTuple):
 
 
 class Forest:
-    """Graphs to be compared, numbered in the order in which they came."""
+    """Graphs to be compared, numbered in the order in which they were added."""
 
     def __init__(self, weight: float, graphs: Iterable[ReebGraph] = ()) -> None:
         """Make a forest of some graphs.
@@ -141,7 +141,7 @@ class _Rows:
 
 
 def _key(graph: ReebGraph) -> np.uint64:
-    """A digest of all that a graph says: two graphs are put in order by it."""
+    """A digest of the contents of a graph, by which two graphs are ordered."""
     digest = hashlib.blake2b(digest_size=8)
     for array in (graph.areas, graph.lengths, graph.ranges, graph.neighbors):
         digest.update(array.tobytes())
@@ -149,7 +149,7 @@ def _key(graph: ReebGraph) -> np.uint64:
 
 
 def _rows(graph: ReebGraph) -> Ints32:
-    """`Nodes.rows` of a graph alone, with its neighbors after its children."""
+    """`Nodes.rows` of a single graph, with its neighbors after its children."""
     lower = graph.ranges[graph.children] % 2 == 0
     before = np.concatenate(([0], np.cumsum(lower)))
     starts, ends = graph.child_starts[:-1], graph.child_starts[1:]

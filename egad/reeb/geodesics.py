@@ -1,8 +1,8 @@
 """Geodesic distances, and their integral mu, the function that Reeb graphs are built from.
 
 mu(v) is the integral of the geodesic distance to v over the surface (Hilaga et al., "Topology
-Matching for Fully Automatic Similarity Estimation of 3D Shapes", SIGGRAPH 2001), a sum over base
-vertices that stand for parts of it.
+Matching for Fully Automatic Similarity Estimation of 3D Shapes", SIGGRAPH 2001). It is computed as
+a sum over base vertices that represent parts of it.
 """
 
 from typing import NamedTuple
@@ -22,13 +22,13 @@ _ABSENT = -(1 << 30)  # in `preceding`: in no bucket
 class EdgeGraph(NamedTuple):
     """The edges at each vertex, row by row, and the buckets that vertices wait in.
 
-    Unsigned indices spare the check for negative ones: a fifth of the time of a search.
+    Unsigned indices avoid the check for negative ones, which takes a fifth of the time of a search.
     """
 
     starts: NDArray[np.uint32]  # (n + 1,) of the rows
     neighbors: NDArray[np.uint32]  # (2 e,)
     lengths: Floats  # (2 e,)
-    scale: float  # buckets a unit of length
+    scale: float  # buckets per unit of length
     first: Ints32  # (power of 2,): the first vertex in each bucket, or -1
     following: Ints32  # (n,): the next vertex of the same bucket, or -1
     preceding: Ints32  # (n,): the one before, or -1 - bucket
@@ -40,9 +40,9 @@ def edge_graph(mesh: Triangulation, shortcuts: bool) -> EdgeGraph:
 
     Args:
         mesh: Any mesh.
-        shortcuts: Whether a path may also cross two faces from corner to corner, as the short-cut
-            of Hilaga et al. (SIGGRAPH 2001). Along edges alone a distance depends on how they
-            run; with shortcuts it nearly stays the same when the surface is meshed anew.
+        shortcuts: Whether a path may also cross two faces from corner to corner, like the short-cut
+            of Hilaga et al. (SIGGRAPH 2001). Along edges alone, a distance depends on how they run;
+            with shortcuts, it stays nearly the same when the surface is remeshed.
     """
     ends, lengths = mesh.edges, _lengths(mesh)
     if shortcuts:
@@ -105,7 +105,7 @@ def _shortcuts(mesh: Triangulation, lengths: Floats) -> tuple[Ints32, Floats]:
 def _flat(
     vertices: Floats, one: int, other: int, corner: int, length: float
 ) -> tuple[float, float]:
-    """Place of a corner along an edge, and its distance from the edge's line."""
+    """Position of a corner along an edge, and its distance from the edge's line."""
     along = square = 0.0
     for k in range(3):
         arm = vertices[corner, k] - vertices[one, k]
@@ -119,8 +119,8 @@ def _flat(
 def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
     """Lower the distances of all vertices that a path from the source brings nearer, in place.
 
-    Distances that are infinite everywhere become those to the source; those to the nearest of
-    some vertices become those to the nearest of these and the source, and the search ends where
+    Distances that are infinite everywhere become distances to the source. Distances to the nearest
+    of some vertices become distances to the nearest of these and the source; the search ends where
     it brings nothing nearer.
     """
     starts, neighbors, lengths, scale, first, following, preceding = graph
@@ -171,10 +171,10 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
 def even_integral(
     graph: EdgeGraph, vertices: Floats, faces: Ints32, areas: Floats, count: int
 ) -> Floats:
-    """The integral from farthest-point bases, each of which stands for the vertices nearest to it.
+    """The integral from farthest-point bases, each of which represents the vertices nearest to it.
 
     The first base is the vertex farthest from the center of the surface, so neither the order of
-    the vertices nor the place of the mesh matters; every other one is the vertex farthest from
+    the vertices nor the position of the mesh matters; every other one is the vertex farthest from
     those before it. The choice of bases is ours: the paper leaves it open.
 
     Args:
@@ -236,7 +236,7 @@ def _farthest_from_center(vertices: Floats, share: Floats) -> int:
 
 @kernel()
 def _claim(nearest: Floats, before: Floats, owner: Ints, number: int) -> int:
-    """Give vertices that are nearer than before to a base; returns the one farthest from all."""
+    """Assign vertices that are nearer than before to a base; returns the one farthest from all."""
     farthest = 0
     for vertex, distance in enumerate(nearest):
         if distance < before[vertex]:
@@ -250,9 +250,10 @@ def _claim(nearest: Floats, before: Floats, owner: Ints, number: int) -> int:
 def scan_integral(graph: EdgeGraph, faces: Ints32, areas: Floats, radius: float) -> Floats:
     """The integral from the bases of the program that the published values come from.
 
-    Vertices are walked in their order: one that is not covered yet becomes a base and covers all
-    within the radius. It stands for all faces with a vertex that it is the first to cover, so
-    faces between bases count several times, and another order of the vertices gives another mu.
+    Vertices are visited in order: one that is not covered yet becomes a base and covers all
+    vertices within the radius. It represents all faces with a vertex that it is the first to cover,
+    so faces between bases count several times, and a different order of the vertices gives a
+    different mu.
 
     Args:
         graph: Edges of the mesh.

@@ -35,7 +35,7 @@ _MAGIC, _VERSION = b"REEB", 1
 def levels(
     parts: Parts, count: int
 ) -> tuple[Ints32, Ints32, Floats, Floats, Ints32, Ints32, Ints32, Ints32, Ints32]:
-    """Build `count` levels, each of half as many ranges as the one before.
+    """Build `count` levels, each with half as many ranges as the one before.
 
     A coarser node is a connected union of finer ones, with the sums of their areas and lengths.
 
@@ -139,9 +139,9 @@ class ReebGraph:
 def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
     """The multiresolutional Reeb graph of a shape.
 
-    The function whose ranges it tells of is mu: how far a point is from all the others (see
-    `egad.reeb.geodesics`), from its least value up, as a part of its greatest. The graph does not
-    depend on the place, the orientation and the size of the mesh.
+    Its ranges are those of the function mu, which tells how far a point is from all the others (see
+    `egad.reeb.geodesics`), from its smallest value up, as a fraction of its largest. The graph does
+    not depend on the position, orientation or size of the mesh.
 
     Args:
         mesh: One connected piece, in any unit; it may have holes.

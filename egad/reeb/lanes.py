@@ -17,14 +17,14 @@ def lower(
     start: int,
     end: int,
 ) -> bool:
-    """Lower the distances of a vertex to those by way of some neighbors; says if any was lowered.
+    """Lower the distances of a vertex to those via some neighbors; returns whether any was lowered.
 
     Args:
-        distances: (n, LANES), in one piece; no NaN.
-        vertex: Whose.
+        distances: (n, LANES), contiguous; no NaN.
+        vertex: The vertex.
         neighbors: (e,).
         lengths: (e,) of the edges to them.
-        start: First of these edges that counts.
+        start: First of these edges to use.
         end: The one after the last.
     """
     own = distances[vertex]

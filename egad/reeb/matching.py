@@ -4,11 +4,11 @@ Hilaga et al., "Topology Matching for Fully Automatic Similarity Estimation of 3
 2001, section 5, with two differences that agree better with the program that the published values
 come from: the neighbors of a node count less, and a node can be matched to a run of nodes.
 
-Children of matched nodes are matched among themselves, in each half of the range apart. Nothing
-outside such a group decides who matches whom in it, so groups are matched one by one.
+Children of matched nodes are matched among themselves, separately in each half of the range.
+Matches within such a group do not depend on anything outside it, so groups are matched one by one.
 
-Functions are inlined, and no part of an array gets a name of its own: counting the references to
-arrays would take longer than the matching.
+Functions are inlined, and no part of an array is bound to a name: counting the references to arrays
+would take longer than the matching.
 """
 
 import numpy as np
@@ -36,7 +36,7 @@ from egad.reeb.forest import (
 Pair = tuple[float, float]  # area and length
 
 NEIGHBOR_WEIGHT = 0.1
-MAX_RUNS = 64  # that one node is compared to: a bound that does not depend on time
+MAX_RUNS = 64  # runs that one node is compared to at most: a bound that does not depend on time
 
 
 @kernel()
@@ -48,17 +48,17 @@ def match(
     least: float,
     space: MatchingMemory,
 ) -> tuple[float, bool]:
-    """Similarity of two graphs, level by level, as long as it can still reach a least value.
+    """Similarity of two graphs, level by level, as long as it can still reach a minimum.
 
-    What a level shares, the children of its matches share at most again on every finer one.
-    The last digit of `most` may be wrong: `least` must leave room for it.
+    The children of a level's matches share at most as much on every finer level as the level
+    itself. The last digit of `most` may be wrong: `least` must leave room for it.
 
     Args:
         nodes: All nodes.
         starts: The finest node of either graph; where matches are equally good, the result can
             depend on which graph is the first.
         roots: The coarsest one.
-        most: What the graphs share on each level at most, the finest first.
+        most: Upper bounds of what the graphs share on each level, the finest first.
         least: Stop when the similarity must be less.
         space: Memory.
 
@@ -291,7 +291,7 @@ def _best_end(
 
 @kernel(inline="always")
 def _cost(nodes: Nodes, node: int, values: Pair, below: Pair, above: Pair) -> float:
-    """Twice what is lost by matching a node to one, or a run, of these values."""
+    """Twice what is lost by matching a node to one node, or a run of nodes, with these values."""
     cost: float = abs(nodes.around[node, 0] - below[0]) + abs(nodes.around[node, 1] - below[1])
     cost += abs(nodes.around[node, 2] - above[0])
     cost += abs(nodes.around[node, 3] - above[1])

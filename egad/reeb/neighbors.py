@@ -1,9 +1,10 @@
-"""Exact nearest neighbors among shapes, with few comparisons, while shapes come and go.
+"""Exact nearest neighbors among shapes, with few comparisons, as shapes are added and removed.
 
-Comparing two Reeb graphs is costly, a bound on their similarity is not: candidates are compared in
-the order of the bound until none that is left can be near enough, and only as far as it takes to
-see that they are not. The bounds are ours. Several shapes are looked up at once: each by a thread
-that writes to the row of that shape alone, so that what is found does not depend on the threads.
+Comparing two Reeb graphs is expensive, but a bound on their similarity is cheap. Candidates are
+compared in the order of the bound until none of the remaining ones can be near enough; a comparison
+stops as soon as it shows that the candidate is not. The bounds are ours. Several shapes are looked
+up at once, each by a thread that writes only to the row of that shape, so the results do not depend
+on the threads.
 """
 
 import heapq
@@ -41,9 +42,9 @@ def diversities(
     Args:
         graphs: The shapes.
         weight: Weight of area against length in the value of a node, 0 to 1.
-        neighbors: How many nearest neighbors are looked for.
+        neighbors: Number of nearest neighbors.
         threads: Shapes looked up at once; the result does not depend on it.
-        watch: Passes batches of shapes through while they are looked up, for showing progress.
+        watch: Passes batches of shapes through while they are looked up, to show progress.
 
     Raises:
         UserError: The graphs have different numbers of ranges.
@@ -61,7 +62,7 @@ class Neighborhood:
 
         Args:
             weight: Weight of area against length in the value of a node, 0 to 1.
-            neighbors: How many nearest neighbors are looked for.
+            neighbors: Number of nearest neighbors.
             threads: Shapes looked up at once; no result depends on it.
         """
         self._weight, self._threads = weight, threads
@@ -79,7 +80,7 @@ class Neighborhood:
         return len(self._graphs)
 
     def add(self, graphs: Iterable[ReebGraph]) -> list[int]:
-        """Add shapes; returns their indices, which those of removed shapes may have had before.
+        """Add shapes; returns their indices, which may be those of removed shapes.
 
         Raises:
             UserError: The graphs have different numbers of ranges.
@@ -114,7 +115,7 @@ class Neighborhood:
             self._replant()
 
     def distance(self, one: int, other: int) -> float:
-        """Distance of two shapes.
+        """Distance between two shapes.
 
         Raises:
             KeyError: There are no such shapes.
@@ -127,7 +128,7 @@ class Neighborhood:
         return float(self._distances[one, other]) if one != other else 0.0
 
     def nearest(self, index: int) -> tuple[Ints, Floats]:
-        """The nearest other shapes and their distances, ascending; equally near ones by index.
+        """The nearest other shapes and their distances, ascending; ties by index.
 
         Raises:
             KeyError: There is no such shape.
@@ -138,7 +139,7 @@ class Neighborhood:
         return near, self._distances[index, near]
 
     def nearest_to(self, graph: ReebGraph) -> tuple[Ints, Floats]:
-        """The nearest shapes to one that is not among them, as `nearest`."""
+        """The nearest shapes to one that is not among them, as in `nearest`."""
         (index,) = self.add([graph])
         near, distances = self.nearest(index)
         self.remove(index)
@@ -156,7 +157,7 @@ class Neighborhood:
         return self._diversities[index]
 
     def diversities(self, indices: Sequence[int], watch: Watch = iter) -> list[float]:
-        """The diversities of several shapes, side by side; `watch` as in `diversities`.
+        """The diversities of several shapes, in parallel; `watch` as in `diversities`.
 
         Raises:
             KeyError: There is no such shape.
@@ -166,7 +167,7 @@ class Neighborhood:
         return [self.diversity(index) for index in indices]
 
     def _look_up(self, indices: Sequence[int], watch: Watch = iter) -> None:
-        """Find the nearest of the shapes for which they are not known."""
+        """Find the nearest neighbors of the shapes for which they are not known."""
         rows = np.array([i for i in dict.fromkeys(indices) if not self._valid[i]], dtype=np.int64)
         table, others = self._table, np.flatnonzero(self._trees >= 0)
 
@@ -191,7 +192,7 @@ class Neighborhood:
                 raise KeyError(index)
 
     def _make_room(self, count: int) -> None:
-        """Have indices for `count` more shapes."""
+        """Make room for `count` more indices."""
         size = len(self._trees)
         needed = len(self) + count
         if needed <= size:
@@ -214,7 +215,7 @@ class Neighborhood:
 
 
 def _cut(rows: Ints, length: int) -> list[Ints]:
-    """Pieces of at most some length."""
+    """Split an array into pieces of at most some length."""
     return [rows[start : start + length] for start in range(0, len(rows), length)]
 
 
@@ -231,7 +232,7 @@ class _Table(NamedTuple):
 def _nearest_to_each(table: _Table, rows: Ints, others: Ints, count: int) -> Ints:
     """The nearest of other indices to each of n, except itself: (n, count), padded with -1.
 
-    Writes to these rows of the table alone; see `_tell`.
+    Writes only to these rows of the table; see `_tell`.
     """
     result = np.full((len(rows), count), -1)
     memory = space(table.trees.starts)
@@ -266,7 +267,7 @@ def _nearest(table: _Table, index: int, others: Ints, count: int, memory: Matchi
 
 @kernel()
 def _estimate(table: _Table, one: int, other: int) -> None:
-    """Keep a lower bound of a distance, for the one alone: computing it again costs little."""
+    """Keep a lower bound of a distance, for `one` only: computing it again is cheap."""
     most = bound(table.trees.profiles, table.numbers[one], table.numbers[other])
     table.distances[one, other] = 1 - most - SLACK
     table.known[one, other] = _BOUND
@@ -274,7 +275,7 @@ def _estimate(table: _Table, one: int, other: int) -> None:
 
 @kernel()
 def _measure(table: _Table, one: int, other: int, limit: float, memory: MatchingMemory) -> bool:
-    """Keep the distance for the one and say True, or a better bound if it exceeds a limit."""
+    """Keep the distance for `one` and return True, or a better bound if it exceeds a limit."""
     numbers = table.numbers[one], table.numbers[other]
     similarity, exact = compare(table.trees, *numbers, 1 - limit - SLACK, memory)
     table.distances[one, other] = 1 - similarity if exact else 1 - similarity - SLACK
@@ -284,7 +285,7 @@ def _measure(table: _Table, one: int, other: int, limit: float, memory: Matching
 
 @kernel()
 def _tell(table: _Table, rows: Ints) -> None:
-    """Keep what was compared for some indices for the other ones too."""
+    """Copy what was compared for some indices to the other ones, too."""
     distances, known = table.distances, table.known
     for one in rows:
         for other in range(known.shape[1]):

@@ -10,15 +10,18 @@ Bases = Literal["even", "scan"]
 
 
 class Similarity(Parameters):
-    """Shape similarity by matching of multiresolutional Reeb graphs."""
+    """Shape similarity by matching multiresolutional Reeb graphs."""
 
     vertices: int = Field(
         4000, ge=4, description="edges are split until a mesh has this many vertices"
     )
-    ranges: Literal[16, 32, 64, 128, 256] = Field(128, description="ranges of the finest graph")
+    ranges: Literal[16, 32, 64, 128, 256] = Field(
+        128, description="number of ranges of the finest graph"
+    )
     bases: Bases = Field(
         "even",
-        description="`even`: farthest points; `scan`: in vertex order, as in the original program",
+        description="how base vertices are chosen: `even`: farthest points; `scan`: in vertex "
+        "order, as in the original program",
     )
     base_count: int = Field(50, ge=1, description="number of bases (bases: even)")
     base_coefficient: float = Field(

@@ -9,7 +9,7 @@ from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry import Triangulation, lexicographic
 
-_SPECK = 1e-6  # of the volume of a body: what is smaller inside it is a cavity, however wound
+_SPECK = 1e-6  # of the volume of a body: smaller shells inside it are cavities, however wound
 
 
 class Parts(NamedTuple):
@@ -77,7 +77,7 @@ def _crossings(mesh: Triangulation, values: Floats) -> _Crossings:
 def _join_at_vertices(
     mesh: Triangulation, values: Floats, crossings: _Crossings, roots: Ints32
 ) -> None:
-    """Join the crossings that meet at a vertex, so that parts that touch there only are one."""
+    """Join the crossings that meet at a vertex, so that parts that touch only there are one."""
     met = np.full(len(values), -1, np.int32)
     for edge in range(len(mesh.edges)):
         for vertex in mesh.edges[edge]:
@@ -139,7 +139,7 @@ def _ascending(values: Floats, face: Ints32) -> tuple[float, float, float]:
 
 @kernel()
 def _fraction(level: float, a: float, b: float, c: float) -> float:
-    """The part of a triangle that lies below a level; corners at a <= b <= c."""
+    """The fraction of a triangle that lies below a level; corners at a <= b <= c."""
     if level >= c:
         return 1.0
     if level < b:
@@ -161,7 +161,7 @@ def _links(crossings: _Crossings, part: Ints32, count: int) -> Ints32:
 
 @kernel()
 def distinct(low: Ints32, high: Ints32, bound: int) -> Ints32:
-    """The distinct ones of some pairs of numbers below `bound`, (n, 2), sorted."""
+    """The distinct pairs among pairs of numbers below `bound`, (n, 2), sorted."""
     result, count = np.empty((len(low), 2), np.int32), 0
     for i in lexicographic(low, high, bound):
         if count == 0 or result[count - 1, 0] != low[i] or result[count - 1, 1] != high[i]:

@@ -1,7 +1,7 @@
 """Similarity of shapes by matching their Reeb graphs: 1 for equal ones, 0 for nothing in common.
 
 Hilaga et al., "Topology Matching for Fully Automatic Similarity Estimation of 3D Shapes", SIGGRAPH
-2001. The distance of two shapes is 1 - similarity.
+2001. The distance between two shapes is 1 - similarity.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -23,7 +23,7 @@ def similarity(a: ReebGraph, b: ReebGraph, weight: float) -> float:
 
     Args:
         a: One shape.
-        b: The other, with as many ranges.
+        b: The other, with the same number of ranges.
         weight: Weight of area against length in the value of a node, 0 to 1.
 
     Raises:
@@ -43,8 +43,8 @@ def similarity_matrix(
     Args:
         graphs: The shapes.
         weight: Weight of area against length in the value of a node, 0 to 1.
-        threads: Rows worked on at once; the result does not depend on it.
-        watch: Passes the n rows through while they come, for showing progress.
+        threads: Rows computed at once; the result does not depend on it.
+        watch: Passes the n rows through as they are computed, to show progress.
 
     Raises:
         UserError: The graphs have different numbers of ranges.
@@ -98,7 +98,7 @@ def compare(
 
 @kernel(fastmath={"reassoc"})
 def bound(profiles: Floats, one: int, other: int) -> float:
-    """What the similarity of two graphs cannot exceed.
+    """An upper bound of the similarity of two graphs.
 
     Matched nodes lie in the same range of the same level, so what they share there is at most the
     smaller one of the totals of the two graphs. The order of the sum is left to the compiler, as
@@ -112,7 +112,7 @@ def bound(profiles: Floats, one: int, other: int) -> float:
 
 @kernel(fastmath={"reassoc"})
 def level_bounds(profiles: Floats, one: int, other: int, levels: int) -> Floats:
-    """The same for what they share on each level, the finest first: (levels,)."""
+    """Upper bounds of what two graphs share on each level, the finest first: (levels,)."""
     result = np.empty(levels)
     half = profiles.shape[1] // 2
     end = 0

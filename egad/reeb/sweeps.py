@@ -1,8 +1,9 @@
 """Shortest paths from many vertices at once.
 
-A search from each vertex alone, the nearest vertices first, spends most of its time on branches
-that a processor cannot foresee. Here all vertices are visited in one order for all sources, to and
-fro, until no distance gets lower, and an edge serves all sources with a few wide instructions.
+A separate search from each vertex, the nearest vertices first, spends most of its time on branches
+that a processor cannot predict. Here, all vertices are visited in one order for all sources, back
+and forth, until no distance gets lower, and an edge serves all sources with a few wide
+instructions.
 
 A distance is the least sum of lengths along a path, added up from the source. Sums that are rounded
 keep their order when a length is added to both, so the order of the visits does not matter.
@@ -31,9 +32,9 @@ class VertexEdges(NamedTuple):
 
 @kernel()
 def order_of(distances: Floats) -> Ints:
-    """Vertices in about the order of their distances, (n,): those out of reach are the last.
+    """Vertices in about the order of their distances, (n,): unreachable ones come last.
 
-    Distances are cut into as many steps as there are vertices; a step is not sorted.
+    Distances are divided into as many steps as there are vertices; a step is not sorted.
     """
     count, largest = len(distances), 0.0
     for distance in distances:
@@ -125,15 +126,15 @@ def renumber(
 def sweep(rows: VertexEdges, sources: Ints) -> Floats:
     """Distances of all vertices to each source.
 
-    On the way forward, only the vertices before one can have changed since the way back, where
-    it came after all the others. So half of the edges is enough in either direction.
+    On the way forward, only the vertices before a vertex can have changed since the way back, where
+    it came after all the others. So half of the edges are enough in each direction.
 
     Args:
         rows: Edges of n vertices; the better their order fits the distances, the faster.
         sources: At most LANES.
 
     Returns:
-        (n, LANES): columns that no source has are infinite.
+        (n, LANES): columns without a source are infinite.
     """
     count = len(rows.middles)
     distances = np.full((count, LANES), np.inf)
@@ -162,7 +163,7 @@ def sweep(rows: VertexEdges, sources: Ints) -> Floats:
 
 @kernel(inline="always")
 def _mark(rows: VertexEdges, vertex: int, ahead: Flags, back: Flags) -> None:
-    """Have the neighbors of a vertex visited: later ones on the way forward, others back."""
+    """Mark the neighbors of a vertex for a visit: later ones on the way forward, others back."""
     for edge in range(rows.starts[vertex], rows.middles[vertex]):
         back[rows.neighbors[edge]] = True
     for edge in range(rows.middles[vertex], rows.starts[vertex + 1]):

@@ -43,7 +43,7 @@ SIZES = {  # bounds of Hugging Face's categories
 
 @dataclass(frozen=True)
 class ReleaseFacts:
-    """What a card says of a release.
+    """What a card says about a release.
 
     Attributes:
         title: Name of the dataset for people.
@@ -213,10 +213,11 @@ def card_page(
     """The page as Markdown, with the front matter.
 
     Args:
-        facts: What is said of the release.
+        facts: What is said about the release.
         objects: Columns of `tables.release.RELEASED_OBJECTS`, of all splits.
         success: Share of the judged grasps that held, by split; nothing without such grasps.
-        contents: For each pattern of files: the pattern, its meaning, how many files and bytes.
+        contents: For each pattern of files: the pattern, its meaning, and the numbers of files and
+            bytes.
     """
     grasps = int(objects["n_grasps"].sum())
     text = PAGE.format(

@@ -13,7 +13,7 @@ from egad.tables.grasping import SIMULATED_GRASPS
 from egad.tables.release import RELEASED_GRASPS
 
 MESH, PREVIEW = "meshes/{}.glb", "previews/{}.png"
-ROWS = 50_000  # of a file of grasps, at most: some 10 MB
+ROWS = 50_000  # in a file of grasps, at most: about 10 MB
 
 
 def with_files(table: pd.DataFrame, labels: Iterable[str]) -> pd.DataFrame:
@@ -37,7 +37,7 @@ def released_objects(
     counts: Mapping[str, int],
     evaluation: Iterable[str],
 ) -> pd.DataFrame:
-    """Objects with what is known of them for one gripper.
+    """Objects with what is known about them for one gripper.
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
@@ -63,7 +63,7 @@ def released_objects(
 
 
 def simulated_grasps(grasps: pd.DataFrame, most: int) -> pd.DataFrame:
-    """The grasps with a simulated label, of each object the first ones.
+    """The first grasps of each object that have a simulated label.
 
     Args:
         grasps: Columns of `tables.grasping.SIMULATED_GRASPS`.

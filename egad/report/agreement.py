@@ -30,12 +30,12 @@ class LabelledSuccess:
     """Labelled grasps and their success in simulation.
 
     Attributes:
-        engine: What computed the physics.
+        engine: The physics engine.
         rates: Success of the grasps that could be carried out: in each row of the evaluation set,
             and then over all.
         outcomes: Grasps of the sample by outcome.
         labelled: Labelled grasps of the objects.
-        free: Those of them without collision, which the sample was drawn from.
+        free: Labelled grasps without collision, from which the sample was drawn.
         objects: Objects with grasps that could be carried out.
         failing: Objects with a failed grasp: in each row, and then over all.
         areas: ROC area of each quality: in each row, and then over all.
@@ -61,7 +61,7 @@ class LabelledSuccess:
 
     @property
     def figure(self) -> str:
-        """The same as an address."""
+        """The figure as an address."""
         return svg_uri(self.svg)
 
 
@@ -87,7 +87,7 @@ def section(
 
 
 def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:
-    """Work out what there is to show.
+    """Compute what the section shows.
 
     Grasps that the hand could not reach, because a convex part of the object sticks out or the
     simulation failed, say nothing about the qualities and are left out of all rates.
@@ -132,12 +132,12 @@ def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Seque
 
     Args:
         bins: From `egad.stats.roc`, by quality.
-        areas: In each row of the evaluation set, and then the one over all, by quality.
+        areas: Areas in each row of the evaluation set, and then over all, by quality.
 
     Returns:
-        SVG text; intervals are of 95 %: left for other grasps of the same objects, right for other
+        SVG text with intervals of 95 %: left for other grasps of the same objects, right for other
         objects. A bin lies where its grasps rank among all, from worst to best; grasps of equal
-        quality are one bin.
+        quality share a bin.
     """
     with new_figure(8.6, 3.2) as drawing:
         left, right = drawing.figure.subplots(1, 2, width_ratios=[1, 1.25])

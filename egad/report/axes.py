@@ -1,4 +1,4 @@
-"""What the axes of the space are called, in figures, pages and tables."""
+"""Names of the axes of the space in figures, pages and tables."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -15,11 +15,11 @@ class MeasureAxis:
     """An axis of the space in words.
 
     Attributes:
-        name: What it is called in full.
-        short: The same where space is short.
+        name: Full name.
+        short: Short name, for where space is limited.
         start: What objects of the first cell are.
         end: What objects of the last cell are.
-        value: What its number is called.
+        value: Name of its number.
         unit: Unit of the number as it is shown, with a space before it, or empty.
         factor: The number is multiplied by this before it is shown.
     """
@@ -43,19 +43,19 @@ class MeasureAxis:
         return f"{self.name}: {self.start} {ARROW} {self.end}"
 
     def along(self, first: float, last: float) -> str:
-        """The text along an axis in full, with the values at its ends."""
+        """The full text along an axis, with the values at its ends."""
         ends = f"{self.factor * first:g} to {self.factor * last:g}{self.unit}"
         value = f"{self.value} " if self.value not in self.name else ""
         return f"{self.long_label} ({value}{ends})"
 
     @property
     def printed_unit(self) -> str:
-        """The unit as it is set in pages, without a space before it."""
+        """The unit as shown on pages, without a space before it."""
         return self.unit.strip().replace("1e-3", MILLI)
 
     @property
     def before(self) -> str:
-        """What an object is that lies closer to the start than another, such as `simpler`."""
+        """The comparative for an object that lies closer to the start, such as `simpler`."""
         return COMPARATIVES[self.start]
 
 

@@ -29,10 +29,10 @@ class ClutterView:
     """Cleared tables of one gripper.
 
     Attributes:
-        engine: What computed the physics.
+        engine: The physics engine.
         rates: Success rates in each kind of scene and noise, by detector.
-        thirds: Success of attempts, and share of objects that were cleared, by detector, axis
-            (complexity, difficulty) and third of the objects.
+        thirds: Success of attempts, and share of objects cleared, by detector, axis (complexity,
+            difficulty) and third of the objects.
         pictures: Addresses of pictures of scenes at the beginning of a round, by kind.
     """
 
@@ -57,7 +57,7 @@ def clutter_view(
     objects: pd.DataFrame,
     pictures: Mapping[str, Sequence[bytes]],
 ) -> ClutterView:
-    """Work out what there is to show.
+    """Compute what the section shows.
 
     Args:
         tables: Columns of `tables.clutter.CLUTTER`, by detector.
@@ -77,7 +77,7 @@ class ClearingResults:
     """Detectors that cleared tables.
 
     Attributes:
-        engines: What computed the physics, by detector.
+        engines: The physics engine, by detector.
         rates: Success rates in each kind of scene and noise, by detector.
         pairs: Comparisons of every two detectors that cleared the same tables, by `A vs B`.
         protocols: Rules by which the tables were cleared, and errors if any, by detector.
@@ -90,7 +90,7 @@ class ClearingResults:
 
     @property
     def warning(self) -> str:
-        """What to know of tables that were cleared by different rules; empty if none were."""
+        """A warning about tables that were cleared by different rules; empty if there are none."""
         by_rules: dict[str, list[str]] = {}
         for name, rules in self.protocols.items():
             by_rules.setdefault(rules, []).append(name)

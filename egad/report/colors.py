@@ -10,14 +10,14 @@ FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, 
 
 
 def line_color(number: int) -> str:
-    """Color of a line of a chart, by its number; after the last one they repeat."""
+    """Color of a line of a chart, by its number; colors repeat after the last one."""
     return LINES[number % len(LINES)]
 
 
 def scale_color(value: float, low: float, high: float) -> str:
     """Color of a value on the scale `COLOR_MAP` from `low` to `high`, as `#rrggbb`.
 
-    Values outside have the colors of the ends; NaN is grey.
+    Values outside that range get the colors of its ends; NaN is grey.
     """
     import matplotlib  # noqa: PLC0415 (an extra)
     from matplotlib.colors import to_hex  # noqa: PLC0415
@@ -29,7 +29,7 @@ def scale_color(value: float, low: float, high: float) -> str:
 
 
 def ink_on(color: str) -> str:
-    """Dark or white, whichever reads better on a color."""
+    """Dark or white text, whichever is more readable on a color."""
     from matplotlib.colors import to_rgb  # noqa: PLC0415 (an extra)
 
     red, green, blue = to_rgb(color)

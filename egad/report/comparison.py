@@ -145,8 +145,8 @@ def dataset_maps(
     Args:
         datasets: Columns of `tables.objects.OBJECTS`, by name.
         space: The cells.
-        names: What is written along the axes.
-        unattainable: So many of the easiest rows are hatched.
+        names: Texts along the axes.
+        unattainable: How many of the easiest rows are hatched.
 
     Returns:
         SVG text: a map of each dataset, on the same axes and color scale.

@@ -1,4 +1,4 @@
-"""A page about a suction cup: what it holds, and its shape in 3D."""
+"""A page about a suction cup: the loads that it holds, and its shape in 3D."""
 
 import numpy as np
 import trimesh
@@ -12,13 +12,13 @@ from egad.suction import limits, ring_vertices
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
-SPRING = 4e-4  # metres, radius of what shows a spring
+SPRING = 4e-4  # metres, radius of the bar that shows a spring
 KINDS = {"perimeter": 1, "flexion": 2, "cone": 3}  # springs and their colors in scene3d.js
 GRAM = 9.81e-3  # newtons
 
 
 def cup_facts(cup: SuctionCup) -> dict[str, str]:
-    """What a cup is and holds, in words.
+    """The properties of a cup and the loads that it holds, in words.
 
     Args:
         cup: The cup.

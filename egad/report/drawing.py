@@ -61,15 +61,15 @@ def new_figure(width: float, height: float) -> Iterator[Drawing]:
 
 
 def show_percent(axis: Axis) -> None:
-    """Write the ticks of an axis, which are parts of 1, as percentages."""
+    """Write the ticks of an axis, which are fractions of 1, as percentages."""
     axis.set_major_formatter(lambda value, _: f"{value:.0%}")
 
 
 def data_uri(content: bytes, kind: str = "image/png") -> str:
-    """Content as an address that needs no file; empty for no content."""
+    """Content as a data URI, which needs no file; empty for no content."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}" if content else ""
 
 
 def svg_uri(svg: str) -> str:
-    """The same of the text of an SVG figure."""
+    """The text of an SVG figure as a data URI."""
     return data_uri(svg.encode(), "image/svg+xml")

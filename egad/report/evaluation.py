@@ -40,7 +40,7 @@ class EvaluationView:
     Attributes:
         slots: Its rows, hardest first; each from simplest to most complex.
         selected: How many objects it has.
-        viewer: What the 3D viewer shows; None if there are no grasps.
+        viewer: Data of the 3D viewer; None if there are no grasps.
     """
 
     slots: list[list[Slot]]
@@ -56,15 +56,15 @@ def evaluation_view(
     scenes: Sequence[GraspScene],
     gripper: Gripper,
 ) -> EvaluationView:
-    """What there is to show of an evaluation set.
+    """Collect what the section shows of an evaluation set.
 
     Args:
         evalset: Columns of `tables.evaluation.EVAL49`.
         rows: Letters of the set.
         columns: Digits of the set.
-        pictures: PNG by label of the evaluation set; where it has none, by label of the dataset.
+        pictures: PNG by label in the evaluation set or, if there is none, by label in the dataset.
         scenes: Its objects with grasps.
-        gripper: What the grasps are for.
+        gripper: The gripper of the grasps.
     """
     items = {item["label"]: item for item in evalset.to_dict("records")}
     slots = [
@@ -98,8 +98,8 @@ def section(
     Args:
         views: From `evaluation_view`, by dataset.
         axes: What the axes of the space are called.
-        percentile: Which percentile of grasp quality graspability is, percent; None if another
-            measure is in its place.
+        percentile: Percentile of grasp quality that graspability is, percent; None if another
+            measure is used in its place.
         gripper: Name of the gripper of the 3D viewer.
         named: Whether to write the name of each dataset.
     """
@@ -114,14 +114,14 @@ def contact_sheet(
     meshes: Mapping[tuple[int, int], trimesh.Trimesh],
     captions: Mapping[tuple[int, int], tuple[str, str]],
 ) -> bytes:
-    """All objects of an evaluation set on one page, to tell prints apart.
+    """Show all objects of an evaluation set on one page, to tell prints apart.
 
     Args:
-        title: Above the pictures.
+        title: Text above the pictures.
         rows: Rows of the grid.
         columns: Columns of the grid.
         meshes: By row and column.
-        captions: Name and size, by row and column; a cell without a mesh shows just these.
+        captions: Name and size, by row and column; a cell without a mesh shows only these.
 
     Returns:
         A PDF page with a picture, name and size of each object, the same for the same objects.

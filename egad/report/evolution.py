@@ -28,9 +28,9 @@ class ReEvaluation:
     """How the objects of an archive moved when their graspability was measured again.
 
     Attributes:
-        stayed: Part of the objects that stayed in their cell.
-        by_one: Part that moved by one cell.
-        by_more: Part that moved further.
+        stayed: Fraction of the objects that stayed in their cell.
+        by_one: Fraction that moved by one cell.
+        by_more: Fraction that moved further.
         mean: Mean move towards hard, cells.
         before: Coverage by the first graspability.
         after: Coverage by the second one.
@@ -56,7 +56,7 @@ class EvolutionView:
 def evolution_view(
     objects: pd.DataFrame, history: pd.DataFrame | None, space: MeasureSpace
 ) -> EvolutionView | None:
-    """What there is to show of an archive.
+    """Collect what the section shows of an archive.
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
@@ -64,7 +64,7 @@ def evolution_view(
         space: The cells.
 
     Returns:
-        None if the objects are of no archive.
+        None if the objects do not come from an archive.
     """
     moves = re_evaluation(objects, space)
     if history is None:
@@ -90,8 +90,8 @@ def section(
         space: The cells.
         axes: What the axes of the space are called.
         limit: Which rows objects are expected in.
-        sampled: Whether graspability comes from sampled grasps, not from a measure of the user.
-        islands: How many evolved side by side.
+        sampled: Whether graspability comes from sampled grasps, not from a user-defined measure.
+        islands: How many islands evolved in parallel.
         named: Whether to write the name of each dataset.
     """
     values = {"space": space, "axes": axes, "limit": limit, "sampled": sampled}
@@ -128,7 +128,7 @@ def coverage_history(history: pd.DataFrame) -> pd.DataFrame:
     """The steps in the order in which they were made, with the evaluations so far.
 
     Args:
-        history: Columns of `tables.evolution.HISTORY`. Islands evolve side by side: a row of the
+        history: Columns of `tables.evolution.HISTORY`. Islands evolve in parallel: a row of the
             result counts the evaluations of all of them, and shows the island of highest coverage.
 
     Returns:

@@ -24,10 +24,10 @@ class MapCell(NamedTuple):
     """What a map shows of a cell.
 
     Attributes:
-        color: Of its ground.
-        title: What is written when one points at it.
+        color: Color of its background.
+        title: Text shown when the mouse points at it.
         picture: Address of a picture, or empty.
-        number: Written in the corner; nothing below 2.
+        number: Number in the corner; not shown below 2.
     """
 
     color: str
@@ -44,7 +44,7 @@ class LegendEntry(NamedTuple):
 
 
 def lowest_regret(table: pd.DataFrame) -> pd.Series:
-    """The regret of each failure in the engine in which it is lowest.
+    """The lowest regret of each failure in any engine.
 
     Args:
         table: Columns of `tables.failures.FAILURES`.
@@ -60,8 +60,8 @@ def failure_map(
 ) -> str:
     """The map of the regret: complexity to the right, difficulty upwards.
 
-    The color of a cell is the highest regret of its failures, in the engine in which it is lowest,
-    and the picture is that failure. Cells are grey if objects were tried and none is a failure.
+    The color of a cell is the highest regret of its failures, each in the engine with the lowest
+    regret; the picture is that failure. Cells are grey if objects were tried and none is a failure.
 
     Args:
         table: Columns of `tables.failures.FAILURES`.
@@ -98,7 +98,7 @@ def failure_map(
 
 
 def dataset_map(objects: pd.DataFrame, space: MeasureSpace, axes: AxisPair) -> str:
-    """The map of the objects that a search may begin with: how many each cell holds.
+    """The map of the objects that a search may start from: how many each cell holds.
 
     Args:
         objects: Columns complexity and graspability.

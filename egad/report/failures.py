@@ -1,4 +1,4 @@
-"""A page that explains the failures of a detector: where, why, of which shape, and films."""
+"""A page that explains the failures of a detector: where, why, at which shapes, and films."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,8 +19,8 @@ from egad.report.page import render_template
 from egad.report.trial_charts import outcome_chart, outcome_counts
 from egad.stats import Rate
 
-MAX_OF_CELL = 2  # failures of a cell among the worst
-BEYOND = 0.6  # of the range of solved objects, that charts of features show on either side
+MAX_OF_CELL = 2  # failures per cell among the worst
+BEYOND = 0.6  # of the range of solved objects; charts of features extend this far on either side
 VERDICTS = {
     "failure": "the reference holds it, the detector does not",
     "detector_succeeds": "the detector holds it too often for a failure",
@@ -49,20 +49,20 @@ WHO = ("detector", "reference")
 
 
 class FeatureShare(NamedTuple):
-    """A feature of shape, and how it tells failures from objects that the detector solves.
+    """A shape feature, and how it distinguishes failures from objects that the detector solves.
 
     Attributes:
-        title: What it is called.
-        unit: Of the numbers; empty if they have none.
+        title: Its name.
+        unit: Unit of the numbers; empty if they have none.
         meaning: Its definition.
         low: Quantile 5 % over the solved objects.
         high: Quantile 95 %.
-        solved: Its value at each of these.
-        failures: Its value at each failure.
+        solved: Its value for each solved object.
+        failures: Its value for each failure.
         below: Share of the failures below the range.
-        above: Share of those above.
-        share: Share of the failures that it explains, with its interval of 95 %.
-        interval: The ends of that.
+        above: Share of the failures above the range.
+        share: Share of the failures that it explains.
+        interval: Ends of the 95 % interval of this share.
     """
 
     title: str
@@ -79,7 +79,7 @@ class FeatureShare(NamedTuple):
 
     @property
     def medians(self) -> tuple[float, float]:
-        """Of the solved objects, and of the failures."""
+        """Medians of the solved objects and of the failures."""
         return float(np.median(self.solved)), float(np.median(self.failures))
 
 
@@ -88,7 +88,7 @@ class AttemptFilm:
     """A film of an attempt.
 
     Attributes:
-        outcome: What came of it.
+        outcome: Outcome of the attempt.
         content: An animated WebP file; empty if there is none.
     """
 
@@ -98,12 +98,12 @@ class AttemptFilm:
 
 @dataclass(frozen=True)
 class Example:
-    """What is shown of one of the worst failures beside its numbers.
+    """What is shown of one of the worst failures besides its numbers.
 
     Attributes:
         picture: A PNG file.
-        films: By `detector` and `reference`, of the same drop.
-        note: Why a film is missing, if it should be there.
+        films: Films of the same drop, by `detector` and `reference`.
+        note: Why an expected film is missing.
     """
 
     picture: bytes
@@ -113,16 +113,16 @@ class Example:
 
 @dataclass(frozen=True)
 class SearchText:
-    """What a page says of the search.
+    """What a page says about the search.
 
     Attributes:
         detector: Its name; empty if unknown.
         hand: The hand, in words.
         approach: above or any.
         engines: Physics engines.
-        reference: Success rate of the reference at a failure, at least.
-        regret: Difference to that of the detector, at least.
-        confidence: Of both.
+        reference: Minimum success rate of the reference at a failure.
+        regret: Minimum difference from the success rate of the detector.
+        confidence: Confidence of both.
     """
 
     detector: str
@@ -135,7 +135,7 @@ class SearchText:
 
 
 class EngineRates(NamedTuple):
-    """What came of the fresh drops of a failure in an engine."""
+    """Results of the fresh drops of a failure in an engine."""
 
     engine: str
     reference: Rate
@@ -144,7 +144,7 @@ class EngineRates(NamedTuple):
 
 
 class Reason(NamedTuple):
-    """Why a detector fails, how often, and the color of that."""
+    """A reason why a detector fails, how often it occurs, and its color."""
 
     text: str
     color: str
@@ -170,9 +170,9 @@ def page(
         table: Columns of `tables.failures.FAILURES`.
         examined: Columns of `tables.failures.EXAMINED`.
         attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`.
-        search: What was searched.
+        search: The search.
         dataset: Columns complexity and graspability of the objects that the search began with.
-        features: Of shape; none if nothing is known.
+        features: Shape features; none if nothing is known.
         examples: The worst failures, by id, in the order of the page.
         space: The cells.
         axes: What the axes of the map are called.
@@ -207,11 +207,11 @@ def page(
 
 
 def worst(table: pd.DataFrame, count: int) -> pd.DataFrame:
-    """The failures of the highest regret in the engine in which it is lowest, worst first.
+    """The failures of the highest regret, by the lowest regret of any engine; worst first.
 
     Args:
         table: Columns of `tables.failures.FAILURES`.
-        count: How many, at most; of each cell, at most two.
+        count: How many, at most; there are at most two per cell.
     """
     pairs = table[["n_pairs_mujoco", "n_pairs_pybullet"]].sum(axis=1)
     order = table.assign(regret=lowest_regret(table), pairs=pairs)
@@ -228,21 +228,21 @@ def failure_labels(table: pd.DataFrame) -> pd.Series:
 
 
 def reasons_of(table: pd.DataFrame) -> list[Reason]:
-    """Why the detector failed at the drops where its other proposals were tried, too."""
+    """Why the detector failed at the drops where its other proposals were also tried."""
     total = int(table["n_explained"].sum())
     counts = {name: int(table[name].sum()) for name in REASONS}
     return [Reason(*REASONS[name], count, count / total) for name, count in counts.items() if total]
 
 
 def lost_outcomes(fresh: pd.DataFrame) -> dict[str, tuple[int, int]]:
-    """How often the detector lost an object by each outcome, and at how many it is the usual one.
+    """How often each outcome of lost attempts occurs, and at how many failures it is the usual one.
 
     Args:
         fresh: Attempts to confirm failures, columns of `tables.failures.FAILURE_ATTEMPTS`.
 
     Returns:
-        By outcome, most frequent first: attempts, and failures at which no outcome of a lost
-        attempt is more frequent.
+        By outcome, most frequent first: number of attempts, and number of failures at which no
+        other outcome of a lost attempt is more frequent.
     """
     lost = fresh[(fresh["who"] == "detector") & ~fresh["success"].astype(bool)]
     usual = Counter(next(iter(outcome_counts(rows))) for _, rows in lost.groupby("id"))
@@ -250,7 +250,7 @@ def lost_outcomes(fresh: pd.DataFrame) -> dict[str, tuple[int, int]]:
 
 
 def _verdicts(examined: pd.DataFrame) -> list[tuple[str, int, str]]:
-    """Objects of each verdict, and its meaning."""
+    """Number of objects with each verdict, and its meaning."""
     counts = examined["verdict"].value_counts()
     return [
         (name.replace("_", " "), int(counts[name]), meaning)
@@ -260,7 +260,7 @@ def _verdicts(examined: pd.DataFrame) -> list[tuple[str, int, str]]:
 
 
 def _guards(examined: pd.DataFrame) -> str:
-    """In words, how many objects are no failures, and why."""
+    """How many objects are not failures, and why, in words."""
     counts = examined["verdict"].value_counts()
     parts = [f"{counts[name]} {text}" for name, text in GUARDS.items() if name in counts]
     if not parts:
@@ -271,7 +271,7 @@ def _guards(examined: pd.DataFrame) -> str:
 
 
 def _sources(examined: pd.DataFrame) -> list[tuple[str, Rate]]:
-    """Failures among the objects tried, by where they came from."""
+    """Failures among the objects tried, by source."""
     tried = examined[examined["attempts"] > 0]
     return [
         (str(name), Rate(int((rows["verdict"] == "failure").sum()), len(rows)))
@@ -325,7 +325,7 @@ def feature_chart(features: Sequence[FeatureShare]) -> str:
         features: At least one.
 
     Returns:
-        SVG text: a row for each feature; what lies further out is drawn at the edge.
+        SVG text: a row for each feature; values further out are drawn at the edge.
     """
     with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
         axes = drawing.figure.add_subplot()

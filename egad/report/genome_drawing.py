@@ -15,7 +15,7 @@ Place = tuple[float, float]
 
 
 class _Edge(NamedTuple):
-    """A connection from node to node: which points it passes through, one for each layer."""
+    """A connection from node to node: the points that it passes through, one for each layer."""
 
     points: list[str]
     weight: float
@@ -26,8 +26,8 @@ def genome_svg(genome: Row) -> str:
     """The network of a genome as an SVG picture of a few kilobytes; always the same text.
 
     Only nodes and connections that the output depends on are drawn. The width of a connection is
-    its weight without the sign; negative ones are dashed. Nodes show their activation function,
-    and their bias when the mouse rests on them. Source: ours.
+    its absolute weight; negative ones are dashed. Nodes show their activation function, and their
+    bias when the mouse rests on them. Source: ours.
 
     Args:
         genome: As `EvolvedObject.genome`.
@@ -68,7 +68,7 @@ def genome_svg(genome: Row) -> str:
 
 
 def _depths(nodes: dict[str, ExpressionNode]) -> dict[str, int]:
-    """Layer of each input and node: one to the right of everything that enters it."""
+    """Layer of each input and node: one to the right of all its inputs."""
     depths: dict[str, int] = dict.fromkeys(INPUT_NAMES, 0)
     for node in nodes.values():
         depths[node.name] = 1 + max((depths[name] for name, _ in node.inputs), default=0)
@@ -76,7 +76,7 @@ def _depths(nodes: dict[str, ExpressionNode]) -> dict[str, int]:
 
 
 def _edges(nodes: dict[str, ExpressionNode]) -> list[_Edge]:
-    """All connections; one that skips layers passes through a point of its own in each of them."""
+    """All connections; one that skips layers passes through its own point in each of them."""
     depths = _depths(nodes)
     edges = []
     for node in nodes.values():
@@ -89,7 +89,7 @@ def _edges(nodes: dict[str, ExpressionNode]) -> list[_Edge]:
 
 
 def _layers(nodes: dict[str, ExpressionNode], edges: list[_Edge]) -> list[list[str]]:
-    """Nodes and points of each layer, from the top: below what enters them, on average."""
+    """Nodes and points of each layer, from the top, sorted by the mean position of their inputs."""
     entering: dict[str, list[str]] = {name: [] for name in nodes}
     used = set()
     for edge in edges:
@@ -107,7 +107,7 @@ def _layers(nodes: dict[str, ExpressionNode], edges: list[_Edge]) -> list[list[s
 
 
 def _depth(name: str, depths: dict[str, int]) -> int:
-    """Layer of a node, or of a point of a connection, whose name ends in it."""
+    """Layer of a node, or of a point of a connection, whose name ends with the layer."""
     return depths[name] if name in depths else int(name.rsplit(" ", 1)[1])
 
 
@@ -116,7 +116,7 @@ def _mean(values: list[int]) -> float:
 
 
 def _places(layers: list[list[str]]) -> dict[str, Place]:
-    """Middle of each node and point; layers are centered on each other."""
+    """Center of each node and point; layers are centered on each other."""
     tallest = max(map(len, layers))
     return {
         name: (

@@ -1,4 +1,4 @@
-"""The section Grasps: how good labelled grasps are, at which size, and how objects were scaled."""
+"""The section Grasps: quality of labelled grasps, its dependence on size, and object scales."""
 
 import math
 from collections.abc import Mapping
@@ -28,8 +28,8 @@ class GraspNumbers:
         per_object: Median number of grasps of an object.
         quality: Quartiles of the Ferrari-Canny quality.
         robust_quality: Quartiles of the robust quality.
-        robust_success_rate: Mean part of the disturbed copies that hold.
-        collision_free: Part of the grasps that the hand reaches without collision.
+        robust_success_rate: Mean fraction of the perturbed copies that hold.
+        collision_free: Fraction of the grasps that the hand reaches without collision.
     """
 
     objects: int
@@ -62,7 +62,7 @@ class ScaleNumbers:
 
 @dataclass(frozen=True)
 class PrintNumbers:
-    """What goes to the printer: objects, plates, and labels of objects that fit on no plate."""
+    """What is printed: objects, plates, and labels of objects that fit on no plate."""
 
     objects: int
     plates: int
@@ -85,7 +85,7 @@ def grasp_view(
     scales: Mapping[str, pd.DataFrame],
     manifests: Mapping[str, pd.DataFrame],
 ) -> GraspView | None:
-    """What there is to show of the grasps of a dataset.
+    """Collect what the section shows of the grasps of a dataset.
 
     Args:
         grasps: Columns of `tables.grasping.GRASPS`, by gripper.
@@ -126,10 +126,10 @@ def section(
 
     Args:
         views: From `grasp_view`, by dataset.
-        most_grasps: Most grasps of an object.
-        copies: Disturbed copies of a grasp that robust quality is a mean of.
+        most_grasps: Maximum number of grasps per object.
+        copies: Perturbed copies of a grasp that robust quality averages over.
         size_grasps: Grasps sampled at each size.
-        size_repeats: How often this was repeated.
+        size_repeats: How often the sampling was repeated.
         named: Whether to write the name of each dataset.
     """
     return section_of(
@@ -179,10 +179,10 @@ def print_numbers(manifest: pd.DataFrame) -> PrintNumbers:
 
 
 def grasp_chart(grasps: Mapping[str, pd.DataFrame]) -> str:
-    """Histograms of nominal and robust grasp quality, one line a table.
+    """Histograms of nominal and robust grasp quality, one line per table.
 
     Args:
-        grasps: Tables with the columns of `tables.grasping.GRASPS`, by what they are of.
+        grasps: Tables with the columns of `tables.grasping.GRASPS`, by name.
 
     Returns:
         SVG text.
@@ -237,8 +237,8 @@ def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> No
 def size_chart(table: pd.DataFrame) -> str:
     """Percentiles of quality over size, one panel per object, all on the same axes.
 
-    A line is the mean over repetitions, its band goes from the lowest to the highest; a point is
-    hollow where only some repetitions found grasps. Beneath is the share of candidates that are
+    A line is the mean over repetitions, and its band spans from the lowest to the highest. A point
+    is hollow where only some repetitions found grasps. Below is the share of candidates that are
     possible grasps.
 
     Args:

@@ -1,4 +1,4 @@
-"""A page about a described hand: what was found in its file, and its shape in 3D."""
+"""A page about a hand from a file: what was found in the file, and its shape in 3D."""
 
 import numpy as np
 import trimesh
@@ -14,14 +14,14 @@ from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
 PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in scene3d.js
-PAD_THICKNESS = 4e-4  # metres, of what shows a pad
-ARROW = (0.03, 0.001)  # metres: length and radius of what shows the approach
+PAD_THICKNESS = 4e-4  # metres, of the plate that shows a pad
+ARROW = (0.03, 0.001)  # metres: length and radius of the bar that shows the approach
 JAW_ROWS = 9  # of the table of a hand with one moving jaw
 CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approach_axis")
 
 
 def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
-    """What was found in the file of a hand, in words: lengths in millimetres.
+    """What was found in the file of a hand, in words, with lengths in millimetres.
 
     Args:
         gripper: Its settings.
@@ -58,7 +58,7 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
 
 
 def _jaw_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
-    """What is particular to a hand with one moving jaw."""
+    """Facts specific to a hand with one moving jaw."""
     lever, low, high = model.lever or 1.0, *np.degrees(model.angles[[0, -1]])
     unit, slides = ("N m", False) if model.joint_kind == "revolute" else ("N", True)
     angle = f"{low:.1f} to {high:.1f} degrees"
@@ -80,8 +80,8 @@ def jaw_table(model: GripperModel) -> list[dict[str, str]]:
     """Openings of a hand with one moving jaw; empty for other hands.
 
     Returns:
-        Rows with the columns `joint`, `opening`, `angle`, `friction`: that which a round body
-        needs not to be squeezed out; and `gaps` at the depths of the model, millimetres.
+        Rows with the columns `joint`, `opening`, `angle`, `friction`: the friction at which a round
+        body is not squeezed out; and `gaps` at the depths of the model, millimetres.
     """
     if model.lever is None:
         return []
@@ -135,7 +135,7 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
 def hand_scene(model: GripperModel, word: str, opening: float) -> GraspScene:
     """A hand at an opening for the viewer, with its pads and its approach, which points down.
 
-    Of a hand with one moving jaw, the fixed one stays where it is.
+    In a hand with one moving jaw, the fixed jaw stays where it is.
 
     Args:
         model: The hand.
@@ -151,7 +151,7 @@ def hand_scene(model: GripperModel, word: str, opening: float) -> GraspScene:
 
 
 def _pads(model: GripperModel, opening: float, middle: Floats) -> list[trimesh.Trimesh]:
-    """Thin plates where the pads are; that of a jaw that turns leans with it."""
+    """Thin plates where the pads are; the plate of a jaw that turns tilts with it."""
     low, high = model.pad
     size = np.array([PAD_THICKNESS, *(high - low)[1:]])
     place = (low + high) / 2 * [0, 1, 1] + middle

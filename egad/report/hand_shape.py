@@ -1,4 +1,4 @@
-"""The shape of a hand in the colors of the 3D viewer, by itself and at a grasp."""
+"""The shape of a hand in the colors of the 3D viewer, alone and at a grasp."""
 
 import numpy as np
 import pandas as pd
@@ -17,11 +17,11 @@ Painted = tuple[trimesh.Trimesh, NDArray[np.uint8]]
 LINK_COLORS = {0: 0, -1: 1, 1: 2}
 BOX_COLORS = (1, 2, 0)  # of the first finger, the second one, and the palm
 OBJECT_COLOR = 5
-CIRCLE = 32  # corners that a circle is drawn with
+CIRCLE = 32  # corners of a drawn circle
 
 
 def link_shapes(model: GripperModel, opening: float) -> list[Colored]:
-    """The convex parts of a described hand, in its own frame, with colors.
+    """The convex parts of a hand from a file, in its own frame, with colors.
 
     Args:
         model: The hand.
@@ -35,7 +35,7 @@ def link_shapes(model: GripperModel, opening: float) -> list[Colored]:
 
 
 def painted(shapes: list[Colored]) -> Painted:
-    """One mesh of several, and the color of each of its faces."""
+    """Several meshes as one, and the color of each of its faces."""
     counts = [len(mesh.faces) for mesh, _ in shapes]
     paint = np.repeat([color for _, color in shapes], counts).astype(np.uint8)
     return joined(mesh for mesh, _ in shapes), paint

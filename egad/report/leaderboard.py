@@ -35,11 +35,12 @@ class Protocol:
     """What tables that are ranked together have in common.
 
     Attributes:
-        name: Of its file.
-        engine: What computed the physics.
-        is_clutter: Whether tables of several objects were cleared; else single objects grasped.
-        text: Its file.
-        same: Equal for protocols that differ in the engine only.
+        name: Name of its file.
+        engine: The physics engine.
+        is_clutter: Whether tables of several objects were cleared; otherwise single objects were
+            grasped.
+        text: Text of its file.
+        same: Equal for protocols that differ only in the engine.
     """
 
     name: str
@@ -75,7 +76,7 @@ class SubmittedTable:
 
 
 class Refusal(NamedTuple):
-    """A table that is not what the simulation gives."""
+    """A table that the simulation does not reproduce."""
 
     entry: str
     protocol: str
@@ -84,13 +85,13 @@ class Refusal(NamedTuple):
 
 @dataclass(frozen=True)
 class Board:
-    """All that the page shows.
+    """Everything that the page shows.
 
     Attributes:
-        entries: What is known of each by name: the fields of its file.
-        protocols: By name.
-        tables: Those that were verified.
-        refusals: Those that were refused.
+        entries: The fields of the file of each entry, by name.
+        protocols: Protocols by name.
+        tables: Tables that were verified.
+        refusals: Tables that were refused.
         problems: A sentence for each entry that is missing something.
     """
 
@@ -107,9 +108,9 @@ class Standing:
 
     Attributes:
         entry: Name of the entry.
-        ranks: That it may have; None if it does not compete, or is the only one.
-        rate: What it is ranked by.
-        success: Success of the attempts; of single objects, the same.
+        ranks: Ranks that it may have; None if it does not compete, or is the only one.
+        rate: The rate that it is ranked by.
+        success: Success rate of the attempts; for single objects, the same.
     """
 
     entry: str
@@ -120,7 +121,7 @@ class Standing:
 
 @dataclass(frozen=True)
 class Ranking:
-    """The entries of a protocol, or of one kind of its scenes, the best first.
+    """The entries of a protocol, or of one kind of its scenes, best first.
 
     Attributes:
         title: Kind of scene, or empty.
@@ -139,9 +140,9 @@ class ProtocolView:
 
     Attributes:
         protocol: The protocol.
-        rankings: One; of cleared tables, one for each kind of scene and noise.
+        rankings: One; for cleared tables, one for each kind of scene and noise.
         outcomes: Chart of the outcomes.
-        grids: Success by row and column of the evaluation set; none of cleared tables.
+        grids: Success by row and column of the evaluation set; none for cleared tables.
         rows: Chart of the success by row.
         columns: The same by column.
     """
@@ -160,10 +161,10 @@ class SubmittedTableView:
 
     Attributes:
         table: The table.
-        title: Of its protocol.
+        title: Title of its protocol.
         heat_map: Success of each object, empty for cleared tables.
         choices: What can be filmed: a name, the words of the command before and after the number,
-            and what came of each number.
+            and the result for each number.
     """
 
     table: SubmittedTable
@@ -173,7 +174,7 @@ class SubmittedTableView:
 
 
 def page(board: Board) -> str:
-    """The page; films lie beside it."""
+    """The page; films are stored next to it."""
     known = sorted(board.protocols.values(), key=lambda each: each.is_clutter)
     order = [each for each in known if _tables(board, each)]
     views = [_view(board, each) for each in order]
@@ -221,7 +222,7 @@ def _view(board: Board, protocol: Protocol) -> ProtocolView:
 def _clearing_ranking(
     board: Board, tables: Mapping[str, pd.DataFrame], scene: str, noise: str
 ) -> Ranking:
-    """By the share of objects that were cleared."""
+    """Ranking by the share of objects that were cleared."""
     own = {
         name: rows[(rows["scene"] == scene) & (rows["noise"] == noise)]
         for name, rows in tables.items()
@@ -258,7 +259,7 @@ def _ranking(
 
 
 def _units(rows: pd.DataFrame) -> tuple[Ints, Ints]:
-    """Successes, and attempts, of each object; or, of each round, its objects."""
+    """Successes and attempts of each object, or successes and objects of each round."""
     if "scene" in rows:
         rounds = rows.groupby(ROUND).agg({"success": "sum", "n_objects": "first"})
         return rounds["success"].to_numpy(np.int64), rounds["n_objects"].to_numpy(np.int64)
@@ -269,7 +270,7 @@ def _units(rows: pd.DataFrame) -> tuple[Ints, Ints]:
 def _by_engine(
     board: Board, rankings: Mapping[str, list[Ranking]]
 ) -> Iterator[tuple[str, dict[str, dict[str, Standing]]]]:
-    """Rankings that differ in the engine only: title, then standings by entry and engine."""
+    """Rankings that differ only in the engine: title, then standings by entry and engine."""
     groups: dict[str, list[Protocol]] = {}
     for each in board.protocols.values():
         if each.name in rankings:
@@ -303,7 +304,7 @@ def _own(board: Board, entry: str) -> Iterator[SubmittedTableView]:
 
 
 def _rounds(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, list[str]]]:
-    """Rounds of each kind of scene, as of `SubmittedTableView.choices`."""
+    """Rounds of each kind of scene, as in `SubmittedTableView.choices`."""
     for (scene, noise), own in rows.groupby(["scene", "noise"], sort=False):
         rounds = own.groupby("round").agg({"success": "sum", "n_objects": "first"})
         counts = rounds.itertuples(index=False)

@@ -1,8 +1,8 @@
-"""The map of an archive, and a page with it while evolution fills it.
+"""The map of an archive, and a page that shows it while evolution fills it.
 
-The page is HTML that opens offline and reloads by itself. Each island keeps its state in a file of
-its own beside the page, and writes the page from the files of all islands of the same run. No
-result depends on any of them.
+The page is HTML that opens offline and reloads by itself. Each island keeps its state in its own
+file next to the page, and writes the page from the files of all islands of the same run. No result
+depends on any of them.
 """
 
 import json
@@ -27,13 +27,13 @@ from egad.report.pictures import voxel_picture, voxel_png
 
 log = logging.getLogger(__name__)
 
-INTERVAL = 10.0  # seconds between two versions of the page, at least
-SHARE = 0.01  # part of the time that may be spent on the page
+INTERVAL = 10.0  # minimum seconds between two versions of the page
+SHARE = 0.01  # fraction of the time that may be spent on the page
 UNIT = 40  # side of a cell of the map, pixels
-MARGIN = 4  # of it that its picture leaves free
+MARGIN = 4  # pixels of a cell that its picture leaves free
 MAX_SIDE = 96  # side of a picture, pixels
-NARROWEST = 520  # side of a map, pixels, to which the cells of a small one are enlarged
-POINTS = 200  # of a curve, at most
+NARROWEST = 520  # minimum side of a map, pixels; cells of smaller maps are enlarged
+POINTS = 200  # maximum number of points of a curve
 State = dict[str, Any]
 Cells = dict[str, tuple[int, str]]  # by name: how many objects, and a picture of one
 
@@ -43,10 +43,10 @@ class EpochOfIsland:
     """What a page is about.
 
     Attributes:
-        run: Islands with the same text here, and the same epoch, are on the page together.
+        run: Islands with the same text here and the same epoch share a page.
         epoch: Number of the epoch.
         island: Number of the island.
-        evaluations: How many the island makes in an epoch.
+        evaluations: Evaluations that the island makes in an epoch.
         islands: Number of all islands, if known. An earlier run may have had more.
     """
 
@@ -84,7 +84,7 @@ class LiveMap:
         self._write((), ())
 
     def __call__(self, archive: Archive, steps: Sequence[Mapping[str, Any]]) -> None:
-        """Write the page again after a step, unless that was done a short while ago.
+        """Update the page after a step, unless it was updated recently.
 
         A page that cannot be written does not stop evolution.
 
@@ -94,7 +94,7 @@ class LiveMap:
         """
         last = sum(step["offspring"] for step in steps) >= self._epoch.evaluations
         if last or time.monotonic() >= self._next:
-            if not self._pictures:  # those of the epoch before, once: not part of the share
+            if not self._pictures:  # draw those of the previous epoch once; not part of the share
                 self._cells(archive.elites)
             begin = time.monotonic()
             self._write(archive.elites, steps)
@@ -114,7 +114,7 @@ class LiveMap:
             log.warning("%s is not up to date: %s", self._page, error)
 
     def _cells(self, elites: Sequence[Elite]) -> Cells:
-        """The filled cells. Pictures of elites that are shown again are kept."""
+        """The filled cells. Pictures of elites that are still shown are reused."""
         kept, self._pictures = self._pictures, {}
 
         def picture(elite: Elite) -> str:
@@ -131,7 +131,7 @@ def filled_cells(
     """How many elites each cell holds, and the picture of the oldest, by name of the cell.
 
     Args:
-        elites: The oldest first.
+        elites: Elites, oldest first.
         space: The cells.
         picture: Draws an elite, for the attribute `href` of an image.
     """
@@ -176,7 +176,7 @@ def archive_map(archive: Archive, measures: tuple[str, str] | None = None) -> st
 
 
 def map_values(cells: Cells, space: MeasureSpace, axes: AxisPair) -> dict[str, Any]:
-    """What the template of the map reads beside the size of a cell and a caption."""
+    """What the template of the map reads besides the size of a cell and a caption."""
     size = range(space.cells)
     (start, end), (hard, easy) = space.complexity_range, space.graspability_range
     return {
@@ -190,7 +190,7 @@ def map_values(cells: Cells, space: MeasureSpace, axes: AxisPair) -> dict[str, A
 
 
 def progress_of(steps: Sequence[Mapping[str, Any]], total: int, seconds: float) -> State:
-    """How far an epoch is after some seconds: numbers, and texts to show."""
+    """Progress of an epoch after some seconds: numbers, and texts to show."""
     done, curve = 0, []
     for step in steps:
         done += step["offspring"]
@@ -214,7 +214,7 @@ def read_states(folder: Path, own: State, islands: int | None = None) -> list[St
 
     Args:
         folder: Folder of their files.
-        own: What one of them has written; others count with the same run and epoch.
+        own: State that one of them has written; others count if run and epoch are the same.
         islands: How many there are, if known.
     """
     found: list[State] = []
@@ -251,7 +251,7 @@ def page_of(states: Sequence[State], space: MeasureSpace, axes: AxisPair = USUAL
 
 
 def _write(path: Path, text: str) -> None:
-    """Write a file at once; several islands may do so at the same time."""
+    """Write a file atomically; several islands may do so at the same time."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     temporary.write_text(text, encoding="utf-8")

@@ -42,7 +42,7 @@ class Located:
     Attributes:
         row: Columns of `tables.objects.LOCATED`.
         picture: PNG.
-        neighbors: The most similar objects, the nearest first.
+        neighbors: The most similar objects, nearest first.
     """
 
     row: Mapping[str, Any]
@@ -63,7 +63,7 @@ def page(
     Args:
         name: The dataset.
         objects: Its objects: columns complexity_cell and difficulty_cell.
-        located: What to show.
+        located: Objects to show.
         reasons: Names of meshes that could not be used, and why.
         space: The cells.
         axes: What the axes of the space are called.
@@ -108,7 +108,7 @@ def location_map(
         objects: Columns complexity_cell and difficulty_cell.
         marks: Cells along complexity and along difficulty; numbered from 1.
         space: The cells.
-        names: What is written along the axes.
+        names: Texts along the axes.
 
     Returns:
         SVG text.

@@ -1,6 +1,6 @@
 """A page to log grasp attempts with a real robot, which needs no network and no other file.
 
-Its CSV is read by `egad.stats.read`; `LOG_COLUMNS` there are its columns.
+`egad.stats.read` reads the CSV file that it exports; `LOG_COLUMNS` there are its columns.
 """
 
 import base64
@@ -43,7 +43,7 @@ REASONS = (
     "camera or network failed",
     "object or gripper was damaged",
 )
-FIELDS = {  # of a session: key, what it is called, and an example
+FIELDS = {  # of a session: key, name, and an example
     "operator": ("Operator", "your name or initials"),
     "robot": ("Robot", "Franka Panda"),
     "gripper": ("Gripper", "Franka Hand"),
@@ -56,7 +56,7 @@ REQUIRED = ("operator", "robot", "gripper")
 
 
 class PlannedAttempt(NamedTuple):
-    """An attempt that is to be made."""
+    """A planned attempt."""
 
     label: str
     attempt: int
@@ -83,10 +83,10 @@ class LogPlan:
     """What a session consists of.
 
     Attributes:
-        attempts: By each detector at each object.
-        seed: What the order was drawn from.
+        attempts: Attempts by each detector at each object.
+        seed: Seed of the order.
         order: All attempts.
-        shown: What the page calls each detector: its name, or a letter if the session is blinded.
+        shown: Name of each detector on the page: its own, or a letter if the session is blinded.
         blind: Whether the operator does not know the detectors.
     """
 
@@ -107,19 +107,19 @@ def attempt_order(
 ) -> list[PlannedAttempt]:
     """The order of all attempts.
 
-    Objects come one after the other in random order. At each of them, all detectors make their
-    first attempt, then all make their second, and so on, each time in another random order. What
-    changes with time, such as worn pads, thus affects all detectors alike.
+    Objects are tried one after the other in random order. At each of them, all detectors make their
+    first attempt, then all make their second, and so on, each time in another random order. So
+    effects that change with time, such as worn pads, affect all detectors equally.
 
-    In rounds, all detectors make one attempt at each object, in an order of its own, before one is
-    tried again: what a test needs that may be looked at early.
+    In rounds, all detectors make one attempt at each object, each round in a new order, before any
+    object is tried again. A test that may be looked at early needs this.
 
     Args:
         labels: Objects, each once.
-        attempts: By each detector at each object.
-        detectors: Their names, each once.
+        attempts: Attempts by each detector at each object.
+        detectors: Names of the detectors, each once.
         seed: The same seed gives the same order, however objects and detectors are listed.
-        rounds: Whether in rounds.
+        rounds: Whether to order attempts in rounds.
     """
     names, objects = sorted(detectors), sorted(labels)
     if rounds:
@@ -150,11 +150,11 @@ def plan(
 
     Args:
         labels: Objects, each once.
-        attempts: By each detector at each object.
-        detectors: Their names.
-        seed: What the order is drawn from; see `attempt_order`.
+        attempts: Attempts by each detector at each object.
+        detectors: Names of the detectors.
+        seed: Seed of the order; see `attempt_order`.
         blind: Call the detectors A, B, ... in random order.
-        rounds: As of `attempt_order`.
+        rounds: As in `attempt_order`.
 
     Raises:
         UserError: The names of the detectors cannot be used, or there are no attempts.
@@ -170,7 +170,7 @@ def plan(
 
 
 def order_table(planned: LogPlan, objects: Iterable[LogObject]) -> pd.DataFrame:
-    """The order for the program of the robot, with the true names of the detectors.
+    """The order for the robot program, with the true names of the detectors.
 
     Returns:
         Columns order (from 1), label, id, attempt (from 0), detector; and success, outcome and
@@ -187,8 +187,8 @@ def page(planned: LogPlan, objects: Sequence[LogObject], title: str) -> str:
     """The HTML page.
 
     Args:
-        planned: What is to be done.
-        objects: Those of the plan.
+        planned: The plan.
+        objects: Objects of the plan.
         title: What the objects are, such as the name of the dataset.
     """
     labels = [item.label for item in objects]
@@ -226,7 +226,7 @@ def page(planned: LogPlan, objects: Sequence[LogObject], title: str) -> str:
 
 
 def _outcome(outcome: Outcome) -> dict[str, Any]:
-    """What the page says of an outcome."""
+    """What the page says about an outcome."""
     return {
         "code": outcome.value,
         "name": outcome.value.replace("_", " "),
@@ -241,10 +241,10 @@ def _shuffled(names: Sequence[str], seed: int, *index: int | str) -> list[str]:
 
 
 def _check_detectors(names: Sequence[str]) -> None:
-    """Check that names of detectors can stand in the order and in a CSV file.
+    """Check that names of detectors can be used in the order and in a CSV file.
 
     Raises:
-        UserError: One cannot.
+        UserError: A name cannot be used.
     """
     for name in names:
         if not name[:1].isalnum() or len(name) > MAX_NAME or not name.isprintable():

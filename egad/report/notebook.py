@@ -14,12 +14,12 @@ ROWS = 10  # of a long table
 
 
 def facts_html(title: str, facts: Mapping[str, object], mesh: trimesh.Trimesh | None) -> str:
-    """What a result is, its facts as a table, and a thumbnail of its mesh.
+    """A result: its title, its facts as a table, and a thumbnail of its mesh.
 
     Args:
         title: What it is.
-        facts: Values by their names.
-        mesh: What to draw, if anything.
+        facts: Values by name.
+        mesh: Mesh to draw, if any.
     """
     picture = "" if mesh is None else data_uri(png_bytes(render(mesh, 2 * THUMBNAIL)))
     return render_template(
@@ -28,7 +28,7 @@ def facts_html(title: str, facts: Mapping[str, object], mesh: trimesh.Trimesh | 
 
 
 def table_html(title: str, table: pd.DataFrame) -> str:
-    """A table under its title; of a long one, its first and last rows.
+    """A table under its title; for a long one, only its first and last rows.
 
     Args:
         title: What it is.

@@ -1,7 +1,7 @@
-"""HTML pages: sections, templates, numbers as text, and nothing that breaks a page.
+"""HTML pages: sections, templates, numbers as text, and escaping.
 
 A section of the report is a module of this package. Its function `section` turns tables and plain
-values into a `Section`, by a template of the same name.
+values into a `Section`, using a template of the same name.
 """
 
 from collections.abc import Iterable
@@ -39,7 +39,7 @@ def section_of(template: str, title: str, /, **values: Any) -> Section:  # noqa:
     Args:
         template: Name of the template, such as `map.html.j2`.
         title: Text of the link to the section.
-        values: What the template reads.
+        values: Values for the template.
     """
     html = render_template(template, **values)
     return Section(template.partition(".")[0], title, Markup(html))  # noqa: S704 (templates escape what they show)
@@ -60,8 +60,8 @@ def render_template(
 
     Args:
         name: Name of the template, such as `view.html.j2`.
-        folder: Folder of templates that may extend those of this package; default: these alone.
-        values: What the template reads.
+        folder: Folder of templates that may extend those of this package; default: only these.
+        values: Values for the template.
     """
     return _environment(folder).get_template(name).render(**values)
 
@@ -97,14 +97,14 @@ def _fixed(value: float, digits: int = 2) -> str:
 
 
 def p_value(value: float) -> str:
-    """A p-value in short: two digits, but not below 0.001."""
+    """A short p-value: two digits, but not below 0.001."""
     if pd.isna(value):
         return DASH
     return "< 0.001" if value < 0.001 else f"{value:.3f}" if value < 0.01 else f"{value:.2f}"
 
 
 def _code(text: str) -> Markup:
-    """Text as HTML, with what stands between backticks set as code."""
+    """Text as HTML, with anything between backticks set as code."""
     parts = [
         Markup("<code>{}</code>").format(part) if index % 2 else escape(part)
         for index, part in enumerate(text.split("`"))
@@ -113,5 +113,5 @@ def _code(text: str) -> Markup:
 
 
 def counted(count: int, noun: str) -> str:
-    """A number and its noun; the plural takes an s."""
+    """A number and its noun, with an s in the plural."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

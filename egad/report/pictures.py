@@ -44,7 +44,7 @@ KEY_LIGHT = _unit(np.array([-0.55, 0.62, 0.56], dtype=np.float32))
 
 
 class _Hits(NamedTuple):
-    """What the rays meet, in camera coordinates."""
+    """What the rays hit, in camera coordinates."""
 
     rays: NDArray[np.int64]
     points: Singles
@@ -52,11 +52,11 @@ class _Hits(NamedTuple):
 
 
 def render(mesh: trimesh.Trimesh, size: int = 96) -> RgbImage:
-    """Draw a mesh on a transparent ground, seen from in front and above.
+    """Draw a mesh on a transparent background, seen from the front and above.
 
-    Orthographic rays, two by two a pixel. A key light from the upper left, an open sky (ambient
-    occlusion) and darkened silhouettes let the shape read on any ground. Faces may be wound
-    either way.
+    Rays are orthographic, two by two per pixel. A key light from the upper left, an open sky
+    (ambient occlusion) and darkened silhouettes make the shape readable on any background. Faces
+    may be wound either way.
 
     Args:
         mesh: The object, in any unit; it is scaled to fill the picture.
@@ -67,7 +67,7 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> RgbImage:
 
     Raises:
         RejectedError: The mesh has no faces, or coordinates that are not finite.
-        UserError: It is not a mesh, or there are no pixels.
+        UserError: The argument is not a mesh, or there are no pixels.
     """
     check_mesh(mesh)
     check_count("size", size)
@@ -86,7 +86,7 @@ def png_bytes(picture: RgbImage) -> bytes:
     picture that still has more than 256 colors keeps full color.
 
     Args:
-        picture: As from `render`, (height, width, 4).
+        picture: As returned by `render`, (height, width, 4).
 
     Returns:
         A PNG file, the same bytes for the same picture.
@@ -105,7 +105,7 @@ def png_bytes(picture: RgbImage) -> bytes:
 
 
 def voxel_png(picture: RgbImage) -> bytes:
-    """A PNG file of grey and alpha, as from `voxel_picture`."""
+    """A PNG file of grey and alpha, as returned by `voxel_picture`."""
     return _encode(Image.fromarray(picture, "LA"))
 
 
@@ -116,7 +116,7 @@ def _encode(image: Image.Image, **options: Any) -> bytes:  # noqa: ANN401 (as Pi
 
 
 def _to_view(vertices: NDArray[np.float64]) -> Singles:
-    """Camera coordinates, centered, the wider of width and height between -FILL and FILL."""
+    """Camera coordinates, centered, with the larger of width and height from -FILL to FILL."""
     seen = vertices @ CAMERA.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     reach = max((high - low)[:2].max() / 2, np.finfo(np.float64).tiny)
@@ -148,7 +148,7 @@ def _cast(scene: TriangleScene, vertices: Singles, faces: NDArray[np.int32], sid
 def _corner_normals(vertices: Singles, faces: NDArray[np.int32]) -> Singles:
     """Normals at the corners of each face (n, 3, 3): smooth, but flat at creases.
 
-    Faces weigh by their angle at a vertex, so that the corners of a box are creases.
+    Faces are weighted by their angle at a vertex, so that the corners of a box are creases.
     """
     edges = vertices[np.roll(faces, -1, axis=1)] - vertices[faces]
     flat = _unit(np.cross(edges[:, 0], edges[:, 1]))
@@ -174,7 +174,7 @@ def _shade(scene: TriangleScene, hits: _Hits, side: int) -> Singles:
 
 
 def _sky_visibility(scene: TriangleScene, hits: _Hits, side: int) -> Singles:
-    """Cosine-weighted part of the sky that each hit sees.
+    """Cosine-weighted fraction of the sky that each hit sees.
 
     Pixels share one fixed set of directions, spread over their subsamples, so there is no noise.
     """
@@ -223,10 +223,10 @@ def _average(rays: NDArray[np.int64], bright: Singles, size: int) -> RgbImage:
 
 
 def voxel_picture(voxels: NDArray[np.bool_], size: int) -> RgbImage:
-    """Draw a solid seen from in front and above, in the light of `render` (ours).
+    """Draw a solid seen from the front and above, in the light of `render` (ours).
 
-    The voxels of its surface are painted as squares, the farthest first, each in the brightness
-    of its normal.
+    The voxels of its surface are painted as squares, farthest first, each with the brightness of
+    its normal.
 
     Args:
         voxels: (r, r, r), not empty.
@@ -276,7 +276,7 @@ def _normals(solid: NDArray[np.bool_], surface: NDArray[np.int64]) -> NDArray[np
 
 
 def _average_voxels(canvas: NDArray[np.float32], size: int) -> RgbImage:
-    """One pixel for each block of subsamples; only what is painted counts for its grey."""
+    """One pixel for each block of subsamples; only painted ones count for its grey value."""
     split = canvas.reshape(size, SUBSAMPLES, size, SUBSAMPLES).swapaxes(1, 2)
     blocks = split.reshape(size, size, SUBSAMPLES**2)
     painted = np.count_nonzero(blocks, axis=2)

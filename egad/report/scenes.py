@@ -48,7 +48,7 @@ def scene(
 
 
 def _reason(folder: Path, gripper: str, label: str) -> str:
-    """Why an object has no grasp, as the table of rejected objects says."""
+    """Why an object has no grasp, from the table of rejected objects."""
     objects = parquet.read(folder / "objects.parquet", pa.schema([ID, LABEL]))
     rejected = parquet.read(folder / "grasps" / f"{gripper}.rejected.parquet", REJECTED)
     own = rejected[rejected["id"].isin(objects.loc[objects["label"] == label, "id"])]

@@ -47,12 +47,12 @@ class SpaceMap:
     Attributes:
         size: Cells along each axis.
         cells: The filled ones.
-        low: Mean diversity at the lower end of the color bar; few cells lie below.
+        low: Mean diversity at the lower end of the color bar; few cells are below it.
         high: Mean diversity at its upper end.
         stops: Colors of the bar, from low to high.
         details: Objects of each cell by its name: label, id, complexity, graspability, its
             standard error, confidence of the cell, diversity and picture (base64; None for the
-            first, which the map shows); then how many more.
+            first, which the map shows); then the number of further objects.
         first: Name of the cell whose objects are shown first.
         pictured: Whether the objects have pictures.
     """
@@ -85,7 +85,7 @@ def section(
 
 
 def legend_of(limit: Attainable, axis: MeasureAxis) -> str:
-    """What the hatched rows of a map are, in words; empty if there are none.
+    """A legend for the hatched rows of a map; empty if there are none.
 
     Args:
         limit: Which rows objects are expected in.
@@ -124,7 +124,7 @@ def space_map(
 ) -> SpaceMap:
     """Lay out the objects of a dataset over the space.
 
-    A cell has the color of the mean diversity of its objects and the picture of the most
+    A cell is colored by the mean diversity of its objects and shows the picture of the most
     diverse one.
 
     Args:
@@ -201,11 +201,11 @@ def collage(
 
     Args:
         objects: Columns of `tables.objects.OBJECTS`.
-        pictures: PNG of each object by its label, with a transparent ground; objects without
+        pictures: PNG of each object by its label, with a transparent background; objects without
             one are left out.
         space: The cells.
         unit: Pixels along each side of a cell.
-        axes: What is written along the axes.
+        axes: Texts along the axes.
 
     Returns:
         A PNG file.

@@ -1,4 +1,4 @@
-"""The sections Summary and Rejected objects: what each dataset holds, and what was left out."""
+"""The sections Summary and Rejected objects: contents of each dataset, and what was left out."""
 
 import math
 from collections.abc import Mapping
@@ -19,16 +19,16 @@ class DatasetSummary:
     """A dataset in numbers.
 
     Attributes:
-        kind: How its objects came about: `evolved`, `random` or `given`.
+        kind: How its objects were made: `evolved`, `random` or `given`.
         objects: How many it has.
         filled_cells: Cells of the space with at least one object.
-        coverage: Part of the archive slots that its objects fill.
-        selected_coverage: The same by the graspability that evolution selected by; NaN if there
-            are none, or none from sampled grasps.
-        certain: Part of the objects with a certain cell; NaN if it is not known.
+        coverage: Fraction of the archive slots that its objects fill.
+        selected_coverage: The same by the graspability that evolution used for selection; NaN if
+            there is none, or none from sampled grasps.
+        certain: Fraction of the objects with a certain cell; NaN if it is not known.
         diversity: Lowest, mean and highest diversity; NaN if it has no objects.
-        cut: Objects of which bodies were dropped.
-        dropped_volume: The largest part of the volume that an object lost so.
+        cut: Objects that lost bodies.
+        dropped_volume: The largest fraction of its volume that an object lost with them.
         selected: Objects of its evaluation set.
         results: What detectors achieved on that set, by gripper.
     """

@@ -1,4 +1,4 @@
-"""The chart of a training: losses and score."""
+"""The chart of a training run: losses and score."""
 
 from typing import Any
 
@@ -36,7 +36,7 @@ def scene_training_chart(history: pd.DataFrame) -> str:
 
 
 def _chart(history: pd.DataFrame, unit: str, score: str, title: str) -> str:
-    """Losses, and a score, over the examples so far."""
+    """Losses and a score over the examples so far."""
     examples = history[unit]
     dots: dict[str, Any] = {"marker": "o", "ms": 3}
     with new_figure(7.6, 3.0) as drawing:
@@ -68,7 +68,7 @@ def openings_chart(openings: NDArray[np.float64], most: float) -> str:
     with new_figure(5.0, 2.4) as drawing:
         axes = drawing.figure.subplots()
         bins = np.linspace(0, 1000 * most, 17)
-        # At the full opening, some are a rounding error wider.
+        # Some fully open grasps are wider by a rounding error.
         values = np.minimum(1000 * openings, bins[-1])
         shares = np.full(len(values), 1 / max(len(values), 1))
         axes.hist(values, bins.tolist(), weights=shares, color=LINES[0], edgecolor="white", lw=0.5)

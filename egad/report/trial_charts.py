@@ -54,7 +54,7 @@ def trial_heat_map(
         rows: Letters of the evaluation set; the easiest is at the bottom.
         columns: Digits of the evaluation set.
         present: Labels of the objects in the set; all other cells are hatched.
-        axis_names: What is written along the axes.
+        axis_names: Texts along the axes.
 
     Returns:
         SVG text.
@@ -128,8 +128,8 @@ def rate_bars(
     """Success rates side by side by row of the evaluation set, with intervals of 95 %.
 
     Args:
-        rates: By detector: of each row, and then the one over all.
-        groups: Names of the rows; or of the columns, if rates are of these.
+        rates: By detector: rates of each row, and then over all.
+        groups: Names of the rows, or of the columns if the rates are by column.
 
     Returns:
         SVG text.
@@ -156,7 +156,7 @@ def rate_bars(
 
 
 def draw_intervals(axes: Axes, x: Iterable[float], means: Sequence[Mean], color: str) -> None:
-    """Vertical lines from the lower to the upper end of rates; none where nothing is known."""
+    """Draw vertical lines from the lower to the upper end of rates; none where unknown."""
     for at, mean in zip(x, means, strict=True):
         low, high = mean.interval
         if (low, high) != (0.0, 1.0):
@@ -166,7 +166,7 @@ def draw_intervals(axes: Axes, x: Iterable[float], means: Sequence[Mean], color:
 def draw_rates(
     axes: Axes, x: Sequence[float], rates: Sequence[Rate], color: str, name: str = ""
 ) -> None:
-    """A line through rates, with the interval of each."""
+    """Draw a line through rates, with the interval of each."""
     axes.vlines(x, *zip(*(rate.interval for rate in rates), strict=True), color=color, lw=1)
     axes.plot(x, [rate.value for rate in rates], "o-", color=color, ms=4.5, lw=1.4, label=name)
 
@@ -179,7 +179,7 @@ def outcome_counts(trials: pd.DataFrame) -> dict[str, int]:
 
 
 def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
-    """Outcomes of the attempts, one bar a table.
+    """Outcomes of the attempts, one bar per table.
 
     Args:
         trials: Tables with the columns of `tables.evaluation.TRIALS`, by the name of the bar.
@@ -205,15 +205,15 @@ def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
 
 
 def trial_chart(trials: pd.DataFrame) -> str:
-    """What became of attempts: a heat map of the evaluation set, or the outcomes by object.
+    """Results of attempts: a heat map of the evaluation set, or the outcomes by object.
 
     Args:
         trials: Columns label, success and outcome of `tables.evaluation.TRIALS`, at least one row.
 
     Returns:
         SVG text. If all labels are those of an evaluation set, such as C4, the heat map of the
-        paper. Else the outcomes of all attempts, and those of each object; of more than
-        `MAX_BARS` objects, of those with the lowest success rates.
+        paper. Otherwise the outcomes of all attempts and of each object; with more than `MAX_BARS`
+        objects, only of those with the lowest success rates.
     """
     objects = by_object(trials)
     names = [str(name) for name in objects.index]

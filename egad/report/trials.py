@@ -62,8 +62,8 @@ class TrialView:
     """Attempts of one detector; figures are addresses, empty if there is none.
 
     Attributes:
-        engine: What computed the physics, and with which errors; empty for a real robot.
-        rate: Over all attempts.
+        engine: The physics engine, and the errors of the cell; empty for a real robot.
+        rate: Success rate over all attempts.
         objects: How many objects were tried.
         outcomes: Attempts by outcome.
         heat_map: Success rates of objects, rows and columns.
@@ -111,7 +111,7 @@ def section(
 
     Args:
         results: From `trial_results`, by dataset and gripper.
-        attempts: At each object.
+        attempts: Attempts at each object.
         lift_height: Metres above the table at which an object counts as held.
         named: Whether to write the name of each dataset.
     """
@@ -133,7 +133,7 @@ def page(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> s
 
 
 def trial_results(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> Results:
-    """Work out what there is to show.
+    """Compute what the section shows.
 
     Args:
         tables: Attempts by detector: columns of `tables.evaluation.RESULTS`.
@@ -152,7 +152,7 @@ def trial_results(tables: Mapping[str, pd.DataFrame], evaluation_set: Evaluation
 
 
 def pairs(tables: Mapping[str, pd.DataFrame]) -> list[Pair]:
-    """Every two detectors compared, except those that have no attempt in common.
+    """Compare every two detectors, except those that have no attempt in common.
 
     Raises:
         UserError: A label does not stand for the same object in all tables.
@@ -204,7 +204,7 @@ def reliability_chart(bins: Sequence[Bin]) -> str:
         bins: From `egad.stats.roc`, at least one.
 
     Returns:
-        SVG text. If all qualities lie between 0 and 1, a diagonal shows where they would be the
+        SVG text. If all qualities lie between 0 and 1, a diagonal shows where they would equal the
         probability of success.
     """
     qualities = [each.quality for each in bins]

@@ -32,8 +32,8 @@ STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
 UNIT = 2**15 - 1
 METRICS = {"quality": "quality", "robust_quality": "robust quality"}
 LABELS = ("not simulated", "held in simulation", "failed in simulation", "in collision")
-NEARBY = 0.01  # of the longest side: contacts may be as far outside the box
-TOP = 0.98  # quantile of the quality that has the last color
+NEARBY = 0.01  # of the longest side; contacts may be this far outside the box
+TOP = 0.98  # quantile of the quality that gets the last color
 
 
 @dataclass(frozen=True)
@@ -41,13 +41,13 @@ class GraspScene:
     """An object with its grasps.
 
     Attributes:
-        name: What it is called.
-        title: What else is to be said about it, in a few words.
+        name: Its name.
+        title: A short description.
         mesh: As it is grasped, metres.
         grasps: Columns contact0, contact1, approach (each with x, y and z), quality,
             robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh;
             `simulated_success`, if it is there, is packed too.
-        note: What to know, such as why it has no grasps.
+        note: A remark, such as why it has no grasps.
         paint: Number of a color in `scene3d.js` for each face; all are gray if None.
     """
 
@@ -64,11 +64,11 @@ def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any
 
     Args:
         scenes: At least one.
-        gripper: What the grasps are for.
+        gripper: The gripper of the grasps.
 
     Returns:
         `finger`: from the contacts back to the palm, or to the top of the cup, metres; `objects`:
-        each packed; `metrics`: key, name, and the value that has the last color, the same for all
+        each packed; `metrics`: key, name, and the value that gets the last color, the same for all
         objects.
     """
     return {
@@ -82,8 +82,8 @@ def pack(scene: GraspScene) -> dict[str, Any]:
     """One object for the viewer.
 
     Returns:
-        `name`, `title`, `note`; `counts` of vertices, faces and grasps; `origin` and `step`, by
-        which coordinates become metres; and `data`: the following little-endian arrays, one after
+        `name`, `title`, `note`; `counts` of vertices, faces and grasps; `origin` and `step`, which
+        convert coordinates to metres; and `data`: the following little-endian arrays, one after
         the other, compressed by zlib, as base64. Faces and vertices (see `_zigzag`), each metric
         (32-bit float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767), whether
         the grasp is free of collision (8 bit), colors of faces (8 bit), if it is `painted`, and
@@ -121,7 +121,7 @@ def pack(scene: GraspScene) -> dict[str, Any]:
 
 
 def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
-    """What simulation says of grasps, as positions in `LABELS`.
+    """Labels of grasps by simulation, as positions in `LABELS`.
 
     Only collision-free grasps are simulated. Those without an outcome count as not simulated.
 
@@ -142,7 +142,7 @@ def page(scene: GraspScene, name: str | None, gripper: Gripper) -> str:
     Args:
         scene: The object.
         name: Name of the gripper, may be empty; None: it is not named.
-        gripper: What the grasps are for.
+        gripper: The gripper of the grasps.
     """
     scenes = [scene]
     if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:
@@ -164,9 +164,9 @@ def _steps(
 
 
 def _zigzag(rows: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """Each row minus the one before, sign in the lowest bit, as 32 bit: byte by byte, lowest first.
+    """Differences of rows, sign in the lowest bit, as 32 bit: byte by byte, lowest byte first.
 
-    Small differences, which are most, give long runs of zeros.
+    Most differences are small and give long runs of zeros.
     """
     steps = rows.astype(np.int64)
     steps[1:] -= rows[:-1]
@@ -197,12 +197,12 @@ class MeshView:
         """Write the page, atomically.
 
         Raises:
-            UserError: The path is none, or cannot be written.
+            UserError: The path is invalid or cannot be written.
         """
         write_text(as_path("path", path), self.html)
 
     def _repr_html_(self) -> str:
-        """The page in a frame of its own, for notebooks."""
+        """The page in its own frame, for notebooks."""
         page = html.escape(self.html)
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 640px; border: 0"></iframe>'
 
@@ -217,14 +217,15 @@ def view(
     """Show a mesh in 3D, with grasps.
 
     Args:
-        mesh: Metres.
-        grasps: In the frame of the mesh; none if omitted.
-        gripper: What the grasps are for, or its name: its fingers are drawn. Needed with grasps.
+        mesh: The mesh, metres.
+        grasps: Grasps in the frame of the mesh; none if omitted.
+        gripper: The gripper of the grasps, or its name; its fingers are drawn. Needed with grasps.
         title: Shown above the view.
 
     Raises:
-        UserError: There is no gripper of this name, or none is given for grasps; the mesh is none;
-            the grasps are no `egad.Grasps`, or are of a mesh in another frame or at another scale.
+        UserError: There is no gripper of this name, or none is given for grasps; `mesh` is not a
+            mesh; `grasps` are not `egad.Grasps`, or are of a mesh in another frame or at another
+            scale.
         RejectedError: The mesh is empty or not finite.
     """
     check_mesh(mesh)
@@ -243,7 +244,7 @@ def view(
 
 
 def _check_contacts(mesh: trimesh.Trimesh, grasps: Grasps | None) -> None:
-    """Make sure that contacts lie about where the mesh is."""
+    """Make sure that contacts lie near the mesh."""
     if grasps is None or len(grasps) == 0:
         return
     low, high = np.asarray(mesh.bounds)

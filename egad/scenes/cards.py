@@ -17,7 +17,7 @@ PICTURE = "scene.png"
 
 
 class SceneSet(NamedTuple):
-    """What there is in a set of scenes.
+    """The contents of a set of scenes.
 
     Attributes:
         scenes: `SCENE_COLUMNS` of `tables.scenes.SCENES`.
@@ -39,8 +39,8 @@ def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
 
     Args:
         settings: What the scenes were made with.
-        title: What they are of.
-        found: What there is.
+        title: Title of the card.
+        found: The contents of the set.
     """
     scenes = settings.scenes
     missing = found.planned - len(found.scenes)

@@ -66,7 +66,7 @@ class YawTrials(NamedTuple):
         pose: (4, 4) of the hand at the kept yaw.
         width: Distance of the pads after the lift, metres; NaN without success.
         yaws: Whether each yaw succeeded, from the kept one on.
-        outcome: Of the kept yaw.
+        outcome: Outcome of the kept yaw.
     """
 
     pose: Floats
@@ -84,11 +84,11 @@ def make_scene(
 
     Args:
         planned: Kind, objects and seed.
-        models: Its objects by their ids, at least, in the size that fits the gripper.
+        models: At least its objects, by id, in the size that fits the gripper.
         settings: Gripper, rules, cameras and numbers of grasps.
 
     Returns:
-        Nothing if the simulation goes wrong.
+        The scene; None if the simulation goes wrong.
 
     Raises:
         UserError: The gripper has a suction cup.
@@ -136,10 +136,10 @@ def see(
     """What ideal cameras see of objects.
 
     Args:
-        world: Of the scene.
+        world: The world of the scene.
         present: The objects where they lie.
         cameras: Ranges that each camera is drawn from.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     rendered = [DepthCamera(world.models[each.number].mesh) for each in present]
     matrices = [each.pose.matrix for each in present]
@@ -151,11 +151,11 @@ def see(
 
 
 def training_cameras(cameras: SceneCameras, rng: np.random.Generator) -> list[Floats]:
-    """Poses of cameras around a table, (4, 4) each, with a distance and tilt of its own each.
+    """Poses of cameras around a table, (4, 4) each, each at its own distance and tilt.
 
     Args:
         cameras: Ranges to draw from.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     return [camera_poses(cameras, rng)[number] for number in range(cameras.views)]
 
@@ -168,8 +168,8 @@ def sample_points(
     Args:
         points: (n, 3) metres.
         normals: (n, 3) outward unit normals.
-        count: How many; a point may come twice.
-        rng: Source of chance.
+        count: How many; a point may occur twice.
+        rng: Random number generator.
     """
     allowed = np.flatnonzero(normals[:, 2] > MIN_RISE)
     chosen = rng.choice(allowed, count if len(allowed) else 0)
@@ -181,14 +181,14 @@ def hand_poses_at(
 ) -> Floats:
     """Poses of the hand to be tried, (n, yaws, 4, 4).
 
-    The hand comes against the normal, and its fingertips reach as far below the surface as is drawn
-    for the point. The first yaw is random, the others follow evenly over half a turn.
+    The hand approaches against the normal. How far its fingertips reach below the surface is drawn
+    for each point. The first yaw is random; the others follow evenly over half a turn.
 
     Args:
         points: (n, 3) of the surface, metres.
         normals: (n, 3) outward unit normals.
         settings: The hand, and the number of yaws.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     low, tip = finger_span(settings.gripper)
     count, yaws = len(points), settings.scenes.yaws
@@ -211,10 +211,10 @@ def try_yaws(
 ) -> YawTrials:
     """Try a grasp at all its yaws, each in the same scene.
 
-    Kept is the middle of the widest run of successes, or the first yaw without any.
+    The middle of the widest run of successes is kept, or the first yaw if none succeeds.
 
     Args:
-        world: Of the scene, with a hand.
+        world: The world of the scene, with a hand.
         present: The objects where they lie.
         poses: (yaws, 4, 4) of the hand, evenly over half a turn.
         settings: Gripper and rules.
@@ -230,10 +230,10 @@ def try_yaws(
 def try_grasp(
     world: World, present: Sequence[RestingObject], pose: Floats, settings: SceneParameters
 ) -> tuple[PoseExecution, float]:
-    """What comes of a grasp of the fully open hand, and how far it is open in the end, metres.
+    """The result of a grasp of the fully open hand, and how far it is open in the end, metres.
 
     A contact on the way with more than the stopping force of the protocol is a failure; in VGN's
-    data, any is.
+    data, any contact is.
     """
     put(world, present)
     rules = settings.scenes.protocol

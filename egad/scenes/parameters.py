@@ -19,7 +19,7 @@ from egad.sim import (
 )
 
 MAX_OBJECTS = 20  # in a scene
-# Of the finger length: how far the fingertips reach below the surface. In VGN's code from -0.1 on,
+# How far the fingertips reach below the surface, in finger lengths. In VGN's code from -0.1 on,
 # where nothing is held.
 DEPTHS = (0.1, 1.1)
 TRAINING_CAMERAS: SceneCameras = SceneCameras(
@@ -34,7 +34,7 @@ class TrainingScenes(Parameters):
         1000,
         ge=1,
         le=10_000_000,
-        description="scenes per dataset, for any number of objects; about 4 s each",
+        description="scenes per dataset, regardless of the number of objects; about 4 s each",
     )
     pile: Fraction = Field(
         0.5, description="fraction of the scenes that are piles; in the others, objects are packed"
@@ -43,33 +43,34 @@ class TrainingScenes(Parameters):
         5.0,
         ge=1,
         le=10,
-        description="mean number of objects that are put into a scene: one, plus a "
-        "Poisson-distributed number",
+        description="mean number of objects put into a scene: one plus a Poisson-distributed "
+        "number",
     )
-    grasps: int = Field(60, ge=1, le=10_000, description="labelled grasps of each scene")
+    grasps: int = Field(60, ge=1, le=10_000, description="labelled grasps per scene")
     yaws: int = Field(
         5,
         ge=1,
         le=64,
-        description="turns about the approach that are simulated for each grasp, evenly over half "
-        "a turn; it succeeds if one of them does",
+        description="rotations about the approach that are simulated for each grasp, evenly spaced "
+        "over half a turn; the grasp succeeds if one of them does",
     )
     protocol: Protocol = Field(
         NAMED_PROTOCOLS["egad"],
-        description="rules of a published benchmark, as in `clutter.protocol`, for sizes, packing, "
-        "dropping, friction, closing force and success; for a label, the hand opens fully, and a "
-        "contact during the approach with more than its `stopping_force` is a failure; a section "
-        "has no cameras and no noise: these are `scenes.cameras` and `scenes.noise`",
+        description="rules of a published benchmark, or a section, as in `clutter.protocol`, for "
+        "sizes, packing, dropping, friction, closing force and success; for labels, the hand opens "
+        "fully, and a contact force above `stopping_force` during the approach is a failure; a "
+        "section must not set cameras or noise: set `scenes.cameras` and `scenes.noise`",
     )
     engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
     cameras: SceneCameras = Field(
         TRAINING_CAMERAS,
-        description="cameras of the images; each view has its own draw of the ranges",
+        description="cameras of the images; values with a range are drawn for each view separately",
     )
     noise: tuple[NoiseName, ...] = Field(
         ("none", "dex"),
         min_length=1,
-        description="noise added to depth images, as in `clutter.noise`; one is drawn per scene",
+        description="kinds of noise added to depth images, as in `clutter.noise`; one is drawn per "
+        "scene",
     )
     validation: Fraction = Field(
         0.1, description="fraction of objects and scenes in the validation set"
@@ -77,8 +78,8 @@ class TrainingScenes(Parameters):
     test: Fraction = Field(0.1, description="fraction of objects and scenes in the test set")
     hold_out: bool = Field(
         True,
-        description="whether the objects of the evaluation set, their parents and children are in "
-        "no scene",
+        description="whether the objects of the evaluation set, their parents and their children "
+        "are kept out of all scenes",
     )
 
     @model_validator(mode="after")

@@ -25,7 +25,7 @@ def scene_picture(scene: LabelledScene, gripper: Gripper, view: int = 0) -> RgbI
 
     Args:
         scene: The scene.
-        gripper: The hand; of each drawn grasp, its fingers fully open.
+        gripper: The hand; it is drawn at each grasp with its fingers fully open.
         view: Number of the view.
     """
     seen = scene.views[view]
@@ -44,7 +44,7 @@ def scene_picture(scene: LabelledScene, gripper: Gripper, view: int = 0) -> RgbI
 
 
 def scene_png(scene: LabelledScene, gripper: Gripper) -> bytes:
-    """The same of the first view, as a PNG file."""
+    """The same for the first view, as a PNG file."""
     buffer = io.BytesIO()
     Image.fromarray(scene_picture(scene, gripper)).save(buffer, "png", compress_level=6)
     return buffer.getvalue()

@@ -14,7 +14,7 @@ from egad.random import entropy, generator
 from egad.scenes.parameters import MAX_OBJECTS, SceneParameters
 from egad.sim import Round, draw_objects
 
-SHARD = 50  # scenes, about: how many shards there are follows from the settings alone
+SHARD = 50  # scenes, about: the number of shards follows from the settings alone
 
 
 class Splits(NamedTuple):
@@ -63,7 +63,7 @@ def split_objects(
         ids: All objects of a dataset.
         lineage: Their ancestors, if they are known.
         hold_out: Ids of objects to be held out with parents and children, such as the evaluation
-            set; it may have objects that only the ancestors hold.
+            set; it may have ids that occur only among the ancestors.
         settings: Fractions, and the seed.
     """
     known = lineage if lineage and all(name in lineage for name in ids) else None
@@ -84,8 +84,9 @@ def split_objects(
 def planned_scenes(split_of: Mapping[str, str], settings: SceneParameters) -> list[PlannedScene]:
     """All scenes of a dataset, in the order of their numbers.
 
-    A split has its fraction of the scenes, whatever its number of objects; without objects, none.
-    Kinds are spread evenly, and a scene depends on seed, number and the objects of its split.
+    A split has its fraction of the scenes, whatever its number of objects; a split without objects
+    has none. Kinds are spread evenly. A scene depends on the seed, its number and the objects of
+    its split.
 
     Args:
         split_of: The split of each object that can be simulated, by id.
@@ -115,7 +116,7 @@ def planned_scenes(split_of: Mapping[str, str], settings: SceneParameters) -> li
 
 
 def with_objects(plan: Iterable[PlannedScene], ids: Container[str]) -> list[PlannedScene]:
-    """The scenes that have some of the objects, without all others.
+    """The scenes that have some of the objects, without their other objects.
 
     Args:
         plan: Scenes of any objects.

@@ -59,12 +59,12 @@ def make_scenes(
 ) -> SceneDataset:
     """Make scenes of several objects with depth images and grasps labelled by simulation.
 
-    Objects are packed upright or dropped to a pile. Six cameras see them from random directions. At
-    random points of the visible surface a hand comes against the normal, at several yaws, closes
-    and retreats; the label is whether it lifts an object at any of these. A contact during the
-    approach is a failure if its force is more than `stopping_force` of the protocol: 20 N, or any
-    with those of VGN and its successors. It is such data that VGN is trained on (Breyer et al.
-    2020).
+    Objects are packed upright or dropped into a pile. Six cameras see them from random directions.
+    At random points of the visible surface, a hand approaches against the normal at several yaws,
+    closes and retreats; the label is whether it lifts an object at any of these yaws. A contact
+    during the approach is a failure if its force is more than the `stopping_force` of the protocol:
+    20 N, or any force with the protocols of VGN and its successors. VGN is trained on such data
+    (Breyer et al. 2020).
 
     Args:
         objects: A dataset, or meshes in metres by name.
@@ -75,8 +75,8 @@ def make_scenes(
         per_scene: Mean number of objects in a scene.
         grasps: Labelled grasps in each scene.
         yaws: Turns about the approach that are tried for each grasp, evenly over half a turn.
-        protocol: Rules of a published benchmark as of `egad.run_benchmark`, or those of your own:
-            sizes, packing, dropping, friction, forces and success.
+        protocol: Rules of a published benchmark as for `egad.run_benchmark`, or your own: sizes,
+            packing, dropping, friction, forces and success.
         cameras: Ranges of the cameras, keys of `egad.sim.SceneCameras`.
         noise: Kinds of noise, one of which is drawn for each scene: none, stereo, gamma, dex,
             points.
@@ -88,8 +88,8 @@ def make_scenes(
         seed: The same arguments give the same scenes.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
         engine: What computes the physics: `mujoco` or `pybullet`.
-        jobs: Processes; the result does not depend on them.
-        out: Folder for the scenes; without one they are gone when the result is.
+        jobs: Number of processes; the result does not depend on it.
+        out: Folder for the scenes; without one, they are deleted together with the result.
 
     Raises:
         UserError: There are no objects that can be simulated, all are held out, or no scene could
@@ -97,7 +97,7 @@ def make_scenes(
             is not empty; an argument is not allowed.
 
     Warns:
-        UnitsWarning: The size of a mesh suggests another unit than the metre.
+        UnitsWarning: The size of a mesh suggests a unit other than the metre.
         PartsWarning: An object needs more convex parts than are allowed.
     """
     hand = as_gripper(gripper)

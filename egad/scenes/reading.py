@@ -151,10 +151,10 @@ class SceneDataset:
 
         Args:
             folders: Each holds `scenes-0.parquet`, `grasps-0.parquet` and so on.
-            keep: What must live as long as the files are read.
+            keep: An object that must live as long as the files are read.
 
         Raises:
-            UserError: Some are missing, or are not all of one set, or do not say of which gripper;
+            UserError: Some are missing, are not all of one set, or do not name their gripper;
                 folders are of several grippers, or an object is in two splits.
             TableError: One cannot be read, or is not of this layout.
         """
@@ -173,7 +173,7 @@ class SceneDataset:
         check_splits(self.index, self.source)
 
     def __reduce__(self) -> tuple[type["SceneDataset"], tuple[Sequence[Path]]]:
-        """A copy for another process looks through the shards anew."""
+        """A copy for another process looks through the shards again."""
         return SceneDataset, (self.folders,)
 
     @property

@@ -36,7 +36,8 @@ def write_shard(
         made: The scenes.
         shard: Number of the shard.
         shards: How many there are.
-        about: Notes of the whole set, as of `set_notes`: shards with others do not fit to it.
+        about: Notes about the whole set, see `set_notes`: shards with other notes do not belong to
+            it.
         scenes: File for the scenes, each readable without the others.
         grasps: File for the grasps.
     """
@@ -76,7 +77,7 @@ def describe_set(
     Args:
         folder: Where the shards are.
         settings: What the scenes were made with.
-        title: What they are of.
+        title: Title of the card.
         planned: How many scenes were to be made.
         splits: How the objects were split.
         rejected: Columns of `tables.objects.REJECTED`.

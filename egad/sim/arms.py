@@ -1,4 +1,4 @@
-"""What carries the hand and moves it up and down: a vertical axis, or a Franka Panda arm."""
+"""Arms that carry the hand and move it up and down: a vertical axis, or a Franka Panda arm."""
 
 from abc import ABC, abstractmethod
 from typing import NamedTuple
@@ -24,11 +24,11 @@ MAX_STEP = 0.2  # radians
 
 
 class UnreachableError(Exception):
-    """The arm cannot bring the hand there."""
+    """The arm cannot bring the hand to a pose."""
 
 
 class HandPose(NamedTuple):
-    """Where the hand is: x, y and height of the point between the fingertips, and its turn.
+    """Pose of the hand: x, y and height of the point between the fingertips, and its rotation.
 
     Attributes:
         x: Metres.
@@ -44,11 +44,11 @@ class HandPose(NamedTuple):
 
 
 class Arm(ABC):
-    """How a robot brings its hand, pointing down, to a place.
+    """How a robot brings its hand, pointing down, to a pose.
 
     Attributes:
         robot: The robot.
-        unstoppable: Whether it gets to any height, whatever it carries.
+        unstoppable: Whether it reaches any height, whatever it carries.
     """
 
     robot: Robot
@@ -56,18 +56,18 @@ class Arm(ABC):
 
     @abstractmethod
     def base(self, hand_pose: HandPose) -> Pose:
-        """Where the robot stands to bring its hand to a place."""
+        """Where the robot stands to bring its hand to a pose."""
 
     @abstractmethod
     def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
-        """Positions of its joints there.
+        """Joint positions that bring the hand to a pose.
 
         Args:
-            hand_pose: The place.
-            near: Where the joints are now; None if they are free.
+            hand_pose: The pose.
+            near: Current joint positions; None if they may be anywhere.
 
         Raises:
-            UnreachableError: The hand cannot get there; not if it comes from near.
+            UnreachableError: The hand cannot get there. Not raised if `near` is given.
         """
 
     @abstractmethod
@@ -76,12 +76,12 @@ class Arm(ABC):
 
 
 class TurningAxis(Arm):
-    """A vertical axis above the place, which can turn; nothing bends."""
+    """A vertical axis above the hand, which can turn; nothing bends."""
 
     unstoppable = True
 
     def __init__(self, gripper: Gripper) -> None:
-        """Give it a hand."""
+        """Attach a hand."""
         self.robot = on_axis(gripper)
 
     @override
@@ -99,16 +99,16 @@ class TurningAxis(Arm):
 
 
 class Panda(Arm):
-    """A Franka Panda arm, its joints under position control with the torques of its data sheet.
+    """A Franka Panda arm under position control, with the joint torques of its data sheet.
 
-    The hand is that of the gripper table at the flange, not Franka's: a gripper is the same with
+    The hand at the flange is the configured gripper, not Franka's: a gripper is the same with
     either arm.
     """
 
     unstoppable = False
 
     def __init__(self, gripper: Gripper) -> None:
-        """Give it a hand."""
+        """Attach a hand."""
         self.robot = on_panda(gripper)
         limits = {joint.child: joint.limits for joint in self.robot.joints}
         self._limits = np.array([limits[name] for name in self.robot.arm])
@@ -121,13 +121,13 @@ class Panda(Arm):
     @override
     def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
         wanted = np.eye(4)
-        # A hand of which both fingers move is its own mirror image: the turn that needs least of
-        # the last joint.
+        # A hand with two moving fingers is its own mirror image: take the angle that turns the
+        # last joint least.
         angle = -((-hand_pose.angle) % (np.pi if self.robot.jaw is None else 2 * np.pi))
         wanted[:3, :3] = Rotation.from_euler("xz", (np.pi, angle)).as_matrix()
         wanted[:3, 3] = np.array([hand_pose.x, hand_pose.y, hand_pose.height]) - PANDA_BASE
         joints = np.array(PANDA_READY) if near is None else near
-        # From near, one step errs by the square of what is missing, and the next makes it good.
+        # From nearby joints, the error after one step is quadratic; the next step corrects it.
         for _ in range(ITERATIONS if near is None else 1):
             error, jacobian = self._error(joints, wanted)
             if np.abs(error).max() < CLOSE:
@@ -142,19 +142,19 @@ class Panda(Arm):
         return float(self.robot.tip_poses(joints.tolist())[-1][2, 3])
 
     def _error(self, joints: Floats, wanted: Floats) -> tuple[Floats, Floats]:
-        """What is missing, as a shift and a rotation vector, (6,), and the Jacobian, (6, 7)."""
+        """The error, as a shift and a rotation vector, (6,), and the Jacobian, (6, 7)."""
         *frames, tip = self.robot.tip_poses(joints.tolist())
         axes, origins = np.moveaxis(np.array(frames)[:, :3, 2:], 2, 0)
         levers = tip[:3, 3] - origins
         turn = wanted[:3, :3] @ tip[:3, :3].T
-        # Of a turn by a small angle, what is not symmetric is the rotation vector.
+        # For a small angle, the antisymmetric part of a rotation is its rotation vector.
         skew = (turn.T - turn)[[1, 2, 0], [2, 0, 1]] / 2
         error = np.concatenate([wanted[:3, 3] - tip[:3, 3], skew])
         return error, np.vstack([_cross(axes, levers).T, axes.T])
 
 
 def _cross(first: Floats, second: Floats) -> Floats:
-    """As `np.cross` of (n, 3), which takes five times as long for few rows."""
+    """Same as `np.cross` of (n, 3), which takes five times as long for few rows."""
     ahead, behind = [1, 2, 0], [2, 0, 1]
     product: Floats = first[:, ahead] * second[:, behind] - first[:, behind] * second[:, ahead]
     return product

@@ -1,4 +1,4 @@
-"""All attempts at an object, as rows of a table; and attempts made from rows again."""
+"""All attempts at an object as rows of a table, and attempts read back from rows."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -33,8 +33,8 @@ def run_attempts(
     Args:
         model: The object.
         label: Name in the evaluation set.
-        object_id: Name of the object; with the seed of the settings it decides all drops.
-        detect: The grasp detector; whatever it does wrong is the outcome of the attempt.
+        object_id: Name of the object; it determines all drops, with the seed of the settings.
+        detect: The grasp detector; its errors become the outcome of the attempt.
         settings: Gripper and trials.
 
     Returns:
@@ -62,11 +62,11 @@ def failed_attempts(
 def read_attempt(
     row: Mapping[str, Any], errors: CellErrors
 ) -> tuple[InitialPose, Grasp | None, Deviation]:
-    """What an attempt of a table began with, what was tried, and what was off.
+    """The initial pose, the grasp and the deviation of an attempt in a table.
 
     Args:
         row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
-        errors: Those of the trials.
+        errors: Errors of the cell in the trials.
     """
     start = InitialPose(row["initial_pose"], Pose.of([row[name] for name in INITIAL]))
     deviation = draw(errors, *(_hexadecimal(row, name) for name in ("calibration", "seed")))
@@ -92,7 +92,7 @@ def _protocol(settings: TrialParameters) -> dict[str, str]:
 
 
 class _Seeds(NamedTuple):
-    """The seed of an attempt, and that of the calibration before it."""
+    """The seeds of an attempt and of the calibration before it."""
 
     attempt: int
     calibration: int
@@ -111,7 +111,7 @@ def _seeds(object_id: str, settings: TrialParameters) -> list[_Seeds]:
 def _chain(
     bench: TrialRunner, detect: Detector | Labels, seeds: list[_Seeds], errors: CellErrors
 ) -> Iterator[Attempt]:
-    """Each attempt goes on where the one before ended."""
+    """Make attempts, each of which continues where the previous one ended."""
     before = None
     for seed, calibration in seeds:
         before = bench.attempt(detect, seed, before, draw(errors, calibration, seed))
@@ -132,7 +132,7 @@ def _table(
 
 
 def columns_of(attempt: Attempt) -> dict[str, Any]:
-    """The columns of `tables.evaluation.TRIALS` that an attempt decides."""
+    """The columns of `tables.evaluation.TRIALS` that an attempt determines."""
     grasp, start = attempt.grasp, attempt.start
     return {
         "success": attempt.outcome == Outcome.SUCCESS,

@@ -1,4 +1,4 @@
-"""What is off in an attempt: errors of a real cell, drawn."""
+"""Randomly drawn errors of a real cell, and how an attempt deviates because of them."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -17,11 +17,11 @@ SESSION = 20  # attempts at an object between two calibrations
 
 @dataclass(frozen=True)
 class Deviation:
-    """What is off in one attempt.
+    """How one attempt deviates from the plan.
 
     Attributes:
         motion: (4, 4) from where the hand should be to where it is, world frame.
-        opening: By how much the hand opens too wide, metres.
+        opening: How much too wide the hand opens, metres.
         friction: Friction of the pads / that of the gripper.
         mass: Mass of an object / that of its model.
         stopping_force: Force that stops the hand / that of the settings.
@@ -34,7 +34,7 @@ class Deviation:
     stopping_force: float = 1.0
 
     def grasp(self, planned: Grasp, gripper: Gripper) -> Grasp:
-        """A grasp from above as the hand does it; the hand stays vertical."""
+        """A grasp from above as the hand executes it; the hand stays vertical."""
         x, y, z = (self.motion[:3, :3] @ planned.center + self.motion[:3, 3]).tolist()
         cosine, sine = math.cos(planned.angle), math.sin(planned.angle)
         along, across, _ = self.motion[:3, :3] @ [cosine, sine, 0.0]
@@ -43,7 +43,7 @@ class Deviation:
         return replace(planned, center=(x, y, z), angle=planned.angle + turn, width=width)
 
     def pose(self, planned: PoseGrasp, gripper: Gripper) -> PoseGrasp:
-        """A grasp in any direction as the hand does it."""
+        """A grasp in any direction as the hand executes it."""
         width = self._width(planned.width, gripper)
         return PoseGrasp(self.motion @ planned.pose, width, planned.score)
 
@@ -55,7 +55,7 @@ EXACT: Deviation = Deviation()
 
 
 def draw(errors: CellErrors, calibration: int, seed: int) -> Deviation:
-    """What is off in an attempt; what is drawn for one error does not depend on the others.
+    """Draw the deviation of an attempt; the draw for one error does not depend on the others.
 
     Args:
         errors: How large the errors are.

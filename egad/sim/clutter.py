@@ -44,14 +44,14 @@ POINT_SIGMA = 0.0008  # metres, of the noise `points`
 
 @dataclass(frozen=True)
 class ClutterAttempt:
-    """What came of an attempt.
+    """The result of an attempt.
 
     Attributes:
-        outcome: As of `PoseExecution`, or one of `egad.outcomes.POSE_FAILURES`.
+        outcome: As in `PoseExecution`, or one of `egad.outcomes.POSE_FAILURES`.
         present: The objects on the table before it.
-        grasp: What was tried, if it came to that.
+        grasp: The grasp that was tried, if any.
         held: Number of the object that was held.
-        stopped: How far before the grasp something stopped the hand, metres.
+        stopped: How far before the grasp the hand was stopped, metres.
         failure: What the detector did wrong, if it failed.
     """
 
@@ -64,7 +64,7 @@ class ClutterAttempt:
 
 
 class ClutterRunner:
-    """A table with objects, cameras all around and a hand, to clear it."""
+    """A table with objects, cameras all around it and a hand that clears it."""
 
     def __init__(self, world: World, settings: Clutter) -> None:
         """Set up.
@@ -83,17 +83,17 @@ class ClutterRunner:
     def clear(
         self, propose: Propose, kind: SceneKind, noise: NoiseName, seed: int
     ) -> Iterator[ClutterAttempt]:
-        """Grasp one object after the other, until none is left or nothing works any more.
+        """Grasp one object after the other, until none is left or the round ends.
 
         A round ends after two failures in a row, when nothing is proposed (other protocols have
-        other numbers), or when the simulation goes wrong. All depends on the arguments alone; the
-        scene at the beginning on kind and seed.
+        other numbers), or when the simulation goes wrong. The result depends only on the
+        arguments, and the initial scene only on kind and seed.
 
         Args:
-            propose: What decides on the grasps.
+            propose: Proposes the grasps.
             kind: How the objects lie.
-            noise: What goes wrong in depth images.
-            seed: For the scene and, apart from it, for detector and cameras.
+            noise: Noise added to the depth images.
+            seed: Seed of the scene and, independently of it, of detector and cameras.
         """
         try:
             present = self.begin(kind, seed)
@@ -114,7 +114,7 @@ class ClutterRunner:
         present: Sequence[RestingObject],
         seed: int,
     ) -> Iterator[ClutterAttempt]:
-        """The attempts of a round that began: `ask` gives the grasp of each by its number."""
+        """The attempts of a round that began: `ask` returns the grasp for each number."""
         number = failures = skips = 0
         while present and failures < self._protocol.failures and skips < self._protocol.skips:
             grasp = ask(number, present)
@@ -139,14 +139,14 @@ class ClutterRunner:
     def repeat(
         self, grasps: Sequence[PoseGrasp | Outcome], kind: SceneKind, seed: int
     ) -> Iterator[ClutterAttempt]:
-        """A round that began, again without its detector: the same, bit by bit.
+        """Repeat a round that began, without its detector: the same, bit by bit.
 
-        It ends as a round does, not with the last grasp: then no more are proposed.
+        It ends by the rules of a round, not with the last grasp: after that, none is proposed.
 
         Args:
-            grasps: What was tried in each attempt, or why nothing was.
+            grasps: The grasp tried in each attempt, or why there was none.
             kind: How the objects lie.
-            seed: That of the round.
+            seed: Seed of the round.
         """
         known = dict(enumerate(grasps))
         present = self.begin(kind, seed)
@@ -161,7 +161,7 @@ class ClutterRunner:
         poses: Sequence[Floats],
         rng: Generator,
     ) -> Observation:
-        """What the cameras see of objects at rest, from these poses around them and from above."""
+        """What the cameras see of objects at rest, from the given poses and from above."""
         rendered = [self._rendered[each.number] for each in present]
         matrices = [each.pose.matrix for each in present]
 
@@ -176,7 +176,7 @@ class ClutterRunner:
         return Observation(above, views, WORKSPACE, POINT_SIGMA, int(rng.integers(2**63)))
 
     def _deviation(self, seed: int, number: int) -> Deviation:
-        """What is off in an attempt; the camera is calibrated once a round."""
+        """The deviation of an attempt; the camera is calibrated once per round."""
         return draw(self._errors, seed, entropy(seed, "attempt", number))
 
     def carry_out(
@@ -185,9 +185,9 @@ class ClutterRunner:
         present: Sequence[RestingObject],
         deviation: Deviation = EXACT,
     ) -> tuple[ClutterAttempt, list[RestingObject]]:
-        """Try a grasp, if there is one; what came of it, and what is left when all lies still.
+        """Try a grasp, if there is one; return the result and the objects left at rest.
 
-        If the simulation goes wrong while things settle, nothing is left to go on with.
+        If the simulation goes wrong while the objects settle, none are left.
         """
         if isinstance(grasp, Failure):
             failed = ClutterAttempt(grasp.outcome, tuple(present), failure=grasp.text)
@@ -218,7 +218,7 @@ def camera_poses(cameras: SceneCameras, rng: Generator) -> list[Floats]:
 
     Args:
         cameras: Ranges to draw from; all cameras have the same distance and tilt.
-        rng: Source of chance.
+        rng: Random number generator.
     """
     ranges = (cameras.distance, cameras.tilt, cameras.azimuth)
     shares = rng.uniform(size=len(ranges)).tolist()
@@ -232,19 +232,19 @@ def camera_poses(cameras: SceneCameras, rng: Generator) -> list[Floats]:
 
 
 def intrinsics_of(cameras: SceneCameras) -> Intrinsics:
-    """Those of each camera around a table."""
+    """Intrinsics of each camera around a table."""
     width, height = cameras.image
-    focal = np.float64(cameras.focal)  # which keeps the noise in double precision
+    focal = np.float64(cameras.focal)  # keeps the noise in double precision
     return Intrinsics(width, height, focal, ((width - 1) / 2, (height - 1) / 2))
 
 
 def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = EGAD) -> Propose:
-    """A detector that sees what it wants of the scene.
+    """A proposer that shows a detector the input that it asks for.
 
     Args:
         detect: Proposes grasps.
         gripper: The hand.
-        protocol: Which of them is tried: the one of the highest score, or another one.
+        protocol: Which of them is tried: the one with the highest score, or another one.
     """
     least = -math.inf if protocol.threshold is None else protocol.threshold
 
@@ -260,7 +260,7 @@ def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = 
 
 
 def timed(propose: Propose, seconds: list[float]) -> Propose:
-    """The same, but it notes how long each answer took, from the depth images to the grasp."""
+    """The same, but record how long each proposal took, from the depth images to the grasp."""
 
     def ask(observation: Observation, present: Sequence[RestingObject], rng: Generator) -> Proposal:
         begin = time.perf_counter()

@@ -1,8 +1,8 @@
-"""A suction cup in a world: it comes until its ring lies on an object, seals or not, and holds.
+"""A suction cup in a world: it approaches until its ring lies on an object; if it seals, it holds.
 
-The stem collides as any body; the cup is soft, and neither pushes nor is pushed. Whether it seals
-is asked of the true surfaces, at the poses that the simulation gives. What it seals is then held,
-as long as the load stays within the limits of the cup (`World.attach`).
+The stem collides like any body; the cup is soft, and neither pushes nor is pushed. Whether it seals
+is computed from the true surfaces, at the poses in the simulation. The object that it seals on is
+then held as long as the load stays within the limits of the cup (`World.attach`).
 """
 
 from collections.abc import Sequence
@@ -18,12 +18,12 @@ from egad.sim.gripper import Fingers, Hand
 from egad.sim.world import TIME_STEP
 from egad.suction import Seals, ring_depths, seal_cups
 
-EVACUATION_TIME = 0.1  # seconds in which the cup rests on an object before it holds it
+EVACUATION_TIME = 0.1  # seconds that the cup rests on an object before it holds it
 PRESS = 0.001  # metres that the ring is pressed beyond where it lies on an object
 
 
 class Cup(Fingers):
-    """A suction cup in the place of fingers."""
+    """A suction cup in place of fingers."""
 
     _seeks = True
 
@@ -40,7 +40,7 @@ class Cup(Fingers):
 
     @override
     def close(self) -> bool:
-        """Switch the vacuum on: the object on which the cup seals is held.
+        """Switch the vacuum on: the object that the cup seals on is held.
 
         Returns:
             Whether it seals.
@@ -105,7 +105,7 @@ class CupHand(Cup, Hand):
 
     @override
     def _lift_from(self) -> float:
-        # From where an arm is that sags, it would jerk.
+        # An arm that sags would jerk if the lift began at its actual height.
         return self._stance.height
 
 

@@ -19,7 +19,7 @@ def open_world(
     Args:
         engine: Its name.
         models: The objects.
-        robot: What may grasp them; nothing if None.
+        robot: The robot that may grasp them, if any.
         walls: Inner length and width of a box around the middle, without a floor; none if None.
 
     Raises:

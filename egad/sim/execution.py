@@ -1,6 +1,6 @@
-"""One grasp carried out: approach, close, lift, and hold until the object has come to rest.
+"""Executing one grasp: approach, close, lift, and hold until the object has come to rest.
 
-To close is, for a suction cup, to switch the vacuum on.
+For a suction cup, closing means switching the vacuum on.
 """
 
 from contextlib import nullcontext
@@ -22,10 +22,10 @@ from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, Wor
 START_ABOVE = 0.02  # fingertips start this far above the object
 DESCENT_SPEED = 0.25  # mean, m/s
 LIFT_SPEED = 0.35  # mean, m/s
-# The motion is that over some time, not that of an instant: a swinging object stands still at its
+# Motion is measured over some time, not at an instant: a swinging object stands still at its
 # turning points. Around such a point, a pendulum of 5 cm still moves by a quarter of its amplitude.
 WINDOW = 0.1  # seconds
-STRIDE = 6  # steps from one look to the next
+STRIDE = 6  # steps from one check to the next
 CREEP = 0.001  # metres that it may still move until the end, at the rate of the window
 
 
@@ -33,8 +33,8 @@ class Stopping(NamedTuple):
     """What a contact on the way down means.
 
     Attributes:
-        force: What stops the hand, newtons.
-        closes: Whether the fingers close there; else the attempt has failed.
+        force: Contact force that stops the hand, newtons.
+        closes: Whether the fingers close there; otherwise the attempt has failed.
     """
 
     force: float = COLLISION_FORCE
@@ -45,13 +45,13 @@ FAILS = Stopping()
 
 
 class Execution(NamedTuple):
-    """What came of a grasp.
+    """The result of a grasp.
 
     Attributes:
-        outcome: One of `egad.outcomes.EXECUTION`, or failed; no_seal of a suction cup.
+        outcome: One of `egad.outcomes.EXECUTION`, or failed; for a suction cup also no_seal.
         lifted: Height that the object's center of mass gained, metres.
-        end: Where the object is at last; None if the simulation broke down. Of an object that lay
-            still in the hand before it was lifted all the way, where it would be then.
+        end: Final pose of the object; None if the simulation broke down. If the object lay still in
+            the hand before the lift was complete, where it would be after the whole lift.
         stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
     """
 
@@ -73,17 +73,17 @@ def execute(
 ) -> Execution:
     """Approach from above, close, lift and hold.
 
-    It depends on the arguments alone, if the world was reset before the object was placed.
+    The result depends only on the arguments, if the world was reset before the object was placed.
 
     Args:
-        world: With the object where it is to be grasped.
-        arm: What brings the hand there; its robot is that of the world.
-        lifting: Lift and hold.
-        grasp: One that the hand can do (`Grasp.flaw`).
-        afloat: Whether the object floats in the air: held there until the hand has come, free but
-            without weight until the fingers have closed.
+        world: World with the object where it is to be grasped.
+        arm: Arm that carries the hand; its robot is that of the world.
+        lifting: Settings of lift and hold.
+        grasp: A grasp that the hand can execute (`Grasp.flaw`).
+        afloat: Whether the object floats in the air: it is held there until the hand has arrived,
+            then free but weightless until the fingers have closed.
         contact: Distance of the pads at which they will meet the object, metres, if it is known;
-            the hand is then as high as it must be for pads that move on arcs.
+            the height of the hand is then corrected for pads that move on arcs.
         stopping: What a contact on the way down means.
     """
     try:
@@ -125,7 +125,7 @@ def _outcome(
 
 
 def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
-    """Lift and hold; what lies still in the hand stays there, and need not be simulated on."""
+    """Lift and hold; an object that lies still in the hand stays there: simulation ends early."""
     height, seconds = lifting.lift_height, lifting.lift_height / LIFT_SPEED
     still = Stillness(hand, HEAVIEST * seconds, seconds + lifting.hold_time)
     arrived = hand.lift(height, seconds, still)
@@ -146,14 +146,15 @@ def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
 def place_hand_above(
     world: World, arm: Arm, grasp: Grasp, height: float, contact: float | None = None
 ) -> Hand:
-    """The open hand, its fingertips at some height above a grasp; see `execute`.
+    """Open the hand with its fingertips at some height above a grasp; see `execute`.
 
     A jaw that does not move is `JAW_CLEARANCE` before its contact. If it is not known where the
-    hand will meet the object, the opening of the grasp tells, as 8 mm more on each side, and the
-    jaw is `FIXED_SIDE_CLEARANCE` before; a hand that opens as far as it can is in the middle.
+    hand will meet the object, the opening of the grasp tells: it is 8 mm wider on each side, and
+    the jaw is `FIXED_SIDE_CLEARANCE` before its contact. A hand that opens as far as it can is in
+    the middle.
 
     Raises:
-        UnreachableError: The arm cannot bring it there.
+        UnreachableError: The arm cannot bring the hand there.
     """
     hand_pose = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
     if arm.robot.gripper.cup is not None:
@@ -173,13 +174,13 @@ class _Held(NamedTuple):
 
 
 class Stillness:
-    """Tells from when on an object lies still in a hand that is level and does not turn."""
+    """Tells when an object has come to rest in a hand that is level and does not turn."""
 
     def __init__(self, hand: Hand, start: float, end: float) -> None:
         """Begin to watch.
 
         Args:
-            hand: What holds the object.
+            hand: The hand that holds the object.
             start: Seconds from now in which the object cannot be at rest yet.
             end: Seconds from now until which it must stay in the hand.
         """
@@ -191,10 +192,10 @@ class Stillness:
         self._before, self._steps = self._held(), 0
 
     def __call__(self) -> bool:
-        """Whether the object lies still; to be asked once after every step.
+        """Whether the object lies still; call this once after every step.
 
-        It does if no point of it moved so far within the last 0.1 s that, at this rate, it would
-        move by more than 1 mm until the end.
+        It does if, at the rate of the last 0.1 s, none of its points would move by more than 1 mm
+        until the end.
         """
         self._early, self._left, self._steps = self._early - 1, self._left - 1, self._steps + 1
         if self._early == 0:
@@ -212,10 +213,10 @@ class Stillness:
         return _Held(pose.position - below, pose.quaternion, self._hand.opening())
 
     def _motion(self) -> float:
-        """How far any point of the object moved against the hand, at most, metres."""
+        """Upper bound of the motion of any point of the object relative to the hand, metres."""
         now, before = self._held(), self._before
         shift = float(np.linalg.norm(now.position - before.position))
-        # Small rotations: the distance of two unit quaternions is half the angle between them.
+        # For small rotations, the distance of two unit quaternions is half the angle between them.
         ways = (now.quaternion - before.quaternion, now.quaternion + before.quaternion)
         angle = 2 * min(float(np.linalg.norm(way)) for way in ways)
         return shift + angle * self._reach + abs(now.opening - before.opening)

@@ -15,14 +15,14 @@ from egad.sim.robot import shape_mesh
 from egad.sim.world import TIME_STEP, World
 
 ENDINGS = (".gif", ".mp4")
-STEPS = 12  # of the simulation, from one frame to the next: 20 a second
+STEPS = 12  # of the simulation, from one frame to the next: 20 frames per second
 SIZE = (352, 400)  # multiples of 16, as video wants them
 FOLLOWED, WHOLE = (0.5, 35.0, -9.0), (0.7, 35.0, -40.0)  # cameras: metres, yaw and pitch, degrees
 FIELD_OF_VIEW = 38.0  # vertical, degrees
-LOWEST = (-np.inf, -np.inf, 0.06)  # that the camera looks at; it follows the object
-FOLLOWING = 0.3  # of the way to it, in a frame
+LOWEST = (-np.inf, -np.inf, 0.06)  # point that the camera looks at; it follows the object
+FOLLOWING = 0.3  # fraction of the way to the object, per frame
 LIGHT = np.array([0.0, -0.7, 1.2]) / np.linalg.norm([0.0, -0.7, 1.2])
-AMBIENT, HEADLIGHT = 0.4, 0.2  # parts of the brightness; the light itself has the rest
+AMBIENT, HEADLIGHT = 0.4, 0.2  # fractions of the brightness; the rest comes from the light
 TABLE_SIDE = 100.0  # metres
 SKY = (0.97, 0.97, 0.98)
 TABLE_COLOR, ROBOT_COLOR = (0.87, 0.88, 0.9), (0.55, 0.6, 0.68)
@@ -37,10 +37,10 @@ OFF = 1e-4  # metres; rays to the light start this far off the surface
 
 
 class Film:
-    """Looks at a world in real time: what the engine collides is what is seen."""
+    """Films a world in real time; it shows the shapes that the engine collides."""
 
     def __init__(self, world: World) -> None:
-        """Watch a world from its next step on.
+        """Film a world from its next step on.
 
         Args:
             world: The world.
@@ -60,7 +60,7 @@ class Film:
         self._steps += 1
 
     def frame(self) -> RgbImage:
-        """What it looks like now."""
+        """The current frame."""
         world = self._world
         camera = FOLLOWED if len(self._objects) == 1 else WHOLE
         bodies = [(_table(), TABLE_COLOR)]
@@ -84,12 +84,12 @@ def draw(
     looking_at: Floats,
     camera: tuple[float, float, float] = FOLLOWED,
 ) -> RgbImage:
-    """A picture of colored meshes with one light and its shadows, (height, width, 3).
+    """Draw a picture of colored meshes with one light and its shadows, (height, width, 3).
 
     Args:
         bodies: Meshes in metres, z up, and their colors from 0 to 1.
-        looking_at: What is in the middle of the picture, (3,).
-        camera: Its distance from there, metres, and its yaw and pitch, degrees.
+        looking_at: Point in the middle of the picture, (3,).
+        camera: Distance of the camera from that point, metres, and its yaw and pitch, degrees.
     """
     counts = [len(mesh.faces) for mesh, _ in bodies]
     colors = np.repeat([color for _, color in bodies], counts, axis=0)
@@ -114,7 +114,7 @@ def draw(
 
 
 def _rays(looking_at: Floats, distance: float, yaw: float, pitch: float) -> tuple[Floats, Floats]:
-    """Where the camera is, (3,), and the directions of its pixels, (n, 3), row by row."""
+    """Position of the camera, (3,), and directions of its pixels, (n, 3), row by row."""
     turn = Rotation.from_euler("ZX", [yaw, pitch], degrees=True).as_matrix()
     right, forward, up = turn.T
     half = np.tan(np.radians(FIELD_OF_VIEW) / 2)
@@ -137,10 +137,10 @@ def write_film(frames: list[RgbImage], path: Path) -> None:
 
     Args:
         frames: Pictures of one size.
-        path: `.gif`, or `.mp4` if ffmpeg is there.
+        path: `.gif`, or `.mp4` if ffmpeg is installed.
 
     Raises:
-        UserError: There is no ffmpeg for it.
+        UserError: The film is an MP4, and ffmpeg is not installed.
     """
     seconds = STEPS * TIME_STEP
     if path.suffix.lower() == ".gif":

@@ -15,21 +15,21 @@ from egad.sim.world import TIME_STEP, World
 CLOSING_TIME = 1.0
 STALLED_SPEED = 0.0005
 STALLED_STEPS = 24
-# A rigid arm that stays where it met the table presses on, and friction holds the fingers there.
+# A rigid arm that stays where it met the table keeps pressing, so friction holds the fingers there.
 RECOIL = 0.001  # metres
 SAGGING = 0.02  # metres that a hand may hang too low and still count as lifted
-# The part of the time of a minimum-jerk path after which it speeds up most: when it is lifted, the
-# object never bears more later on.
+# Fraction of the time of a minimum-jerk path at which acceleration peaks: a lifted object never
+# bears a higher load afterwards.
 HEAVIEST = (3 - 3**0.5) / 6
 Still = Callable[[], bool]
 
 
 class Fingers:
-    """The two fingers of a hand in a world, which move as mirror images, or of which one moves.
+    """The two fingers of a hand in a world; they move as mirror images, or only one moves.
 
     Attributes:
-        world: Where they are.
-        gripper: What they are part of.
+        world: The world that they are in.
+        gripper: The gripper that they belong to.
     """
 
     def __init__(self, world: World) -> None:
@@ -43,7 +43,7 @@ class Fingers:
         """Close the fingers until they stall, and keep pressing with the gripper's force.
 
         Returns:
-            Whether both of them pressed on an object at some time.
+            Whether both of them pressed on an object at any point.
         """
         self.world.close_fingers()
         still, touched = 0, False
@@ -56,11 +56,11 @@ class Fingers:
         return touched
 
     def arrives(self) -> bool:
-        """Whether the hand need not come any nearer: fingers come as far as they are told."""
+        """Whether the hand need not move any closer; always False for fingers."""
         return False
 
     def loss(self, touched: bool) -> Outcome:
-        """The outcome if nothing is held after `close`, given what this returned."""
+        """The outcome if nothing is held after `close`, given what `close` returned."""
         return Outcome.SLIPPED_CLOSING if touched else Outcome.MISSED
 
     def pinches(self) -> bool:
@@ -82,8 +82,8 @@ class Hand(Fingers):
     """Palm and fingers, carried by an arm.
 
     Attributes:
-        arm: What carries it.
-        path_left: Heights that `lift` left out.
+        arm: The arm that carries it.
+        path_left: Heights that `lift` skipped.
     """
 
     def __init__(
@@ -95,20 +95,20 @@ class Hand(Fingers):
         contact: float | None = None,
         clearance: float = JAW_CLEARANCE,
     ) -> None:
-        """Open a hand that hangs in a world.
+        """Open a hand in a world.
 
         Args:
-            world: A world of the arm's robot; the hand is gone when it is reset.
-            arm: What carries it.
-            hand_pose: Where it is.
+            world: A world of the arm's robot; the hand is gone when the world is reset.
+            arm: The arm that carries the hand.
+            hand_pose: Where the hand is.
             width: Distance of the finger pads, metres.
-            contact: That at which they will meet the object: the fingertips are where the hand_pose
-                says when they are there; `width` if None.
-            clearance: How far before its contact a jaw that does not move stands, metres, if the
+            contact: Distance of the pads at which they will meet the object: the fingertips are at
+                `hand_pose` when the pads are that far apart. Default: `width`.
+            clearance: How far a jaw that does not move is before its contact, metres, if the
                 contact is known.
 
         Raises:
-            UnreachableError: The arm cannot bring it there.
+            UnreachableError: The arm cannot bring the hand there.
         """
         super().__init__(world)
         self.arm = arm
@@ -120,20 +120,20 @@ class Hand(Fingers):
         world.put_robot(arm.base(self._tip(hand_pose)), self._target.tolist(), width)
 
     def steer(self, hand_pose: HandPose) -> None:
-        """Steer the hand to a place above its base, to be there after the next step."""
+        """Command the hand to a pose above its base, which it reaches with the next step."""
         joints = self.arm.joints(self._tip(hand_pose), self._target)
         self.world.drive(joints.tolist(), ((joints - self._target) / TIME_STEP).tolist())
         self._target, self._stance = joints, hand_pose
 
     def move(self, height: float, seconds: float, limit: float = COLLISION_FORCE) -> float | None:
-        """Move the fingertips to a height on a minimum-jerk path; stop at once at a collision.
+        """Move the fingertips to a height on a minimum-jerk path; stop at once on a collision.
 
         A suction cup stays where its ring lies on an object.
 
         Args:
             height: Metres above the table.
             seconds: How long it takes.
-            limit: A contact force of more than this stops the hand, newtons.
+            limit: A contact force above this stops the hand, newtons.
 
         Returns:
             How far before that height it was stopped, metres; None if it got there.
@@ -149,9 +149,9 @@ class Hand(Fingers):
         return None
 
     def yield_to_contact(self, recoil: float = RECOIL) -> None:
-        """Go back and stay there, instead of pushing on."""
+        """Back off and stay there, instead of pushing further."""
         height = self.height() + recoil
-        for _ in range(2):  # there, and then with no speed
+        for _ in range(2):  # first go there, then stop
             self._raise_to(height)
 
     def lift(self, height: float, seconds: float, still: Still | None = None) -> bool:
@@ -160,11 +160,11 @@ class Hand(Fingers):
         Args:
             height: Metres.
             seconds: How long it takes.
-            still: Asked after every step whether the object lies still in the hand. If so, and if
-                nothing can stop the arm, the rest of the path is left out.
+            still: Called after every step: whether the object lies still in the hand. If so, and if
+                nothing can stop the arm, the rest of the path is skipped.
 
         Returns:
-            Whether they got there: an arm has its reach, and its strength.
+            Whether they got there; the reach and strength of an arm are limited.
         """
         start = self._lift_from()
         path = minimum_jerk(start, start + height, seconds)
@@ -180,14 +180,14 @@ class Hand(Fingers):
         return self.height()
 
     def hold(self, seconds: float, still: Still | None = None) -> None:
-        """Stay there; only until the object is held and lies still, if this can be asked."""
+        """Stay in place; with `still`, only until the object is held and lies still."""
         for _ in range(round(seconds / TIME_STEP)):
             self.world.step()
             if still and still() and self.carries():
                 break
 
     def go_on(self, seconds: float) -> None:
-        """Lift as far as was left out, and stay there: only for films, the outcome is known."""
+        """Finish the skipped part of the lift and hold; only for films, as the outcome is known."""
         for target in self.path_left:
             self._raise_to(target)
         self.hold(seconds)
@@ -217,8 +217,8 @@ class Hand(Fingers):
 def _aside(robot: Robot, width: float, contact: float | None, clearance: float) -> float:
     """How far the middle of the contacts lies beside TIP, along the closing axis, metres.
 
-    A jaw that is fixed stands a little before its contact if it is known where that is; otherwise
-    the open jaws are as far from the middle.
+    If the contact is known, a fixed jaw stands a little before it; otherwise the open jaws are
+    equally far from the middle.
     """
     if robot.jaw is None or contact is None:
         return robot.aside(width)
@@ -226,7 +226,7 @@ def _aside(robot: Robot, width: float, contact: float | None, clearance: float) 
 
 
 def minimum_jerk(start: float, end: float, seconds: float) -> list[float]:
-    """Positions, one a time step, from rest to rest (Flash and Hogan 1985)."""
+    """Positions, one per time step, from rest to rest (Flash and Hogan 1985)."""
     steps = max(round(seconds / TIME_STEP), 1)
     t = np.arange(1, steps + 1) / steps
     path: Floats = start + (end - start) * t**3 * (10 - 15 * t + 6 * t**2)

@@ -1,4 +1,4 @@
-"""Objects for training images: put on a table by simulation, and grasped in it."""
+"""Objects for training images, placed on a table and grasped in simulation."""
 
 from collections.abc import Sequence
 
@@ -22,11 +22,11 @@ from egad.tables.columns import vector_names
 def model_at_size(
     mesh: trimesh.Trimesh, parts: Sequence[trimesh.Trimesh], factor: float, density: float
 ) -> Model:
-    """An object in another size, as the engine needs it; its frame is that of the scaled mesh.
+    """A resized object, as the engine needs it; its frame is that of the scaled mesh.
 
     Args:
         mesh: Its surface, closed, metres.
-        parts: Convex meshes that stand for it in contacts, metres.
+        parts: Convex meshes that represent it in contacts, metres.
         factor: New size / size.
         density: kg/m3.
     """
@@ -44,10 +44,10 @@ def settle_scene(
         models: The objects.
         kind: How they are put there.
         engine: Physics engine.
-        rng: Source of chance.
+        rng: Random number generator.
 
     Returns:
-        Of each object that lies in the workspace, its number and the transform, (4, 4), from the
+        For each object that lies in the workspace, its number and the transform, (4, 4), from the
         frame that its model was made in to the world. Nothing if the simulation went wrong.
     """
     with open_world(engine, models, None, BOX if kind == "pile" else None) as world:

@@ -1,9 +1,10 @@
-"""Labelled grasps carried out on an object that floats, to see whether their qualities are right.
+"""Labelled grasps executed on a floating object, to check whether their qualities are right.
 
-A label knows neither gravity nor a table, and can come from any side: so the object is turned until
-the labelled approach points down, held in the air until the hand has come, and weightless until the
-fingers have closed. Then it is lifted as in every trial. The pads have the friction that the labels
-assume. (ACRONYM closes in free space, too, and then shakes; Eppner 2021.)
+A label accounts for neither gravity nor a table, and its approach can come from any side. So the
+object is turned until the labelled approach points down, held in the air until the hand has
+arrived, and weightless until the fingers have closed. Then it is lifted as in every trial. The pads
+have the friction that the labels assume. (ACRONYM also closes in free space, and then shakes;
+Eppner 2021.)
 """
 
 from typing import Any
@@ -35,17 +36,17 @@ RATINGS = ("quality", "robust_quality", "robust_success_rate")
 def sample_labelled_grasps(
     grasps: pd.DataFrame, object_id: str, count: int, seed: int
 ) -> pd.DataFrame:
-    """Some of the labelled grasps of an object that the hand can come to, each equally likely.
+    """A uniform sample of the labelled grasps of an object that the hand can reach.
 
     Args:
         grasps: Columns of `tables.grasping.GRASPS`, of the object.
-        object_id: With the seed it decides the choice.
-        count: How many; all if there are not more.
+        object_id: Determines the sample, with the seed.
+        count: How many, at most.
         seed: Seed of the configuration.
 
     Returns:
-        Rows of the table in their order, and how many they were drawn from: `n_labelled`, of these
-        `n_collision_free`.
+        Rows of the table in their order, with the numbers that they were sampled from:
+        `n_labelled` and, among these, `n_collision_free`.
     """
     free = grasps[grasps["collision_free"]]
     rng = generator(seed, "agreement", object_id)
@@ -56,7 +57,7 @@ def sample_labelled_grasps(
 def execute_labelled_grasps(
     model: Model, label: str, object_id: str, sample: pd.DataFrame, settings: LabelTrialParameters
 ) -> pd.DataFrame:
-    """Carry out labelled grasps, each in an engine that knows nothing of the one before.
+    """Execute labelled grasps, each independently of the previous ones.
 
     Args:
         model: The object.
@@ -95,10 +96,10 @@ def failed_labelled_grasps(
 
 
 def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[Pose, Grasp]:
-    """Where the object floats so that a labelled grasp is one from above, and that grasp.
+    """The pose of a floating object that turns a labelled grasp into one from above; that grasp.
 
-    The closing axis is the world's x. The hand is as wide open as it can be, and the contacts are
-    in the middle of its pads, as they were when the label looked for collisions.
+    The closing axis is the world's x. The hand is wide open, and the contacts are in the middle of
+    its pads, as they were when the label was checked for collisions.
 
     Args:
         model: The object.

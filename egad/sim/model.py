@@ -17,13 +17,13 @@ MIN_MASS = 0.05
 
 @dataclass(frozen=True)
 class Model:
-    """An object in its principal frame: origin in the center of mass, axes those of inertia.
+    """An object in its principal frame: origin in the center of mass, principal axes of inertia.
 
     Attributes:
         mesh: The true surface, for depth images. Metres.
-        parts: Convex meshes that stand for it in contacts. Metres.
+        parts: Convex meshes that represent it in contacts. Metres.
         mass: Kilograms, at least 50 g.
-        solid_mass: That of the solid, which may be less, kilograms.
+        solid_mass: Mass of the solid, which may be less, kilograms.
         inertia: Principal moments about the center of mass, (3,), kg m2.
         volume_error: Volume of the parts / volume of the mesh - 1.
         to_principal: (4, 4) transform from the frame that the object was given in, with its scale.
@@ -38,7 +38,7 @@ class Model:
     to_principal: Floats
 
     def scaled(self, factor: float) -> "Model":
-        """The same object in another size, of the same density, but not lighter than 50 g.
+        """The same object at another size, with the same density, but not lighter than 50 g.
 
         Args:
             factor: New size / size.
@@ -65,12 +65,12 @@ def model_of(
 ) -> Model:
     """Model an object of the simulation bundle.
 
-    One lighter than 50 g gets that mass, spread as before: the least that BURG also simulates. The
-    friction of the pads carries many times as much.
+    An object lighter than 50 g gets that mass, distributed as before; BURG has the same minimum.
+    The friction of the pads carries many times as much.
 
     Args:
         mesh: Its surface, in metres.
-        parts: Convex meshes that stand for it in contacts.
+        parts: Convex meshes that represent it in contacts.
         physics: Mass properties of the solid within the surface.
         volume_error: Volume of the parts / volume of the mesh - 1.
     """
@@ -87,7 +87,7 @@ def model_of(
 
 
 def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
-    """The principal moments of an object of at least 50 g, and where its principal frame lies.
+    """The principal moments of an object, with a mass of at least 50 g, and its principal frame.
 
     Args:
         physics: Mass properties of the solid.
@@ -106,19 +106,19 @@ def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
 
 
 def build(mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh") -> Model:
-    """Model any object of uniform density, as one of the simulation bundle.
+    """Model any object of uniform density, like one of the simulation bundle.
 
     Args:
         mesh: A closed surface, metres.
         density: kg/m3.
         settings: How its convex parts are made.
-        name: What warnings call it.
+        name: Its name in warnings.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has no convex parts.
 
     Warns:
-        PartsWarning: The parts do not keep to the bounds of the settings.
+        PartsWarning: The parts exceed the limits of the settings.
     """
     made = make_simulation_object(mesh, density, settings, name)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)

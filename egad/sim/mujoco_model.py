@@ -21,18 +21,18 @@ SUBSTEPS = 2  # of a time step
 CONTACT_TIME = 2 * TIME_STEP / SUBSTEPS  # seconds, within which a penetration is undone
 IMPEDANCE = (0.99, 0.995, 0.0005, 0.5, 2.0)
 FRICTION_STIFFNESS = 100.0  # of friction against normal forces, or held objects creep
-# Of servos. Stiff, but with the lag that any controller has.
+# Servos: stiff, but with the lag that any controller has.
 SLACK = 0.01  # metres or radians off the target, where an arm uses all its strength
 DAMPING_TIME = 0.02  # seconds
 FINGER_SLACK = 0.002  # metres
 MIN_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 ARMATURE = 0.004  # s2/m or s2: inertia of what drives a joint, by its strength
 FOLLOWER_ARMATURE = 1e-5  # kg or kg m2
-PARKED = (0.0, 0.0, 100.0)  # where a robot waits that takes no part
-ROBOT = "robot-"  # before the names of its links and joints
+PARKED = (0.0, 0.0, 100.0)  # where an unused robot waits
+ROBOT = "robot-"  # prefix of the names of its links and joints
 HOLD, CLOSE, ARM = range(3)  # groups of actuators: of the fingers, and of the arm
-OBJECT, WALL = "object", "wall"  # before their numbers
-# Bits of what collides: an object with all others, table and robot also with each other.
+OBJECT, WALL = "object", "wall"  # prefixes of their numbers
+# Collision bits: objects collide with everything, table and robot also with each other.
 OBJECT_BIT, TABLE_BIT = 1, 2
 CONTACT_DIMENSIONS, PAD_DIMENSIONS = 6, 4  # with torsion, that of the table with rolling, too
 _CONTACT = {
@@ -47,12 +47,12 @@ def scene_spec(
 ) -> mujoco.MjSpec:
     """Table, objects and robot for MuJoCo, with the motors of the robot.
 
-    The first weld constraints hold the objects, one each. If the robot has a suction cup, as many
-    hold them at it.
+    The first weld constraints hold the objects in place, one each. If the robot has a suction cup,
+    as many more hold them to the cup.
 
     Args:
         models: The objects.
-        robot: What may grasp them; nothing if None.
+        robot: The robot that may grasp them, if any.
         walls: Inner length and width of the box around the middle; none if None.
     """
     spec = mujoco.MjSpec()
@@ -60,7 +60,7 @@ def scene_spec(
     option.timestep = TIME_STEP / SUBSTEPS
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.impratio = FRICTION_STIFFNESS
-    option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET  # what explodes is to be seen
+    option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET  # explosions must be detected
     spec.worldbody.add_geom(
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[1, 1, 1],
@@ -104,7 +104,7 @@ def _add_object(spec: mujoco.MjSpec, model: Model, order: int) -> None:
             userface=part.faces.ravel(),
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
         )
-        # Table and robot have a higher priority: their friction counts, not this one.
+        # Table and robot have a higher priority: their friction counts, not the object's.
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=name,
@@ -119,7 +119,7 @@ def _add_object(spec: mujoco.MjSpec, model: Model, order: int) -> None:
 
 
 def _add_weld(spec: mujoco.MjSpec, first: str, second: str) -> mujoco.MjsEquality:
-    """A constraint that can hold two bodies in the same place, turned alike."""
+    """A constraint that can hold two bodies at the same position and orientation."""
     equality = spec.add_equality(
         type=mujoco.mjtEq.mjEQ_WELD,
         objtype=mujoco.mjtObj.mjOBJ_BODY,
@@ -164,7 +164,7 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
         joint.armature = 2 * TIME_STEP / SUBSTEPS * force / (CLOSING_SPEED * factor)
         joint.solref_limit[:2], joint.solimp_limit = _CONTACT["solref"], _CONTACT["solimp"]
         _add_servo(spec, name, force, stiffness, damping, HOLD)
-    # As that of a motor, the force of a closing finger falls with its speed, to zero at full speed.
+    # As with a motor, the force of a closing finger falls with its speed, to zero at full speed.
     for name in robot.fingers:
         _add_servo(spec, name, force, 0.0, damping, CLOSE)
     if robot.jaw is None:
@@ -172,7 +172,7 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 def _add_hulls(spec: mujoco.MjSpec, body: mujoco.MjsBody, link: Link) -> None:
-    """The shapes of a link that are no boxes."""
+    """Add the shapes of a link that are not boxes."""
     for number, shape in enumerate(link.shapes):
         if isinstance(shape, HullShape):
             name = f"{link.name}-{number}"
@@ -187,7 +187,7 @@ def _add_hulls(spec: mujoco.MjSpec, body: mujoco.MjsBody, link: Link) -> None:
 def _couple(
     spec: mujoco.MjSpec, joint: str, leader: str, coefficients: Sequence[float] | Floats
 ) -> None:
-    """Let a joint of the robot be a polynomial of another one, the constant first."""
+    """Make a joint of the robot a polynomial of another one, constant term first."""
     gear = spec.add_equality(
         type=mujoco.mjtEq.mjEQ_JOINT,
         objtype=mujoco.mjtObj.mjOBJ_JOINT,
@@ -202,7 +202,7 @@ def _couple(
 def _add_servo(
     spec: mujoco.MjSpec, joint: str, strength: float, stiffness: float, damping: float, group: int
 ) -> None:
-    """A motor that pulls a joint to a position, or without stiffness to a speed."""
+    """Add a motor that drives a joint to a position or, without stiffness, to a speed."""
     servo = spec.add_actuator(
         target=ROBOT + joint,
         trntype=mujoco.mjtTrn.mjTRN_JOINT,

@@ -45,7 +45,7 @@ class MujocoWorld(World):
         self, models: Sequence[Model], robot: Robot | None = None, walls: float | None = None
     ) -> None:
         super().__init__(models, robot, walls)
-        mujoco.set_mju_user_warning(log.debug)  # else it writes a file into the current folder
+        mujoco.set_mju_user_warning(log.debug)  # otherwise it writes a file to the current folder
         self.engine = scene_spec(self.models, robot, walls).compile()
         self.data = mujoco.MjData(self.engine)
         engine = self.engine
@@ -160,7 +160,7 @@ class MujocoWorld(World):
         contact, count = self.data.contact, FIRST_OBJECT + len(self.models)
         first = contact.efc_address
         pairs = np.sort(self._owners[contact.geom[first >= 0]], axis=1)
-        # Of each contact, the first number is the normal force.
+        # The first number of each contact is the normal force.
         sums = np.zeros((count, count))
         np.add.at(sums, (pairs[:, 0], pairs[:, 1]), self.data.efc_force[first[first >= 0]])
         chosen = slice(FIRST_OBJECT, None) if number is None else [FIRST_OBJECT + number]
@@ -191,7 +191,7 @@ class MujocoWorld(World):
         return linear, max(float(np.linalg.norm(velocity[3:])) for velocity in velocities)
 
     def _vary(self) -> None:
-        """Give objects and robot the mass and the friction that they have from now on."""
+        """Apply the current factors to the mass of the objects and the friction of the robot."""
         for number, model in enumerate(self.models):
             body = self.engine.body(f"{OBJECT}{number}").id
             self.engine.body_mass[body] = self.mass_factor * model.mass
@@ -213,7 +213,7 @@ class MujocoWorld(World):
         if self.attached is None:
             mujoco.mj_step(self.engine, self.data, SUBSTEPS)
         else:
-            # Servos jump to a new target once in a time step: only the mean is what acts.
+            # Servos jump to a new target once per time step: only the mean pull is meaningful.
             pulls = []
             for _ in range(SUBSTEPS):
                 mujoco.mj_step(self.engine, self.data)
@@ -244,7 +244,7 @@ class MujocoWorld(World):
         return mean
 
     def _pull_now(self, number: int) -> Floats:
-        """As `_pull`, of the last of the engine's own steps."""
+        """Same as `_pull`, but for the last of the engine's own steps."""
         weld = len(self.models) + number
         data, count = self.data, self.data.nefc
         rows = (data.efc_type[:count] == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (

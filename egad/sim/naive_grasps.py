@@ -1,7 +1,7 @@
 """Naive grasps: straight in at a random point of the surface, at a random turn and depth.
 
-How often they succeed says how forgiving an object is, and needs neither a detector nor a model of
-quality. (The approach-based sampler without a cone of Eppner 2019; the depth is drawn, too.)
+Their success rate says how forgiving an object is, and needs neither a detector nor a model of
+quality. (The approach-based sampler of Eppner 2019 without a cone; the depth is also sampled.)
 """
 
 from collections.abc import Iterator, Sequence
@@ -39,12 +39,12 @@ class Touch(NamedTuple):
 
 
 def sample_touch(mesh: trimesh.Trimesh, chosen: Flags, rng: np.random.Generator) -> Touch:
-    """A point of some triangles of a surface, uniform by area.
+    """Sample a point on some triangles of a surface, uniform by area.
 
     Args:
         mesh: Wound outwards.
         chosen: Which triangles, (m,); at least one of them has an area.
-        rng: Where chance comes from.
+        rng: Random number generator.
     """
     sums = np.cumsum(np.asarray(mesh.area_faces) * chosen)
     at, along, across = rng.uniform(size=3)
@@ -56,10 +56,10 @@ def sample_touch(mesh: trimesh.Trimesh, chosen: Flags, rng: np.random.Generator)
 
 
 def approach_pose(touch: Touch, turn: float, depth: float, gripper: Gripper) -> Floats:
-    """The pose, (4, 4), of a hand that comes against the normal, as of `egad.grasps.hand_poses`.
+    """Pose, (4, 4), of a hand that approaches against the normal; see `egad.grasps.hand_poses`.
 
     Args:
-        touch: Where it comes to.
+        touch: Where it approaches the surface.
         turn: Angle of the closing axis about the approach, radians, from a fixed direction.
         depth: How far the fingertips reach beyond the surface, metres.
         gripper: The hand.
@@ -80,7 +80,7 @@ def sample_pose(
     rest: Floats | None = None,
     deepest: float = np.inf,
 ) -> Floats | None:
-    """The pose, (4, 4), of the hand of a naive grasp; None if nothing of the surface faces up.
+    """Sample the pose, (4, 4), of a naive grasp; None if no part of the surface faces up.
 
     The turn is uniform, and the depth of the fingertips below the surface uniform from 0 to the
     length of the fingers, at which the palm touches.
@@ -88,10 +88,10 @@ def sample_pose(
     Args:
         mesh: The object, wound outwards, metres.
         gripper: The hand.
-        rng: Where chance comes from.
-        rest: Where the object lies, (4, 4), on a table at height 0. Then the hand comes from above,
+        rng: Random number generator.
+        rest: Where the object lies, (4, 4), on a table at height 0. The hand then comes from above,
             at most 60 degrees off the vertical, and its fingertips stay 3 mm above the table.
-            Without: it floats, and the pose is in the frame of the mesh.
+            Without it, the object floats, and the pose is in the frame of the mesh.
         deepest: Limit of the depth, metres.
     """
     if rest is None:
@@ -109,20 +109,20 @@ def sample_pose(
 
 
 def try_naive_grasps(model: Model, object_id: str, settings: NaiveGraspParameters) -> pd.DataFrame:
-    """Try naive grasps of an object, each in an engine that knows of no other.
+    """Try naive grasps of an object, each independently of the others.
 
     In free space the object floats without weight until the fingers have closed; then gravity pulls
     along the approach, and the hand lifts it, as in `egad.sim.labelled_trials`. For each grasp on
-    the table, the object is dropped in a random orientation. The hand comes wide open; if it
+    the table, the object is dropped in a random orientation. The hand approaches wide open; if it
     touches the object or the table on its way, the grasp has failed (`collided`).
 
     Args:
         model: The object.
-        object_id: With the seed, the place and its number it decides a grasp.
+        object_id: Determines a grasp, with the seed, the place and the number of the grasp.
         settings: Seed, hand, friction, engine, lift, and how many grasps at each place.
 
     Returns:
-        One row per grasp, columns of `tables.grasping.NAIVE_GRASPS` but id and label.
+        One row per grasp, columns of `tables.grasping.NAIVE_GRASPS` except id and label.
     """
     check_jaws(settings.gripper, "a naive grasp")
     friction = settings.quality.friction
@@ -143,12 +143,12 @@ def try_naive_grasps(model: Model, object_id: str, settings: NaiveGraspParameter
 def naive_outcomes(
     free: Sequence[Outcome], table: Sequence[Outcome], settings: NaiveGraspParameters
 ) -> pd.DataFrame:
-    """What became of the naive grasps of an object, as of `try_naive_grasps`.
+    """The outcomes of naive grasps as a table, as returned by `try_naive_grasps`.
 
     Args:
-        free: In free space.
-        table: On the table.
-        settings: Those of the grasps.
+        free: Outcomes in free space.
+        table: Outcomes on the table.
+        settings: Settings of the grasps.
     """
     rows = [
         (place, number, outcome.value)
@@ -166,13 +166,13 @@ def try_in_free_space(
     rng: np.random.Generator,
     deepest: float = np.inf,
 ) -> Outcome:
-    """Try a naive grasp of an object that floats; see `try_naive_grasps`.
+    """Try a naive grasp of a floating object; see `try_naive_grasps`.
 
     Args:
         world: A world of the object and the arm's robot.
-        arm: What carries the hand.
-        lifting: Lift and hold.
-        rng: Decides the grasp.
+        arm: The arm that carries the hand.
+        lifting: Settings of lift and hold.
+        rng: Determines the grasp.
         deepest: See `sample_pose`.
     """
     gripper, mesh = arm.robot.gripper, world.model.mesh
@@ -191,7 +191,7 @@ def try_on_table(world: World, rng: np.random.Generator, deepest: float = np.inf
 
     Args:
         world: A world of the object and the robot `egad.sim.robots.free_hand`.
-        rng: Decides the drop and the grasp.
+        rng: Determines the drop and the grasp.
         deepest: See `sample_pose`.
     """
     gripper = Fingers(world).gripper

@@ -68,36 +68,40 @@ class Lifting(Parameters):
 class CellErrors(UserParameters):
     """Errors of a real cell: none, typical (docs/trials.md), or a section of your own.
 
-    Standard deviations of normal distributions; factors are drawn evenly from a range.
+    Values are standard deviations of normal distributions; factors are drawn uniformly from ranges.
     """
 
     calibration: Offset = Field(
         0.0,
-        description="error of the camera's position, as calibrated, along each axis, metres; one "
-        "draw for 20 attempts at an object, or for a round",
+        description="error of the calibrated camera position along each axis, metres; drawn once "
+        "for 20 attempts at an object, or for a round",
     )
     calibration_turn: float = Field(
         0.0,
         ge=0,
         le=10,
-        description="error of its rotation about each axis through the middle of the table, where "
-        "it was calibrated, degrees; drawn with `calibration`",
+        description="error of the calibrated camera rotation about each axis through the middle of "
+        "the table, where it was calibrated, degrees; drawn together with `calibration`",
     )
     positioning: Offset = Field(
-        0.0, description="error of the hand's position along each axis, metres; one per attempt"
+        0.0,
+        description="error of the hand's position along each axis, metres; drawn for every attempt",
     )
     opening: Offset = Field(
-        0.0, description="error of the hand's opening before it closes, metres; one per attempt"
+        0.0,
+        description="error of the hand's opening before it closes, metres; drawn for every attempt",
     )
     friction: Range = Field(
-        (1.0, 1.0), description="range of the friction of the pads, as a factor; one per attempt"
+        (1.0, 1.0),
+        description="range of the factor on the friction of the pads; drawn for every attempt",
     )
     mass: Range = Field(
-        (1.0, 1.0), description="range of the mass of an object, as a factor; one per attempt"
+        (1.0, 1.0),
+        description="range of the factor on the mass of an object; drawn for every attempt",
     )
     stopping_force: Range = Field(
         (1.0, 1.0),
-        description="range of the force that stops the hand, as a factor; one per attempt",
+        description="range of the factor on the force that stops the hand; drawn for every attempt",
     )
 
     def __str__(self) -> str:
@@ -142,7 +146,9 @@ class TrialProtocol(Lifting):
         "with a drop in a random orientation, the same for all detectors",
     )
     drop_height: Length = Field(
-        0.1, description="height of the lowest point above the table before a drop, metres"
+        0.1,
+        description="height of the lowest point of the object above the table before a drop, "
+        "metres",
     )
     workspace: Length = Field(
         0.12, description="objects further than this from the center are moved back, metres"
@@ -163,8 +169,8 @@ class TrialProtocol(Lifting):
     )
     contact: Literal["collided", "close"] = Field(
         "collided",
-        description="what a contact on the way down means: collided: the attempt has failed; "
-        "close: the fingers close where the hand was stopped, as on the robot of EGAD",
+        description="what a contact on the way down means: collided: the attempt fails; close: the "
+        "fingers close where the hand was stopped, as on the robot of EGAD",
     )
     stopping_force: float = Field(
         COLLISION_FORCE,
@@ -180,7 +186,8 @@ class TrialProtocol(Lifting):
     planning_time: PlanningTime = 60.0
     keep_going: bool = Field(
         False,
-        description="go on with a detector that fails in every attempt at the first three objects",
+        description="whether to continue with a detector that fails in every attempt at the first "
+        "three objects",
     )
 
 
@@ -191,8 +198,8 @@ class Clutter(Parameters):
     scenes: tuple[SceneKind, ...] = Field(
         SCENE_KINDS,
         min_length=1,
-        description="single: one object, dropped; packed: upright side by side; pile: dropped on "
-        "top of each other",
+        description="kinds of scenes: single: one object, dropped; packed: objects upright side by "
+        "side; pile: objects dropped on top of each other",
     )
     protocol: Protocol = Field(
         NAMED_PROTOCOLS["egad"],
@@ -202,11 +209,12 @@ class Clutter(Parameters):
     noise: tuple[NoiseName, ...] | None = Field(
         None,
         min_length=1,
-        description="noise added to depth images; nothing: that of the protocol; none; stereo: as "
-        "in `trials.depth_noise`, of 0.1 pixels; gamma: as in Dex-Net 2.0 and the later code of "
-        "VGN; dex: as in GIGA; points: 0.8 mm on the points of the cloud alone, as in EdgeGrasp",
+        description="kinds of noise added to depth images: none; stereo: as with "
+        "`trials.depth_noise` of 0.1 pixels; gamma: as in Dex-Net 2.0 and the later code of VGN; "
+        "dex: as in GIGA; points: 0.8 mm on the points of the cloud only, as in EdgeGrasp; "
+        "nothing: those of the protocol",
     )
-    rounds: int = Field(100, ge=1, description="rounds of each kind of scene and noise")
+    rounds: int = Field(100, ge=1, description="rounds for each kind of scene and noise")
     objects: int = Field(5, ge=1, le=20, description="objects in packed and piled scenes")
     errors: Errors = Field(
         NAMED_ERRORS["none"], description="errors of a real cell, as in `trials.errors`"
@@ -214,7 +222,8 @@ class Clutter(Parameters):
     planning_time: PlanningTime = 60.0
     keep_going: bool = Field(
         False,
-        description="go on with a detector that fails in every attempt at the first three rounds",
+        description="whether to continue with a detector that fails in every attempt of the first "
+        "three rounds",
     )
 
     @property
@@ -238,7 +247,7 @@ class SimulatedLabel(Parameters):
 
     engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
     grasps: int = Field(
-        100, ge=1, description="collision-free grasps of each object that are simulated"
+        100, ge=1, description="maximum number of collision-free grasps of each object to simulate"
     )
 
 
@@ -250,7 +259,7 @@ class NaiveGrasp(Parameters):
         160,
         ge=1,
         description="grasps of each object in free space, and as many on a table; the standard "
-        "errors of the success rates are at most 0.5 / the square root of this",
+        "errors of the success rates are at most 0.5 / the square root of this number",
     )
 
 

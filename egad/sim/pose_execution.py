@@ -1,4 +1,4 @@
-"""A hand without an arm: along its approach to a grasp, and away with what it holds."""
+"""A hand without an arm, which moves along its approach to a grasp and away with the object."""
 
 import math
 from typing import NamedTuple
@@ -19,21 +19,21 @@ from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 STANDOFF = 0.05  # metres before the grasp, where the approach begins
 RETREAT = 0.1  # metres
-STEEP = np.radians(60)  # approaches that are nearer to level retreat upwards
-MIN_OPENING = 0.1  # of the hand's opening: closed further, the fingers hold nothing
-AT_REST = 0.001  # ours: metres; a hand that moved less is where it was put
+STEEP = np.radians(60)  # off the vertical; hands with flatter approaches retreat upwards
+MIN_OPENING = 0.1  # of the hand's opening; if closed further, the fingers hold nothing
+AT_REST = 0.001  # ours: metres; a hand that moved less is still where it was placed
 UP = np.array([0.0, 0.0, 1.0])
 APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # ours: mean, m/s
 
 
 class PoseExecution(NamedTuple):
-    """What came of a grasp.
+    """The result of a grasp.
 
     Attributes:
         outcome: Success; collided: the hand was stopped on its way and held nothing in the end;
-            missed, slipped_closing or slipped_lifting; no_seal of a suction cup; failed.
+            missed, slipped_closing or slipped_lifting; for a suction cup no_seal; failed.
         held: Number of the object in the hand; None without success.
-        stopped: How far before the grasp something stopped the hand, metres.
+        stopped: How far before the grasp the hand was stopped, metres.
     """
 
     outcome: Outcome
@@ -48,7 +48,7 @@ class FreeHand(Fingers):
         """Open a hand in a world.
 
         Args:
-            world: A world of `egad.sim.robots.free_hand`; the hand is gone when it is reset.
+            world: A world of `egad.sim.robots.free_hand`; the hand is gone when the world is reset.
             pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
             width: Distance of the finger pads, metres.
         """
@@ -71,7 +71,7 @@ class FreeHand(Fingers):
         Args:
             shift: (3,) metres, in the world.
             speed: Mean, m/s.
-            limit: A contact force of more than this stops the hand, newtons.
+            limit: A contact force above this stops the hand, newtons.
 
         Returns:
             How far before the end it stopped, metres.
@@ -92,11 +92,11 @@ class FreeHand(Fingers):
         return 0.0
 
     def moved(self) -> float:
-        """How far the hand is from where it was put, metres."""
+        """How far the hand is from where it was placed, metres."""
         return float(np.linalg.norm(self._joints))
 
     def _rest(self) -> None:
-        """Stay here, instead of pushing on."""
+        """Stay here, instead of pushing further."""
         self._joints = self.world.arm_joints().copy()
         self.world.drive(self._joints.tolist(), [0.0, 0.0, 0.0])
 
@@ -112,7 +112,7 @@ class FreeHand(Fingers):
         """Number of the object that the hand presses on most; None if none, or if it is closed.
 
         Args:
-            first: Whether it is the first one that the hand touches instead.
+            first: Whether to return the first object that the hand touches instead.
         """
         if not self.opening() > MIN_OPENING * self.gripper.opening:
             return None
@@ -135,8 +135,8 @@ class ContactRules(NamedTuple):
     """What contacts mean; see `ClutterProtocol`.
 
     Attributes:
-        contact: What one during the approach means: close, fail or ignore.
-        force: One with more than this force counts, newtons.
+        contact: What a contact during the approach means: close, fail or ignore.
+        force: Contacts above this force count, newtons.
         pinched: Whether both fingers must press on an object after they closed.
         first: Whether the object that is held is the first one that the hand touches.
     """
@@ -153,17 +153,18 @@ DEFAULT_CONTACTS = ContactRules()
 def execute_pose(
     world: World, pose: Floats, width: float, rules: ContactRules = DEFAULT_CONTACTS
 ) -> PoseExecution:
-    """Approach from 5 cm away, stop at a contact, close, and retreat by 10 cm.
+    """Approach from 5 cm away, close, and retreat by 10 cm; `rules` say what a contact does.
 
-    A suction cup goes up to 1 cm further to find an object. To close is to switch its vacuum on.
+    A suction cup goes up to 1 cm further to find an object. For it, closing means switching the
+    vacuum on.
 
-    A hand that comes from above, give or take 60 degrees, retreats the way that it came; another
-    one moves straight up. An object is held if the hand touches it then and is not closed.
+    A hand that approaches from above, within 60 degrees, retreats along its approach; otherwise it
+    moves straight up. An object is held if the hand then touches it and is not closed.
 
-    It depends on the arguments alone, if the world was reset before the objects were placed.
+    The result depends only on the arguments, if the world was reset before the objects were placed.
 
     Args:
-        world: With the objects where they lie, and the robot `egad.sim.robots.free_hand`.
+        world: World with the objects where they lie, and the robot `egad.sim.robots.free_hand`.
         pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
         width: How far the hand opens, metres.
         rules: What contacts mean.
@@ -190,7 +191,7 @@ def _executed(world: World, pose: Floats, width: float, rules: ContactRules) -> 
     except UnstableError:
         if rules.contact != "fail" or hand.moved() > AT_REST:
             raise
-        # a hand that is put into an object throws it away at once
+        # a hand placed inside an object throws it away at once
         return PoseExecution(Outcome.COLLIDED, stopped=STANDOFF)
     if stopped and rules.contact == "fail":
         return PoseExecution(Outcome.COLLIDED, stopped=stopped)

@@ -8,17 +8,22 @@ from pydantic import BeforeValidator, Field, model_validator
 from egad._util.parameters import Length, Pixels, Range, UserParameters, by_name
 from egad.perception import NOISES, NoiseName
 
-# A Panda stops at about this contact force; lighter touches only push the object aside.
+# A Panda stops at about this contact force; lighter contacts only push the object aside.
 COLLISION_FORCE = 20.0
 CUSTOM = "custom"
 Extent = Annotated[float, Field(gt=0, le=1)]
 
 
 class SceneCameras(UserParameters):
-    """Depth cameras around the table; what has a range is drawn anew before every attempt."""
+    """Depth cameras around the table; values with a range are drawn again before every attempt."""
 
-    views: int = Field(6, ge=1, le=64, description="cameras, evenly around the table")
-    distance: Range = Field((0.6, 0.6), description="range of their distance, metres")
+    views: int = Field(
+        6, ge=1, le=64, description="number of cameras, evenly spaced around the table"
+    )
+    distance: Range = Field(
+        (0.6, 0.6),
+        description="range of the distance of the cameras from the point that they look at, metres",
+    )
     tilt: Range = Field(
         (30.0, 30.0), description="range of the angle between line of sight and vertical, degrees"
     )
@@ -31,16 +36,17 @@ class SceneCameras(UserParameters):
         -0.05,
         ge=-1,
         le=1,
-        description="height above the middle of the table of the point that they look at, metres",
+        description="height of the point that the cameras look at, above the middle of the table, "
+        "metres",
     )
     image: tuple[Pixels, Pixels] = Field(
-        (320, 240), description="width and height of their images, pixels"
+        (320, 240), description="width and height of the images, pixels"
     )
     focal: float = Field(
         207.89351730849154,  # 1.047 rad from top to bottom
         gt=0,
-        description="focal length, pixels; half the height of the image over the tangent of half "
-        "the vertical field of view",
+        description="focal length, pixels: half the image height / the tangent of half the "
+        "vertical field of view",
     )
 
     @model_validator(mode="after")
@@ -58,53 +64,58 @@ class SceneCameras(UserParameters):
 class ClutterProtocol(UserParameters):
     """Rules by which a table is cleared: egad, vgn, giga, edgegrasp, or a section of your own.
 
-    What a section does not name is as in `egad`. docs/benchmark.md says where the values are from.
+    Keys that a section omits are as in `egad`. docs/benchmark.md gives the sources of all values.
     """
 
     cameras: SceneCameras = SceneCameras()
     noise: tuple[NoiseName, ...] = Field(
-        NOISES[:2], min_length=1, description="noise if `clutter.noise` has none"
+        NOISES[:2], min_length=1, description="kinds of noise, unless `clutter.noise` is set"
     )
     scale: Range = Field(
-        (0.8, 1.0), description="range of the sizes of objects, of those in the bundle"
+        (0.8, 1.0), description="range of object sizes, relative to those in the bundle"
     )
     packed_scale: Range | None = Field(
-        None, description="the same in packed scenes; nothing: as `scale`"
+        None, description="range of object sizes in packed scenes; nothing: as `scale`"
     )
     repetition: bool = Field(
-        False, description="whether an object may be in a scene more than once"
+        False, description="whether an object may occur in a scene more than once"
     )
     packing_area: Extent = Field(
-        0.2, description="side of the square in which packed objects have their origins, metres"
+        0.2, description="side of the square that contains the origins of packed objects, metres"
     )
     packing_tries: int = Field(
-        50, ge=1, description="positions that are tried; what finds no space is left out"
+        50,
+        ge=1,
+        description="maximum number of positions to try in packed scenes; objects that find no "
+        "space are left out",
     )
     packing_tries_of: Literal["object", "scene"] = Field(
-        "object", description="whether each object has these tries, or all of a scene together"
+        "object",
+        description="whether `packing_tries` is the limit for each object, or for all objects of a "
+        "scene together",
     )
     drop_height: Length = Field(
         0.02, description="height from which objects are dropped, metres; see `drop_above`"
     )
     drop_above: Literal["objects", "table"] = Field(
         "objects",
-        description="objects: it is that of the lowest point above what lies there; table: that of "
-        "the center of mass above the table",
+        description="how `drop_height` is measured: objects: from the objects already there to the "
+        "lowest point of the object; table: from the table to its center of mass",
     )
     opening: Literal["predicted", "full"] = Field(
-        "predicted", description="how far the hand opens: as the detector says, or fully"
+        "predicted", description="how far the hand opens: as the detector predicts, or fully"
     )
     contact: Literal["close", "fail", "ignore"] = Field(
         "close",
         description="what a contact during the approach means: close: the hand stops and closes "
-        "there; fail: the attempt has failed; ignore: the hand moves on. One before the approach "
+        "there; fail: the attempt fails; ignore: the hand moves on. A contact before the approach "
         "is always a failure",
     )
     stopping_force: float = Field(
         COLLISION_FORCE,
         ge=0,
         le=1000,
-        description="a contact with more than this force counts, newtons",
+        description="force above which a contact counts, newtons",
     )
     force: float | None = Field(
         None, gt=0, le=1000, description="closing force, newtons; nothing: that of the gripper"
@@ -114,38 +125,38 @@ class ClutterProtocol(UserParameters):
     )
     success: Literal["pinched", "touched"] = Field(
         "pinched",
-        description="what must be true besides that, after the retreat, the hand touches an object "
-        "and is open by more than a tenth: pinched: both fingers pressed on an object after they "
-        "closed; touched: nothing",
+        description="when an attempt succeeds: touched: after the retreat, the hand touches an "
+        "object and is open by more than a tenth; pinched: in addition, both fingers pressed on an "
+        "object after they closed",
     )
     removed: Literal["pressed", "first"] = Field(
         "pressed",
-        description="which object is removed after a success: the one that the hand presses on "
-        "most, or the first in the list of those that it touches",
+        description="which object is removed after a success: pressed: the one that the hand "
+        "presses on most; first: the first in the list of those that it touches",
     )
     choice: Literal["highest", "random"] = Field(
         "highest",
-        description="which grasp is tried: that of the highest score, or a random one of those "
-        "that `threshold` leaves",
+        description="which grasp is tried: the one with the highest score, or a random one of "
+        "those that pass `threshold`",
     )
     threshold: float | None = Field(
         None,
         ge=0,
         le=1,
-        description="grasps of a lower score are not tried, whatever the detector means by its "
-        "scores; nothing: all may be",
+        description="minimum score of a grasp to be tried, on whatever scale the detector uses; "
+        "nothing: no minimum",
     )
-    failures: int = Field(2, ge=1, description="failures in a row that end a round")
+    failures: int = Field(2, ge=1, description="number of failures in a row that end a round")
     skips: int = Field(
         1,
         ge=1,
-        description="a round ends when nothing has been proposed so many times; before that, the "
-        "cameras look again",
+        description="a round ends when the detector has proposed no grasp this many times; before "
+        "that, new images are taken",
     )
 
     @property
     def name(self) -> str:
-        """What is written in tables: the name of these rules, or `custom`."""
+        """The name of these rules in tables, or `custom`."""
         names = [name for name, each in NAMED_PROTOCOLS.items() if each == self]
         return names[0] if names else CUSTOM
 

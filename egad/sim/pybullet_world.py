@@ -32,15 +32,15 @@ from egad.sim.world import (
 SOLVER_ITERATIONS = 150
 # The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
 COLLISION_MARGIN = 1e-4
-URDF_MARGIN = 1e-3  # metres, that it adds around meshes in URDF, too
+URDF_MARGIN = 1e-3  # metres that it also adds around meshes in URDF
 WELD_STRENGTH = 1e5  # newtons, and newton metres
 PIN_STRENGTH = 1000.0  # newtons, and newton metres
-POSITION_GAIN = 0.3  # of an error is made good in one step
+POSITION_GAIN = 0.3  # fraction of an error that is corrected in one step
 # The gear must be stronger than the fingers, or an object off the middle holds one of them up.
 GEAR_STRENGTH = 10
 LINKAGE_GAIN, LINKAGE_STRENGTH = 0.9, 1e5  # newtons or newton metres
 FREE = (-1, -1, -1)
-NORMAL_FORCE, LINK = 9, 3  # positions in what the engine tells of a contact
+NORMAL_FORCE, LINK = 9, 3  # positions in the engine's tuple of a contact
 
 
 class Client:
@@ -63,7 +63,7 @@ class PyBulletWorld(World):
     """
 
     def __enter__(self) -> Self:
-        # The engine reads compounds and robots from files only.
+        # The engine reads compound shapes and robots only from files.
         self._folder = tempfile.TemporaryDirectory()
         for number, model in enumerate(self.models):
             self._shape(number).write_text(_wavefront(model), encoding="ascii")
@@ -251,7 +251,7 @@ class PyBulletWorld(World):
         self.client.changeConstraint(self._weld, maxForce=WELD_STRENGTH)
 
     def _in_link(self, link: int, point: Floats) -> list[float]:
-        """A point of the frame of a link in that of its center of mass."""
+        """A point in the frame of a link, relative to the frame of its center of mass."""
         inertial = np.array(self.client.getDynamicsInfo(self._robot, link)[3])
         place: list[float] = (point - inertial).tolist()
         return place
@@ -317,7 +317,7 @@ class PyBulletWorld(World):
         self.client.changeConstraint(gear, gearRatio=-1, maxForce=GEAR_STRENGTH * force)
 
     def _couple_followers(self, opening: float) -> None:
-        """Put the joints of a linkage where they belong, and couple each to its finger."""
+        """Set the joints of a linkage to their positions, and couple each to its finger."""
         self._constrained = []
         for joint, (follower, finger) in self._gears.items():
             self.client.resetJointState(self._robot, joint, follower.at(opening / 2), 0)
@@ -328,7 +328,7 @@ class PyBulletWorld(World):
         self._turn_gears()
 
     def _turn_gears(self) -> None:
-        """Gears are linear: let each have the slope that its curve has here."""
+        """Give each gear, which is linear, the slope of its curve at the current position."""
         for gear, follower, finger in self._constrained:
             distance = self.client.getJointState(self._robot, finger)[0]
             slope = follower.slope(distance)
@@ -384,8 +384,8 @@ class PyBulletWorld(World):
             body,
             -1,
             lateralFriction=self._friction,
-            # Contacts remember where they stuck, or held objects creep and turn. The friction
-            # cone still limits the force.
+            # Contacts remember where they stuck; otherwise held objects creep and turn. The
+            # friction cone still limits the force.
             frictionAnchor=1,
             localInertiaDiagonal=(self.mass_factor * model.inertia).tolist(),
             collisionMargin=COLLISION_MARGIN,
@@ -394,7 +394,7 @@ class PyBulletWorld(World):
 
 
 def _wavefront(model: Model) -> str:
-    """The parts as objects of one OBJ file; the engine takes the hull of each."""
+    """The parts as objects of one OBJ file; the engine uses the hull of each."""
     lines, first = [], 1
     for number, part in enumerate(model.parts):
         lines.append(f"o part{number}")

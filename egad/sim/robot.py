@@ -21,7 +21,7 @@ Vector = tuple[float, float, float]
 Motion = Callable[[float], Floats]
 
 PALM, LEFT, RIGHT, TIP = "palm", "left", "right", "tip"
-DEGREE = 4  # of polynomials between joints, which MuJoCo has
+DEGREE = 4  # of the polynomials between joints, as in MuJoCo
 
 
 @dataclass(frozen=True)
@@ -50,13 +50,13 @@ class HullShape:
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body of a robot; for its inertia, its mass fills the box around its shapes.
+    """A rigid body of a robot; its inertia is that of a uniform box around its shapes.
 
     Attributes:
-        name: What it is called.
+        name: Name of the link.
         mass: Kilograms.
-        shapes: What collides.
-        soft: What is only seen, as a suction cup.
+        shapes: Shapes that collide.
+        soft: Shapes that are only seen, such as a suction cup.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Link:
 
     @property
     def box(self) -> Box:
-        """The box around its shapes; without size if there are none."""
+        """The box around its shapes; of size 0 if there are none."""
         if len(self.shapes) == 1 and isinstance(self.shapes[0], Box):
             return self.shapes[0]
         corners = [_corners(shape) for shape in self.shapes] or [np.zeros((1, 3))]
@@ -77,15 +77,15 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """How a link is carried by another one.
+    """How a link is attached to another one.
 
     Attributes:
-        child: Name of the link; that of the joint, too.
-        parent: Name of what carries it.
+        child: Name of the link, and of the joint.
+        parent: Name of the link that carries it.
         kind: How it moves.
-        origin: Origin of the child's frame in that of the parent at 0, metres.
+        origin: Origin of the child's frame in that of the parent at position 0, metres.
         turn: Rotation of the child's frame, a rotation vector, radians.
-        axis: It moves along or about, in the frame of the child.
+        axis: Axis that it moves along or about, in the frame of the child.
         limits: Limits of the motion, metres or radians.
     """
 
@@ -115,11 +115,11 @@ class Follower:
     positions: Floats
 
     def at(self, distance: float) -> float:
-        """Its position when the pad is that far from the middle."""
+        """Its position when the pad is this far from the middle."""
         return float(np.interp(distance, self.distances, self.positions))
 
     def slope(self, distance: float) -> float:
-        """How fast it moves with the pad."""
+        """Derivative of its position with respect to the distance of the pad."""
         step = float(np.diff(self.distances).mean())
         return (self.at(distance + step) - self.at(distance - step)) / (
             min(distance + step, float(self.distances[-1]))
@@ -127,7 +127,7 @@ class Follower:
         )
 
     def polynomial(self) -> Floats:
-        """Coefficients of its position as a polynomial of the distance, the constant first."""
+        """Coefficients of its position as a polynomial of the distance, constant term first."""
         fitted = np.polynomial.Polynomial.fit(self.distances, self.positions, DEGREE).convert()
         return np.pad(fitted.coef, (0, DEGREE + 1 - len(fitted.coef)))
 
@@ -140,7 +140,7 @@ class JawJoint:
         joint: Its name.
         openings: (k,) distances of the pads, ascending, metres.
         positions: (k,) its positions there, metres or radians.
-        lever: Its torque for a newton between the pads, metres; 1 if it slides.
+        lever: Its torque per newton between the pads, metres; 1 if it slides.
     """
 
     joint: str
@@ -150,7 +150,7 @@ class JawJoint:
 
     @property
     def closing(self) -> float:
-        """How far it moves for a metre that the pad moves inwards; the sign is the way."""
+        """How far it moves per metre that the pad moves inwards; the sign is the direction."""
         return float(np.sign(self.positions[0] - self.positions[-1])) / self.lever
 
     def at(self, opening: float) -> float:
@@ -172,20 +172,20 @@ class JawJoint:
 class Robot:
     """An arm, and at its end a palm with two fingers that mirror each other, one jaw, or a cup.
 
-    The joints LEFT and RIGHT have the distance of a pad from the middle. They move the fingers
-    themselves, or carriages without a body that the joints of a linkage follow. A hand with one
-    moving jaw has the joint of this jaw instead; the fixed one is on the right, at negative x. The
-    middle of the ring of a suction cup is TIP.
+    The positions of the joints LEFT and RIGHT are the distances of the pads from the middle. These
+    joints move the fingers themselves, or carriages without a body that the joints of a linkage
+    follow. A hand with one moving jaw has the joint of this jaw instead; the fixed jaw is on the
+    right, at negative x. TIP is the middle of the ring of a suction cup.
 
     Attributes:
         gripper: Force and pads of the fingers.
         links: The root first.
-        joints: One for each link but the root, in the same order.
+        joints: One for each link except the root, in the same order.
         strength: Force or torque of each joint of the arm, by its name, N or N m.
         sides: LEFT or RIGHT for each link of a finger, by its name.
         followers: Joints that follow those of the fingers.
-        path: Openings, ascending, and places of the pads along the approach, metres; the fingertips
-            are at TIP when they are at 0.
+        path: Openings, ascending, and positions of the pads along the approach, metres; the
+            fingertips are at TIP when the pads are at 0.
         jaw: The joint of a hand with one moving jaw.
     """
 
@@ -204,23 +204,23 @@ class Robot:
 
     @property
     def fingers(self) -> tuple[str, ...]:
-        """Names of the joints that close the hand; none of a suction cup."""
+        """Names of the joints that close the hand; none for a suction cup."""
         if self.gripper.cup is not None:
             return ()
         return (LEFT, RIGHT) if self.jaw is None else (self.jaw.joint,)
 
     @property
     def finger_strength(self) -> float:
-        """Force or torque of each of them, N or N m."""
+        """Force or torque of each joint in `fingers`, N or N m."""
         return self.gripper.force * (1.0 if self.jaw is None else self.jaw.lever)
 
     @property
     def closing(self) -> float:
-        """How far each of them moves for a metre that its pad moves inwards."""
+        """How far each joint in `fingers` moves per metre that its pad moves inwards."""
         return -1.0 if self.jaw is None else self.jaw.closing
 
     def finger_position(self, opening: float) -> float:
-        """Position of each of them at an opening."""
+        """Position of each joint in `fingers` at an opening."""
         return opening / 2 if self.jaw is None else self.jaw.at(opening)
 
     def pads(self, positions: Floats, speeds: Floats) -> tuple[Floats, Floats]:
@@ -238,8 +238,8 @@ class Robot:
     def pad_friction(self) -> tuple[float, float]:
         """Friction of the pads: sliding, and torsional (m, torque over normal force).
 
-        A soft pad resists twisting even where a round object touches it in one point: as a pressed
-        disc.
+        A soft pad resists twisting like a pressed disc, even if a round object touches it at only
+        one point.
         """
         friction, radius = self.gripper.pad
         return friction, 2 / 3 * friction * radius
@@ -250,13 +250,13 @@ class Robot:
         return tuple(self.strength)
 
     def tip_poses(self, positions: Sequence[float]) -> list[Floats]:
-        """Where the joints of the arm and the tip are: (4, 4) transforms to the root's frame.
+        """Poses of the joints of the arm and of the tip: (4, 4) transforms to the root's frame.
 
         Args:
             positions: Positions of the joints of the arm, metres or radians.
 
         Returns:
-            The frames of the arm's joints in their order, then that of the tip.
+            The frames of the arm's joints in their order, then the frame of the tip.
         """
         values, poses = iter(positions), []
         pose = np.eye(4)
@@ -281,7 +281,7 @@ def to_urdf(robot: Robot, *, hulls: bool = True) -> str:
 
     Args:
         robot: The robot.
-        hulls: Whether with hulls, as meshes in the files of `hull_files`.
+        hulls: Whether to include hulls, as meshes in the files of `hull_files`.
     """
     root = Element("robot", name="robot")
     for link in robot.links:
@@ -300,7 +300,7 @@ def to_urdf(robot: Robot, *, hulls: bool = True) -> str:
 
 
 def _motion(joint: Joint) -> Motion:
-    """From a joint's position to the (4, 4) transform from the child's frame to the parent's."""
+    """The (4, 4) transform from the child's frame to the parent's, as a function of position."""
     fixed = np.eye(4)
     fixed[:3, :3] = Rotation.from_rotvec(joint.turn).as_matrix()
     fixed[:3, 3] = joint.origin
@@ -330,7 +330,7 @@ def hull_files(robot: Robot, margin: float = 0.0) -> dict[str, str]:
 
     Args:
         robot: The robot.
-        margin: Metres by which each is smaller on all sides, if it is thick enough.
+        margin: Metres by which each is shrunk on all sides, if it is thick enough.
     """
     files = {}
     for link in robot.links:

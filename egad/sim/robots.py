@@ -39,8 +39,9 @@ TURN = 10.0  # radians, of the axis, both ways
 AXIS_STRENGTH = (500.0, 20.0)  # N and N m: much stronger than the fingers
 FREE_STRENGTH = 200.0  # newtons, along each axis of a hand without an arm
 QUARTER = np.pi / 2
-# Of a Panda: where each joint lies in the link before (metres), its turn about x, its limits, as in
-# Franka's documentation, its torque (N m), and the mass of its link (Gaz et al. 2019, table IV).
+# For each joint of a Panda: its origin in the previous link (metres), its rotation about x, its
+# limits, as in Franka's documentation, its torque (N m), and the mass of its link (Gaz et al. 2019,
+# table IV).
 PANDA_JOINTS: tuple[tuple[Vector, float, tuple[float, float], float, float], ...] = (
     ((0.0, 0.0, 0.333), 0.0, (-2.8973, 2.8973), 87.0, 4.971),
     ((0.0, 0.0, 0.0), -QUARTER, (-1.7628, 1.7628), 87.0, 0.647),
@@ -51,16 +52,16 @@ PANDA_JOINTS: tuple[tuple[Vector, float, tuple[float, float], float, float], ...
     ((0.088, 0.0, 0.0), QUARTER, (-2.8973, 2.8973), 12.0, 0.736),
 )
 PANDA_FLANGE = (0.0, 0.0, 0.107)  # in the last link
-PANDA_THICKNESS = 0.1  # metres, of the boxes that stand for its links
-# Kilograms. Carriages have the inertia of a geared motor. Links must not be much lighter, or
-# PyBullet does not solve their joints.
+PANDA_THICKNESS = 0.1  # metres, of the boxes that represent its links
+# Kilograms. Carriages have the inertia of a geared motor. If links were much lighter, PyBullet
+# would not solve their joints.
 CARRIAGE_MASS, MIN_MASS = 0.5, 0.05
-LOOSE = 0.1  # metres or radians that joints of a linkage may move too far
-OWN = "hand-"  # before the names of the links of a model
+LOOSE = 0.1  # metres or radians that joints of a linkage may exceed their range
+OWN = "hand-"  # prefix of the names of the links of a model
 
 
 def on_axis(gripper: Gripper) -> Robot:
-    """The hand on a vertical axis that turns: at 0 the fingertips stand on the ground."""
+    """The hand on a vertical axis that turns: at 0 the fingertips are on the ground."""
     hand = _hand(gripper)
     top = (0.0, 0.0, hand.length)
     return _with_hand(
@@ -68,7 +69,7 @@ def on_axis(gripper: Gripper) -> Robot:
         gripper,
         (Link("stand"), Link("height")),
         (
-            # Turned over, so that the hand points down
+            # Turned upside down, so that the hand points down
             Joint(
                 "height", "stand", "prismatic", top, (np.pi, 0, 0), (0, 0, -1), (-STROKE, STROKE)
             ),
@@ -100,7 +101,7 @@ def free_hand(gripper: Gripper) -> Robot:
 
 
 def on_panda(gripper: Gripper) -> Robot:
-    """The hand at the flange of a Franka Panda arm, in the place of Franka's own."""
+    """The hand at the flange of a Franka Panda arm, in place of Franka's own."""
     links, joints, strength = [Link("panda0", 0.0)], [], {}
     ends = [joint[0] for joint in PANDA_JOINTS[1:]] + [PANDA_FLANGE]
     for number, ((origin, turn, limits, torque, mass), end) in enumerate(
@@ -120,8 +121,8 @@ def on_panda(gripper: Gripper) -> Robot:
 class _Hand(NamedTuple):
     """A hand: x closes, z is the approach, and the palm begins at the origin of its frame.
 
-    The joint of the palm is left to the arm. The length is that from palm to fingertips; for the
-    other attributes see `Robot`.
+    The joint of the palm is left to the arm. `length` is the distance from the back of the palm to
+    the fingertips; for the other attributes see `Robot`.
     """
 
     links: list[Link]

@@ -1,4 +1,4 @@
-"""Rounds of clearing a table, as rows of a table; and rounds made from rows again."""
+"""Rounds of clearing a table as rows of a table, and rounds read back from rows."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -33,15 +33,15 @@ ENDS = ["attempt", "n_present", "success", "stopped"]  # of attempts
 
 
 class Round(NamedTuple):
-    """One round: which objects, of which size, and how they lie.
+    """One round: which objects, at which size, and how they lie.
 
     Attributes:
         scene: How the objects lie.
-        noise: What goes wrong in depth images.
+        noise: Noise added to the depth images.
         number: Number of the round.
-        seed: For all that happens in it.
+        seed: Seed of everything that happens in it.
         ids: Names of the objects, in the order of their numbers.
-        factors: Their sizes, of those in the models.
+        factors: Their sizes relative to the models.
     """
 
     scene: SceneKind
@@ -53,15 +53,15 @@ class Round(NamedTuple):
 
 
 def round_name(scene: object, noise: object, number: object) -> str:
-    """What a round is called in messages."""
+    """The name of a round in messages."""
     return f"round {number}, {scene}, noise {noise}"
 
 
 def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
     """All rounds, in the order scene, noise, number; none without objects.
 
-    A scene depends on the seed of the settings, the number of the round and the ids, not on their
-    order, nor on noise and detector.
+    A scene depends on the seed of the settings, the number of the round and the ids. It does not
+    depend on the order of the ids, the noise or the detector.
 
     Args:
         ids: Names of the objects to choose from.
@@ -97,14 +97,14 @@ def draw_objects(
     protocol: ClutterProtocol,
     rng: np.random.Generator,
 ) -> tuple[tuple[str, ...], tuple[float, ...]]:
-    """The objects of a scene, and their sizes.
+    """Draw the objects of a scene, and their sizes.
 
     Args:
         ids: Names of the objects to choose from.
         scene: How they will lie.
-        count: How many; fewer if there are not as many, and none may come twice.
-        protocol: Whether one may, and the range of the sizes.
-        rng: Source of chance.
+        count: How many; fewer if there are not enough and objects may not repeat.
+        protocol: Whether objects may repeat, and the range of the sizes.
+        rng: Random number generator.
     """
     if protocol.repetition:
         chosen = rng.integers(len(ids), size=count)
@@ -126,7 +126,7 @@ def run_round(
     Args:
         this: The round.
         models: All objects by their names.
-        proposer: From the names and the models of the objects in the scene to what decides.
+        proposer: Returns what proposes grasps, given names and models of the objects in the scene.
         settings: Gripper, cameras and engine.
 
     Returns:
@@ -150,16 +150,16 @@ def repeat_round(
     settings: ClutterParameters,
     watch: Callable[[World], object] = lambda _: None,
 ) -> pd.DataFrame:
-    """A round again, without its detector.
+    """Repeat a round without its detector.
 
     Args:
         rows: Columns of `tables.clutter.CLUTTER`, of one round that began.
-        models: Its objects by their names, at least.
+        models: At least its objects, by name.
         settings: Gripper, cameras and engine of the round.
         watch: Called with the world before the round begins.
 
     Returns:
-        The same rows, bit by bit, if all is as it was.
+        The same rows, bit by bit, if nothing else has changed.
     """
     this = _read_round(rows.iloc[0])
     with open_round(this, models, settings) as world:
@@ -187,7 +187,7 @@ def film_round(
         noise: Noise added to the depth images.
         number: Number of the round.
         models: All objects by their names.
-        settings: Those of the round.
+        settings: Settings of the round.
 
     Raises:
         UserError: There is no such round, it never began, or it ends differently.
@@ -209,7 +209,7 @@ def film_round(
 
 
 def picture_of(this: Round, models: Models, settings: ClutterParameters) -> RgbImage:
-    """What a round begins with, (height, width, 3).
+    """A picture of the initial scene of a round, (height, width, 3).
 
     Raises:
         UnstableError: The simulation went wrong.
@@ -220,7 +220,7 @@ def picture_of(this: Round, models: Models, settings: ClutterParameters) -> RgbI
 
 
 def _read_round(row: pd.Series) -> Round:
-    """The round of an attempt of a table."""
+    """The round that an attempt of a table belongs to."""
     factors = tuple(float(text) for text in row["factors"].split())
     return Round(
         row["scene"],
@@ -233,7 +233,7 @@ def _read_round(row: pd.Series) -> Round:
 
 
 def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | Outcome:
-    """What was tried in an attempt of a table, or why nothing was."""
+    """The grasp tried in an attempt of a table, or why there was none."""
     numbers = np.array([row[name] for name in GRASP_POSE], dtype=np.float64)
     if np.isnan(numbers).any():
         return Outcome(row["outcome"])
@@ -243,11 +243,11 @@ def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | Outcome:
 
 
 def open_round(this: Round, models: Models, settings: ClutterParameters) -> World:
-    """The world of a round, for a `with` block: objects in their sizes, a hand, perhaps walls.
+    """The world of a round, for a `with` block: objects at their sizes, a hand, perhaps walls.
 
     Args:
         this: The round.
-        models: Its objects by their names, at least.
+        models: At least its objects, by name.
         settings: Gripper, rules and engine.
     """
     sized = [models[name].scaled(by) for name, by in zip(this.ids, this.factors, strict=True)]
@@ -304,7 +304,7 @@ def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -
 
 
 def _target(attempt: ClutterAttempt, grasp: PoseGrasp, models: Sequence[Model]) -> int:
-    """Number of the object that was held, or else of the one whose surface is nearest."""
+    """Number of the object that was held, or of the one whose surface is nearest to the grasp."""
     if attempt.held is not None:
         return attempt.held
     center = grasp.pose[:3, 3]

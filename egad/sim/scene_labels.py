@@ -25,7 +25,7 @@ TURNS = 2 * np.pi * np.arange(16) / 16  # about the closing axis, from the label
 TABLE_SLAB = trimesh.creation.box([2 * WORKSPACE, 2 * WORKSPACE, 0.1])
 TABLE_SLAB.apply_translation([0.0, 0.0, -0.05])
 CHUNK = 32  # grasps that are tested at once
-MAX_TESTED = 640  # grasps that are tested at all
+MAX_TESTED = 640  # grasps that are tested in all
 # The table, metres
 TABLE = WORKSPACE * np.array(
     [[[-1, -1, 0], [1, -1, 0], [1, 1, 0]], [[-1, -1, 0], [1, 1, 0], [-1, 1, 0]]]
@@ -38,7 +38,7 @@ class SceneLabels:
     def __init__(
         self, grasps: Sequence[pd.DataFrame], models: Sequence[Model], gripper: Gripper
     ) -> None:
-        """Keep the grasps that the hand can come to from some side.
+        """Keep the grasps that the hand can reach with nothing but the object there.
 
         Args:
             grasps: Columns of `tables.grasping.GRASPS` for each object.
@@ -52,19 +52,19 @@ class SceneLabels:
     def __call__(
         self, observation: Observation, present: Sequence[RestingObject], rng: np.random.Generator
     ) -> PoseGrasp | Outcome:
-        """The grasp of the highest robust quality to which the open hand has a straight way.
+        """The grasp of the highest robust quality that the open hand can approach straight.
 
-        The hand may come from any of 16 directions around the closing axis; it takes the one of
-        those without a collision that points down most.
+        The hand may approach from any of 16 directions around the closing axis. Of those without a
+        collision, it takes the one that points down most.
 
-        A suction cup comes as labelled. It takes the best grasp at which, among all that lies there
-        (`egad.suction`), it seals, holds the weight and is free of collisions.
+        A suction cup approaches as labelled. It takes the best grasp at which it seals, holds the
+        weight and is free of collisions, given all objects in the scene (`egad.suction`).
         """
         del observation, rng
         return next(self.possible(present), Outcome.NO_GRASP)
 
     def possible(self, present: Sequence[RestingObject]) -> Iterator[PoseGrasp]:
-        """The grasps that `__call__` chooses from, best first, found as they are asked for."""
+        """The grasps that `__call__` chooses from, best first, computed lazily."""
         frames, widths, quality = self._candidates(present)
         if self._gripper.cup is not None:
             yield from self._with_cup(self._gripper.cup, frames, quality, present)

@@ -18,8 +18,8 @@ from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 WORKSPACE = 0.3  # metres, side of the cube; what leaves it is removed
 BOX = 0.26  # inner side of the box that a pile is dropped into
 DROP_AREA = 0.1  # side of the square above which objects are dropped
-STAND = 0.002  # above the table, where packed objects are put
-SCENE_TRIES = 10  # ours: scenes without any object in the workspace are made anew
+STAND = 0.002  # height above the table at which packed objects are placed
+SCENE_TRIES = 10  # ours: scenes without any object in the workspace are made again
 SETTLING_TIME = 2.0  # seconds, at most
 REST_SPEED = 0.01  # m/s and rad/s
 REST_TIME = 0.1  # ours: seconds that all objects must be slower than that
@@ -42,13 +42,13 @@ def make_scene(
     """Put the objects of a world on the table, one after the other, until they lie still.
 
     single, pile: dropped in random orientations, a pile into a box that is then removed. packed:
-    put upright, with the z axis of its file up and a random turn, beside those that already lie
-    still; an object for which there is no space is left out.
+    placed upright, with the z axis of the file up and a random rotation about it, beside those that
+    already lie still; an object that does not fit is left out.
 
     Args:
-        world: With the objects, and for a pile with walls.
+        world: World with the objects and, for a pile, with walls.
         kind: How they are put there.
-        rng: Source of chance.
+        rng: Random number generator.
         protocol: From which height objects are dropped, and where they are packed.
 
     Returns:
@@ -82,7 +82,7 @@ def _try_scene(
 
 
 def settle_all(world: World, present: Sequence[int]) -> list[RestingObject]:
-    """Let objects come to rest, and take away those that are outside the workspace then."""
+    """Let objects come to rest, and remove those that are then outside the workspace."""
     left = list(present)
     while True:
         settle(world)
@@ -95,13 +95,13 @@ def settle_all(world: World, present: Sequence[int]) -> list[RestingObject]:
 
 
 def settle_from(world: World, objects: Sequence[RestingObject]) -> list[RestingObject]:
-    """Let objects come to rest from where they are now, with nothing else in the world."""
+    """Let objects come to rest from their current poses, with nothing else in the world."""
     put(world, objects)
     return settle_all(world, [each.number for each in objects])
 
 
 def put(world: World, objects: Sequence[RestingObject]) -> None:
-    """Put objects somewhere at rest, and nothing else."""
+    """Place objects at rest in an empty world."""
     world.reset()
     world.remove_walls()
     for each in objects:
@@ -109,7 +109,7 @@ def put(world: World, objects: Sequence[RestingObject]) -> None:
 
 
 def settle(world: World) -> None:
-    """Let all objects come to rest, or move for two seconds."""
+    """Let all objects come to rest, for at most two seconds."""
     still, pause = 0, round(REST_TIME / TIME_STEP)
     for _ in range(round(SETTLING_TIME / TIME_STEP)):
         world.step()
@@ -127,7 +127,7 @@ def in_workspace(position: Floats) -> bool:
 def _above(
     mesh: trimesh.Trimesh, top: float, rng: np.random.Generator, protocol: ClutterProtocol
 ) -> Pose:
-    """In a random orientation above the middle and what lies there."""
+    """A pose in a random orientation, above the middle and any objects there."""
     turn = Rotation.random(rng=rng)
     x, y = rng.uniform(-DROP_AREA / 2, DROP_AREA / 2, size=2)
     height = protocol.drop_height
@@ -137,7 +137,7 @@ def _above(
 
 
 def _pack(world: World, rng: np.random.Generator, protocol: ClutterProtocol) -> list[int]:
-    """Put objects upright, none above or below another one; the numbers of those that fit."""
+    """Place objects upright, none above or below another; return the numbers of those that fit."""
     present: list[int] = []
     taken: list[ConvexHull] = []
     left = protocol.packing_tries
@@ -167,7 +167,7 @@ def _apart(first: ConvexHull, second: ConvexHull) -> bool:
 
 
 def _upright(model: Model, rng: np.random.Generator, area: float) -> Pose:
-    """Standing just above the table, turned about the vertical and shifted at random."""
+    """A pose just above the table, rotated about the vertical and shifted at random."""
     scaled = model.to_principal[:3, :3]
     own = Rotation.from_matrix(scaled.T / np.cbrt(np.linalg.det(scaled)))
     turn = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi)) * own

@@ -1,8 +1,8 @@
 """Simulated labels of grasps: closed in free space, shaken, and lifted.
 
 ACRONYM (Eppner 2021, section III) closes the fingers on an object that floats without weight, moves
-the hand up and down along its approach and turns it to and fro about it, and asks whether both
-fingers still hold the object. Here gravity then pulls at it, and it is lifted as in every trial.
+the hand up and down along its approach, rotates it back and forth about it, and checks whether both
+fingers still hold the object. Here the object is then lifted under gravity, as in every trial.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,8 +27,8 @@ from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, Wor
 from egad.tables import parquet
 from egad.tables.grasping import MOTIONS
 
-# The hand moves by at most 26 mm and speeds up by 11 m/s2, a little more than gravity does; it
-# turns by at most 25 degrees, 6 cm off its axis as fast. ACRONYM gives no numbers.
+# The hand moves by at most 26 mm and accelerates at 11 m/s2, a little more than gravity. It turns
+# by at most 25 degrees, with the same acceleration 6 cm off its axis. ACRONYM gives no numbers.
 SHAKES = 2  # each way
 FREQUENCY = 3.0  # Hz
 AMPLITUDE = 0.03  # metres, before the envelope
@@ -37,14 +37,14 @@ NOT_A_MOTION = (np.nan, np.nan)
 
 
 class SimulatedGrasp(NamedTuple):
-    """What became of a grasp.
+    """The result of a grasp.
 
     Attributes:
         outcome: `success`: held to the end; `collided`, `missed`, `slipped_closing`,
             `slipped_shaking`, `slipped_lifting` or `dropped`, whichever came first; `failed`.
-        closing: How far the object moved against the hand while the fingers closed: its center of
-            mass in metres, and its turn in radians.
-        shaking: The same while it was shaken; not a number if it did not come to that.
+        closing: How far the object moved relative to the hand while the fingers closed: its center
+            of mass in metres, and its rotation in radians.
+        shaking: The same while it was shaken; NaN if it was not.
     """
 
     outcome: Outcome
@@ -60,7 +60,7 @@ class SimulatedGrasp(NamedTuple):
 def simulate_labels(
     model: Model, grasps: pd.DataFrame, settings: SimulatedLabelParameters
 ) -> pd.DataFrame:
-    """Simulate collision-free grasps of an object, each in an engine that knows of no other.
+    """Simulate collision-free grasps of an object, each independently of the others.
 
     Args:
         model: The object.
@@ -78,7 +78,7 @@ def simulate_labels(
 def simulate_grasps(
     model: Model, grasps: pd.DataFrame, settings: SimulatedLabelParameters
 ) -> list[SimulatedGrasp]:
-    """What becomes of each of some grasps.
+    """Simulate grasps of an object.
 
     Args:
         model: The object.
@@ -99,7 +99,7 @@ def simulate_grasps(
 
 
 def chosen_grasps(grasps: pd.DataFrame, settings: SimulatedLabelParameters) -> NDArray[np.int64]:
-    """Which grasps are simulated: the first that are free of collisions; numbers of rows."""
+    """Row numbers of the grasps to simulate: the first ones that are free of collisions."""
     return np.flatnonzero(grasps["collision_free"])[: settings.simulated_label.grasps]
 
 
@@ -114,7 +114,7 @@ def with_simulated_labels(
     Args:
         grasps: Columns of `tables.grasping.GRASPS`.
         chosen: Numbers of the rows that were simulated; in all others the columns are missing.
-        found: What became of these.
+        found: Results of these.
         settings: Settings of the simulation.
     """
     rows = [(each.outcome.value, each.success, *each.closing, *each.shaking) for each in found]
@@ -127,15 +127,15 @@ def with_simulated_labels(
 def simulate_grasp(
     world: World, arm: Arm, start: Pose, hand_pose: HandPose, contact: float, lifting: Lifting
 ) -> SimulatedGrasp:
-    """Close the open hand on a floating object, shake it and lift it; nothing before matters.
+    """Close the open hand on a floating object, shake it and lift it, in a world that is reset.
 
     Args:
         world: A world of the arm's robot.
-        arm: What carries the hand; it can turn.
+        arm: The arm that carries the hand; it can turn.
         start: Where the object floats.
         hand_pose: Where the hand is.
         contact: Distance of the contacts, metres.
-        lifting: Lift and hold.
+        lifting: Settings of lift and hold.
     """
     world.reset()
     world.place(start)
@@ -168,7 +168,7 @@ def _simulated(hand: Hand, hand_pose: HandPose, lifting: Lifting) -> SimulatedGr
 
 
 def _shaking(hand_pose: HandPose) -> Iterator[HandPose]:
-    """Poses of the hand, one a time step: up and down, then to and fro, from rest to rest."""
+    """Poses of the hand, one per time step: up and down, then back and forth, from rest to rest."""
     time = TIME_STEP * np.arange(1, round(SHAKES / FREQUENCY / TIME_STEP) + 1)
     # The envelope lets the hand begin and end at rest.
     wave = np.sin(2 * np.pi * FREQUENCY * time) * np.sin(np.pi * FREQUENCY / SHAKES * time) ** 2

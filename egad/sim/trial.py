@@ -39,10 +39,10 @@ log = logging.getLogger(__name__)
 SETTLING_TIME = 4.0  # seconds, at most
 REST_SPEED = 0.003  # m/s
 REST_TURNING = 0.05  # rad/s
-REST_TIME = 0.1  # seconds that it must be slower than that
+REST_TIME = 0.1  # seconds that the object must be slower than that
 DROP_SPREAD = 0.03  # the center of mass is dropped at most this far from the middle, both ways
 DROPS = 5
-# Let go upright, nearly all objects lie as before, and the same grasp works 20 times.
+# Released upright, nearly all objects lie as before, and the same grasp works 20 times.
 TILT = np.pi / 2
 MOVED = 0.01  # metres; if no point moved further, a detector would try the same again
 
@@ -51,8 +51,8 @@ class InitialPose(NamedTuple):
     """The object at rest in some pose, from which it falls.
 
     Attributes:
-        kind: dropped: put above the middle in a random orientation; from_hand: let go by the
-            hand that held it, there too; left: where the attempt before left it.
+        kind: dropped: placed above the middle in a random orientation; from_hand: released there by
+            the hand that held it; left: where the previous attempt left it.
         pose: Pose of the object.
     """
 
@@ -63,14 +63,14 @@ class InitialPose(NamedTuple):
 def initial_poses(
     mesh: trimesh.Trimesh, height: float, left: InitialPose | None, rng: np.random.Generator
 ) -> Iterator[InitialPose]:
-    """What to try, one after the other, until the object lies still in the workspace.
+    """Initial poses to try in turn, until the object lies still in the workspace.
 
     Args:
         mesh: The object, in the frame of its poses.
         height: Height of its lowest point when it is dropped, metres.
-        left: Where the attempt before left it: lying, or in the hand, which tilts and turns it by
-            chance above the middle; None if it is put back.
-        rng: Source of chance.
+        left: Where the previous attempt left it: lying, or in the hand, which tilts and turns it
+            randomly above the middle; None if it is dropped again.
+        rng: Random number generator.
     """
     if left is not None and left.kind == "from_hand":
         turned = _tilted(left.pose.quaternion, rng)
@@ -93,14 +93,14 @@ def has_moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
 def _above(
     mesh: trimesh.Trimesh, height: float, quaternion: Floats, rng: np.random.Generator
 ) -> Pose:
-    """Above the middle of the table, give or take `DROP_SPREAD`."""
+    """A pose above the middle of the table, within `DROP_SPREAD`."""
     x, y = rng.uniform(-DROP_SPREAD, DROP_SPREAD, size=2)
     turned = mesh.vertices @ Pose(np.zeros(3), quaternion).matrix[2, :3]
     return Pose(np.array([x, y, height - turned.min()]), quaternion)
 
 
 def _tilted(quaternion: Floats, rng: np.random.Generator) -> Floats:
-    """A quaternion (x, y, z, w), tilted any way by at most `TILT` and turned about the vertical."""
+    """Tilt a quaternion (x, y, z, w) any way by at most `TILT`, and turn it about the vertical."""
     turn, way = rng.uniform(-np.pi, np.pi, size=2)
     axis = np.array([np.cos(way), np.sin(way), 0.0])
     tilt = Rotation.from_rotvec(axis * rng.uniform(0, TILT))
@@ -112,16 +112,16 @@ def _tilted(quaternion: Floats, rng: np.random.Generator) -> Floats:
 
 @dataclass(frozen=True)
 class Attempt:
-    """What came of an attempt.
+    """The result of an attempt.
 
     Attributes:
-        outcome: As of `Execution`, or one of `egad.outcomes.DETECTOR_FAILURES`; None if it was
-            repeated without a grasp, for why there was none is not known.
-        start: Where the object fell from; None if it never lay still.
-        rest: Where it lay when the camera looked.
-        grasp: What was tried, if it came to that.
+        outcome: As in `Execution`, or one of `egad.outcomes.DETECTOR_FAILURES`; None if it was
+            repeated without a grasp, as it is not known why there was none.
+        start: Where the object fell from; None if it never came to rest.
+        rest: Where it lay when the camera image was taken.
+        grasp: The grasp that was tried, if any.
         lifted: Height that the object's center of mass gained, metres.
-        end: Where it was at last; None if the simulation broke down.
+        end: Its final pose; None if the simulation broke down.
         stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
         failure: What the detector did wrong, if it failed.
     """
@@ -156,7 +156,7 @@ class TrialRunner:
 
         Args:
             world: A running simulation of the arm's robot.
-            arm: What carries the hand.
+            arm: The arm that carries the hand.
             trials: Camera, workspace and lift.
         """
         self.world = world
@@ -174,13 +174,13 @@ class TrialRunner:
         before: Attempt | None = None,
         deviation: Deviation = EXACT,
     ) -> Attempt:
-        """One attempt, from drop to hold; it depends on the arguments alone.
+        """Make one attempt, from drop to hold; the result depends only on the arguments.
 
         Args:
             detect: The grasp detector.
-            seed: For the drops and, apart from these, for the detector and for the camera.
-            before: The attempt before, if the object goes on from there.
-            deviation: What is off in it.
+            seed: Seed of the drops and, independently of these, of the detector and the camera.
+            before: The previous attempt, if this one continues from it.
+            deviation: How the attempt deviates from the plan.
         """
         self._vary(deviation)
         drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
@@ -197,15 +197,16 @@ class TrialRunner:
     def repeat(
         self, start: InitialPose, grasp: Grasp | None, deviation: Deviation = EXACT
     ) -> Attempt:
-        """An attempt again, without its detector: what it began with and what was proposed.
+        """Repeat an attempt without its detector, from its initial pose and the proposed grasp.
 
         Args:
             start: Where the object falls from.
-            grasp: What is tried, if anything.
-            deviation: What is off in it.
+            grasp: The grasp to try, if any.
+            deviation: How the attempt deviates from the plan.
 
         Returns:
-            The same as the first time, bit by bit, but no name for why there is no grasp.
+            The same as the first time, bit by bit, except that it does not say why there is no
+            grasp.
         """
         self._vary(deviation)
         rest = self._settled(start)
@@ -217,18 +218,18 @@ class TrialRunner:
         return self._carried_out(grasp, ready, deviation)
 
     def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
-        """A grasp of an object that lies still, in a world that knows nothing else.
+        """Try a grasp of an object that lies still, in a world that is reset first.
 
         Args:
             rest: Where it lies.
-            grasp: What is tried.
+            grasp: The grasp to try.
         """
         self.world.reset()
         self.world.place(rest)
         return self._carried_out(grasp, Ready(InitialPose("left", rest), rest))
 
     def render_view(self) -> View:
-        """A depth image of the object where it is now."""
+        """A depth image of the object at its current pose."""
         return self.eye.render(self.world.pose().matrix, self.intrinsics, self.camera)
 
     def noisy_view(self, rng: np.random.Generator) -> View:
@@ -260,7 +261,7 @@ class TrialRunner:
     def _plan(
         self, detect: Detector | Labels, view: View, rng: np.random.Generator
     ) -> Grasp | Outcome | Failure:
-        """The grasp to try, or the outcome if there is none; a detector may fail as it likes."""
+        """The grasp to try, or the outcome if there is none; errors of the detector are caught."""
         place = self.world.pose().matrix @ self.world.model.to_principal
         if isinstance(detect, Labels):
             return try_to_plan(
@@ -274,8 +275,8 @@ class TrialRunner:
         """Drop the object, or leave it, until it lies still in the workspace.
 
         Args:
-            rng: Source of chance.
-            before: The attempt before, if the object goes on from there.
+            rng: Random number generator.
+            before: The previous attempt, if this one continues from it.
 
         Returns:
             None if it never lies still there.
@@ -289,10 +290,10 @@ class TrialRunner:
         return None
 
     def _left_by(self, before: Attempt) -> InitialPose | None:
-        """Where an attempt left the object; None if it is put back.
+        """Where an attempt left the object; None if it is dropped again.
 
-        It is put back if the simulation broke down or the object did not move (`MOVED`): a detector
-        would try the same grasp again.
+        It is dropped again if the simulation broke down, or if it did not move (`MOVED`): a
+        detector would then try the same grasp again.
         """
         if before.end is None or before.rest is None:
             return None

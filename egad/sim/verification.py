@@ -1,7 +1,7 @@
-"""Whether a table of attempts is what the simulation gives: all again, without the detector.
+"""Check that the simulation reproduces a table of attempts, without the detector.
 
-What the detector proposed is taken from the table. So nothing is said of whether it proposes that,
-of the quality that it predicted, and of why it proposed nothing.
+The proposals of the detector are taken from the table. So this does not verify that the detector
+makes these proposals, the quality that it predicted, or why it proposed nothing.
 """
 
 from collections.abc import Sequence
@@ -22,18 +22,18 @@ from egad.sim.world import UnstableError
 from egad.tables import parquet
 from egad.tables.clutter import ROUND
 
-UNSEEN = ("failure", "quality", "score")  # columns that only the detector decides
+UNSEEN = ("failure", "quality", "score")  # columns that only the detector determines
 PLAN_COLUMNS = ["objects", "factors", "seed"]
 
 
 class Difference(NamedTuple):
-    """A number or text of a table that the simulation does not give.
+    """A value of a table that the simulation does not reproduce.
 
     Attributes:
         place: Which row.
         column: Its column.
-        said: What the table has.
-        found: What the simulation gives.
+        said: Value in the table.
+        found: Value from the simulation.
     """
 
     place: str
@@ -43,7 +43,7 @@ class Difference(NamedTuple):
 
 
 class _Recorded:
-    """A detector that proposes what a table says, attempt by attempt."""
+    """A detector that returns the proposals in a table, attempt by attempt."""
 
     def __init__(self, grasps: Sequence[Grasp | None]) -> None:
         self._grasps = iter(grasps)
@@ -56,12 +56,12 @@ class _Recorded:
 def verify_attempts(
     model: Model, rows: pd.DataFrame, settings: TrialParameters, tolerance: float = 0.0
 ) -> list[Difference]:
-    """Run all attempts at an object again, from the seeds of the settings on.
+    """Run all attempts at an object again, starting from the seeds of the settings.
 
     Args:
         model: The object.
         rows: Columns of `tables.evaluation.TRIALS`: its attempts in their order.
-        settings: Those of the trials; their number and the engine are as in the table.
+        settings: Settings of the trials; number of attempts and engine are taken from the table.
         tolerance: By how much numbers may differ; 0 on the same kind of processor.
     """
     rows = rows.reset_index(drop=True)
@@ -82,13 +82,13 @@ def verify_attempts(
 def verify_rounds(
     table: pd.DataFrame, models: Models, settings: ClutterParameters, tolerance: float = 0.0
 ) -> list[Difference]:
-    """Clear tables again, from the seeds of the settings on.
+    """Clear tables again, starting from the seeds of the settings.
 
     Args:
         table: Columns of `tables.clutter.CLUTTER`; all rows of each round.
         models: All objects by their names.
-        settings: Those of the rounds; the engine is as in the table.
-        tolerance: As of `verify_attempts`.
+        settings: Settings of the rounds; the engine is taken from the table.
+        tolerance: As in `verify_attempts`.
     """
     engine = {"engine": table["engine"].iloc[0]}
     settings = settings.model_copy(update={"clutter": settings.clutter.model_copy(update=engine)})
@@ -111,7 +111,7 @@ def verify_rounds(
 def _of_round(
     rows: pd.DataFrame, place: str, models: Models, settings: ClutterParameters, tolerance: float
 ) -> list[Difference]:
-    """What differs of the rows of one round."""
+    """Differences in the rows of one round."""
     try:
         again = repeat_round(rows, models, settings)
     except UnstableError:  # it did not begin
@@ -126,7 +126,7 @@ def _of_round(
 def _differences(
     said: pd.DataFrame, found: pd.DataFrame, places: Sequence[str], tolerance: float
 ) -> list[Difference]:
-    """What differs of two tables of the same rows, row by row."""
+    """Differences between two tables of the same rows, row by row."""
     differences = []
     for column in (each for each in said.columns if each not in UNSEEN):
         first, second = said[column].to_numpy(), found[column].to_numpy()

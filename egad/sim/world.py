@@ -17,18 +17,18 @@ from egad.suction import resists
 GRAVITY = 9.81
 DOWN = (0.0, 0.0, -GRAVITY)
 WEIGHTLESS = (0.0, 0.0, 0.0)
-TIME_STEP = 1 / 240  # of control; an engine may take shorter ones in between
+TIME_STEP = 1 / 240  # seconds between control inputs; an engine may take shorter steps in between
 HANGING_STEPS = 12  # time steps off the table before the load on a suction cup counts
 CLOSING_SPEED = 0.1  # m/s, each finger
 TABLE_FRICTION = 0.5  # plastic on wood or paper
-# Without it a ball rolls or spins for ever. As a length: where the ground pushes ahead of it.
+# Without it a ball rolls or spins forever. As a length: how far ahead of it the ground pushes.
 TABLE_ROLLING = 0.001
 OBJECT_FRICTION = 0.5  # of objects against each other and against walls
 WALL_HEIGHT, WALL_THICKNESS = 0.4, 0.05  # metres
-PARKED = 10.0  # metres from the table; objects that take no part are apart by as much
-REACH = 5.0  # metres; whatever is further away did not get there by physics
+PARKED = 10.0  # metres from the table; unused objects are this far apart
+REACH = 5.0  # metres; anything further away did not get there by physics
 SUNK = 0.05
-# m/s; a fall from 40 cm ends at 3. Only a penetration that is undone at once makes more than this.
+# m/s; a fall from 40 cm ends at 3. Only a penetration that is undone at once causes more than this.
 MAX_SPEED = 10.0
 
 
@@ -52,7 +52,7 @@ class UnstableError(Exception):
 
 
 class Pose(NamedTuple):
-    """Where a body is: in metres, and a quaternion (x, y, z, w); an object: its center of mass."""
+    """Position in metres (for an object, of its center of mass) and quaternion (x, y, z, w)."""
 
     position: Floats
     quaternion: Floats
@@ -72,7 +72,7 @@ class Pose(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """Normal forces of contacts, in newtons, added up without their directions.
+    """Normal forces of contacts, in newtons, summed regardless of their directions.
 
     Attributes:
         left: Force of the left finger on the objects.
@@ -97,12 +97,13 @@ class Forces(NamedTuple):
 class World(ABC):
     """A table at height 0, objects and perhaps a robot, simulated in a `with` block.
 
-    The robot takes no part until it is put somewhere, and of several objects none does.
+    The robot takes no part until it is placed somewhere, and neither do objects if there are
+    several.
 
     Attributes:
-        models: The objects; methods know them by their numbers, the first one is 0.
-        robot: What may grasp them.
-        walls: Inner length and width of a box without a floor, metres; none if None.
+        models: The objects; methods refer to them by number, starting from 0.
+        robot: The robot that may grasp them.
+        walls: Inner side of a square box without a floor, metres; None if there is no box.
         watch: Called after every time step, for films.
         attached: Number of the object that the suction cup of the robot holds; None if none.
         mass_factor: Masses of the objects / those of their models, from the next reset on.
@@ -116,8 +117,9 @@ class World(ABC):
 
         Args:
             models: The objects.
-            robot: What may grasp them; nothing if None.
-            walls: Inner length and width of a box around the middle, without a floor; none if None.
+            robot: The robot that may grasp them, if any.
+            walls: Inner side of a square box around the middle, without a floor, metres; None for
+                no box.
         """
         self.models = tuple(models)
         self.robot = robot
@@ -148,11 +150,11 @@ class World(ABC):
 
     @abstractmethod
     def reset(self) -> None:
-        """Forget all that happened: a single object is above the table, several are parked."""
+        """Return to the initial state: a single object is above the table, several are parked."""
 
     @abstractmethod
     def set_gravity(self, acceleration: Sequence[float]) -> None:
-        """Let this acceleration act from now on, (3,), m/s2."""
+        """Set the acceleration that acts from now on, (3,), m/s2."""
 
     @abstractmethod
     def place(
@@ -162,15 +164,15 @@ class World(ABC):
         turning: Sequence[float] = (0.0, 0.0, 0.0),
         number: int = 0,
     ) -> None:
-        """Put an object somewhere, at rest or with a velocity (m/s) and a turning (rad/s)."""
+        """Place an object, at rest or with a velocity (m/s) and an angular velocity (rad/s)."""
 
     @abstractmethod
     def remove_walls(self) -> None:
-        """Take the walls away, until the world is reset."""
+        """Remove the walls until the world is reset."""
 
     @abstractmethod
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
-        """Put the robot somewhere, at rest, its joints held where they are.
+        """Place the robot, at rest, with its joints held where they are.
 
         Args:
             base: Pose of its root.
@@ -180,11 +182,11 @@ class World(ABC):
 
     @abstractmethod
     def drive(self, joints: Sequence[float], speeds: Sequence[float]) -> None:
-        """Steer the arm to positions, to be there at these speeds after the next step."""
+        """Command the arm to reach positions at these speeds after the next step."""
 
     @abstractmethod
     def close_fingers(self) -> None:
-        """Let each finger that moves do so inwards at `CLOSING_SPEED`, or press with its force."""
+        """Close the moving fingers at `CLOSING_SPEED`, or press with their force."""
 
     @abstractmethod
     def arm_joints(self) -> Floats:
@@ -192,7 +194,7 @@ class World(ABC):
 
     @abstractmethod
     def fingers(self) -> tuple[Floats, Floats]:
-        """Distances of left and right finger from the middle (m), and their speeds (m/s)."""
+        """Distances of the left and right finger from the middle (m), and their speeds (m/s)."""
 
     @abstractmethod
     def forces(self, number: int | None = None) -> Forces:
@@ -200,11 +202,11 @@ class World(ABC):
 
     @abstractmethod
     def link_poses(self) -> list[Pose]:
-        """Where the links of the robot are; none before it is put somewhere."""
+        """Poses of the links of the robot; none before it is placed."""
 
     @abstractmethod
     def speeds(self) -> tuple[float, float]:
-        """Speed of the fastest center of mass in m/s, and of the fastest turning in rad/s."""
+        """Highest speed of a center of mass in m/s, and highest angular speed in rad/s."""
 
     @abstractmethod
     def _numbers(self, number: int) -> tuple[Sequence[float], Sequence[float]]:
@@ -212,7 +214,7 @@ class World(ABC):
 
     @abstractmethod
     def _advance(self) -> float:
-        """Take a time step, and tell the speed of the fastest object, m/s."""
+        """Take a time step, and return the speed of the fastest object, m/s."""
 
     @abstractmethod
     def _pin(self, pose: Pose, number: int) -> None:
@@ -220,34 +222,36 @@ class World(ABC):
 
     @abstractmethod
     def _unpin(self, number: int) -> None:
-        """Let it go."""
+        """Release the object."""
 
     @abstractmethod
     def _attach(self, pose: Floats, number: int) -> None:
-        """Hold an object at a pose, (4, 4), in the frame of the palm, which it has now."""
+        """Hold an object at its current pose, (4, 4), in the frame of the palm."""
 
     @abstractmethod
     def _detach(self, number: int) -> None:
-        """Let it go."""
+        """Release the object."""
 
     @abstractmethod
     def _pull(self, number: int) -> Floats:
-        """What the palm does to an object that it holds, the mean over the last time step, (2, 3).
+        """Force and torque of the palm on an object that it holds, (2, 3).
 
-        Force, and torque about the center of mass of the object, in the world.
+        Mean over the last time step. The torque is about the center of mass of the object; both are
+        in the world frame.
         """
 
     def attach(self, number: int, depth: float = 0.0) -> None:
         """Let the suction cup of the robot hold an object where it is now.
 
-        Only as long as the cup resists the load of the object, which is asked after every time step
-        (`egad.suction.resists`; the friction is that of the cup times `friction_factor`). A cup
-        gives way, but this one is rigid: so the load does not count before the object has been off
-        the table for 0.05 s.
+        The object is held only as long as the cup resists its load, which is checked after every
+        time step (`egad.suction.resists`; the friction is that of the cup times `friction_factor`).
+        A real cup gives way, but this one is rigid: so the load does not count before the object
+        has been off the table for 0.05 s.
 
         Args:
             number: The object.
-            depth: Of the ring in the frame of the cup, metres: the load is that in its middle.
+            depth: Depth of the ring in the frame of the cup, metres; the load is taken about the
+                middle of the ring.
         """
         self._contact, self._hanging = depth, 0
         palm = self._link_pose(PALM)
@@ -255,7 +259,7 @@ class World(ABC):
         self.attached = number
 
     def detach(self) -> None:
-        """Let go what the suction cup holds."""
+        """Release the object that the suction cup holds."""
         if self.attached is not None:
             self._detach(self.attached)
             self.attached = None
@@ -263,7 +267,7 @@ class World(ABC):
     def load(self) -> Floats:
         """Force and torque, (6,), of the object on the suction cup that holds it, N and N m.
 
-        In the frame of the cup, about the middle of its ring; of the last step.
+        For the last step, in the frame of the cup, about the middle of its ring.
         """
         number = self.attached
         if number is None:
@@ -291,7 +295,7 @@ class World(ABC):
         return self.link_poses()[number].matrix
 
     def _check_load(self, number: int) -> None:
-        """Let go what the cup cannot hold; what still stands on the table may be."""
+        """Release an object that the cup cannot hold, unless it still stands on the table."""
         self._hanging = 0 if self.forces(number).support > 0 else self._hanging + 1
         if self._hanging > HANGING_STEPS and not self._resists():
             self.detach()
@@ -304,7 +308,7 @@ class World(ABC):
 
     @contextmanager
     def pinned(self) -> Iterator[None]:
-        """Hold the first object where it is, as long as the `with` block lasts."""
+        """Hold the first object where it is, for the duration of the `with` block."""
         self._pin(self.pose(), 0)
         try:
             yield
@@ -312,7 +316,7 @@ class World(ABC):
             self._unpin(0)
 
     def park(self, number: int) -> None:
-        """Take an object away, until it is placed again."""
+        """Move an object out of the way, until it is placed again."""
         far = Pose(np.array([PARKED * (number + 1), 0.0, PARKED]), np.array([0.0, 0.0, 0.0, 1.0]))
         self.place(far, number=number)
         self._pin(far, number)
@@ -323,7 +327,7 @@ class World(ABC):
         return [number for number in numbers if self._numbers(number)[0][2] < PARKED / 2]
 
     def pose(self, number: int = 0) -> Pose:
-        """Where an object is now.
+        """The current pose of an object.
 
         Raises:
             UnstableError: It is not finite, out of reach or under the table.
@@ -335,7 +339,7 @@ class World(ABC):
         return Pose(position, quaternion)
 
     def vertices(self, number: int = 0) -> Floats:
-        """The vertices of an object's surface where it is now, (n, 3)."""
+        """The vertices of an object's surface at its current pose, (n, 3)."""
         matrix = self.pose(number).matrix
         moved: Floats = self.models[number].mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
         return moved
@@ -344,10 +348,10 @@ class World(ABC):
         """Advance the simulation by steps of 1/240 s.
 
         Raises:
-            UnstableError: An object explodes: it gets faster than anything here can make it.
+            UnstableError: An object explodes: it is faster than anything here can make it.
         """
         for _ in range(steps):
-            if not self._advance() < MAX_SPEED:  # which a NaN is not, either
+            if not self._advance() < MAX_SPEED:  # also raises for NaN
                 raise UnstableError("an object was thrown away")
             if self.attached is not None:
                 self._check_load(self.attached)

@@ -11,7 +11,7 @@ from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.stats.paired import NothingInCommonError, sign_flip
 from egad.stats.rates import Interval, Mean, Rate, bootstrap, mean_of
 
-SCENE = ["round", "seed", "objects", "factors", "n_objects"]  # what a round begins with
+SCENE = ["round", "seed", "objects", "factors", "n_objects"]  # the initial scene of a round
 UNTRIED = (Outcome.NO_GRASP, *SIMULATION_FAILURES)
 
 
@@ -21,9 +21,9 @@ class Clearing(NamedTuple):
     Attributes:
         scene: How the objects lie.
         noise: Noise added to the depth images.
-        rounds: How many.
-        success: Successes over attempts.
-        cleared: Objects that were grasped over objects that were there.
+        rounds: Number of rounds.
+        success: Successes / attempts.
+        cleared: Objects grasped / objects present.
     """
 
     scene: str
@@ -36,9 +36,9 @@ class Clearing(NamedTuple):
 def clearing_rates(table: pd.DataFrame) -> list[Clearing]:
     """Rates of each kind of scene and noise, with intervals of 95 % for other rounds.
 
-    If no grasp is proposed, the round ends; that is no attempt, and neither is what could not be
-    simulated. Rounds that never began do not count. The intervals draw rounds with replacement, see
-    `mean_of`.
+    If no grasp is proposed, the round ends. This does not count as an attempt, nor does anything
+    that could not be simulated. Rounds that never began do not count. The intervals resample rounds
+    with replacement, see `mean_of`.
 
     Args:
         table: Columns of `tables.clutter.CLUTTER`.
@@ -53,7 +53,7 @@ def cleared_shares(table: pd.DataFrame) -> pd.DataFrame:
         table: Columns of `tables.clutter.CLUTTER`.
 
     Returns:
-        Columns scene, noise, success and cleared; a success is NaN without attempts.
+        Columns scene, noise, success and cleared; success is NaN without attempts.
     """
     counts = [
         (*key, _counts(_rounds(rows), "success", "tried", "n_objects"))
@@ -67,7 +67,7 @@ def cleared_shares(table: pd.DataFrame) -> pd.DataFrame:
 
 
 class ClearingComparison(NamedTuple):
-    """The first of two detectors against the second, over the rounds that both played.
+    """The first of two detectors against the second, over the rounds that both ran.
 
     Attributes:
         scene: How the objects lay.
@@ -95,7 +95,7 @@ def compare_clearing(first: pd.DataFrame, second: pd.DataFrame) -> list[Clearing
 
     Args:
         first: Columns of `tables.clutter.CLUTTER`.
-        second: The same of the other detector.
+        second: The same for the other detector.
 
     Raises:
         NothingInCommonError: There is no such round.
@@ -111,10 +111,10 @@ def compare_clearing(first: pd.DataFrame, second: pd.DataFrame) -> list[Clearing
 
 
 def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame) -> pd.DataFrame:
-    """Successes, attempts and presences by thirds of the objects by complexity and by difficulty.
+    """Successes, attempts and presence by thirds of the objects, by complexity and by difficulty.
 
-    A detector may avoid objects that it cannot grasp. So look at `present`, too, in how many rounds
-    the objects were on the table: successes / present is the share that was cleared.
+    A detector may avoid objects that it cannot grasp. So also look at `present`, the number of
+    rounds in which the objects were on the table: successes / present is the share cleared.
 
     Args:
         table: Columns of `tables.clutter.CLUTTER`.
@@ -165,7 +165,7 @@ def _compared(scene: str, noise: str, rounds: pd.DataFrame) -> ClearingCompariso
     )
 
     def success(drawn: Ints) -> Floats:
-        with np.errstate(invalid="ignore"):  # rounds without attempts may be drawn alone
+        with np.errstate(invalid="ignore"):  # a draw may have only rounds without attempts
             first = one[drawn].sum(axis=1) / tried[drawn].sum(axis=1)
             second = other[drawn].sum(axis=1) / other_tried[drawn].sum(axis=1)
         return np.asarray(first - second)

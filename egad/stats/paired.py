@@ -1,4 +1,4 @@
-"""Two detectors that tried the same objects: is one better, or is the difference noise?"""
+"""Compare two detectors that tried the same objects: is one better, or is the difference noise?"""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from egad.errors import UserError
 from egad.stats.rates import Interval, Rate, bootstrap, by_object
 
 ENOUGH_OBJECTS = 6  # fewer cannot differ significantly: 2 / 2^5 = 0.06
-MAX_EXACT = 400  # attempts of a detector; Boschloo's test takes a second, and 17 s with 1000
+MAX_EXACT = 400  # attempts of a detector: Boschloo's test takes 1 s; with 1000 it takes 17 s
 
 
 class NothingInCommonError(UserError):
@@ -30,13 +30,14 @@ class Comparison:
         difference: Success rate of the first minus that of the second.
         interval: 95 % confidence interval of the difference, by resampling objects.
         p_objects: Sign-flip test over the objects; see `sign_flip`.
-        alike: Those of these attempts with the same initial pose for both detectors.
+        alike: Attempts that had the same initial pose for both detectors.
         only_first: Alike attempts in which only the first succeeded.
         only_second: Alike attempts in which only the second succeeded.
         p_attempts: Exact McNemar test over the alike attempts; NaN if there are none.
-        p_rates: Boschloo's exact test of the numbers of successes, for where the other two say
-            nothing: less than 6 objects, and no alike attempts. NaN elsewhere, and for more than
-            400 attempts. It treats attempts as independent, so it holds for these objects only.
+        p_rates: Boschloo's exact test of the numbers of successes, for cases where the other two
+            say nothing: fewer than 6 objects, and no alike attempts. NaN otherwise, and for more
+            than 400 attempts. It treats attempts as independent, so it holds for these objects
+            only.
     """
 
     objects: int
@@ -86,14 +87,14 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
     better at a shape is better in all 20 attempts at it. McNemar's test treats attempts as
     independent, so its result holds for these objects only.
 
-    If an attempt starts where the one before ended, two detectors face the same state in some
-    attempts only; McNemar's test uses these. On a real robot it is never known, and a few objects
+    If attempts start where the previous one ended, two detectors face the same state in only some
+    attempts; McNemar's test uses these. On a real robot these are never known, and a few objects
     cannot differ significantly; then Boschloo's test compares the numbers of successes.
 
     Args:
         first: Columns label, id, attempt, success and initial_pose; id and initial_pose are empty
             where objects are known by their label only and drops cannot be repeated.
-        second: The same of the other detector.
+        second: The same for the other detector.
 
     Raises:
         NothingInCommonError: They have no attempt in common.
@@ -147,7 +148,7 @@ def match_attempts(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
 
 
 def _same(pairs: pd.DataFrame, key: str) -> NDArray[np.bool_]:
-    """Where both tables know a thing and agree on it."""
+    """Where both tables have a value and agree on it."""
     one, other = (pairs[f"{key}_{i}"].to_numpy(dtype=str) for i in (1, 2))
     same: NDArray[np.bool_] = (one != "") & (one == other)
     return same
@@ -165,11 +166,12 @@ def _check_objects(pairs: pd.DataFrame) -> None:
 
 
 def sign_flip(gains: Ints) -> float:
-    """Exact two-sided permutation test that differences have no sign they prefer.
+    """Exact two-sided permutation test that differences prefer neither sign.
 
-    If neither detector is better, each object could as well have favoured the other one by as
-    much. Of all 2^n ways to choose the signs this is the part whose sum is at least as far from 0;
-    they are counted by adding one object after the other to the distribution of the sum.
+    If neither detector is better, each object could just as well have favored the other one by the
+    same amount. The p-value is the fraction of all 2^n ways to choose the signs whose sum is at
+    least as far from 0. It is computed by adding one object after the other to the distribution of
+    the sum.
 
     Args:
         gains: (n,) successes of one detector minus those of the other, by object.
@@ -188,29 +190,29 @@ def sign_flip(gains: Ints) -> float:
 
 
 def mcnemar(only_first: int, only_second: int) -> float:
-    """Exact two-sided McNemar test: the p-value that attempts which differ favour neither.
+    """Exact two-sided McNemar test: the p-value that attempts which differ favor neither.
 
     Args:
-        only_first: Attempts that only one detector succeeded in.
-        only_second: Attempts that only the other one did.
+        only_first: Attempts in which only one detector succeeded.
+        only_second: Attempts in which only the other one succeeded.
     """
     differing = only_first + only_second
     return float(scipy.stats.binomtest(only_first, differing).pvalue) if differing else 1.0
 
 
 def boschloo(first: Rate, second: Rate) -> float:
-    """Exact two-sided test that two success rates are equal, for attempts that form no pairs.
+    """Exact two-sided test that two success rates are equal, for unpaired attempts.
 
-    Boschloo's test is never weaker than Fisher's, since it does not fix how many attempts succeed
-    in all, which no robot does either. Attempts must be independent, and their number fixed before
-    the first one.
+    Boschloo's test is never weaker than Fisher's, since it does not fix the total number of
+    successes; nor does a robot. Attempts must be independent, and their number fixed before the
+    first one.
 
     Args:
         first: Successes and attempts of one detector.
         second: Those of the other.
 
     Returns:
-        The p-value; 1 if there are no attempts of either.
+        The p-value; 1 if either detector has no attempts.
     """
     if not first.attempts or not second.attempts:
         return 1.0

@@ -16,7 +16,7 @@ from egad.stats.paired import sign_flip
 from egad.stats.rates import by_object
 from egad.stats.sequential import log_e_values, two_sided
 
-CHUNK = 1_000_000  # pairs that are simulated at once
+CHUNK = 1_000_000  # pairs simulated at once
 NORMAL: Floats = np.linspace(-6, 6, 2401)
 
 
@@ -24,10 +24,10 @@ NORMAL: Floats = np.linspace(-6, 6, 2401)
 class ObjectRates:
     """How the success rates of two detectors vary over objects.
 
-    The rates of each detector have a beta distribution. Those of both at an object are correlated
-    (a Gaussian copula), since what is hard for one detector is hard for others. Spread and
-    correlation are about those of simulated trials at the released evaluation set: 0.29 to 0.36,
-    and 0.66 to 0.99 (0.66 to 0.69 for detectors of different kinds).
+    The rates of each detector have a beta distribution. The rates of both at an object are
+    correlated (a Gaussian copula), since what is hard for one detector is hard for others. Spread
+    and correlation are about those of simulated trials on the released evaluation set: 0.29 to
+    0.36, and 0.66 to 0.99 (0.66 to 0.69 for detectors of different kinds).
 
     Attributes:
         mean: Mean rate of both detectors together.
@@ -43,7 +43,7 @@ class ObjectRates:
         """Check the numbers.
 
         Raises:
-            UserError: One is out of bounds.
+            UserError: One is out of range.
         """
         if not 0 < self.mean < 1:
             raise UserError(
@@ -61,7 +61,7 @@ class ObjectRates:
     def sample(
         self, shape: tuple[int, ...], difference: float, rng: np.random.Generator
     ) -> tuple[Floats, Floats]:
-        """True rates of both detectors at random objects, which differ by this much on average."""
+        """True rates of both detectors at random objects, with this mean difference."""
         one, other = rng.standard_normal((2, *shape))
         other = self._copula * one + np.sqrt(1 - self._copula**2) * other
         return self._rates(difference / 2, one), self._rates(-difference / 2, other)
@@ -93,22 +93,22 @@ class ObjectRates:
 
 @lru_cache(maxsize=64)
 def _beta_quantiles(a: float, b: float) -> Floats:
-    """Quantiles of a beta distribution where those of the normal one are `NORMAL`."""
+    """Quantiles of a beta distribution at the probabilities of the normal quantiles `NORMAL`."""
     quantiles: Floats = scipy.stats.beta.ppf(scipy.stats.norm.cdf(NORMAL), a, b)
     return quantiles
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Attempts that show a difference with the power asked for, at some number of objects.
+    """Attempts that show a difference with the requested power, at some number of objects.
 
     Attributes:
         objects: Objects that both detectors try.
-        attempts: Attempts of each detector at each object; None if the most allowed are too few.
+        attempts: Attempts of each detector at each object; None if the maximum is too low.
         power: Probability that the test over objects then finds the better detector.
-        sequential: Attempts of each detector in all after which the sequential test has found it
-            with the power asked for, the objects being tried in rounds; None as above.
-        median: Those after which it has found it in half of the cases.
+        sequential: Total attempts of each detector after which the sequential test has found it
+            with the requested power, if objects are tried in rounds; None as above.
+        median: Attempts after which it has found it in half of the cases.
     """
 
     objects: int
@@ -119,17 +119,17 @@ class Plan:
 
 
 def fit_object_rates(tables: Sequence[pd.DataFrame]) -> ObjectRates:
-    """What tables of attempts say about rates over objects; means of several tables.
+    """Estimate rates over objects from tables of attempts; means of several tables.
 
-    Rates of few attempts spread more than the true ones; this binomial part is taken off. The
-    correlation is that of pairs of tables, so with one table, or without objects that differ, it is
+    Rates of few attempts spread more than the true ones; this binomial part is subtracted. The
+    correlation is that of pairs of tables; with one table, or without objects that differ, it is
     the default.
 
     Args:
         tables: Columns label and success, by detector.
 
     Raises:
-        UserError: There are less than two objects with at least two attempts, or nearly all
+        UserError: There are fewer than two objects with at least two attempts, or nearly all
             attempts end alike.
     """
     found = [by_object(table) for table in tables]
@@ -169,21 +169,21 @@ def plan_attempts(
     """Find the number of attempts that show a difference between two detectors.
 
     Objects and attempts are simulated, and compared by the sign-flip test over objects that
-    `compare` uses, and by `sequential_test`, both two-sided. What counts is that the better
+    `compare` uses, and by `sequential_test`, both two-sided. A result counts only if the better
     detector is found, not the other one.
 
     Args:
-        objects: How many both detectors try.
+        objects: Number of objects that both detectors try.
         rates: How success rates vary over objects.
-        difference: Between the mean rates of the two detectors.
-        power: Probability wanted of finding it.
+        difference: Difference between the mean rates of the two detectors.
+        power: Required probability of finding it.
         level: Level of the tests.
-        most: Attempts at each object that are possible.
+        most: Maximum number of attempts at each object.
         runs: Simulated comparisons; with 500, a power of 0.8 has a standard error of 0.018.
-        seed: Of the simulation.
+        seed: Seed of the simulation.
 
     Raises:
-        UserError: A number is out of bounds.
+        UserError: A number is out of range.
     """
     largest = 2 * min(rates.mean, 1 - rates.mean)
     if not 0 < difference < largest:
@@ -232,7 +232,7 @@ class _Design:
     def stops(self, rounds: int) -> Floats:
         """Pairs after which the sequential test decides for the better one, (runs,).
 
-        Infinite if it decides for the other one, or not within these rounds.
+        Infinite if it decides for the other one, or does not decide within these rounds.
         """
         rng = generator(self.seed, "power", self.objects, "sequential")
         chunk = max(CHUNK // (rounds * self.objects), 1)
@@ -240,7 +240,7 @@ class _Design:
         return np.concatenate([self._stops(size, rounds, rng) for size in sizes])
 
     def _stops(self, runs: int, rounds: int, rng: np.random.Generator) -> Floats:
-        """The same of a part of the runs; every round has the objects in another order."""
+        """The same for a part of the runs; every round has the objects in another order."""
         order = rng.permuted(np.tile(np.arange(self.objects), (runs, rounds, 1)), axis=2)
         order = order.reshape(runs, -1)
         chances = self.rates.sample((runs, self.objects), self.difference, rng)
@@ -255,7 +255,7 @@ class _Design:
 
 
 def _least(power_of: Callable[[int], float], power: float, most: int) -> tuple[int | None, float]:
-    """The least attempts with the power wanted, by bisection, and the power that they have."""
+    """The fewest attempts with the required power, by bisection, and the power that they have."""
     low, high = 0, most
     reached = power_of(high)
     if reached < power:
@@ -271,6 +271,6 @@ def _least(power_of: Callable[[int], float], power: float, most: int) -> tuple[i
 
 
 def _quantile(stops: Floats, share: float) -> int | None:
-    """The number by which this share had stopped; None if it never had."""
+    """The number by which this share has stopped; None if it never does."""
     stop = np.sort(stops)[int(np.ceil(share * len(stops))) - 1]
     return int(stop) if np.isfinite(stop) else None

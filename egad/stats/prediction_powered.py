@@ -1,4 +1,4 @@
-"""A few attempts of a robot and many simulated ones: an interval of the real success rate."""
+"""An interval of the real success rate from a few attempts of a robot and many simulated ones."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from egad._util.display import facts_html
 from egad.errors import UserError
 from egad.stats.rates import Interval
 
-MIN_OBJECTS = 5  # with both rates; intervals of fewer would be too uncertain to be of use
+MIN_OBJECTS = 5  # with both rates; intervals from fewer would be too uncertain to be useful
 
 
 @dataclass(frozen=True, repr=False)
@@ -22,12 +22,12 @@ class PredictedRate:
         interval: Its 95 % confidence interval for other objects of the same kind; NaN if all real
             rates are equal.
         plain: Mean rate of the real attempts alone.
-        plain_interval: Its interval, made in the same way.
-        weight: How much of a simulated difference is believed, 0: nothing.
-        correlation: Of real and simulated rates over the objects that have both; NaN if either
-            are all equal.
-        gain: How many times as many real objects would give so narrow an interval without the
-            simulation; below 1, it has made the interval wider.
+        plain_interval: Its interval, computed in the same way.
+        weight: How much weight a simulated difference gets; 0 means none.
+        correlation: Correlation of real and simulated rates over the objects that have both; NaN if
+            either are all equal.
+        gain: How many times as many real objects would give an equally narrow interval without the
+            simulation; below 1, the simulation has made the interval wider.
         both: Objects with real and simulated attempts.
         simulated_only: Further objects that were only simulated.
     """
@@ -43,7 +43,7 @@ class PredictedRate:
     simulated_only: int
 
     def __repr__(self) -> str:
-        """The rate, that without simulation, and the gain."""
+        """The rate, the rate without simulation, and the gain."""
         facts = "; ".join(f"{name}: {value}" for name, value in self._facts().items())
         return f"PredictedRate({facts})"
 
@@ -72,29 +72,30 @@ def prediction_powered_rate(
     """Use simulated attempts at more objects to learn the mean real success rate over objects.
 
     Prediction-powered inference with power tuning (PPI++, Angelopoulos, Duchi, Zrnic 2023): the
-    real rate of the objects with both kinds of attempts, plus a weight times how much higher the
-    simulated rate of the other objects is. The best weight is the slope of real against simulated
-    rates times m / (n + m), so this is the regression line at the mean of all simulated rates; a
-    slope below 0 counts as 0, and a simulation that says nothing is ignored. Objects are the units.
-    The interval is Student's t, with the uncertainty of the slope and of the simulated mean.
+    estimate is the real rate of the objects with both kinds of attempts, plus a weight times how
+    much higher the simulated rate of the other objects is. The best weight is the slope of real
+    against simulated rates times m / (n + m), so this is the regression line at the mean of all
+    simulated rates. A slope below 0 counts as 0, and an uninformative simulation is ignored.
+    Objects are the units. The interval is Student's t, with the uncertainty of the slope and of the
+    simulated mean.
 
-    The simulation may be wrong by any amount without harm. What is needed:
+    The simulation may be wrong by any amount without harm. Requirements:
 
-    - The same objects, of the same size, in both, and the same protocol: gripper, kind of drop,
+    - Both use the same objects, at the same size, and the same protocol: gripper, kind of drop,
       number of attempts after which one stops, what counts as a success.
-    - The objects that the robot tries are a random sample of those simulated. Trying the easy ones
-      would not be made up for. All objects of the evaluation set against none is no sample: the
-      further objects must be of the same kind, such as others of its cells.
-    - Something to gain: 1 / (1 - r^2 m / (n + m)) for a correlation r over objects. With many
-      simulated ones it is 1.3 for 0.5 and 2.8 for 0.8. Few real attempts an object are noise that
-      lowers r. Without correlation about 1 / n of the width is lost.
-    - Real rates that differ. If all are 1, nothing is known about their spread, and the intervals
-      are NaN; use `wilson` then.
+    - The objects that the robot tries are a random sample of those simulated. The method does not
+      correct for trying the easy ones. If the robot tries the whole evaluation set, the further
+      objects must be of the same kind, such as others of its cells.
+    - There is something to gain: 1 / (1 - r^2 m / (n + m)) for a correlation r over objects. With
+      many simulated objects it is 1.3 for r = 0.5 and 2.8 for r = 0.8. Few real attempts per object
+      add noise that lowers r. Without correlation, about 1 / n of the width is lost.
+    - Real rates differ. If all are 1, nothing is known about their spread, and the intervals are
+      NaN; use `wilson` then.
 
-    In simulations with beta-distributed rates around 0.5, the interval of 95 % holds the true mean
-    in 93 to 96 % of the cases, from 5 objects on. Near 0 and 1 rates are skewed and the interval is
-    too narrow, as is any of Student's t: at a mean of 0.85 and a spread of 0.3 it holds the mean in
-    some 70 % with 5 objects, 85 with 10 and 90 with 20.
+    In simulations with beta-distributed rates around 0.5, the interval of 95 % contains the true
+    mean in 93 to 96 % of the cases, with 5 or more objects. Near 0 and 1 rates are skewed and the
+    interval is too narrow, like any interval of Student's t: at a mean of 0.85 and a spread of 0.3
+    it contains the mean in some 70 % with 5 objects, 85 % with 10 and 90 % with 20.
 
     Args:
         real: (n,) real success rates of objects.
@@ -103,7 +104,7 @@ def prediction_powered_rate(
         confidence: Level of the two-sided intervals.
 
     Raises:
-        UserError: There are less than 5 objects with both rates.
+        UserError: There are fewer than 5 objects with both rates.
     """
     n, m = len(real), len(simulated_only)
     if n < MIN_OBJECTS:
@@ -144,7 +145,7 @@ def _half_width(variance: float, freedom: int, confidence: float) -> float:
 
 
 def _within(value: float, error: float) -> Interval:
-    """The interval, as far as it is between 0 and 1; NaN if nothing was seen to vary."""
+    """The interval, clipped to 0 to 1; NaN if nothing varied."""
     if not error:
         return np.nan, np.nan
     return max(value - error, 0.0), min(value + error, 1.0)

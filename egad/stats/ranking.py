@@ -19,9 +19,9 @@ class Lead(NamedTuple):
     Attributes:
         first: The one with the higher rate.
         second: The other one.
-        difference: Of their rates.
-        interval: Simultaneous 95 % interval: with a probability of 95 %, those of all pairs are
-            right.
+        difference: Difference of their rates.
+        interval: Simultaneous 95 % interval: with a probability of 95 %, the intervals of all pairs
+            are right.
     """
 
     first: str
@@ -50,12 +50,12 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
     """All pairs of detectors, with simultaneous intervals of 95 % for other groups of their kind.
 
     Rates are sums of successes over the sum of sizes. Groups (objects, or rounds of clearing a
-    table) are drawn with replacement, the same for all pairs. The interval of a pair is as many
-    standard errors wide as the largest deviation of any difference is in 95 % of the draws, and
+    table) are drawn with replacement, the same for all pairs. The half-width of an interval, in
+    standard errors, is the 95 % quantile over the draws of the largest deviation of any difference,
     widened for few groups as in `egad.stats.rates.bootstrap`.
 
     Args:
-        successes: Of each group, (n,), by detector.
+        successes: Successes of each group, (n,), by detector.
         sizes: Attempts or objects of each group, (n,).
 
     Returns:
@@ -73,7 +73,7 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
     if count >= ENOUGH_OBJECTS:
         drawn = generator(0, "bootstrap").multinomial(count, np.full(count, 1 / count), DRAWS)
         away = np.abs(drawn @ gains / (drawn @ sizes)[:, None] - differences)
-        differ = errors > 0  # of the others, all gains are equal
+        differ = errors > 0  # in the others, all gains are equal
         largest = (away[:, differ] / errors[differ]).max(axis=1, initial=0.0)
         wider = expanded_quantile(count) / scipy.stats.norm.ppf(0.975)
         widths = np.quantile(largest, 0.95) * wider * errors
@@ -88,8 +88,9 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
 def ranks(names: list[str], pairs: list[Lead]) -> dict[str, Ranks]:
     """The ranks that each detector may have.
 
-    The best is 1 plus the number of those that are certainly better; the worst leaves as many
-    behind as are certainly worse (Mogstad, Romano, Shaikh and Wilhelm 2024).
+    The best rank is 1 plus the number of detectors that are certainly better; the worst rank is the
+    number of detectors minus those that are certainly worse (Mogstad, Romano, Shaikh and Wilhelm
+    2024).
 
     Args:
         names: All detectors.

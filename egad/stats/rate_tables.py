@@ -1,4 +1,4 @@
-"""Success rates of objects from anywhere: tables of attempts, or rates that others published."""
+"""Success rates of objects from any source: tables of attempts, or published rates."""
 
 import re
 from collections.abc import Mapping
@@ -36,17 +36,17 @@ def read_rates(path: Path) -> dict[str, pd.DataFrame]:
     """Read success rates of objects.
 
     Args:
-        path: Results of attempts as `records.read` takes them; or a CSV file with a row for each
+        path: Results of attempts as accepted by `records.read`; or a CSV file with a row for each
             object: label and success_rate (0 to 1, or with a percent sign), or label, successes and
-            attempts; and if you like detector. Rows without a result are left out.
+            attempts; and optionally detector. Rows without a result are left out.
 
     Returns:
         Columns rate and attempts (NaN where the file does not say) by label, by detector. Rows
-        without a detector have the name of the file.
+        without a detector get the name of the file.
 
     Raises:
-        UserError: The file cannot be used; the text says which row, and what is allowed.
-        TableError: It is no Parquet file of results.
+        UserError: The file cannot be used; the message says which row, and what is allowed.
+        TableError: The file is not a Parquet file of results.
     """
     if path.suffix.lower() != ".csv":
         return {name: object_rates(table) for name, table in read(path).items()}
@@ -85,7 +85,7 @@ def _check_columns(path: Path, names: list[str]) -> None:
 
 
 def _row(path: Path, line: int, row: Mapping[str, str], has_rate: bool) -> dict[str, object]:
-    """One object; `line` is that of the file, for error messages."""
+    """One object; `line` is its line in the file, for error messages."""
 
     def wrong(column: str, wanted: str) -> UserError:
         return UserError(f"{path}, line {line}: {column} is {row[column]!r}; allowed: {wanted}")

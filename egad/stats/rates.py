@@ -38,18 +38,18 @@ def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:
 def bootstrap(statistic: Callable[[NDArray[np.int64]], Floats], count: int) -> Interval:
     """The 95 % interval of a statistic of objects, for other objects of their kind.
 
-    Objects are drawn with replacement, 10,000 times, with chance that is always the same. Of what
-    comes out, the percentiles are those that make up for the few objects: widened as Student's t
-    is against the normal distribution, and by sqrt(n / (n - 1)), because the spread of n objects
-    about their own mean is too small (Hesterberg 2015, "expanded percentiles").
+    Objects are drawn with replacement, 10,000 times, with a fixed seed. The percentiles of the
+    results are corrected for few objects: widened as Student's t is relative to the normal
+    distribution, and by sqrt(n / (n - 1)), because the spread of n objects about their own mean is
+    too small (Hesterberg 2015, "expanded percentiles").
 
     Args:
         statistic: From (draws, n) indices of the objects drawn to (draws,) values; NaN where a
             draw has none.
-        count: Objects, n.
+        count: Number of objects, n.
 
     Returns:
-        Lower and upper end; NaN if there are less than two objects, or no values.
+        Lower and upper end; NaN if there are fewer than two objects, or no values.
     """
     if count < 2:
         return np.nan, np.nan
@@ -85,7 +85,7 @@ class Rate:
         return wilson(self.successes, self.attempts)
 
     def __repr__(self) -> str:
-        """The rate and its interval in percent, and what they are of."""
+        """The rate and its interval in percent, with the counts."""
         if not self.attempts:
             return "no attempts"
         value, low, high = (100 * each for each in (self.value, *self.interval))
@@ -99,14 +99,14 @@ class Rate:
 
 @dataclass(frozen=True, repr=False)
 class Mean(Rate):
-    """The rate over several objects, each of them tried again and again."""
+    """The rate over several objects, each of them tried several times."""
 
     ci_low: float
     ci_high: float
 
     @property
     def interval(self) -> Interval:
-        """What the rate could be for other objects of the same kind, 95 %; see `mean_rate`."""
+        """The 95 % interval for other objects of the same kind; see `mean_rate`."""
         return self.ci_low, self.ci_high
 
 
@@ -115,10 +115,10 @@ class TrialGrid:
     """Success rates over the grid of the evaluation set, row 0 = easiest, column 0 = simplest.
 
     Attributes:
-        cells: By row and column, of the objects that there are.
-        rows: Over all attempts of each row; the mean of its objects, which are all tried equally.
-        columns: The same of each column.
-        overall: Over all attempts.
+        cells: Rates by row and column, for the objects that exist.
+        rows: Rates over all attempts of each row: means over its objects, all tried equally often.
+        columns: The same for each column.
+        overall: Rate over all attempts.
     """
 
     cells: dict[tuple[int, int], Rate]
@@ -133,7 +133,7 @@ def rate(trials: pd.DataFrame) -> Rate:
 
 
 def engine_names(table: pd.DataFrame) -> str:
-    """What computed the physics of attempts; empty for a real robot.
+    """The physics engines of attempts; empty for a real robot.
 
     Args:
         table: Has a column `engine`.
@@ -142,7 +142,7 @@ def engine_names(table: pd.DataFrame) -> str:
 
 
 def simulated_in(table: pd.DataFrame) -> str:
-    """What attempts were simulated with: the engine, and what is not usual; empty for a real robot.
+    """The engine of attempts and any unusual settings; empty for a real robot.
 
     Args:
         table: Columns of `tables.evaluation.RESULTS`.
@@ -152,11 +152,11 @@ def simulated_in(table: pd.DataFrame) -> str:
 
 
 def unusual(table: pd.DataFrame, usual: Mapping[str, str]) -> list[str]:
-    """What columns have besides their usual values, such as `errors: typical`.
+    """Unusual values of columns, such as `errors: typical`.
 
     Args:
         table: Attempts; columns that it does not have are left out.
-        usual: Usual values by column. Empty ones are usual, too.
+        usual: Usual values by column. Empty values also count as usual.
     """
     others = {
         name: " and ".join(sorted(set(table[name].dropna()) - {"", value}))
@@ -178,9 +178,9 @@ def by_object(trials: pd.DataFrame) -> pd.DataFrame:
 def mean_rate(trials: pd.DataFrame) -> Mean:
     """The success rate over several objects, with an interval of 95 % for objects of their kind.
 
-    Attempts on one object resemble each other, so it is the objects that are drawn (`bootstrap`).
-    The interval is never narrower than Wilson's of all attempts, for objects may agree by chance;
-    from a single object nothing is known about others.
+    Attempts on one object resemble each other, so the objects are resampled (`bootstrap`). The
+    interval is never narrower than Wilson's interval of all attempts, as objects may agree by
+    chance. A single object says nothing about others.
     """
     objects = by_object(trials)
     return mean_of(objects["successes"].to_numpy(), objects["attempts"].to_numpy())
@@ -198,7 +198,7 @@ def mean_of(successes: Ints, attempts: Ints) -> Mean:
     total = Rate(int(successes.sum()), int(attempts.sum()))
     if len(attempts) < 2:
         return Mean(total.successes, total.attempts, 0.0, 1.0)
-    with np.errstate(invalid="ignore"):  # groups without attempts may be drawn alone
+    with np.errstate(invalid="ignore"):  # a draw may have only groups without attempts
         low, high = bootstrap(
             lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1),
             len(attempts),
@@ -231,7 +231,7 @@ class Trend:
     """A rank correlation.
 
     Attributes:
-        rho: Spearman's coefficient; NaN if all objects are the same in either.
+        rho: Spearman's coefficient; NaN if either variable is constant over the objects.
         ci_low: Lower end of its 95 % confidence interval over objects.
         ci_high: Upper end.
     """
@@ -247,10 +247,10 @@ def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) 
     Args:
         trials: Columns label and success.
         evalset: Columns of `tables.evaluation.EVAL49`. Without it, or where it lacks an object,
-            the row of a label stands for difficulty and its column for complexity.
+            the row of a label is used as difficulty and its column as complexity.
 
     Returns:
-        Columns rate; difficulty, high for hard objects: minus the graspability of the set;
+        Columns rate; difficulty, which is high for hard objects: minus the graspability in the set;
         and complexity.
     """
     objects = by_object(trials)
@@ -270,7 +270,7 @@ def trend(values: Floats, rates: Floats) -> Trend:
     """Spearman's rank correlation of n objects, with an interval by bootstrap over them.
 
     Args:
-        values: (n,) what may make objects hard.
+        values: (n,) property that may make objects hard.
         rates: (n,) how often each was held.
     """
     everything = np.arange(len(values))[None]

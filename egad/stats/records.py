@@ -1,12 +1,12 @@
-"""Results of trials from anywhere: tables of the simulation, or a CSV file of a real robot.
+"""Results of trials from any source: tables of the simulation, or a CSV file of a real robot.
 
-The CSV file has one row per attempt and the columns label, attempt and success, and if you like
-outcome, quality, detector and valid. Rows without a success have not been tried yet and are left
-out, as are those that are not valid.
+The CSV file has one row per attempt and the columns label, attempt and success, and optionally
+outcome, quality, detector and valid. Rows with an empty success have not been tried yet and are
+left out, as are those that are not valid.
 
-A file with a column session is a log, as the page of `egad log-sheet` exports it, and has the
-columns `LOG_COLUMNS`. Of a log, rows that cannot be used are left out with a warning; in other
-files they are errors.
+A file with a column session is a log, as exported by the page of `egad log-sheet`, and has the
+columns `LOG_COLUMNS`. Rows of a log that cannot be used are left out with a warning; in other files
+they are errors.
 """
 
 import logging
@@ -64,21 +64,21 @@ def read(path: Path) -> dict[str, pd.DataFrame]:
 
     Returns:
         Columns of `tables.evaluation.RESULTS`, by detector. Tables of the simulation and rows
-        without a detector have the name of the file.
+        without a detector get the name of the file.
 
     Raises:
-        UserError: The file cannot be used; the text says which row, and what is allowed.
-        TableError: It is no Parquet file with these columns.
+        UserError: The file cannot be used; the message says which row, and what is allowed.
+        TableError: The file is not a Parquet file with these columns.
     """
     frame = _csv(path) if path.suffix.lower() == ".csv" else _parquet(path)
     return {str(name): table.reset_index(drop=True) for name, table in frame.groupby("detector")}
 
 
 def gather(paths: Sequence[Path]) -> dict[str, pd.DataFrame]:
-    """The results of several files by detector; of equal names, the folders are added.
+    """The results of several files by detector; a name that occurs again is prefixed by its folder.
 
     Raises:
-        UserError: One cannot be used, or two cannot be told apart.
+        UserError: A file cannot be used, or two cannot be told apart.
     """
     found: dict[str, pd.DataFrame] = {}
     for path in paths:
@@ -97,7 +97,7 @@ def _parquet(path: Path) -> pd.DataFrame:
 
 
 def results(trials: pd.DataFrame, detector: str) -> pd.DataFrame:
-    """Simulated trials as results, which those of other origin can be compared with.
+    """Simulated trials as results, to compare with results from other sources.
 
     Args:
         trials: Columns of `tables.evaluation.TRIALS`.
@@ -139,10 +139,10 @@ def _csv(path: Path) -> pd.DataFrame:
 def _rows(
     path: Path, cells: Sequence[tuple[int, Mapping[str, str]]], is_log: bool
 ) -> list[dict[str, object]]:
-    """The attempts that were made and are valid, as of `_row`; a warning counts those that are not.
+    """The attempts that were made and are valid, as from `_row`; a warning counts invalid ones.
 
     Raises:
-        UserError: One cannot be used, and the file is no log; or it is one of another version.
+        UserError: A row cannot be used and the file is not a log, or the log has another version.
     """
     rows, problems, not_valid = [], [], Counter[str]()
     if cells and is_log and not {row["schema"] for _, row in cells} & {"", LOG_SCHEMA}:
@@ -166,7 +166,7 @@ def _rows(
 
 
 def _is_valid(path: Path, line: int, row: Mapping[str, str]) -> bool:
-    """Whether an attempt counts; without a word about it, it does."""
+    """Whether an attempt counts; by default it does."""
     if row["session"] and row["schema"] not in ("", LOG_SCHEMA):
         raise _wrong(path, line, row, "schema", LOG_SCHEMA)
     valid = WORDS.get(row["valid"].lower() or "1")
@@ -178,8 +178,8 @@ def _is_valid(path: Path, line: int, row: Mapping[str, str]) -> bool:
 def _joined_sessions(path: Path, rows: pd.DataFrame) -> pd.DataFrame:
     """The attempts of a log, each of them once.
 
-    What a file has twice counts once. Attempts with several results in a session are left out, as
-    on its page. Those that an earlier session has made, too, are numbered behind all others.
+    Duplicate rows count once. Attempts with several results in a session are left out, as on the
+    page. Attempts that were also made in an earlier session are numbered after all others.
     """
     rows = rows.drop_duplicates(["session", *ATTEMPT_KEY, "outcome", "record"])
     differ = rows.duplicated(["session", *ATTEMPT_KEY], keep=False)

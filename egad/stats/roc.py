@@ -15,8 +15,8 @@ from egad.stats.rates import Interval, Rate, bootstrap
 Names = NDArray[np.str_]
 Areas = Callable[[NDArray[np.int64]], Floats]
 
-# A bootstrap cannot know of failures of other objects than those that it has seen. With fewer than
-# these, its intervals are too narrow, most of all where one object has them all.
+# A bootstrap knows only the objects that it has seen. If fewer objects than this have failures, or
+# successes, its intervals are too narrow, especially if one object has all of them.
 MIN_OBJECTS = 5
 BINS = 10
 _SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
@@ -30,7 +30,7 @@ class Area:
         value: See `roc_area`.
         interval: The 95 % interval for other objects of the same kind; NaN if fewer than
             `MIN_OBJECTS` objects have a success, or a failure.
-        within: The same of pairs of grasps of one object only.
+        within: The area of pairs of grasps of the same object only.
     """
 
     value: float
@@ -42,12 +42,12 @@ def roc_area(rating: Floats, success: Flags) -> float:
     """Area under the ROC curve: how often a success was rated higher than a failure.
 
     Args:
-        rating: (n,) of each grasp.
+        rating: (n,) rating of each grasp.
         success: (n,) whether it held.
 
     Returns:
-        1 if the rating tells all, 0.5 if it tells nothing; ties count half. NaN if there are no
-        successes, or no failures.
+        1 if the rating separates perfectly, 0.5 if it says nothing; ties count half. NaN if there
+        are no successes, or no failures.
 
     Source: Mann and Whitney's U over the number of pairs.
     """
@@ -61,11 +61,11 @@ def roc_area(rating: Floats, success: Flags) -> float:
 def area(rating: Floats, success: Flags, objects: Names) -> Area:
     """Area under the ROC curve of the grasps of several objects, with its interval.
 
-    Grasps of an object resemble each other, so it is the objects that are drawn (`bootstrap`); one
+    Grasps of an object resemble each other, so the objects are resampled (`bootstrap`); an object
     drawn twice counts twice.
 
     Args:
-        rating: (n,) of each grasp.
+        rating: (n,) rating of each grasp.
         success: (n,) whether it held.
         objects: (n,) name of its object.
     """
@@ -74,10 +74,10 @@ def area(rating: Floats, success: Flags, objects: Names) -> Area:
 
 
 def gain(rating: Floats, other: Floats, success: Flags, objects: Names) -> Area:
-    """By how much one rating tells more than another, in the area under the ROC curve.
+    """How much more informative one rating is than another, in area under the ROC curve.
 
     Args:
-        rating: (n,) of each grasp.
+        rating: (n,) rating of each grasp.
         other: (n,) the rating that it is compared with.
         success: (n,) whether it held.
         objects: (n,) name of its object.
@@ -93,13 +93,13 @@ def gain(rating: Floats, other: Floats, success: Flags, objects: Names) -> Area:
 
 
 def _interval(areas: Areas, success: Flags, objects: Names) -> Interval:
-    """The interval of an area over draws of objects, if enough of them are known."""
+    """The interval of an area over draws of objects, if there are enough of them."""
     fewest = min(len(np.unique(objects[each])) for each in (success, ~success))
     return bootstrap(areas, len(np.unique(objects))) if fewest >= MIN_OBJECTS else (np.nan, np.nan)
 
 
 def _areas(rating: Floats, success: Flags, objects: Names) -> tuple[Areas, float]:
-    """From draws of objects to areas; and the area of pairs of one object."""
+    """A function from draws of objects to areas; and the area of pairs of the same object."""
     names, owner = np.unique(objects, return_inverse=True)
     count = len(names)
     counts = [

@@ -1,4 +1,4 @@
-"""Two detectors compared while attempts are still being made: a test that allows looking."""
+"""Compare two detectors while attempts are still being made: a test that allows early looks."""
 
 from dataclasses import dataclass
 
@@ -19,8 +19,8 @@ class SequentialTest:
     """Evidence after each pair of attempts that two detectors differ.
 
     Attributes:
-        e_values: After each pair, (n,): at least 1 / level with a probability of at most the level
-            if there is no difference, however often one looks.
+        e_values: E-value after each pair, (n,). If there is no difference, it reaches 1 / level
+            with a probability of at most the level, however often one looks.
         level: Probability of a wrong decision.
         decided_after: Pairs after which the e-value first reached 1 / level; None if it has not.
         better: Which detector the decision is for: `first` or `second`; empty without one.
@@ -33,12 +33,12 @@ class SequentialTest:
 
     @property
     def e_value(self) -> float:
-        """The evidence now; 1 is none."""
+        """The current evidence; 1 means none."""
         return float(self.e_values[-1])
 
     @property
     def p_value(self) -> float:
-        """A p-value that holds although one has looked after every pair."""
+        """A p-value that is valid even if one has looked after every pair."""
         return float(min(1.0, 1.0 / self.e_values.max()))
 
     def __repr__(self) -> str:
@@ -65,26 +65,26 @@ def sequential_test(
 ) -> SequentialTest:
     """Test after every pair of attempts whether one detector is better than the other.
 
-    It is the e-process of Turner and Gruenwald (2023) for two streams of successes, see
+    This is the e-process of Turner and Gruenwald (2023) for two streams of successes, see
     `log_e_values`. Stop whenever you like: when it decides, when the time is over, or later than
-    planned. The price is more attempts than a test of a number fixed beforehand.
+    planned. The price is more attempts than in a test with a number fixed beforehand.
 
-    What is tested is that in no attempt, given all before it, the first succeeds more probably than
-    the second (two-sided: that both always succeed equally probably). Both attempts of a pair may
-    depend on each other as attempts at one object in one pose do: what makes one succeed does not
-    make the other fail. Attempts at one object are not independent, however. A detector that is
-    better at one shape wins all 20 attempts there, which decides the test, truly, for this shape.
-    To learn which is better on average over objects, try them in random order, each once before any
-    of them again. The level then holds while no object is tried twice, and roughly for some rounds.
-    In a simulation of 49 objects at which detectors of equal mean differed (`ObjectRates`), a
-    detector was found better in 1 % of the cases by the end of 5 rounds, in 7 % by that of 20, and
-    in 50 % with 20 attempts at one object after the other. The test of `compare`, which takes
-    objects as the units, holds at the end in any order.
+    The null hypothesis is that in no attempt, given all previous ones, the first is more likely to
+    succeed than the second (two-sided: that both are always equally likely to succeed). The two
+    attempts of a pair may depend on each other as attempts at one object in one pose do: what makes
+    one succeed does not make the other fail. However, attempts at one object are not independent. A
+    detector that is better at one shape wins all 20 attempts there, which decides the test,
+    correctly, for this shape. To learn which is better on average over objects, try them in random
+    order, each once before any of them again. The level then holds while no object is tried twice,
+    and roughly for some rounds. In a simulation of 49 objects at which detectors of equal mean
+    differed (`ObjectRates`), a detector was found better in 1 % of the cases by the end of 5
+    rounds, in 7 % by the end of 20 rounds, and in 50 % with 20 attempts at one object after the
+    other. The test of `compare`, which takes objects as the units, holds at the end in any order.
 
     Args:
         first: Columns label, id, attempt and success, rows in the order of the attempts. An order
-            that depended on outcomes would make the test wrong.
-        second: The same of the other detector. A pair has the same label and attempt, and counts
+            that depends on outcomes would make the test wrong.
+        second: The same for the other detector. A pair has the same label and attempt, and counts
             when both its attempts have been made.
         level: Probability of deciding although there is no difference.
         one_sided: Whether only the first can turn out to be better.
@@ -111,17 +111,17 @@ def sequential_test(
 
 
 def attempts_in_a_row(table: pd.DataFrame) -> int:
-    """The most attempts at one object that follow each other; 0 without attempts."""
+    """The longest run of consecutive attempts at one object; 0 without attempts."""
     labels = table["label"].to_numpy(dtype=str)
     starts = np.flatnonzero(np.append(True, labels[1:] != labels[:-1]))
     return int(np.diff(np.append(starts, len(labels))).max()) if len(labels) else 0
 
 
 def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
-    """Simulated attempts in an order in which a robot should make them: rows sorted into rounds.
+    """Simulated attempts in the order in which a robot should make them: rows sorted into rounds.
 
-    Every object is tried once before any of them again, in another random order each time, which
-    depends on labels and numbers only.
+    Every object is tried once before any is tried again, each time in another random order, which
+    depends only on labels and numbers.
 
     Args:
         table: Columns label and attempt.
@@ -136,14 +136,14 @@ def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
 def log_e_values(first: Flags, second: Flags) -> Floats:
     """Logarithm of the evidence that the first of two streams of attempts succeeds more often.
 
-    Each pair multiplies the e-value by its probability if both rates are their posterior means so
-    far, over its probability if both rates are the middle of these. The priors are Beta(2, 1) for
-    the first and Beta(1, 2) for the second. While the means do not speak for the first, nothing is
-    multiplied.
+    Each pair multiplies the e-value by a ratio: its probability if the rates are their posterior
+    means so far, over its probability if both rates are the midpoint of these. The priors are
+    Beta(2, 1) for the first and Beta(1, 2) for the second. While the means do not favor the first,
+    the e-value does not change.
 
     Args:
         first: (..., n) successes, in the order of the attempts.
-        second: (..., n) those of the other detector.
+        second: (..., n) successes of the other detector.
 
     Returns:
         (..., n) values after each pair.
@@ -156,7 +156,7 @@ def log_e_values(first: Flags, second: Flags) -> Floats:
 
 
 def two_sided(forwards: Floats, backwards: Floats) -> Floats:
-    """Logarithm of the mean of two e-values, which is one for either direction."""
+    """Logarithm of the mean of two e-values, which is an e-value for either direction."""
     values: Floats = np.logaddexp(forwards, backwards) - np.log(2)
     return values
 
@@ -169,6 +169,6 @@ def _rates_before(successes: Flags, prior: tuple[int, int]) -> Floats:
 
 
 def _log_ratio(successes: Flags, rates: Floats, others: Floats) -> Floats:
-    """Logarithm of the probability of each outcome by some rates over that by others."""
+    """Logarithm of the probability of each outcome under some rates over that under others."""
     ratios: Floats = np.where(successes, rates / others, (1 - rates) / (1 - others))
     return np.log(ratios)

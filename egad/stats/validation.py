@@ -12,8 +12,8 @@ from egad.stats.paired import NothingInCommonError
 from egad.stats.prediction_powered import MIN_OBJECTS, PredictedRate, prediction_powered_rate
 from egad.stats.rates import bootstrap, correlation, rank_correlation
 
-CHUNK = 4_000_000  # pairs of rates that are compared at once
-FEW_DETECTORS = 5  # correlations of less say nearly nothing
+CHUNK = 4_000_000  # pairs of rates compared at once
+FEW_DETECTORS = 5  # correlations of fewer say almost nothing
 
 
 class Estimate(NamedTuple):
@@ -35,10 +35,11 @@ class Agreement:
         difference: Real minus simulated.
         spearman: Rank correlation.
         pearson: Correlation.
-        mmrv: Mean maximum rank violation, see `mmrv`. Its interval over objects lies low, as draws
-            with replacement have fewer different objects, whose largest violations are smaller.
-        limit: Pearson correlation that an exact simulation would have, with as few attempts at each
-            object; NaN if it is not known how many, and of detectors.
+        mmrv: Mean maximum rank violation, see `mmrv`. Its interval over objects is biased low, as
+            draws with replacement have fewer different objects, whose largest violations are
+            smaller.
+        limit: Pearson correlation that an exact simulation would have with the same number of
+            attempts at each object; NaN if that number is not known, and for detectors.
     """
 
     count: int
@@ -59,9 +60,9 @@ class Validation:
         objects: Agreement over the objects that both tried, by detector.
         detectors: Agreement over the detectors, on objects that all of them tried on both sides;
             None if there is only one, or no such object.
-        predicted: Real rate with the help of objects that were only simulated, by detector; only of
-            those with enough objects on both sides, and some that were only simulated.
-        notes: Sentences on what was left out, and what to be careful about.
+        predicted: Real rate with the help of objects that were only simulated, by detector; only
+            for detectors with enough objects on both sides and some that were only simulated.
+        notes: Sentences on what was left out, and on what to be careful about.
     """
 
     objects: dict[str, Agreement]
@@ -78,8 +79,8 @@ def validate(simulated: Mapping[str, pd.DataFrame], real: Mapping[str, pd.DataFr
 
     Args:
         simulated: Columns rate and attempts by label, by detector, as from `read_rates`.
-        real: The same of the robot. A single detector on each side is taken to be the same, under
-            whatever name.
+        real: The same for the robot. A single detector on each side is taken to be the same,
+            whatever its name.
 
     Raises:
         NothingInCommonError: There is no detector with an object on both sides.
@@ -150,7 +151,7 @@ def _few(names: Sequence[str]) -> str:
 
 
 def _object_agreement(simulated: pd.DataFrame, real: pd.DataFrame) -> Agreement:
-    """Over the objects that a detector tried on both sides."""
+    """Agreement over the objects that a detector tried on both sides."""
     both = simulated.index.intersection(real.index)
     sim, rob = simulated.loc[both], real.loc[both]
     pair = sim["rate"].to_numpy(), rob["rate"].to_numpy()
@@ -163,7 +164,7 @@ def _object_agreement(simulated: pd.DataFrame, real: pd.DataFrame) -> Agreement:
 def _detector_agreement(
     matched: Mapping[str, tuple[pd.DataFrame, pd.DataFrame]], notes: list[str]
 ) -> Agreement | None:
-    """Over the detectors, of mean rates on the objects that all of them tried on both sides."""
+    """Agreement over detectors of mean rates on objects that all of them tried on both sides."""
     if len(matched) < 2:
         notes.append("one detector: whether the simulation ranks detectors right takes several")
         return None
@@ -190,7 +191,7 @@ def _agreement(
 
     Args:
         rates_of: From (draws, objects) indices of objects to simulated and real rates, (draws, k).
-        objects: How many there are to draw.
+        objects: Number of objects to draw from.
         limit: As in the result.
     """
 
@@ -212,13 +213,13 @@ def _agreement(
 
 
 def mmrv(simulated: Floats, real: Floats) -> Floats:
-    """Mean maximum rank violation of SIMPLER (Li et al. 2024): 0 if simulation ranks as reality.
+    """Mean maximum rank violation of SIMPLER (Li et al. 2024): 0 if simulation ranks like reality.
 
-    Of each object or detector it takes the others that the simulation orders in another way than
-    reality, and the largest difference of real rates among these; then the mean. Real differences
-    are what counts: a swap of two that are nearly equal on the robot hardly matters, however large
-    the simulated difference. The published function takes (simulated, real), but its
-    documentation has them the other way round, which weighs by simulated differences.
+    For each object or detector, it takes the others that the simulation orders differently from
+    reality, and the largest difference of real rates among these; the result is the mean. Real
+    differences are what counts: a swap of two that are nearly equal on the robot hardly matters,
+    however large the simulated difference. The published function takes (simulated, real), but its
+    documentation has them the other way round, which weights by simulated differences.
 
     Args:
         simulated: (..., n) simulated success rates.
@@ -239,7 +240,7 @@ def mmrv(simulated: Floats, real: Floats) -> Floats:
 
 
 def _violations(simulated: Floats, real: Floats) -> Floats:
-    """The same of (draws, n) rates."""
+    """The same for (draws, n) rates."""
     orders = [rates[:, :, None] > rates[:, None, :] for rates in (simulated, real)]
     gaps = np.abs(real[:, :, None] - real[:, None, :])
     worst: Floats = np.where(orders[0] != orders[1], gaps, 0.0).max(axis=2).mean(axis=1)
@@ -247,9 +248,9 @@ def _violations(simulated: Floats, real: Floats) -> Floats:
 
 
 def _reliability(table: pd.DataFrame) -> float:
-    """Share of the variance of rates over objects that is not noise of few attempts.
+    """Share of the variance of rates over objects that is not noise from few attempts.
 
-    NaN if attempts are not known, or there are not two at each object.
+    NaN if attempts are not known, or there are fewer than two at some object.
     """
     rate, attempts = table["rate"], table["attempts"]
     variance = rate.var()

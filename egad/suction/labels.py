@@ -14,19 +14,19 @@ from egad.suction.seal import seal_cups
 def label_cups(
     caster: RayCaster, cup: SuctionCup, poses: Floats, quality: Floats, *, is_rate: bool
 ) -> pd.DataFrame:
-    """What is known of suction grasps of which the pose is given.
+    """Label suction grasps that are given as poses.
 
     Args:
         caster: Ray caster of the object, closed, metres.
         cup: The cup.
-        poses: (n, 4, 4) of the cup, see `suction_poses`, metres.
+        poses: (n, 4, 4) poses of the cup, see `suction_poses`, metres.
         quality: (n,) not negative.
         is_rate: Whether the quality is the share of perturbed copies that hold.
 
     Returns:
         Columns of `tables.grasping.GRASPS` without `id` and `label`. Both contacts are the origin
         of the pose, both normals the opposite of the approach; the width is 0. Deviation and
-        success rate are missing if the quality is no rate.
+        success rate are missing if the quality is not a rate.
     """
     origins, frames = poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
     depths = seal_cups(caster, cup, origins, frames).depths

@@ -32,9 +32,9 @@ def robust_suction_quality(
 ) -> Floats:
     """The share of perturbed copies of each of n grasps that seal and resist the load.
 
-    In every copy the object turns about its center of mass and shifts, the cup turns and shifts,
-    and friction, weight and the place of the center of mass differ. Copies of a grasp depend on the
-    seed and its index, in the frame of its cup; not on the other grasps.
+    In every copy, the object rotates about its center of mass and shifts, the cup rotates and
+    shifts, and friction, weight and the position of the center of mass differ. The copies of a
+    grasp depend on the seed and its index, in the frame of its cup, but not on the other grasps.
 
     Args:
         caster: Ray caster of the object, closed, metres.
@@ -45,7 +45,7 @@ def robust_suction_quality(
         weights: (n, 3) weight of the object as a vector, newtons.
         robust: Number of copies and their spread.
         seed: Seed of the copies.
-        indices: (n,) names of the grasps in the random streams.
+        indices: (n,) identify the grasps in the random streams.
 
     Returns:
         (n,) from 0 to 1.

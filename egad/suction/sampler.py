@@ -1,4 +1,4 @@
-"""Suction grasps of a mesh: points spread evenly over its surface, with what is known of each."""
+"""Suction grasps of a mesh: points spread evenly over its surface, with the labels of each."""
 
 from collections import Counter
 
@@ -46,14 +46,14 @@ def sample_suction(
     Args:
         mesh: A closed mesh in metres, as it is grasped, its triangles winding outwards.
         cup: The cup.
-        n: How many grasps. The first of them do not depend on it.
+        n: Number of grasps. The first ones do not depend on it.
         seed: The same mesh and seed give the same grasps.
-        density: Of the object, kg/m3.
-        mass: Of the object, kg; by default that of its volume.
+        density: Density of the object, kg/m3.
+        mass: Mass of the object, kg; by default that of its volume.
         center_of_mass: (3,) metres; by default that of a solid of uniform density.
-        gravity: (3,) direction in which the object weighs, in its frame; by default the approach of
+        gravity: (3,) direction of gravity in the frame of the object; by default the approach of
             each grasp, as if the object hung below the cup.
-        robust: Perturbed copies, and their spread.
+        robust: Number of perturbed copies, and their spread.
 
     Returns:
         One row per grasp, in the frame of the mesh: `grasp`; `point_x/y/z` where the axis of the
@@ -61,11 +61,11 @@ def sample_suction(
         towards the first vertex of its ring; `sealed`; `seal_failure`, why not; `strain`, the
         largest relative change of length of a spring; `resists`, whether a cup that is sealed holds
         the weight; `quality`, the share of perturbed copies that seal and hold it;
-        `collision_free`, whether cup and stem come in and stay without touching the object.
+        `collision_free`, whether cup and stem approach and stay without touching the object.
 
     Raises:
         RejectedError: The mesh is open, bounds no volume or is not finite, or no cup seals: the
-            text says why.
+            message says why.
         UserError: It is not a mesh, or an argument is not allowed.
 
     Source: Mahler et al., Dex-Net 3.0, ICRA 2018. The direction of gravity is ours.
@@ -121,18 +121,18 @@ def suction_poses(grasps: pd.DataFrame) -> Floats:
 def collision_free(
     caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, depths: Floats
 ) -> Flags:
-    """Whether each of n cups comes in along its approach and stays without a collision.
+    """Whether each of n cups moves in along its approach and stays there without a collision.
 
-    No part of the object may lie where stem and cup are or were, from the top of the cup on. What
-    lies below the top of the cup is tested with its seal. The test is exact.
+    No part of the object may lie where stem and cup are or were, from the top of the cup on.
+    Whatever lies below the top of the cup is tested with its seal. The test is exact.
 
     Args:
         caster: Ray caster of the object, closed, metres.
         cup: The cup.
         origins: (n, 3) origins of the frames of the cups, metres.
         frames: (n, 3, 3) their unit vectors x, y, z in rows.
-        depths: (n,) mean depths of the rings, metres. One that is more than the height of the cup
-            counts as 0: the ring misses the object, or meets another place.
+        depths: (n,) mean depths of the rings, metres. A depth larger than the height of the cup
+            counts as 0: the ring misses the object, or meets it elsewhere.
     """
     top = -cup.height
     way = _prism(cup.radius, top - cup.approach, top)
@@ -145,7 +145,7 @@ def collision_free(
 def _candidates(caster: RayCaster, settings: SuctionSampling) -> tuple[Floats, Floats]:
     """Points uniform over the surface, and frames (n, 3, 3) with z along the inward normals.
 
-    They turn with the mesh: at the angle zero, x is along the first side of the triangle.
+    The frames rotate with the mesh: at angle zero, x is along the first side of the triangle.
     """
     drawn = generator(settings.seed, "sample_suction").random((settings.n, 4))
     areas = np.cumsum(caster.areas)
@@ -184,7 +184,7 @@ def _why_none_seals(mesh: trimesh.Trimesh, cup: SuctionCup, seals: Seals) -> str
 
 
 def _prism(radius: float, low: float, high: float) -> Part:
-    """A prism around the z axis that has a cylinder inside."""
+    """A prism around a cylinder along the z axis."""
     angles = 2 * np.pi * np.arange(STEM_SIDES) / STEM_SIDES
     around = np.stack([np.cos(angles), np.sin(angles), 0 * angles, 0 * angles - radius], axis=1)
     planes = np.vstack([around, [0, 0, 1, -high], [0, 0, -1, low]])

@@ -15,7 +15,7 @@ from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
 from egad.grippers import SuctionCup
 
-HOLE_POINTS = 50  # the ring, where holes are looked for; as in GraspGen
+HOLE_POINTS = 50  # points within the ring that are checked for holes; as in GraspGen
 GOLDEN_RATIO = (1 + np.sqrt(5)) / 2
 INNER = 1e-9  # least share of the apex in a point of the wall
 
@@ -64,12 +64,12 @@ class Springs(NamedTuple):
 
 
 def seal_cups(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats) -> Seals:
-    """Let cups move onto an object and see whether they seal.
+    """Move cups onto an object and check whether they seal.
 
     Each vertex of the ring moves along z until it meets the object. A cup seals if every spring
     changes its length by less than `max_strain`, if the surface has no hole inside the ring, and if
     it stays below the wall of the cup. Hole and wall are tested at 50 points. There is a hole where
-    a ray along z meets nothing, or only what lies deeper below the ring than the cup is high.
+    a ray along z meets nothing, or meets the object deeper below the ring than the cup is high.
 
     Args:
         caster: Ray caster of the object, closed, metres.
@@ -146,7 +146,7 @@ def _failures_within(
 def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
     """Points inside the ring of a cup, and where on its wall they lie.
 
-    The points are those of a sunflower, some of them on the ring.
+    The points form a sunflower pattern, with some of them on the ring.
 
     Returns:
         (k, 2) points, metres; (k,) the first vertex of the sector that each lies in; (k, 3) shares

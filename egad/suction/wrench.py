@@ -3,7 +3,7 @@
 A load is the wrench of the object on the cup, in the frame of the cup: force, then torque about the
 origin. z is the approach: a positive force along it pulls the object off. The contact of one cup
 has six coordinates, which are those of its load. So a load is resisted if it satisfies the limits
-itself, and no program has to be solved.
+itself, and no optimization problem has to be solved.
 """
 
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from egad.grippers import SuctionCup
 
 
 class CupLimits(NamedTuple):
-    """The most that a cup bears of each part of a load, if the others are 0.
+    """The largest value of each component of a load that a cup resists, if the others are 0.
 
     Attributes:
         pull: Along its axis, newtons.

@@ -26,32 +26,49 @@ CARRIED_OUT = (
 CLUTTER = pa.schema(
     [
         column("scene", STRING, "how the objects lie: single, packed or pile"),
-        column("noise", STRING, "of what cameras see: none, stereo, gamma, dex or points"),
+        column("noise", STRING, "noise in the depth images: none, stereo, gamma, dex or points"),
         column("round", INT, "number of the round"),
         column("attempt", INT, "number of the attempt in its round"),
         column("seed", STRING, "seed of the round (hexadecimal)"),
         column("objects", STRING, "ids of the objects of the round, separated by spaces"),
-        column("factors", STRING, "their sizes, of those that the rule gives, separated by spaces"),
+        column(
+            "factors",
+            STRING,
+            "sizes of the objects of the round / those that the scale rule gives, separated by "
+            "spaces",
+        ),
         column("n_objects", INT, "objects on the table at the beginning of the round"),
         column("n_present", INT, "objects on the table before the attempt"),
-        column("present", STRING, "their ids, separated by spaces"),
+        column(
+            "present",
+            STRING,
+            "ids of the objects on the table before the attempt, separated by spaces",
+        ),
         SUCCESS,
         column("outcome", STRING, listed((*CARRIED_OUT, *SIMULATION_FAILURES, *POSE_FAILURES))),
-        column("id", STRING, "the object that was held, or else the one nearest to the grasp"),
+        column(
+            "id", STRING, "id of the object that was held, or else of the one nearest to the grasp"
+        ),
         *(
             column(
                 name,
                 FLOAT,
-                "pose of the hand that was tried, world frame: row and column of a (3, 4) matrix; "
-                "column t is the position between the pads in metres",
+                "pose of the hand that was tried, world frame: entry of a (3, 4) matrix, named by "
+                "row and column; column t is the position between the pads in metres",
             )
             for name in GRASP_POSE
         ),
         column("width", FLOAT, "opening that the detector asked for", "m"),
         column("score", FLOAT, "score that the detector predicted"),
-        column("stopped", FLOAT, "how far before the grasp something stopped the hand", "m"),
+        column(
+            "stopped", FLOAT, "distance before the grasp at which something stopped the hand", "m"
+        ),
         ENGINE,
-        column("protocol", STRING, "rules: egad, vgn, giga, edgegrasp, or custom for others"),
+        column(
+            "protocol",
+            STRING,
+            "rules of the round: egad, vgn, giga, edgegrasp, or custom for others",
+        ),
         ERRORS,
         FAILURE,
     ]
@@ -60,7 +77,7 @@ CLUTTER = pa.schema(
 FILES = [
     Result(
         "D/clutter/G/P.parquet",
-        "tables that detector P clears (`targets.clutter`), one attempt per row",
+        "attempts of detector P to clear tables (`targets.clutter`), one per row",
         CLUTTER,
     ),
 ]

@@ -1,4 +1,4 @@
-"""What the schemas are made of: types, and the columns that several tables have."""
+"""Building blocks of the schemas: types, and the columns that several tables share."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -28,7 +28,7 @@ class Result(NamedTuple):
     Attributes:
         path: In `results/`; D stands for a dataset, G for a gripper, P for a grasp detector.
         meaning: What it is.
-        columns: Those of a table.
+        columns: The columns of a table.
     """
 
     path: str
@@ -121,18 +121,19 @@ CELLS = [
 QUALITY = column(
     "quality",
     FLOAT,
-    "Ferrari-Canny quality; of a cup, the fraction of disturbed copies that seal and hold; or that "
-    "of a sampler of your own",
+    "Ferrari-Canny quality; for a cup, the fraction of perturbed copies that seal and hold; for a "
+    "sampler of your own, the quality that it gives",
 )
 ROBUST_QUALITY = column(
     "robust_quality",
     FLOAT,
-    "mean quality over disturbed copies of the grasp; of cups and your own samplers, the quality",
+    "mean quality over perturbed copies of the grasp; for cups and samplers of your own, the same "
+    "as the quality",
 )
 ROBUST_SUCCESS_RATE = column(
     "robust_success_rate",
     FLOAT,
-    "robust success rate: fraction of disturbed copies with positive quality",
+    "robust success rate: fraction of perturbed copies with positive quality",
 )
 DIVERSITY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")
 
@@ -141,10 +142,10 @@ _UNSAFE = re.compile(r"[/\\\x00]|^\.{1,2}$")
 
 
 def check_names(frame: pd.DataFrame, path: Path, columns: Sequence[str] = LABELS) -> None:
-    """Make sure that names of objects can be names of files, in whatever folder.
+    """Make sure that names of objects can be names of files, in any folder.
 
     Raises:
-        TableError: One cannot; the text has it.
+        TableError: One cannot; the text names it.
     """
     for column in (name for name in columns if name in frame):
         for name in frame[column].unique():

@@ -32,30 +32,34 @@ from egad.tables.columns import (
 
 VOLUME_ERROR = column("volume_error", FLOAT, "total volume of the parts / volume of the object - 1")
 DEVIATION = column(
-    "deviation", FLOAT, "largest distance of a part beyond the surface of the object", "m"
+    "deviation", FLOAT, "largest distance that a part extends beyond the surface of the object", "m"
 )
 BURIED = column(
     "buried",
     FLOAT,
-    "share of the surface that fingers can touch that lies deeper in a part than the deviation in "
-    "the settings",
+    "of the surface that fingers can touch, the fraction that lies deeper in a part than "
+    "`bundle.deviation`",
 )
 DEVIATION_BOUND = column(
     "deviation_bound",
     FLOAT,
-    "deviation that the parts keep at 99 % of the surface that fingers can touch: larger than that "
-    "in the settings if more than the largest number of parts would be needed; null for coacd",
+    "deviation that the parts keep to at 99 % of the surface that fingers can touch: larger than "
+    "`bundle.deviation` if that would need more than `bundle.max_parts` parts; null for coacd",
     "m",
 )
 WITHIN = column(
     "within",
     BOOL,
-    "whether the volume error is within the limit of the settings, and at most 1 % of the surface "
+    "whether the volume error is at most `bundle.volume_error`, and at most 1 % of the surface "
     "that fingers can touch is buried",
 )
 PLACE = column("label", STRING, "name in the evaluation set")
 ENGINE = column("engine", STRING, "physics engine")
-ERRORS = column("errors", STRING, "errors of the cell (`errors`): a name, or their values")
+ERRORS = column(
+    "errors",
+    STRING,
+    "errors of the robot cell (`trials.errors`, `clutter.errors`): a name, or their values",
+)
 CONTACT = column("contact", STRING, "what a contact on the way down means (`trials.contact`)")
 FAILURE = optional(
     column("failure", STRING, "what the detector did wrong, with its traceback; empty if nothing")
@@ -72,7 +76,7 @@ EVAL49 = pa.schema(
         column(
             "borrowed",
             BOOL,
-            "whether it comes from a neighboring cell, as this one had no object",
+            "whether the object comes from a neighboring cell because this one had none",
         ),
         COMPLEXITY,
         GRASPABILITY,
@@ -87,7 +91,7 @@ MANIFEST = pa.schema(
         ID,
         column("file", STRING, "STL file, coordinates in millimetres"),
         column("plate", INT, "number of the 3MF plate; null if it does not fit the bed"),
-        *vector("place", "lowest corner on the plate", "mm", "xy"),
+        *vector("place", "lowest corner of the object on the plate", "mm", "xy"),
         *vector("extents", "sides of the axis-aligned box as printed", "mm"),
         column("volume", FLOAT, "volume of the solid", "mm3"),
         column("filament", FLOAT, "estimated mass of the filament, without supports", "g"),
@@ -96,7 +100,7 @@ MANIFEST = pa.schema(
         column("overhang", FLOAT, "area that needs support", "mm2"),
         column("contact", FLOAT, "area of the first layer", "mm2"),
         column("factor", FLOAT, "scaled size / size of the mesh in meshes/"),
-        column("engraved", BOOL, "whether its label is cut into it"),
+        column("engraved", BOOL, "whether the label is engraved"),
         column("settings", STRING, "recommended print settings"),
         column("note", STRING, "what to know before printing; empty if nothing"),
     ]
@@ -104,7 +108,7 @@ MANIFEST = pa.schema(
 
 BUNDLE = pa.schema(
     [
-        column("label", STRING, "name in the evaluation set, and of its folder"),
+        column("label", STRING, "name in the evaluation set, and name of the folder of the object"),
         ID,
         column("method", STRING, "how the convex parts were made: cut or coacd"),
         column("parts", INT, "number of convex parts"),
@@ -132,7 +136,7 @@ CONVEX_PARTS = pa.schema(
     [
         LABEL,
         ID,
-        column("part", INT, "number of the part of its object"),
+        column("part", INT, "number of the part within its object"),
         column("vertices", pa.list_(FLOAT), "vertex coordinates, flat", "m"),
         column("faces", pa.list_(INT), "vertex indices of the triangles, flat"),
         VOLUME_ERROR,
@@ -149,7 +153,9 @@ RESULTS = pa.schema(
         column("id", STRING, "name of the object in its dataset; empty if not known"),
         column("attempt", INT, "number of the attempt"),
         SUCCESS,
-        column("outcome", STRING, f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),
+        column(
+            "outcome", STRING, f"{listed(NOTED_BY_HAND)}, or as in the table of simulated trials"
+        ),
         column("quality", FLOAT, "quality that the detector predicted; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
         column(
@@ -169,7 +175,7 @@ TRIALS = pa.schema(
         ID,
         column("attempt", INT, "number of the attempt"),
         column("seed", pa.string(), "seed of the attempt (hexadecimal)"),
-        column("calibration", STRING, "seed of the calibration that it shares with others"),
+        column("calibration", STRING, "seed of the calibration, shared by several attempts"),
         ERRORS,
         CONTACT,
         SUCCESS,
@@ -183,15 +189,20 @@ TRIALS = pa.schema(
             STRING,
             "how the attempt began: dropped, released by the hand (from_hand) or left",
         ),
-        *pose("initial", "initial pose (center of mass, principal axes) in the world frame"),
+        *pose(
+            "initial",
+            "initial pose of the object (center of mass, principal axes) in the world frame",
+        ),
         *vector("grasp", "center of the grasp that was tried, world frame", "m"),
         column("angle", FLOAT, "angle of the closing axis about the vertical", "rad"),
         column("width", FLOAT, "opening that the detector asked for", "m"),
         column("depth", FLOAT, "how far the fingertips should reach below the center", "m"),
         column("quality", FLOAT, "quality that the detector predicted"),
         column("lifted", FLOAT, "height gained by the object at the end", "m"),
-        *pose("end", "final pose in the same frames"),
-        column("stopped", FLOAT, "how far before the grasp a contact stopped the hand", "m"),
+        *pose("end", "final pose of the object, in the frames of its initial pose"),
+        column(
+            "stopped", FLOAT, "distance before the grasp at which a contact stopped the hand", "m"
+        ),
         column("parts", INT, "number of convex parts of the simulated object"),
         column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
         ENGINE,
@@ -214,7 +225,8 @@ AGREEMENT = pa.schema(
         column(
             "n_collision_free",
             INT,
-            "of these, the collision-free ones, from which the sample was drawn",
+            "number of collision-free labelled grasps of the object, from which the sample was "
+            "drawn",
         ),
         ENGINE,
     ]
@@ -228,14 +240,21 @@ FILES = [
     ),
     Result("D/eval49.parquet", "evaluation set", EVAL49),
     Result("D/eval49/README.md", "datasheet of the evaluation set, with how to report results"),
-    Result("D/eval49/contact-sheet.pdf", "pictures of its objects, with names and sizes"),
-    Result("D/eval49/trials.csv", "empty table for attempts with a real robot"),
+    Result(
+        "D/eval49/contact-sheet.pdf",
+        "pictures of the objects of the evaluation set, with names and sizes",
+    ),
+    Result("D/eval49/trials.csv", "empty table to fill in with attempts of a real robot"),
     Result("D/print/G/LABEL_RULE_OPENING.stl", "evaluation set to print, in millimetres"),
-    Result("D/print/G/plate-N.3mf", "the same on the plates of a printer"),
+    Result("D/print/G/plate-N.3mf", "evaluation set to print, on the plates of a printer"),
     Result("D/print/G/manifest.parquet", "what is on each plate", MANIFEST),
     Result("D/bundle/G/LABEL/", "evaluation set for simulators; see docs/bundle.md"),
-    Result("D/bundle/G/README.md", "what these files are"),
-    Result("D/bundle/G/bundle.parquet", "its objects, parts and masses", BUNDLE),
+    Result("D/bundle/G/README.md", "description of the files in this folder"),
+    Result(
+        "D/bundle/G/bundle.parquet",
+        "objects of the evaluation set for simulators: parts, masses, inertia",
+        BUNDLE,
+    ),
     Result("D/trials/G/P.parquet", "simulated trials, one attempt per row", TRIALS),
     Result(
         "D/agreement/G.parquet",

@@ -66,7 +66,7 @@ LINEAGE = pa.schema(
         *_ERRORS,
         *_ORIGIN,
         column("island", INT, "island on which the object was created"),
-        column("step", INT, "step of that epoch in which it was created"),
+        column("step", INT, "step of the epoch in which the object was created"),
     ]
 )
 
@@ -76,10 +76,12 @@ HISTORY = pa.schema(
         column("island", INT, "number of the island"),
         column("step", INT, "number of the step in its epoch"),
         column("offspring", INT, "number of offspring of this step"),
-        column("evaluated", INT, "of these, measured and offered to the archive"),
-        column("refined", INT, "of these, measured again because the archive would keep them"),
-        column("empty", INT, "of the offspring, without any solid voxel"),
-        column("known", INT, "of the offspring, with the same voxels as another object"),
+        column("evaluated", INT, "number of offspring measured and offered to the archive"),
+        column(
+            "refined", INT, "number of offspring measured again because the archive would keep them"
+        ),
+        column("empty", INT, "number of offspring without any solid voxel"),
+        column("known", INT, "number of offspring with the same voxels as another object"),
         column("elites", INT, "number of objects in the archive of the island after the step"),
         column("coverage", FLOAT, "archive coverage: fraction of the slots that are filled"),
         column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),

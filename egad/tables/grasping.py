@@ -1,4 +1,4 @@
-"""Tables of a gripper: grasps, what became of candidates, and the scales of the objects."""
+"""Tables of a gripper: grasps, sampling statistics, and the scales of the objects."""
 
 import pyarrow as pa
 
@@ -24,21 +24,23 @@ GRASPS = pa.schema(
         ID,
         LABEL,
         column("grasp", INT, "number of the grasp on its object"),
-        *vector("center", "midpoint of the contacts; of a cup, on the surface", "m"),
+        *vector("center", "midpoint of the contacts; for a cup, a point on the surface", "m"),
         *vector(
-            "axis", "unit vector from the first contact to the second; of a cup, any across it"
+            "axis",
+            "unit vector from the first contact to the second; for a cup, any unit vector "
+            "perpendicular to the approach",
         ),
         *vector("approach", "unit vector along which the hand moves towards the object"),
-        column("width", FLOAT, "distance of the contacts; 0 for a cup", "m"),
+        column("width", FLOAT, "distance between the contacts; 0 for a cup", "m"),
         column(
             "needed_opening",
             FLOAT,
-            "smallest opening at which both finger boxes stand beside the object; may exceed that "
-            "of the gripper",
+            "smallest opening at which both finger boxes fit beside the object; may exceed that of "
+            "the gripper",
             "m",
         ),
         *vector("contact0", "first contact", "m"),
-        *vector("contact1", "second contact; of a cup, the first again", "m"),
+        *vector("contact1", "second contact; for a cup, the first one again", "m"),
         *vector("normal0", "outward unit normal at the first contact"),
         *vector("normal1", "outward unit normal at the second contact"),
         QUALITY,
@@ -46,7 +48,7 @@ GRASPS = pa.schema(
         column(
             "robust_quality_std",
             FLOAT,
-            "standard deviation over disturbed copies",
+            "standard deviation of the quality over perturbed copies",
         ),
         ROBUST_SUCCESS_RATE,
         column(
@@ -58,8 +60,8 @@ GRASPS = pa.schema(
         column(
             "collision_free",
             BOOL,
-            "whether the open hand touches nothing at the grasp nor on its straight way in, at the "
-            "best of the approach angles tried",
+            "whether the open hand touches nothing, neither at the grasp nor on its straight "
+            "approach, at the best of the approach angles tried",
         ),
         column("angles_fit", INT, "number of approach angles tried at which the hand fits"),
         column(
@@ -70,7 +72,7 @@ GRASPS = pa.schema(
 
 
 def _motion(phase: str, how: str) -> list[pa.Field]:
-    moved = f"how far the object {{}} against the hand while {how}"
+    moved = f"how far the object {{}} relative to the hand while {how}"
     return [
         column(f"simulated_{phase}_shift", FLOAT, moved.format("moved"), "m"),
         column(f"simulated_{phase}_turn", FLOAT, moved.format("turned"), "rad"),
@@ -83,28 +85,31 @@ _SIMULATED = [
     column(
         "simulated_outcome",
         STRING,
-        f"closed in free space, shaken and lifted in simulation: {listed(SHAKEN)}; or "
+        f"outcome of closing in free space, shaking and lifting in simulation: {listed(SHAKEN)}; "
+        f"or "
         f"{listed(SIMULATION_FAILURES)}; missing if the grasp was not simulated",
     ),
     column(
         "simulated_success",
         BOOL,
-        "whether the object was still held at the end; missing if the engine could not tell",
+        "whether the object was still held at the end; missing if the engine could not tell, or if "
+        "the grasp was not simulated",
     ),
     *_MOTIONS,
     (_ENGINE := column("simulated_engine", STRING, "physics engine")),
 ]
 SIMULATED_GRASPS = pa.schema([*GRASPS, *map(optional, _SIMULATED)])
-"""Labelled grasps, and what simulation says of them if `targets.simulated_labels` is true."""
+"""Labelled grasps, with simulated labels if `targets.simulated_labels` is true."""
 
 _HELD = [
     column("n_simulated", INT, "number of simulated antipodal grasps with an outcome"),
     column(
         "antipodal_success_rate",
         FLOAT,
-        "fraction of them that held when shaken and lifted; near 1 for most objects",
+        "fraction of simulated antipodal grasps that held when shaken and lifted; near 1 for most "
+        "objects",
     ),
-    column("held_shaking", FLOAT, "fraction of them that held when shaken"),
+    column("held_shaking", FLOAT, "fraction of simulated antipodal grasps that held when shaken"),
     _ENGINE,
 ]
 ANTIPODAL_RATES = pa.schema([ID, LABEL, *_HELD])
@@ -115,11 +120,11 @@ NAIVE_GRASPS = pa.schema(
         ID,
         LABEL,
         column("place", STRING, "where the object is: free (in free space) or table"),
-        column("number", INT, "number of the grasp on its object, for each place"),
+        column("number", INT, "number of the grasp on its object, counted for each place"),
         column(
             "outcome",
             STRING,
-            f"{listed(EXECUTION)}; no_grasp: nothing of the surface faces up; or "
+            f"{listed(EXECUTION)}; no_grasp: no part of the surface faces up; or "
             f"{listed(SIMULATION_FAILURES)}",
         ),
         column("engine", STRING, "physics engine"),
@@ -131,12 +136,25 @@ _RATES = [
     column(
         "simulated_success_rate",
         FLOAT,
-        "fraction of them that succeeded in simulation, high for easy objects",
+        "fraction of naive grasps in free space that succeeded in simulation; high for easy "
+        "objects",
     ),
-    column("simulated_success_rate_std", FLOAT, "its standard error; 0 if all succeeded or none"),
+    column(
+        "simulated_success_rate_std",
+        FLOAT,
+        "standard error of this rate; 0 if all grasps succeeded, or none",
+    ),
     column("n_table", INT, "number of naive grasps on a table with an outcome"),
-    column("table_success_rate", FLOAT, "fraction of them that succeeded in simulation"),
-    column("table_success_rate_std", FLOAT, "its standard error; 0 if all succeeded or none"),
+    column(
+        "table_success_rate",
+        FLOAT,
+        "fraction of naive grasps on a table that succeeded in simulation",
+    ),
+    column(
+        "table_success_rate_std",
+        FLOAT,
+        "standard error of this rate; 0 if all grasps succeeded, or none",
+    ),
     column("naive_engine", STRING, "physics engine of the naive grasps"),
 ]
 NAIVE_RATES = pa.schema([ID, LABEL, *_RATES])
@@ -151,20 +169,32 @@ SAMPLING = pa.schema(
         LABEL,
         column("n_wanted", INT, "number of grasps requested"),
         column("n_candidates", INT, "number of candidates sampled"),
-        column("n_too_wide", INT, "of these, rejected: no opposite surface within the opening"),
         column(
-            "n_not_antipodal", INT, "of these, rejected: second contact faces away from the axis"
+            "n_too_wide",
+            INT,
+            "number of candidates rejected: no opposite surface within the opening",
         ),
-        column("n_blocked", INT, "of these, rejected: something blocks the open fingers"),
-        column("n_too_close", INT, "of these, rejected: too similar to a grasp found before"),
-        column("n_surplus", INT, "of these, not needed: enough grasps had been found"),
-        column("n_grasps", INT, "of these, kept: the rows in the table of grasps"),
-        column("n_slipping", INT, "of the grasps, with quality 0: the axis leaves a friction cone"),
-        column("n_in_collision", INT, "of the grasps, in collision at every approach angle"),
+        column(
+            "n_not_antipodal",
+            INT,
+            "number of candidates rejected: second contact faces away from the axis",
+        ),
+        column(
+            "n_blocked", INT, "number of candidates rejected: something blocks the open fingers"
+        ),
+        column(
+            "n_too_close", INT, "number of candidates rejected: too similar to a grasp found before"
+        ),
+        column("n_surplus", INT, "number of candidates not needed: enough grasps had been found"),
+        column("n_grasps", INT, "number of candidates kept: the rows in the table of grasps"),
+        column(
+            "n_slipping", INT, "number of grasps with quality 0: the axis leaves a friction cone"
+        ),
+        column("n_in_collision", INT, "number of grasps in collision at every approach angle"),
         column(
             "n_unreachable",
             INT,
-            "of the grasps, those that fit but have no collision-free approach",
+            "number of grasps that fit but have no collision-free approach",
         ),
     ]
 )
@@ -174,16 +204,16 @@ SCALES = pa.schema(
         LABEL,
         column("rule", STRING, "scale rule"),
         column("opening", FLOAT, "opening of the gripper", "m"),
-        column("factor", FLOAT, "scaled size / size before"),
-        *vector("before", "sides of the minimum-volume box before, ascending", "m", "123"),
-        *vector("after", "sides of the minimum-volume box after, ascending", "m", "123"),
+        column("factor", FLOAT, "size after scaling / size before"),
+        *vector("before", "sides of the minimum-volume box before scaling, ascending", "m", "123"),
+        *vector("after", "sides of the minimum-volume box after scaling, ascending", "m", "123"),
         column(
             "graspable_fraction_before",
             FLOAT,
-            "graspable fraction before: fraction of the surface with opposite surface along the "
-            "normal within the opening",
+            "graspable fraction before scaling: fraction of the surface with opposite surface "
+            "along the normal within the opening",
         ),
-        column("graspable_fraction_after", FLOAT, "graspable fraction after"),
+        column("graspable_fraction_after", FLOAT, "graspable fraction after scaling"),
         column("file", STRING, "file of the scaled mesh"),
     ]
 )
@@ -191,14 +221,14 @@ SCALES = pa.schema(
 SIZE_EFFECT = pa.schema(
     [
         column("name", STRING, "name in the evaluation set, or name of the mesh file"),
-        column("fraction", FLOAT, "smallest side of the minimum-volume box over the opening"),
-        column("repeat", INT, "number of the repetition, each with other random numbers"),
+        column("fraction", FLOAT, "smallest side of the minimum-volume box / opening"),
+        column("repeat", INT, "number of the repetition; each has different random numbers"),
         column("candidates", INT, "number of candidates sampled"),
         column(
             "possible",
             INT,
-            "of these, reached and held by the open fingers, similar ones included; those that "
-            "another sampler gives",
+            "number of candidates that the open fingers reach and hold, including similar ones; "
+            "for another sampler, number of grasps that it gives",
         ),
         column("grasps", INT, "number of grasps that the percentiles were computed from"),
         column("percentile", FLOAT, "percentile of the quality", "%"),
@@ -208,16 +238,16 @@ SIZE_EFFECT = pa.schema(
 
 FILES = [
     Result("D/rescaled/G/LABEL.obj", "meshes scaled to gripper G, in metres"),
-    Result("D/rescaled/G/scales.parquet", "their scales", SCALES),
+    Result("D/rescaled/G/scales.parquet", "scale factors and sizes of the objects", SCALES),
     Result(
         "D/grasps/G.parquet",
-        "labelled grasps of the scaled objects; `simulated_*` with `targets.simulated_labels`, or "
-        "if an export needs them",
+        "labelled grasps of the scaled objects; columns `simulated_*` with "
+        "`targets.simulated_labels`, or if an export needs them",
         SIMULATED_GRASPS,
     ),
     Result(
         "D/grasps/G.sampling.parquet",
-        "how many candidates were drawn, and why some were refused",
+        "how many candidate grasps were sampled, and why some were rejected",
         SAMPLING,
     ),
     Result(
@@ -233,7 +263,7 @@ FILES = [
     ),
     Result(
         "D/size_effect/G.parquet",
-        "grasp quality over size of an easy, a medium and a hard object",
+        "grasp quality as a function of size, for an easy, a medium and a hard object",
         SIZE_EFFECT,
     ),
 ]

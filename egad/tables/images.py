@@ -8,32 +8,32 @@ SINGLE = pa.float32()
 
 
 def _listed(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
-    return column(name, pa.list_(kind), f"of each grasp: {meaning}", unit)
+    return column(name, pa.list_(kind), f"for each grasp: {meaning}", unit)
 
 
 IMAGES = pa.schema(
     [
         column("image", INT, "number of the image; images of an object are consecutive"),
         column("scene", STRING, "single, packed or pile: how the objects lie"),
-        column("id", STRING, "id of the object; of several, a name of the scene"),
-        column("label", STRING, "label of the object; of several, a name of the scene"),
+        column("id", STRING, "id of the object; for several objects, a name of the scene"),
+        column("label", STRING, "label of the object; for several objects, a name of the scene"),
         column("split", STRING, "train, validation or test; the same for all images of an object"),
         column("draws", INT, "how many times poses and sizes were drawn for the image"),
         column("objects", pa.list_(STRING), "ids of the objects"),
         column(
             "factors",
             pa.list_(FLOAT),
-            "of each object: its size / that of the mesh scaled to the gripper",
+            "for each object: size / size of the mesh scaled to the gripper",
         ),
         column(
             "poses",
             pa.list_(INT),
-            "of each object: number of the stable pose, 0 = most probable; -1 = packed or dropped",
+            "for each object: number of the stable pose, 0 = most probable; -1 = packed or dropped",
         ),
         column(
             "placements",
             pa.list_(FLOAT),
-            "of each object, 7 numbers: position (m) and quaternion (x, y, z, w) of the frame of "
+            "for each object, 7 numbers: position (m) and quaternion (x, y, z, w) of the frame of "
             "the mesh in the world frame",
         ),
         column("depth", BINARY, "16-bit PNG: depth along the optical axis; 0 = no value", "0.1 mm"),
@@ -43,7 +43,7 @@ IMAGES = pa.schema(
         column("focal", FLOAT, "focal length", "px"),
         column("center_u", FLOAT, "column of the optical axis", "px"),
         column("center_v", FLOAT, "row of the optical axis", "px"),
-        *pose("camera", "camera (x right, y down, z forward) in the world frame"),
+        *pose("camera", "pose of the camera (x right, y down, z forward) in the world frame"),
         _listed("object", INT, "number of the object in the image, from 0"),
         _listed("u", SINGLE, "column of the center; the middle of the first pixel is 0", "px"),
         _listed("v", SINGLE, "row of the center; the middle of the first pixel is 0", "px"),
@@ -55,12 +55,12 @@ IMAGES = pa.schema(
         ),
         _listed("opening", SINGLE, "opening of the hand, at the depth of the center", "px"),
         _listed("depth_center", SINGLE, "depth of the center along the optical axis", "m"),
-        _listed("quality", SINGLE, "robust quality; 0 if it is not free of collisions"),
+        _listed("quality", SINGLE, "robust quality; 0 if the grasp is not collision-free"),
         _listed("collision_free", pa.bool_(), "whether the hand touches nothing but the contacts"),
         _listed(
             "simulated_success",
             pa.bool_(),
-            "whether it held in simulation; no value if it was not simulated",
+            "whether the grasp held in simulation; no value if it was not simulated",
         ),
     ]
 )
@@ -73,6 +73,6 @@ FILES = [
         "depth images with grasps (`targets.render`); see docs/images.md",
         IMAGES,
     ),
-    Result("D/images/G/card.md", "their description"),
-    Result("D/images/G/openings.svg", "how far the hand opens for the good grasps in them"),
+    Result("D/images/G/card.md", "description of the images"),
+    Result("D/images/G/openings.svg", "how far the hand opens for the good grasps in the images"),
 ]

@@ -1,4 +1,4 @@
-"""Tables of objects: what they are, where they lie in the space, which were left out."""
+"""Tables of objects: what they are, where they lie in the space, and which were left out."""
 
 import pyarrow as pa
 
@@ -23,14 +23,18 @@ from egad.tables.columns import (
 )
 
 _SHELL = column(
-    "shell_thickness", FLOAT, "wall that an open surface was given; 0: it was not open", "m"
+    "shell_thickness",
+    FLOAT,
+    "wall thickness that an open surface was given; 0 if the surface was closed",
+    "m",
 )
 _DROPPED = [
-    column("dropped_bodies", INT, "bodies, closed or open, that repair left out"),
+    column("dropped_bodies", INT, "number of bodies, closed or open, that repair left out"),
     column(
         "dropped_volume",
         FLOAT,
-        "their part of the volume of all bodies, with holes closed; 0: they have no volume",
+        "volume of the bodies left out / volume of all bodies, with holes closed; 0 if those left "
+        "out have no volume",
     ),
 ]
 _GRASPS = column("grasps", INT, "number of grasps that the graspability was computed from")
@@ -102,7 +106,7 @@ MEASURED = pa.schema(
         CELL_CONFIDENCE,
         _GRASPS,
         column("longest_side", FLOAT, "longest side of the axis-aligned box", "m"),
-        column("rule", STRING, "scale rule; the cells of the map are by `exact`"),
+        column("rule", STRING, "scale rule; the cells of the map use `exact`"),
         column("opening", FLOAT, "widest opening of the gripper", "m"),
         column("factor", FLOAT, "size at which grasps were sampled / size of the mesh"),
         *vector("grasped", "side of the box at that size, ascending", "m", "123"),
@@ -125,7 +129,7 @@ LOCATED = pa.schema(
         column("difficulty_percentile", FLOAT, "percentage of the objects that are easier", "%"),
         column("diversity", FLOAT, "mean distance to the nearest objects"),
         column("nearest", pa.list_(STRING), "nearest objects, nearest first"),
-        column("distances", pa.list_(FLOAT), "distances to them"),
+        column("distances", pa.list_(FLOAT), "distances to the nearest objects"),
         _SHELL,
         *_DROPPED,
         _REASON,
@@ -144,8 +148,8 @@ COMPARISON = pa.schema(
         column(
             "attainable_coverage",
             FLOAT,
-            "fraction of the slots that are filled, without the easiest rows, in which no object "
-            "is expected (docs/studies/search.md)",
+            "fraction of the slots that are filled, without the easiest rows, where no object is "
+            "expected (docs/studies/search.md)",
         ),
         column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),
         column("diversity_min", FLOAT, "diversity of the least diverse object"),
@@ -167,7 +171,15 @@ FILES = [
     ),
     Result("D/rescaled/G/rejected.parquet", "objects that cannot be scaled", REJECTED),
     Result("D/grasps/G.rejected.parquet", "objects without grasps", REJECTED),
-    Result("D/eval49.rejected.parquet", "candidates that cannot be printed", REJECTED),
-    Result("D/bundle/G/rejected.parquet", "objects that are not in it", REJECTED),
+    Result(
+        "D/eval49.rejected.parquet",
+        "candidates for the evaluation set that cannot be printed",
+        REJECTED,
+    ),
+    Result(
+        "D/bundle/G/rejected.parquet",
+        "objects that are not in the evaluation set for simulators",
+        REJECTED,
+    ),
     Result("D/images/G/rejected.parquet", "objects without images", REJECTED),
 ]

@@ -1,8 +1,8 @@
-"""What a file was made from and by: noted at the edge, where a command knows what it reads.
+"""What a file was made from and by, recorded at the top level, where the inputs are known.
 
 `parquet.write` and `io.sums.write_sums` put it into what they write, so that no function
-between the two has to pass it on. It holds no time, no name of a machine and no absolute path: the
-same configuration gives the same origin.
+between the two has to pass it on. It holds no time, no machine name and no absolute path: the same
+configuration gives the same origin.
 """
 
 import os
@@ -25,7 +25,7 @@ class Origin:
         stage: Name of the rule or command.
         code: Fingerprint of its code.
         settings: Hash of the settings that it reads; none if it reads none.
-        seed: The seed among these.
+        seed: The seed among the settings.
         arguments: Its other arguments that decide the result.
         inputs: Paths of the files and folders that it reads, and their hashes.
     """
@@ -41,7 +41,7 @@ class Origin:
     def noted(self, folder: Path) -> dict[str, Any]:
         """As plain values, for a file in a folder: inputs by their paths relative to it.
 
-        Of an input outside of the working directory, or for a folder outside, only the name is
+        For an input outside the working directory, or for a folder outside it, only the name is
         noted, after `ELSEWHERE`.
         """
         inputs = [[_relative(path, folder), digest] for path, digest in self.inputs]

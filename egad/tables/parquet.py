@@ -63,14 +63,15 @@ def write(
 ) -> None:
     """Write a table atomically: exactly the columns of its schema, in that order.
 
-    The file also keeps where it comes from (`egad.tables.origin`), and is sealed.
+    The file also records its origin (`egad.tables.origin`), and is sealed.
 
     Args:
         frame: The rows.
         schema: The columns.
         path: The file.
         notes: Kept in the file beside the rows; see `notes`.
-        group: Rows that can be read without the others (`tables.row_groups`); None for a million.
+        group: How many rows can be read without the others (`tables.row_groups`); None for a
+            million.
     """
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
@@ -161,8 +162,8 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     """Read a table and check that it has the columns of its schema.
 
-    Other columns are not read. Values of another type are taken if they can be converted. What is
-    optional is NaN if all of it is missing.
+    Other columns are not read. Values of another type are converted if they can be. Optional
+    columns are NaN if all of them are missing.
 
     Raises:
         TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
@@ -182,13 +183,13 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
 
 
 def _missing(path: Path, schema: pa.Schema) -> set[str]:
-    """The optional columns, if a table has none of them; with some of them it is damaged."""
+    """The optional columns, if a table has none of them; one with only some of them is damaged."""
     optional = {field.name for field in schema if b"optional" in (field.metadata or {})}
     return optional if optional.isdisjoint(columns(path)) else set()
 
 
 def _plain(schema: pa.Schema, names: list[str]) -> pa.Schema:
-    """Some of the columns, names and types alone."""
+    """Some of the columns, with names and types alone."""
     return pa.schema([(name, schema.field(name).type) for name in names])
 
 

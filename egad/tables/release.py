@@ -19,7 +19,7 @@ RELEASED_OBJECTS = pa.schema(
             "family",
             STRING,
             "objects of a family have the same founder along the line of first parents; an object "
-            "whose ancestors are not known is a family of its own",
+            "with unknown ancestors is a family of its own",
         ),
         column("in_evaluation_set", BOOL, "whether the object is in the evaluation set"),
         column("gripper", STRING, "gripper that the object is scaled to"),
@@ -58,7 +58,8 @@ FILES = [
     ),
     Result(
         "release/data/grasps/SPLIT-NNNNN-of-NNNNN.parquet",
-        "their grasps, in the frame of the object scaled to the gripper of the release",
+        "grasps of the released objects, in the frame of the object scaled to the gripper of the "
+        "release",
         RELEASED_GRASPS,
     ),
     Result(

@@ -1,4 +1,4 @@
-"""Tables that are too large to be read at once: one group of rows after the other, in any order."""
+"""Tables that are too large to be read at once: one group of rows at a time, in any order."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +14,7 @@ class RowGroups:
     """The groups of rows of a Parquet file."""
 
     def __init__(self, path: Path, names: Sequence[str]) -> None:
-        """Look at a table without reading its rows.
+        """Open a table without reading its rows.
 
         Args:
             path: The file.

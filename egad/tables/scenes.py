@@ -17,17 +17,17 @@ SCENES = pa.schema(
     [
         column("scene", INT, "number of the scene"),
         column("kind", STRING, "packed or pile: how the objects lie"),
-        column("split", STRING, "train, validation or test; that of all its objects"),
+        column("split", STRING, "train, validation or test; the same for all objects of the scene"),
         column("objects", pa.list_(STRING), "ids of the objects that lie in the workspace"),
         column(
             "factors",
             pa.list_(FLOAT),
-            "of each object: its size / that of the mesh scaled to the gripper",
+            "for each object: size / size of the mesh scaled to the gripper",
         ),
         column(
             "placements",
             pa.list_(FLOAT),
-            "of each object, 7 numbers: position (m) and quaternion (x, y, z, w) of the frame of "
+            "for each object, 7 numbers: position (m) and quaternion (x, y, z, w) of the frame of "
             "the mesh in the world frame; the table is z = 0",
         ),
         column("noise", STRING, "noise in the depth images, as in `clutter.noise`"),
@@ -39,19 +39,19 @@ SCENES = pa.schema(
         column(
             "cameras",
             pa.list_(FLOAT),
-            "of each view, 7 numbers: position (m) and quaternion (x, y, z, w) of the camera (x "
+            "for each view, 7 numbers: position (m) and quaternion (x, y, z, w) of the camera (x "
             "right, y down, z forward) in the world frame",
         ),
         column(
             "depth",
             pa.list_(BINARY),
-            "of each view, a 16-bit PNG: depth along the optical axis; 0 = no value",
+            "for each view, a 16-bit PNG: depth along the optical axis; 0 = no value",
             "0.1 mm",
         ),
         column(
             "mask",
             pa.list_(BINARY),
-            "of each view, an 8-bit PNG: k = the k-th object, 0 = everything else",
+            "for each view, an 8-bit PNG: k = the k-th object, 0 = everything else",
         ),
     ]
 )
@@ -63,20 +63,28 @@ HAND = [
 SCENE_GRASPS = pa.schema(
     [
         column("scene", INT, "number of the scene"),
-        column("object", INT, "number of the object in the scene whose surface it was drawn from"),
+        column(
+            "object",
+            INT,
+            "number of the object in the scene whose surface the grasp was sampled from",
+        ),
         column("id", STRING, "id of that object"),
         *HAND,
         column(
-            "width", FLOAT, "distance of the finger pads after the lift; no value if it failed", "m"
+            "width",
+            FLOAT,
+            "distance between the finger pads after the lift; no value if the grasp failed",
+            "m",
         ),
-        column("success", BOOL, "whether the hand lifted an object at one of the tried yaws"),
+        column("success", BOOL, "whether the hand lifted an object at one of the yaws tried"),
         column(
             "yaws",
             pa.list_(BOOL),
-            "whether it did at each of the n tried yaws: the k-th, from 0, is this pose turned by "
-            "k / n of half a turn about the approach; half a turn is the same grasp",
+            "whether the hand lifted an object at each of the n yaws tried: the k-th, from 0, is "
+            "this pose rotated by k / n of half a turn about the approach; half a turn gives the "
+            "same grasp",
         ),
-        column("outcome", STRING, "what came of the kept yaw"),
+        column("outcome", STRING, "outcome of the attempt at this pose"),
     ]
 )
 
@@ -88,12 +96,12 @@ FILES = [
     ),
     Result(
         "D/scenes/G/grasps-N.parquet",
-        "grasps in these scenes, labelled by simulation: position (x, y, z) and quaternion (qx to "
-        "qw) of the hand in the world frame, its origin between the fingertips, x the closing "
-        "axis, z the approach",
+        "grasps in the scenes, labelled by simulation: position (x, y, z) and quaternion (qx to "
+        "qw) of the hand in the world frame; its origin lies between the fingertips, x is the "
+        "closing axis, z the approach",
         SCENE_GRASPS,
     ),
-    Result("D/scenes/G/card.md", "their description"),
-    Result("D/scenes/G/scene.png", "one of them, with some of its grasps"),
+    Result("D/scenes/G/card.md", "description of the scenes"),
+    Result("D/scenes/G/scene.png", "one of the scenes, with some of its grasps"),
     Result("D/scenes/G/rejected.parquet", "objects that are in no scene, with reasons"),
 ]

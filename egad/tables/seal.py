@@ -1,7 +1,7 @@
 """The seal of a Parquet file: a hash of its own bytes in its footer, so that any change shows.
 
-It is no signature: whoever changes a file on purpose can seal it again. The tables that were made
-from it still have its old hash, see `egad.tables.origin`.
+It is not a signature: anyone who changes a file on purpose can seal it again. Tables that were made
+from the file still have its old hash, see `egad.tables.origin`.
 """
 
 import hashlib
@@ -22,7 +22,7 @@ def seal(path: Path) -> None:
 
 
 def is_whole(path: Path) -> bool | None:
-    """Whether a file is as it was sealed; None if it has no seal."""
+    """Whether a file is unchanged since it was sealed; None if it has no seal."""
     if path.stat().st_size < _TAIL:
         return None
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:

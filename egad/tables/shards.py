@@ -18,7 +18,7 @@ def shard_files(folder: Path, names: Sequence[str], target: str) -> list[tuple[P
 
     Args:
         folder: Where they are.
-        names: Of the tables of a shard; the first one is what the set is called in messages.
+        names: Names of the tables of a shard; messages call the set by the first one.
         target: What makes them, for messages.
 
     Raises:
@@ -59,8 +59,8 @@ def remove_leftovers(folder: Path, names: Sequence[str], shards: int) -> None:
 
     Args:
         folder: Where they are.
-        names: Of the tables of a shard.
-        shards: How many there are of the set.
+        names: Names of the tables of a shard.
+        shards: How many shards the set has.
 
     Raises:
         UserError: The set that is there has another number of shards.

@@ -68,11 +68,12 @@ SCENE_SCORE = pa.schema(
     [
         column("n_scenes", INT, "number of test scenes"),
         column("n_grasps", INT, "number of labelled grasps in these scenes"),
-        column("n_positive", INT, "number of these that succeeded"),
+        column("n_positive", INT, "number of these grasps that succeeded"),
         *_estimate("average_precision", "average precision of the quality at the labelled grasps"),
         *_estimate(
             "balanced_accuracy",
-            "mean of the fractions of positive and negative grasps told right at a quality of 0.5",
+            "mean of the fractions of positive and negative grasps classified correctly at a "
+            "quality of 0.5",
         ),
         *_estimate(
             "angle_error", "mean error of the rotation at positive grasps, up to symmetry", "degree"

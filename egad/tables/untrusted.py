@@ -1,8 +1,9 @@
 """Reading Parquet files that may be damaged or made to unfold to any size.
 
-A table of this program has a seal, which shows every change, and is read here; one without a seal
-is read in a process with a limit on memory, which pyarrow may also end for some damages. The seal
-is no signature: a file that was sealed on purpose is as trusted as the program that sealed it.
+A table of this program has a seal, which shows every change, and is read in this process. One
+without a seal is read in a process with a limit on memory; pyarrow may also end that process if the
+file is damaged. The seal is not a signature: a file that was sealed on purpose is as trusted as the
+program that sealed it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,16 +22,16 @@ DAMAGED = (OSError, pa.ArrowException, UnicodeDecodeError, FailedError, LimitErr
 
 
 def unreadable(path: Path, why: object) -> TableError:
-    """What to say of a file that cannot be read as a table."""
+    """The error for a file that cannot be read as a table."""
     advice = "; if the workflow made it, delete it and run again" if path.exists() else ""
     return TableError(f"{path}: not a readable Parquet file ({why}){advice}")
 
 
 class Source:
-    """A Parquet file whose seal and size have been looked at."""
+    """A Parquet file whose seal and size have been checked."""
 
     def __init__(self, path: Path) -> None:
-        """Look at a file, without reading its rows.
+        """Check a file without reading its rows.
 
         Attributes:
             group_rows: How many rows each group has.
@@ -68,7 +69,7 @@ class Source:
 
 
 def _group_rows(path: Path) -> list[int]:
-    """The rows of each group of a file, if these are not too many."""
+    """How many rows each group of a file has, if these are not too many."""
     _check(path, "bytes", path.stat().st_size, MAX_TABLE_BYTES)
     with pq.ParquetFile(path) as file:
         about = file.metadata
@@ -92,7 +93,7 @@ def _read(path: Path, columns: Sequence[str], group: int | None) -> pa.Table:
 
 
 def _read_packed(path: Path, columns: Sequence[str], group: int | None) -> pa.Buffer:
-    """The same as a stream of Arrow, with each text as often as it is there."""
+    """The same as an Arrow stream, in which repeated texts are not shared."""
     table = _read(path, columns, group)
     table = table.cast(pa.schema([(field.name, _plain(path, field)) for field in table.schema]))
     _check(path, "bytes in memory", table.nbytes, MAX_FOREIGN_TABLE_BYTES)

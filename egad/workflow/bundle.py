@@ -57,7 +57,7 @@ def write_bundle(
     Args:
         settings: Material, and method of the convex decomposition.
         objects: Mesh files and names.
-        units: Unit of the meshes; None: as the files say.
+        units: Unit of the meshes; None: as stated in the files.
         out: Folder for `LABEL/`, `bundle.parquet`, `rejected.parquet`, `README.md` and
             `SHA256SUMS`.
         worker_count: Processes; the result does not depend on it.
@@ -96,7 +96,7 @@ def _made(
 
     def make(mesh: trimesh.Trimesh) -> SimulationObject:
         made = make_simulation_object(mesh, settings.material.density, settings.bundle, item.label)
-        _ = made.poses  # which take long for round objects: not where all of them are written
+        _ = made.poses  # slow for round objects: not computed where all objects are written
         return made
 
     return use_mesh(item.path, units, make)

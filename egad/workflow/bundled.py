@@ -1,4 +1,4 @@
-"""Objects to simulate, of a bundle or as shipped, and work that may crash the physics engine."""
+"""Objects to simulate, from a bundle or as shipped, and work that may crash the physics engine."""
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
@@ -46,7 +46,7 @@ class LazyModels(Mapping[str, Model]):
     """Objects to simulate by their ids; each is made when it is looked up."""
 
     def __init__(self, makers: Mapping[str, Callable[[], Model]]) -> None:
-        """What makes each object."""
+        """Take functions that make each object."""
         self._makers = dict(makers)
         self._made: dict[str, Model] = {}
 
@@ -63,12 +63,12 @@ class LazyModels(Mapping[str, Model]):
 
 
 def models_in(dataset: Path, settings: Settings, gripper: str) -> Models:
-    """The objects that trials of a dataset took place with.
+    """The objects that were used in trials of a dataset.
 
     Args:
         dataset: Its folder, with a simulation bundle; or `evaluation-set`: the released objects, as
             `egad benchmark` and `egad.run_trials` simulate them.
-        settings: How objects are scaled, of `evaluation-set`.
+        settings: How objects are scaled, for `evaluation-set`.
         gripper: Name of the gripper.
     """
     if str(dataset) == EVALUATION_SET:
@@ -98,7 +98,7 @@ def run_or_replace(
     item: Item | None,
     otherwise: Callable[[Outcome], pd.DataFrame],
 ) -> pd.DataFrame:
-    """The result of the work on an object, also if the engine crashes.
+    """The result of the work on an object, even if the engine crashes.
 
     Args:
         row: Label and id of the object.

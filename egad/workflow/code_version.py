@@ -14,20 +14,20 @@ from typing import NamedTuple
 from egad.workflow.definitions import LOOSE, SCRIPT, Definition, offered, read_module, source_of
 
 PACKAGE = Path(__file__).parents[1]
-EXCLUDED = ("workflow.job", "provenance.record")  # how scripts run, and what is noted of it
-# The top module counts only for what it re-exports: it has the version of the release.
+EXCLUDED = ("workflow.job", "provenance.record")  # how scripts run, and the record of it
+# The top module counts only for what it re-exports, as it contains the version of the release.
 Name = tuple[str, str]  # of a definition: its module, and its name there
 
 
 @cache
 def code_version(module: str | Path, package: Path = PACKAGE) -> str:
-    """A fingerprint of a script or module and of all that it uses of the package, at any depth.
+    """A fingerprint of a script or module and of everything that it uses of the package.
 
-    Functions, classes and constants count where their names are used, wherever these come from; so
-    do the types and defaults of settings. Other files of a package, such as templates and data,
-    count byte for byte where a definition that counts has their name, or that of their folder.
-    Everything is read from the source, and nothing is imported. Comments, docstrings and layout do
-    not count, nor do descriptions and bounds of settings: a stage gets their values.
+    Functions, classes and constants count at any depth if their names are used, wherever these come
+    from; so do the types and defaults of settings. Other files of a package, such as templates and
+    data, count byte for byte if a definition that counts contains their name or that of their
+    folder. Everything is read from the source, and nothing is imported. Comments, docstrings and
+    layout do not count, nor do descriptions and limits of settings: a stage gets their values.
 
     Args:
         module: Path of a script, or dotted name of a module of the package.
@@ -71,7 +71,7 @@ class _Used:
             pass
 
     def _follow(self, names: Iterable[Name]) -> None:
-        """Let definitions count, and those that they use."""
+        """Include definitions, and those that they use."""
         waiting = list(names)
         while waiting:
             name = waiting.pop()
@@ -88,7 +88,7 @@ class _Used:
             self._words.update(each.words)
 
     def _follow_methods(self) -> bool:
-        """Let methods of settings count whose names occur; whether there were more."""
+        """Include methods of settings whose names occur; return whether there were more."""
         more = [
             (name, definition)
             for name, (method, definition) in self._methods.items()
@@ -100,7 +100,7 @@ class _Used:
         return bool(more)
 
     def _follow_files(self) -> bool:
-        """Let files count whose names occur, or those of their folders; whether there were more."""
+        """Include files whose names, or folder names, occur; return whether there were more."""
         more = {
             path
             for module in self._modules
@@ -117,7 +117,7 @@ class _About(NamedTuple):
 
     Attributes:
         definitions: Its definitions.
-        methods: Those of a class of settings: the name of each without its class, and it.
+        methods: Methods of a class of settings: name without the class, and definition.
         uses: What it uses, and what runs when the modules around it are imported.
     """
 
@@ -147,10 +147,10 @@ def _named_in(package: Path, module: str, definition: Definition) -> Iterator[Na
 
 @cache
 def _resolved(package: Path, module: str, used: tuple[str, ...]) -> frozenset[Name]:
-    """The definitions that a dotted name in a module stands for."""
+    """The definitions that a dotted name in a module refers to."""
     if module.partition(".")[2] in EXCLUDED or source_of(package, module) is None:
         return frozenset()
-    if not used:  # the module itself, of which anything may be used
+    if not used:  # the module itself: anything in it may be used
         return _everything_in(package, module)
     read, (first, *rest) = read_module(package, module), used
     own = first in read.definitions and module != package.name
@@ -195,7 +195,7 @@ def _other_files(package: Path, module: str) -> list[Path]:
 
 @cache
 def _words(path: Path) -> frozenset[str]:
-    """The words and quoted names of files in a file of text."""
+    """The words and quoted file names in a text file."""
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError:

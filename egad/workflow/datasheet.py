@@ -38,7 +38,7 @@ def write_datasheet(
         out: Folder with the datasheet of the evaluation set (objects, sizes, how to report
             results), a contact sheet of its objects with names and sizes, and an empty table for
             attempts with a real robot.
-        introduction: What stands above the tables; by default, what the rows and columns are.
+        introduction: Text above the tables; by default, what the rows and columns are.
     """
     chosen = parquet.read(evaluation, EVAL49)
     known = {
@@ -63,7 +63,7 @@ def write_datasheet(
 
 
 def _best(path: Path) -> dict[str, float]:
-    """Quality of the best grasp that the hand reaches, by the name of the object."""
+    """Quality of the best grasp that the hand can reach, by name of the object."""
     best: dict[str, float] = {}
     for batch in parquet.batches(path, ["label", "collision_free", "quality"]):
         found = batch[batch["collision_free"]].groupby("label")["quality"].max()

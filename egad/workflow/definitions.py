@@ -32,9 +32,10 @@ class Module(NamedTuple):
     """A module.
 
     Attributes:
-        definitions: By name, those without a name under `LOOSE`; a name may be defined twice.
-        methods: Those of classes of settings, by class and name. Only what is used counts.
-        imports: What local names stand for, as dotted names; those within functions too.
+        definitions: Definitions by name, those without a name under `LOOSE`; a name may be defined
+            twice.
+        methods: Methods of classes of settings, by class and name. Only used ones count.
+        imports: What local names refer to, as dotted names; including imports within functions.
     """
 
     definitions: Mapping[str, list[Definition]]
@@ -60,7 +61,7 @@ def read_module(package: Path, name: str) -> Module:
 
 @cache
 def _parsed(source: bytes, name: str, here: str) -> Module:
-    """The definitions in the source of a module, which is in the package `here`."""
+    """The definitions in the source of a module of the package `here`."""
     tree = ast.parse(source, filename=name)
     imports: dict[str, set[str]] = {}
     for node in ast.walk(tree):
@@ -99,7 +100,7 @@ def _sources(package: Path) -> Mapping[str, Path]:
 
 @cache
 def offered(package: Path, name: str) -> Mapping[str, str]:
-    """Names that the stub of a package re-exports, and the dotted name that each stands for."""
+    """Names that the stub of a package re-exports, and the dotted name that each refers to."""
     path = source_of(package, name)
     stub = path.with_suffix(".pyi") if path else None
     if stub is None or not stub.is_file():
@@ -143,16 +144,16 @@ def _is_stored(name: ast.Name) -> bool:
 
 
 def _for_types(node: ast.stmt) -> bool:
-    """Whether a statement is there for type checkers alone."""
+    """Whether a statement is only for type checkers."""
     return (
         isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" and not node.orelse
     )
 
 
 def _cut(settings: ast.ClassDef) -> Iterator[ast.FunctionDef]:
-    """Take methods and validators out of a class of settings; yield the methods.
+    """Remove methods and validators from a class of settings; yield the methods.
 
-    A stage gets values that were validated before. Of a field, its type and its default count.
+    A stage gets values that have been validated. Only the type and the default of a field count.
     """
     for node in [each for each in settings.body if isinstance(each, ast.FunctionDef)]:
         settings.body.remove(node)
@@ -165,7 +166,7 @@ def _cut(settings: ast.ClassDef) -> Iterator[ast.FunctionDef]:
 
 
 def _imported(node: ast.AST, here: str) -> Iterator[tuple[str, str]]:
-    """The local names that a node imports, and what they stand for."""
+    """The local names that a node imports, and what they refer to."""
     if isinstance(node, ast.Import):
         for alias in node.names:
             top = alias.name.partition(".")[0]

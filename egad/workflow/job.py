@@ -1,15 +1,15 @@
-"""How the script of a stage runs: the names in its rule are the arguments of its function.
+"""Running the script of a stage: the names in its rule are the arguments of its function.
 
-A script defines `run(settings, objects, meshes, grasps, jobs)`, say, and ends with
+For example, a script defines `run(settings, objects, meshes, grasps, jobs)` and ends with
 
     if __name__ == "__main__":
         run_job(run)
 
 Its rule then has `params: settings=...`, `input: objects=..., meshes=...` and `output: grasps=...`.
-Wildcards are arguments as well, unless a param has the same name, and `jobs` are the threads. A
-folder that is written is the param `out`, where the outputs are files in it.
-pydantic turns words into paths and numbers, and tables of settings into the classes that the
-function names.
+Wildcards are arguments as well, unless a param has the same name, and `jobs` is the number of
+threads. If the outputs are files in a folder, the folder is the param `out`.
+pydantic converts strings to paths and numbers, and tables of settings to the classes in the
+signature of the function.
 """
 
 import logging
@@ -26,17 +26,17 @@ from egad._util.program import readable_errors, start_logging
 from egad.io import write_sums
 from egad.provenance.record import recorded
 
-FOLDERS = ("meshes", "bundle")  # params that are read: an input names a table in them
+FOLDERS = ("meshes", "bundle")  # params that are read: an input is a table in each
 
 
 def run_job(function: Callable[..., object]) -> None:
     """Run the function of a script as a job of Snakemake.
 
-    Messages go to the log of the rule. Tables that are written say where they come from, and other
-    files and folders have it beside them. An error of the user is one sentence.
+    Messages go to the log of the rule. The provenance of a table is written into it; that of other
+    files and folders is written next to them. A user error is reported in one sentence.
 
     Args:
-        function: That of the script which runs, where Snakemake puts the object `snakemake`.
+        function: Function of the running script, where Snakemake puts the object `snakemake`.
     """
     job = vars(sys.modules["__main__"])["snakemake"]
     for log in job.log[:1]:
@@ -64,14 +64,14 @@ def run_job(function: Callable[..., object]) -> None:
 
 
 def arguments_of(function: Callable[..., object], job: Any) -> dict[str, Any]:  # noqa: ANN401
-    """The arguments of a function that a job names, not yet of the types that it wants.
+    """The arguments of a function that a job provides, not yet converted to its types.
 
     Args:
         function: Function of a script.
         job: The object `snakemake`.
 
     Raises:
-        TypeError: A name stands for two things.
+        TypeError: A name is used twice.
     """
     hints = get_type_hints(function)
     found: dict[str, Any] = {"jobs": job.threads, **dict(job.wildcards.items())}
@@ -89,7 +89,7 @@ def arguments_of(function: Callable[..., object], job: Any) -> dict[str, Any]:  
 
 
 def _files(value: Any, wanted: Any) -> Any:  # noqa: ANN401 (what Snakemake has, and a type)
-    """Files of one name as a list or as one, whichever is wanted; none if there are none."""
+    """The files of a name as a list or a single file, as the type wants; none if there are none."""
     files = [value] if isinstance(value, str) else list(value)
     if any(get_origin(each) is list for each in (wanted, *get_args(wanted))):
         return files
@@ -97,7 +97,7 @@ def _files(value: Any, wanted: Any) -> Any:  # noqa: ANN401 (what Snakemake has,
 
 
 def _other_files(job: Any) -> Iterator[Path]:  # noqa: ANN401 (of Snakemake)
-    """Files and folders that are written and are no tables."""
+    """Files and folders that are written, other than tables."""
     folder = job.params.get("out")
     written = job.output if folder is None else [folder]
     for path in map(Path, written):
@@ -106,7 +106,7 @@ def _other_files(job: Any) -> Iterator[Path]:  # noqa: ANN401 (of Snakemake)
 
 
 def _write_messages_to(log: Path) -> None:
-    """Write all that this process and its children print to a file."""
+    """Redirect everything that this process and its children print to a file."""
     with log.open("w", encoding="utf-8") as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)

@@ -1,4 +1,4 @@
-"""The leaderboard: submitted tables of attempts, simulated again, and a page that ranks them.
+"""The leaderboard: verify submitted tables of attempts in simulation, and rank them on a page.
 
 `python -m egad.workflow.leaderboard` reads the folder `leaderboard/`: `protocols/NAME.yaml`, each a
 configuration, and `entries/ENTRY/`, each with an `entry.yaml` (`Entry`) and a table
@@ -42,7 +42,7 @@ log = logging.getLogger(__name__)
 FOLDER, OUT = Path("leaderboard"), Path("build/leaderboard")
 PROTOCOLS, ENTRIES, ENTRY, FILMS = "protocols", "entries", "entry.yaml", "films"
 NAME = "[a-z0-9][a-z0-9_-]*"  # of an entry
-TOLD = 5  # problems of one table
+TOLD = 5  # problems reported per table
 Text = Annotated[str, StringConstraints(min_length=1, max_length=200, strip_whitespace=True)]
 
 
@@ -55,19 +55,21 @@ def _is_address(text: str) -> str:
 class Entry(Parameters):
     """What is known of the detector that made the tables of an entry."""
 
-    detector: Text = Field(description="its name")
-    by: Text = Field(description="who submits it")
-    hardware: Text = Field(description="processor and system that the tables were made on")
+    detector: Text = Field(description="name of the detector")
+    by: Text = Field(description="who submits the entry")
+    hardware: Text = Field(
+        description="processor and operating system that the tables were made on"
+    )
     protocols: tuple[Name, ...] = Field(
         min_length=1, description="names of the protocols, each with a table PROTOCOL.parquet"
     )
-    paper: Text | None = Field(None, description="paper that describes it")
+    paper: Text | None = Field(None, description="paper that describes the detector")
     link: Annotated[Text, AfterValidator(_is_address)] | None = Field(
-        None, description="web address of its code or weights"
+        None, description="web address of the code or weights"
     )
     license: Text = Field("CC-BY-4.0", description="license of the tables")
     reference: Text | None = Field(
-        None, description="why it does not compete: it is then shown, but not ranked"
+        None, description="why the entry does not compete: it is then shown, but not ranked"
     )
 
 
@@ -76,8 +78,8 @@ class Checks:
     """How tables are verified.
 
     Attributes:
-        sample: Objects, or rounds, of each table that are simulated again; all if None.
-        tolerance: By how much numbers may differ, on another kind of processor.
+        sample: Number of objects or rounds of each table to simulate again; all if None.
+        tolerance: How much numbers may differ, on another kind of processor.
         jobs: Processes; the result does not depend on them.
     """
 
@@ -90,7 +92,8 @@ def read_entry(path: Path) -> Entry:
     """The file of an entry.
 
     Raises:
-        UserError: It is missing or no YAML, or values are missing or not allowed: a line for each.
+        UserError: It is missing or not YAML, or values are missing or not allowed; the message has
+            a line for each.
     """
     if not path.is_file():
         raise UserError(f"{path} is missing")
@@ -129,7 +132,7 @@ def build(folder: Path, out: Path, checks: Checks) -> list[str]:
     """Verify all tables of a leaderboard, and write its page.
 
     Args:
-        folder: With `protocols/` and `entries/`.
+        folder: Folder with `protocols/` and `entries/`.
         out: Folder to write: `index.html` and `films/`.
         checks: How tables are verified.
 
@@ -148,7 +151,7 @@ def build(folder: Path, out: Path, checks: Checks) -> list[str]:
             if path.stem not in protocols:
                 if not (folder / PROTOCOLS / f"{path.stem}.yaml").exists():
                     problems.append(f"{path}: there is no protocol {path.stem}")
-                continue  # what is wrong with it has been told
+                continue  # its problems have been reported
             submitted = _Submitted(name, path, *protocols[path.stem])
             try:
                 tables.append(_verified(submitted, models, checks, made))
@@ -182,7 +185,7 @@ class _Submitted:
 
 
 class _NotVerifiedError(Exception):
-    """A table is not what the simulation gives."""
+    """The simulation does not reproduce a table."""
 
     def __init__(self, reasons: list[str]) -> None:
         more = [f"and {len(reasons) - TOLD} more"] if len(reasons) > TOLD else []
@@ -215,7 +218,7 @@ def _entries(folder: Path, problems: list[str]) -> Iterator[tuple[str, Entry]]:
 def _listed(
     folder: Path, entries: Mapping[str, Entry], problems: list[str]
 ) -> Iterator[tuple[str, Path]]:
-    """The tables that entries name; those that they do not are a problem."""
+    """The tables that entries name; other tables are reported as problems."""
     for name, entry in entries.items():
         yield from ((name, folder / name / f"{each}.parquet") for each in entry.protocols)
         problems += [
@@ -231,10 +234,10 @@ def _verified(
     checks: Checks,
     out: Path,
 ) -> SubmittedTable:
-    """A table that is what the simulation gives, with films of it.
+    """A table that the simulation reproduces, with films of it.
 
     Raises:
-        _NotVerifiedError: It is not.
+        _NotVerifiedError: The simulation does not reproduce it.
         UserError: It is missing.
         TableError: It cannot be read.
     """
@@ -266,7 +269,7 @@ def _verified(
 
 
 def _contradictions(this: _Submitted, rows: pd.DataFrame) -> Iterator[str]:
-    """What is wrong with a table without simulating it."""
+    """Problems of a table that can be found without simulating it."""
     if set(rows["engine"]) != {this.protocol.engine}:
         yield f"the engine is not {this.protocol.engine} in all rows"
     if (rows["success"] != (rows["outcome"] == Outcome.SUCCESS)).any():
@@ -277,7 +280,7 @@ def _contradictions(this: _Submitted, rows: pd.DataFrame) -> Iterator[str]:
 def _films(
     this: _Submitted, rows: pd.DataFrame, models: Models, out: Path
 ) -> Iterator[tuple[str, str]]:
-    """Films of a success and a failure of a table: what they show, and their addresses."""
+    """Films of a success and a failure in a table: what they show, and their addresses."""
     films = _clearing_films if this.protocol.is_clutter else _attempt_films
     for title, words, film in films(this, rows, models):
         address = f"{FILMS}/{this.entry}-{this.protocol.name}-{words}.gif"
@@ -306,7 +309,7 @@ def _attempt_films(this: _Submitted, rows: pd.DataFrame, models: Models) -> Iter
 
 
 def _clearing_films(this: _Submitted, rows: pd.DataFrame, models: Models) -> Iterator[FilmOf]:
-    """Of each kind of scene, the first round that was cleared and the first that was not."""
+    """For each kind of scene, the first round that was cleared and the first that was not."""
     rounds = rows[rows["n_objects"] > 0].groupby(ROUND, sort=False, as_index=False)
     table = rounds.agg(held=("success", "sum"), there=("n_objects", "first"))
     table = table.assign(cleared=table["held"] == table["there"])
@@ -319,7 +322,7 @@ def _clearing_films(this: _Submitted, rows: pd.DataFrame, models: Models) -> Ite
 
 
 def main() -> None:
-    """Verify the tables and write the page; exit code 1 if an entry is not on it as submitted."""
+    """Verify the tables and write the page; exit with 1 if an entry is not on it as submitted."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, nargs="?", default=FOLDER)
     parser.add_argument("--out", type=Path, default=OUT)

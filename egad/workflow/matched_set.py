@@ -48,16 +48,16 @@ ROWS = 2
 def write_matched_set(
     settings: Settings, gripper: str, found: MatchedSet, detector: str, out: Path, jobs: int = 1
 ) -> None:
-    """Write a matched set as the folder of a dataset, with all that the workflow makes of one.
+    """Write a matched set as a dataset folder, with everything that the workflow makes for one.
 
     Args:
-        settings: The whole configuration; labels are engraved whatever it says, and the grid of the
-            set has the pairs as columns.
+        settings: The whole configuration; labels are always engraved, and the grid of the set has
+            the pairs as columns.
         gripper: Name of the gripper.
         found: The pairs.
-        detector: What the detector is called.
-        out: Folder for `pairs.parquet` and `attempts.parquet`, see `MatchedSet.save`, and what a
-            dataset has: `archive.parquet`, `objects.parquet`, `meshes/`, `eval49.parquet`,
+        detector: Name of the detector.
+        out: Folder for `pairs.parquet` and `attempts.parquet`, see `MatchedSet.save`, and the files
+            of a dataset: `archive.parquet`, `objects.parquet`, `meshes/`, `eval49.parquet`,
             `rescaled/G/`, `grasps/G.parquet`, `print/G/`, `bundle/G/` and `eval49/`.
         jobs: Processes; the result does not depend on it.
     """
@@ -133,7 +133,7 @@ def _solid(row: dict[str, Any], shape: Shape, settings: PostprocessSolids) -> di
 def _write_grasps(
     settings: LabelParameters, objects: pd.DataFrame, scaled: Path, out: Path, jobs: int
 ) -> None:
-    """Write the labelled grasps of all objects; one without any has no rows."""
+    """Write the labelled grasps of all objects; an object without grasps has no rows."""
     work = partial(_grasps, settings=settings, scaled=scaled)
     names = list(zip(objects["id"], objects["label"], strict=True))
     with workers(jobs) as mapper:

@@ -1,4 +1,4 @@
-"""Mesh files of users: what each gives, or why it gives nothing, and whether its unit is right."""
+"""Mesh files of users: the result of each, or why there is none, and whether its unit is right."""
 
 import logging
 from collections.abc import Callable, Mapping
@@ -19,15 +19,15 @@ log = logging.getLogger(__name__)
 def use_mesh(
     path: Path, units: str | None, use: Callable[[trimesh.Trimesh], T]
 ) -> tuple[T | str, float]:
-    """What is made of a mesh file, or the reason why nothing is; and its longest side.
+    """What is made from a mesh file, or the reason why nothing is; and its longest side.
 
     Args:
         path: The file.
-        units: Unit of its coordinates; None: as the file says.
-        use: Makes something of the mesh, or raises `RejectedError`.
+        units: Unit of its coordinates; None: as stated in the file.
+        use: Makes something from the mesh, or raises `RejectedError`.
 
     Returns:
-        The side is in metres, NaN if the file cannot be read.
+        The result or the reason; and the side in metres, NaN if the file cannot be read.
     """
     longest = np.nan
     try:

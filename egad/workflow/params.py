@@ -1,4 +1,4 @@
-"""Parameters of rules: their jobs run again when these change. For any Snakefile."""
+"""Parameters of rules, whose jobs run again when they change. For any Snakefile."""
 
 import hashlib
 from collections.abc import Iterable
@@ -14,7 +14,7 @@ from egad.io import checksum
 def plain(part: Parameters) -> dict[str, Any]:
     """Settings as tables of plain values.
 
-    Whether a run goes on after failures of a detector is left out: it changes no result.
+    Whether a run continues after failures of a detector is left out: it changes no result.
     """
     return part.model_dump(
         mode="json", exclude={"trials": {"keep_going"}, "clutter": {"keep_going"}}

@@ -1,7 +1,7 @@
 """Compile the kernels of the pipeline on a small object: `python -m egad.workflow.precompile`.
 
-Jobs that run side by side would each compile the kernels that they share. A kernel that is left
-out here is compiled at its first use.
+Jobs that run in parallel would each compile the kernels that they share. A kernel that is not
+compiled here is compiled at its first use.
 """
 
 import multiprocessing
@@ -51,7 +51,7 @@ def compile_fusion() -> None:
 
 
 def _example() -> trimesh.Trimesh:
-    """A small object as evolution makes them."""
+    """A small object like those of evolution."""
     voxels = np.zeros((25, 25, 25), bool)
     voxels[8:16, 10:14, 4:20] = voxels[8:12, 4:20, 4:8] = True
     return surface(voxels, Shape())

@@ -87,7 +87,7 @@ def _write(
 
 
 def _read(chosen: list[Row], meshes: Path) -> tuple[dict[str, trimesh.Trimesh], dict[str, str]]:
-    """The meshes by label, and why there is none for the others."""
+    """The meshes by label, and the reason for each one that is missing."""
     solids, missing = {}, {}
     for row in chosen:
         try:
@@ -100,7 +100,7 @@ def _read(chosen: list[Row], meshes: Path) -> tuple[dict[str, trimesh.Trimesh], 
 def _engraved(
     solids: dict[str, trimesh.Trimesh], chosen: list[Row], grasps: Path | None, settings: PrintFiles
 ) -> dict[str, trimesh.Trimesh]:
-    """Copies that carry their labels, of the objects that can be printed so."""
+    """Copies with engraved labels, of the objects that can be printed with them."""
     names = {row["label"]: row["object_label"] for row in chosen}
     touched = _contacts(grasps, set(names.values())) if grasps else {}
     cut = {
@@ -121,7 +121,7 @@ def _engraved(
 
 
 def _contacts(path: Path, wanted: set[str]) -> dict[str, Floats]:
-    """Contacts of the grasps that a hand can use, (n, 3), by name of the object."""
+    """Contacts of the grasps that the hand can use, (n, 3), by name of the object."""
     ends = [f"contact{end}_{axis}" for end in "01" for axis in "xyz"]
     found: dict[str, list[Floats]] = {}
     for batch in parquet.batches(path, ["label", "collision_free", *ends]):
@@ -157,7 +157,7 @@ def _write_plate(
 
 
 def _advice(settings: PrintExport) -> str:
-    """How to print."""
+    """Instructions for printing."""
     return (
         f"{print_settings(settings)}, "
         f"supports beyond {settings.overhang_angle:g} degrees from the vertical"
@@ -165,7 +165,7 @@ def _advice(settings: PrintExport) -> str:
 
 
 def _base_row(row: Row, factor: float, settings: PrintExport) -> Row:
-    """The row of an object that nothing could be made of."""
+    """The row of an object without print files."""
     numbers = [field.name for field in MANIFEST if str(field.type) == "double"]
     return {
         **dict.fromkeys(numbers, np.nan),

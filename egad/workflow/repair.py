@@ -1,4 +1,4 @@
-"""Repaired meshes, and warnings of what became of them."""
+"""Repaired meshes, and warnings about them."""
 
 import logging
 
@@ -45,7 +45,7 @@ def warn_of_shapes(table: pd.DataFrame, prefix: str = "") -> None:
 
     Args:
         table: Columns of `tables.objects.SOLIDS` or `MEASURED`; the first has the names.
-        prefix: Stands before every warning.
+        prefix: Prefix of every warning.
     """
     names = table.iloc[:, 0]
     coarse = is_coarse(table["complexity"], table["fine_complexity"])

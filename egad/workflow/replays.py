@@ -1,4 +1,4 @@
-"""Attempts and rounds of tables again, without their detector, as films."""
+"""Repeating attempts and rounds of tables without their detector, as films."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -35,7 +35,7 @@ def film_attempt(
 ) -> str:
     """Repeat an attempt and film it.
 
-    The detector does not run again: its proposal is in the table.
+    The detector does not run again: its proposal is read from the table.
 
     Args:
         settings: Settings of the trials.
@@ -63,7 +63,7 @@ def film_attempt(
 def repeat_attempt(
     settings: TrialParameters, row: Mapping[str, Any], models: Models
 ) -> tuple[Attempt, list[RgbImage]]:
-    """The outcome of a repeated attempt, and the frames of its film.
+    """Repeat an attempt; return its outcome and the frames of its film.
 
     Args:
         settings: Settings of the trials.
@@ -94,7 +94,7 @@ def _row(trials: Path, label: str, attempt: int) -> dict[str, Any]:
 
 
 def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
-    """The same outcome, if there was a grasp to repeat, and the same end, bit by bit."""
+    """Check for the same outcome, if there was a grasp, and the same final pose, bit by bit."""
     outcome = again["outcome"] or row["outcome"]
     before, after = ([values[name] for name in END] for values in (row, again))
     if outcome != row["outcome"] or not np.array_equal(before, after, equal_nan=True):

@@ -1,6 +1,6 @@
 """The report of a run: one HTML page that needs no other file and no network.
 
-Each section is a module of `egad.report`; this one hands it tables and the values of settings.
+Each section is a module of `egad.report`; this module passes it tables and settings.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -39,7 +39,7 @@ class DatasetReport:
     Attributes:
         objects: Columns of `tables.objects.OBJECTS`.
         rejected: Columns of `tables.objects.REJECTED`.
-        pictures: PNG of each object, by its label; objects without one are shown without.
+        pictures: PNG of each object, by its label; optional for each.
         evalset: Columns of `tables.evaluation.EVAL49`.
         evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
         grasps: Columns of `tables.grasping.GRASPS`, by gripper.
@@ -79,7 +79,7 @@ class ReportData:
         settings: The resolved configuration.
         comparison: Columns of `tables.objects.COMPARISON`.
         datasets: Reports by name of the dataset.
-        versions: Version of each program that took part.
+        versions: Version of each program that was used.
     """
 
     settings: Settings
@@ -89,7 +89,7 @@ class ReportData:
 
 
 def build(report: ReportData) -> str:
-    """Put a run together as one HTML page.
+    """Combine a run into one HTML page.
 
     Args:
         report: Tables, pictures, settings and versions; what a dataset lacks is left out.

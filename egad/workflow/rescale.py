@@ -39,7 +39,7 @@ def rescale_files(
     Args:
         settings: Gripper and rule.
         meshes: Mesh files.
-        units: Unit of their coordinates: m, mm, cm, inch; without it, as the files say.
+        units: Unit of their coordinates: m, mm, cm, inch; without it, as stated in the files.
         out: Folder with the meshes scaled to gripper G (`.obj` in metres, `.stl` in millimetres), a
             table of their scales, and a table of the rejected objects.
         ending: `obj` or `stl`.
@@ -74,7 +74,7 @@ def rescale_files(
 
 
 def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
-    """Say how much of the surface fits into the gripper."""
+    """Log how much of the surface fits into the gripper."""
     before, after = (
         100 * np.mean([row[f"graspable_fraction_{when}"] for row in scales]) for when in BOTH
     )
@@ -85,7 +85,7 @@ def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
 def _scaled(
     named: tuple[str, Path], units: str | None, settings: RescaleMeshes, folder: Path, tail: str
 ) -> tuple[dict[str, Any] | str, float]:
-    """Write a scaled mesh; its row, or the reason why there is none, and its longest side."""
+    """Write a scaled mesh; return its row, or why there is none, and its longest side."""
     (name, path), rule, opening = named, settings.rescale, settings.gripper.opening
     result, longest = use_mesh(
         path, units, lambda mesh: (mesh, *rescale(mesh, rule.rule, opening, rule.side_fraction))

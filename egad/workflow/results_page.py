@@ -1,6 +1,6 @@
 """The manual of the results, `results/README.md`: every file, and the columns of every table.
 
-`python -m egad.workflow.results_page` writes it, `--check` says whether it is up to date.
+`python -m egad.workflow.results_page` writes it; `--check` checks whether it is up to date.
 """
 
 import sys
@@ -15,23 +15,26 @@ from egad._util.markdown import table
 from egad.tables.columns import Result, markdown_table
 
 PAGE = Path("results/README.md")
-# What no module of tables lists.
+# Results that no module of tables lists.
 OTHERS = [
     Result("report.html", "overview of all results; works offline"),
     Result("D/exchange/G.hdf5", "Dex-Net database (`targets.exports`); see docs/exchange.md"),
-    Result("D/exchange/G-FORMAT/", "every other format of `targets.exports`"),
+    Result(
+        "D/exchange/G-FORMAT/",
+        "exports in the formats of `targets.exports` other than dexnet",
+    ),
 ]
 
 INTRODUCTION = """# Results
 
-The files of a run, for a dataset `D`, a gripper `G` and a grasp detector `P`. Every table opens
-with `pandas.read_parquet`; its columns carry their `unit` and `meaning` as Arrow field metadata.
-Lengths are metres and masses kilograms unless a unit says otherwise. Cells count from 0 = simplest
-and 0 = easiest.
+The files of a run, where `D` is a dataset, `G` a gripper and `P` a grasp detector. Every table can
+be read with `pandas.read_parquet`; its columns carry their `unit` and `meaning` as Arrow field
+metadata. Lengths are in metres and masses in kilograms unless a unit says otherwise. Cells are
+numbered from 0, the simplest and the easiest.
 
 `egad provenance FILE` shows what a file was made from, and `egad verify results` whether anything
-was altered since: [docs/provenance.md](../docs/provenance.md). `D/parts` and `D/epochs` hold what
-jobs pass to each other; the pipeline makes what it needs of them again.
+was altered since: [docs/provenance.md](../docs/provenance.md). `D/parts` and `D/epochs` hold files
+that jobs pass to each other; the pipeline makes them again when it needs them.
 """
 
 
@@ -56,7 +59,7 @@ def page() -> str:
 
 
 def main() -> None:
-    """Write the manual, or with `--check` say whether it is up to date."""
+    """Write the manual or, with `--check`, check whether it is up to date."""
     if "--check" not in sys.argv:
         write_text(PAGE, page())
     elif PAGE.read_text(encoding="utf-8") != page():

@@ -1,4 +1,4 @@
-"""What labelled scenes of a dataset are made from: its plan and objects, read from its tables."""
+"""Inputs of the labelled scenes of a dataset: the plan and the objects, read from its tables."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -25,16 +25,16 @@ from egad.tables.evolution import LINEAGE
 from egad.tables.objects import OBJECTS, REJECTED
 from egad.workflow.shards import rejection
 
-KEPT = 200  # objects that stay in memory
+KEPT = 200  # objects kept in memory
 
 
 class ScenePlan(NamedTuple):
-    """What scenes of a dataset there are to be.
+    """The planned scenes of a dataset.
 
     Attributes:
-        scenes: All of them.
+        scenes: All scenes.
         splits: How the objects are split.
-        rejected: Those that cannot be simulated, columns of `tables.objects.REJECTED`.
+        rejected: Objects that cannot be simulated, columns of `tables.objects.REJECTED`.
         usable: The split of each object that can be simulated.
     """
 
@@ -59,8 +59,8 @@ def read_plan(
         objects: Objects of the dataset.
         scales: Their scales for the gripper.
         convex_parts: Their convex parts.
-        evaluation: Evaluation set to hold out; none if it is not.
-        ancestry: Objects and their ancestors, if they are known.
+        evaluation: Evaluation set to hold out, if any.
+        ancestry: Objects and their ancestors, if known.
 
     Raises:
         UserError: All objects are held out, or none can be simulated.
@@ -95,12 +95,12 @@ def read_plan(
 
 
 class StoredModels:
-    """The objects of a dataset as they are simulated, read when they are needed."""
+    """The objects of a dataset as they are simulated, loaded on demand."""
 
     def __init__(
         self, settings: MakeScenes, objects: Path, meshes: Path, convex_parts: Path
     ) -> None:
-        """Look for them.
+        """Find the objects.
 
         Args:
             settings: Their material.

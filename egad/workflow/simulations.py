@@ -1,4 +1,4 @@
-"""What stages open in a process of its own, which outlives a crash of the physics engine."""
+"""Work that stages run in a separate process, to survive a crash of the physics engine."""
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
@@ -151,7 +151,7 @@ def _model(mesh: trimesh.Trimesh, material: Material, parts: pd.DataFrame) -> Mo
 
 
 def _read(path: Path) -> trimesh.Trimesh:
-    """A mesh that an earlier stage wrote: if it cannot be read, the folder is broken."""
+    """A mesh written by an earlier stage: if it cannot be read, the folder is damaged."""
     try:
         return read_mesh(path, "m")
     except RejectedError as reason:
@@ -159,6 +159,6 @@ def _read(path: Path) -> trimesh.Trimesh:
 
 
 def failed_labels(rows: pd.DataFrame, settings: SimulatedLabels, outcome: Outcome) -> pd.DataFrame:
-    """The grasps of an object of which none could be simulated."""
+    """The grasps of an object for which no grasp could be simulated."""
     chosen = chosen_grasps(rows, settings)
     return with_simulated_labels(rows, chosen, [SimulatedGrasp(outcome)] * len(chosen), settings)

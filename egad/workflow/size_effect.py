@@ -24,7 +24,7 @@ def curves(
     Args:
         settings: Settings of this stage.
         files: Mesh files by name.
-        units: Unit of their coordinates, None: as the files say; the result does not depend on it.
+        units: Unit of their coordinates, None: as stated in the files; does not affect the result.
         worker_count: Processes; the result does not depend on it.
 
     Returns:

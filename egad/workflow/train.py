@@ -41,7 +41,7 @@ def train(
     jobs: int = 1,
     start: Path | None = None,
 ) -> Score:
-    """Train a network; an interrupted training resumes after its last epoch.
+    """Train a network; interrupted training resumes after its last epoch.
 
     Args:
         settings: Settings of this stage.
@@ -50,14 +50,14 @@ def train(
             `history.svg`; the training history, one epoch per row; and the score on images of
             held-out objects. See `docs/vision.md`.
         jobs: Cores; no result depends on it.
-        start: Weights to begin with; nothing: random ones.
+        start: Initial weights; random if omitted.
 
     Returns:
         The score of the network on the split `test`.
 
     Raises:
         UserError: PyTorch, the images of a split, or all positive grasps are missing; an object is
-            in two splits; or the weights are of another network.
+            in two splits; or the weights are those of another network.
         TableError: A shard cannot be read.
     """
     with needed_for("training"):
@@ -92,8 +92,8 @@ def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> ImageDataset
     """The training images.
 
     Raises:
-        UserError: The network is none for images, or a folder has scenes instead; a split has no
-            images, an object is in two, or no training image has a positive grasp.
+        UserError: The network is not one for images, or a folder has scenes instead; a split has no
+            images, an object is in two splits, or no training image has a positive grasp.
         TableError: A shard cannot be read.
     """
     plan = settings.training
@@ -124,12 +124,12 @@ def check_folders(folders: Sequence[Path], wanted: str, others: str, text: str) 
 
     Args:
         folders: Where to look.
-        wanted: What names of shards begin with,
-        others: and those of the other kind.
-        text: What to say.
+        wanted: Prefix of the names of shards.
+        others: Prefix of the names of shards of the other kind.
+        text: Error message.
 
     Raises:
-        UserError: One does.
+        UserError: A folder does.
     """
     for folder in folders:
         if any(folder.glob(f"{others}-*.parquet")) and not any(folder.glob(f"{wanted}-*.parquet")):
@@ -137,12 +137,12 @@ def check_folders(folders: Sequence[Path], wanted: str, others: str, text: str) 
 
 
 def start_notes(start: Path | None) -> dict[str, str]:
-    """The weights that a training begins with, by name and content, if any are given."""
+    """The initial weights of a training run, by name and content, if any are given."""
     return {} if start is None else {"start": f"{start.name}, sha256 {checksum(start)}"}
 
 
 def fingerprint(settings: TrainNetwork, images: Sequence[Path], start: Path | None = None) -> str:
-    """Everything that the result of a training depends on, as text."""
+    """Everything that the result of a training run depends on, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
     known = {

@@ -45,7 +45,7 @@ def train_on_scenes(
     device: str = "cpu",
     start: Path | None = None,
 ) -> SceneScore:
-    """Train VGN's network; an interrupted training resumes after its last epoch.
+    """Train VGN's network; interrupted training resumes after its last epoch.
 
     Args:
         settings: Settings of this stage.
@@ -54,15 +54,15 @@ def train_on_scenes(
         out: A trained network, in the same files as `egad.workflow.train.train` writes.
         jobs: Cores; no result depends on it.
         device: `cpu`, or `cuda`, where the last digits of a result may differ from run to run.
-        start: Weights to begin with; nothing: random ones.
+        start: Initial weights; random if omitted.
 
     Returns:
         The score of the network on the split `test`.
 
     Raises:
         UserError: PyTorch, the device, the scenes of a split, or all positive grasps are missing;
-            the scenes are for another gripper, an object is in two splits, or the weights are of
-            another network.
+            the scenes are for another gripper, an object is in two splits, or the weights are those
+            of another network.
         TableError: A shard cannot be read.
     """
     with needed_for("training"):
@@ -137,7 +137,7 @@ def open_scenes(folders: Sequence[Path]) -> SceneDataset:
 def fingerprint(
     settings: TrainOnScenes, folders: Sequence[Path], device: str, start: Path | None = None
 ) -> str:
-    """Everything that the result of a training depends on, as text."""
+    """Everything that the result of a training run depends on, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
     files = [path for folder in folders for path in sorted(folder.glob("*-*.parquet"))]

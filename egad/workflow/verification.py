@@ -1,4 +1,4 @@
-"""Whether tables of simulated attempts can be reproduced."""
+"""Check whether tables of simulated attempts can be reproduced."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
@@ -31,8 +31,8 @@ def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.Data
 
     Args:
         rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
-        sample: How many of these groups, drawn by chance; all if None.
-        seed: What they are drawn with, and with the table, so that nobody knows before it is made.
+        sample: How many of these groups, sampled at random; all if None.
+        seed: Determines the sample, together with the table, so that nobody can know it in advance.
     """
     keys = ROUND if "scene" in rows else ["id"]
     groups = [own for _, own in rows.groupby(keys, sort=False)]
@@ -58,13 +58,13 @@ def verify_groups(
     Args:
         groups: From `groups_of`.
         models: The objects by their ids.
-        settings: Those of the attempts.
+        settings: Settings of the attempts.
         gripper: Name of the gripper.
-        tolerance: By how much numbers may differ; 0 on the same kind of processor.
+        tolerance: How much numbers may differ; 0 on the same kind of processor.
         jobs: Processes; the result does not depend on them.
 
     Returns:
-        What differs.
+        The differences.
 
     Raises:
         UserError: There is no object of this name.
@@ -94,12 +94,12 @@ def _attempts(
 def gaps(
     rows: pd.DataFrame, objects: pd.DataFrame, settings: Settings, gripper: str
 ) -> Iterator[str]:
-    """What a table has too little or too much of: whoever leaves out failures has a better rate.
+    """Missing or surplus rows of a table: leaving out failures would improve the success rate.
 
     Args:
         rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
         objects: Columns label and id: what was tried.
-        settings: Those of the attempts.
+        settings: Settings of the attempts.
         gripper: Name of the gripper.
 
     Yields:

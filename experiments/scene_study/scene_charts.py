@@ -9,7 +9,7 @@ from egad.report.drawing import new_figure, show_percent
 
 
 def learning_chart(rounds: pd.DataFrame, scenes: Mapping[str, int], family: str) -> str:
-    """The share that networks clear over the number of their training scenes, a panel a test.
+    """The share that networks clear over the number of their training scenes, a panel per test.
 
     Args:
         rounds: Of one condition: `test`, `detector`, `name` of its set, `cleared` and `there`.

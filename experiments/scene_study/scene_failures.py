@@ -1,9 +1,9 @@
 """Pictures of typical failures in piles: `python scene_failures.py RUN SET`.
 
-RUN is the folder in which the study ran. In each test, of each outcome that is more than a tenth of
-the failed attempts of the networks of SET in piles seen by six cameras without noise, the object
-with most of them is shown by its first attempt, in frames from when the hand comes to when it
-leaves. Writes docs/studies/scenes_failures.png.
+RUN is the folder in which the study ran. In each test, the failed attempts of the networks of SET
+in piles seen by six cameras without noise count. For each outcome of more than a tenth of these,
+the picture shows the first such attempt at the object with most of them, in frames from when the
+hand comes to when it leaves. Writes docs/studies/scenes_failures.png.
 """
 
 import sys

@@ -109,7 +109,7 @@ def study_of(config: Mapping[str, Any]) -> SceneStudy:
 
 
 def networks_of(plan: ScenePlan) -> dict[str, tuple[str, int]]:
-    """Set and number of each network, by what it is called as a detector."""
+    """Set and number of each network, by its name as a detector."""
     return {
         f"{name}-{seed}": (name, seed)
         for name, each in plan.sets.items()

@@ -1,8 +1,8 @@
 """The tables of the study of scenes: goals, shares that are cleared, outcomes, scores.
 
-Intervals are of 95 %, those of goals of 97.5 %, by bootstrap: of a set, networks and rounds are
-drawn with replacement. All detectors that are compared get the same rounds, and both kinds of noise
-are of the same ones.
+Intervals are of 95 %, those of goals of 97.5 %, by bootstrap: the networks of a set and the rounds
+are drawn with replacement. All detectors that are compared get the same rounds, and so do both
+kinds of noise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,8 +25,8 @@ from egad.tables.training import SCENE_SCORE
 from egad.workflow.job import run_job
 
 SCENE, CAMERAS = "pile", "six"  # the condition that counts
-LEAD, MARGIN = 0.1, 0.05  # over published VGN; how far behind the rival is not behind
-SURE = 0.975  # of a goal, as either of two pairs of sets may reach it
+LEAD, MARGIN = 0.1, 0.05  # over published VGN; up to this far behind the rival is not behind
+SURE = 0.975  # confidence of a goal, as either of two pairs of sets may reach it
 DRAWS = 10_000
 
 
@@ -46,10 +46,10 @@ def run(
         tables: Cleared tables, `.../clutter/D/CAMERAS/P.parquet`.
         scores: Scores of the networks, `.../networks/SET/SEED/score.parquet`.
         objects: Objects of the tests, `results/D/objects.parquet`.
-        sets: Networks of each set, by what they are called as detectors.
+        sets: Networks of each set, by their names as detectors.
         scenes: Training scenes of each set.
         out: Markdown.
-        table: Objects that were there and that were cleared in each round.
+        table: Number of objects, and of cleared ones, in each round.
         chart: SVG of what is cleared over the training scenes: piles, six cameras, no noise.
     """
     names = {network: name for name, networks in sets.items() for network in networks}
@@ -72,7 +72,7 @@ def run(
 
 
 def rounds_of(path: Path, rows: pd.DataFrame, names: Mapping[str, str]) -> pd.DataFrame:
-    """Objects that were there and that were cleared, in each round of a detector.
+    """Number of objects, and of cleared ones, in each round of a detector.
 
     Args:
         path: Of its table.
@@ -119,7 +119,7 @@ def goals(rounds: pd.DataFrame) -> str:
 def difference(
     tests: Sequence[pd.DataFrame], first: str, second: str
 ) -> tuple[float, tuple[float, float]]:
-    """The share of a set minus that of another, the mean over tests, and its interval of a goal."""
+    """The share of a set minus that of another, the mean over tests, and the interval of a goal."""
     shares = [
         share_of(some[some["name"] == first]) - share_of(some[some["name"] == second])
         for some in tests
@@ -195,7 +195,7 @@ def cleared(rounds: pd.DataFrame) -> str:
 
 
 def outcomes(attempts: Mapping[Path, pd.DataFrame], names: Mapping[str, str]) -> str:
-    """What came of the attempts of each set or detector, all tests together, as Markdown."""
+    """Outcomes of the attempts of each set or detector, all tests together, as Markdown."""
     tables = [
         rows[rows["scene"] == SCENE].assign(name=names.get(path.stem, path.stem))
         for path, rows in attempts.items()

@@ -1,11 +1,11 @@
 """Figures and tables of docs/studies/training.md: `python docs_tables.py RESULTS [SET]`.
 
 RESULTS is the folder `results/training_study` of the study, or of a part of it. The outcomes of all
-attempts that are there go into docs/studies/training.parquet, and those in clutter into
-docs/studies/training_clutter.parquet. The figures and tables are of all attempts in these; a
+attempts there go into docs/studies/training.parquet, and those in clutter into
+docs/studies/training_clutter.parquet. The figures and tables cover all attempts in these files; a
 learning curve also needs the images of all its sets. The first sets of the pre-registered
-comparisons are left out before all networks of these are tested. If a SET is named, more tables
-compare it with each other set.
+comparisons are left out until all networks of these comparisons are tested. If a SET is named, more
+tables compare it with each other set.
 """
 
 import sys
@@ -98,7 +98,7 @@ def check_drops(made: pd.DataFrame, earlier: pd.DataFrame) -> None:
     On another kind of processor they differ by rounding, which makes a few come to rest elsewhere.
 
     Raises:
-        UserError: More differ; the text has how many of which test.
+        UserError: More of them differ; the text has how many of which test.
     """
     drop = ["test", "label", "attempt"]
     starts = [
@@ -120,14 +120,14 @@ def check_drops(made: pd.DataFrame, earlier: pd.DataFrame) -> None:
 
 
 def in_order(rates: Mapping[str, Floats], names: Sequence[str]) -> dict[str, Floats]:
-    """The rates of these names that are known, in their order."""
+    """The known rates of these names, in the order of the names."""
     return {name: rates[name] for name in names if name in rates}
 
 
 def draw_curves(
     shown: Mapping[str, Mapping[str, Row]], results: Path, plan: Plan, docs: Path
 ) -> None:
-    """The learning curves whose sets are tested in all tests, and whose images are there."""
+    """Draw the learning curves whose sets are tested in all tests and have their images."""
 
     def is_ready(name: str) -> bool:
         cards = [results / "images" / each / "card.md" for each in plan.image_sets(name)]

@@ -1,9 +1,9 @@
 """Pictures of typical failures: `python failures.py STUDY NOISE SET`.
 
-STUDY is the folder `results/training_study`. Of each way to lose an object that is more than 1 % of
-the failed grasps of the networks of SET in a test, the object with most of them is shown by its
-first attempt: the depth image without noise, with the grasp as a line between the fingertips, and
-frames of the attempt from when the hand comes to when it leaves. Writes
+STUDY is the folder `results/training_study`. For each outcome of more than 1 % of the failed grasps
+of the networks of SET in a test, the picture shows the first such attempt at the object with most
+of them: the depth image without noise, with the grasp as a line between the fingertips, and frames
+of the attempt from when the hand comes to when it leaves. Writes
 docs/studies/training_failures.png.
 """
 

@@ -1,9 +1,9 @@
 """Idle channels before training: `python initial_weights.py IMAGES`.
 
 For GG-CNN2 with its published initial weights (Xavier's rule, the biases of PyTorch) and with those
-of egad, by seed: the most channels of a layer that are 0 everywhere in all images, as a part of the
-layer. IMAGES is a folder of images such as `results/training_study/images/evolved`. Also prints the
-median of the standard deviations of the depths in these images.
+of egad, by seed: the largest fraction of channels of a layer that are 0 everywhere in all images.
+IMAGES is a folder of images such as `results/training_study/images/evolved`. Also prints the median
+of the standard deviations of the depths in these images.
 """
 
 import sys
@@ -57,7 +57,7 @@ def as_published(seed: int) -> nn.Module:
 
 @torch.inference_mode()
 def idle(network: nn.Module, inputs: torch.Tensor) -> float:
-    """The largest part of a layer's channels that are 0 everywhere in all images."""
+    """The largest fraction of a layer's channels that are 0 everywhere in all images."""
     found: dict[nn.Module, torch.Tensor] = {}
 
     def note(layer: nn.Module, _: object, answer: torch.Tensor) -> None:

@@ -86,7 +86,7 @@ def print_objects(
 ) -> None:
     """The objects that the first set loses most often.
 
-    Their size in millimetres, the part of its failures so far, and success.
+    Prints their size in millimetres, the cumulative share of its failures, and success.
     """
     lost = 1 - pd.Series(next(iter(rates.values())))
     shares = (lost / lost.sum()).sort_values(ascending=False, kind="stable").cumsum()

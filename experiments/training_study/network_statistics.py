@@ -82,8 +82,8 @@ def network_rates(trials: pd.DataFrame, cleared: pd.DataFrame) -> pd.DataFrame:
 
     Returns:
         Columns test, scene, noise, measure (success: of attempts; cleared: of objects), name
-        (training set, or other detector), trained (whether it is a set), seed, rate. Of a network
-        that proposed no grasp in a test, the success is 0.
+        (training set, or other detector), trained (whether it is a set), seed, rate. The success of
+        a network that proposed no grasp in a test is 0.
     """
     made_by = ["test", "training_set", "detector", "seed"]
     single = trials.groupby(["noise", *made_by], sort=False, as_index=False)["success"].mean()
@@ -105,7 +105,7 @@ def network_rates(trials: pd.DataFrame, cleared: pd.DataFrame) -> pd.DataFrame:
 
 
 def set_or_detector(rows: pd.DataFrame) -> "pd.Series[str]":
-    """Of each row the training set, or the detector where there is none."""
+    """The training set of each row, or the detector where there is none."""
     return rows["training_set"].where(rows["training_set"] != "", rows["detector"])
 
 
@@ -244,10 +244,10 @@ def object_interval(first: pd.DataFrame, second: pd.DataFrame) -> Interval:
 
 
 def holm(p_values: Floats) -> Floats:
-    """P-values of several tests, so that any is below 0.05 by chance in at most 5 % of cases.
+    """Adjust p-values of several tests: any is below 0.05 by chance in at most 5 % of cases.
 
-    The smallest of n is multiplied by n, the next by n - 1 and so on, and none is less than one
-    before it (Holm 1979).
+    The smallest of n is multiplied by n, the next by n - 1 and so on, and none is less than the
+    one before it (Holm 1979).
 
     Args:
         p_values: (n,); NaN counts as a test without a result.
@@ -271,7 +271,7 @@ def check_starts(rows: pd.DataFrame) -> None:
         rows: Columns label, attempt, initial_pose and detector, of one test.
 
     Raises:
-        UserError: A detector met an object in another pose than those before it.
+        UserError: A detector met an object in a different pose than the detectors before it.
     """
     attempted = rows[rows["initial_pose"] != ""]
     usual = attempted.groupby(["label", "attempt"])["initial_pose"].transform("first")

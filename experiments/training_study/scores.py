@@ -1,8 +1,9 @@
 """Scores of the networks of the training study: `python scores.py STUDY SET...`.
 
-For each training set, the images of the split test that have a positive grasp; in how many percent
-of them each network is correct; in how many percent of those of a single object the outline is; and
-the loss of each network on the validation images. STUDY is the folder `results/training_study`.
+Prints for each training set: the number of images of the split test that have a positive grasp; the
+percentage of them in which each network is correct; the percentage of those of a single object in
+which the outline is; and the loss of each network on the validation images. STUDY is the folder
+`results/training_study`.
 """
 
 import sys

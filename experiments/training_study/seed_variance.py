@@ -1,7 +1,7 @@
 """The tables on power for docs/studies/training-plan.md: `python seed_variance.py`.
 
-How many networks per training set show a difference of 5 points between two sets in 80 % of the
-cases, and how large a difference has to be for 2 and for 8 networks.
+How many networks per training set it takes to show a difference of 5 points between two sets in
+80 % of the cases, and how large a difference has to be for 2 and for 8 networks.
 """
 
 import bisect
@@ -84,7 +84,7 @@ def rates(
 ) -> NDArray[np.float64]:
     """Success of the networks of a set, (repeats, networks).
 
-    An object is grasped with a probability of its own, from Beta(2, 2). Those of a network are
+    Each object is grasped with its own probability, from Beta(2, 2). Those of a network are
     shifted, most where success is neither rare nor certain. Attempts are independent.
     """
     easy = generator(0, "objects", objects).beta(2, 2, objects)

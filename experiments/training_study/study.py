@@ -35,7 +35,7 @@ P = TypeVar("P", bound=Parameters)
 class SomeOf:
     """Marks a table of some settings of a section: `Annotated[dict[str, Any], SomeOf(Section)]`.
 
-    Each is checked as in the section; there are no others.
+    Each is checked as in the section; others are not allowed.
 
     Attributes:
         section: The section.
@@ -53,7 +53,7 @@ class SomeOf:
             ]
             for name, field in self.section.model_fields.items()
         }
-        typed_dict: Any = TypedDict  # type checkers know no keys of run time
+        typed_dict: Any = TypedDict  # type checkers do not know keys set at run time
         table = typed_dict(f"SomeOf{self.section.__name__}", fields, total=False)
         table.__pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
         return handler.generate_schema(table)
@@ -174,7 +174,7 @@ class Network(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What it is called as a grasp detector."""
+        """Its name as a grasp detector."""
         return f"{self.training_set}-{self.seed}"
 
     @property
@@ -240,7 +240,7 @@ def study_of(config: Mapping[str, Any]) -> Study:
     except UserError as error:
         problems += [f"egad.{line}" for line in str(error).split("\n")]
     try:
-        # JSON, for lists are tuples there; strict, for a number in quotes is a mistake
+        # JSON, as lists are tuples there; strict, as a number in quotes is a mistake
         plan = Plan.model_validate_json(json.dumps(values, default=str), strict=True)
     except ValidationError as error:
         problems += [_sentence(each) for each in error.errors(include_url=False)]
@@ -321,7 +321,7 @@ def _problems_of_set(name: str, plan: Plan, settings: Settings) -> list[str]:
 
 
 def changed(section: P, changes: Mapping[str, Any]) -> P:
-    """A section of which some settings are different.
+    """A section with some settings changed.
 
     Raises:
         ValidationError: They do not go together.
@@ -330,7 +330,7 @@ def changed(section: P, changes: Mapping[str, Any]) -> P:
 
 
 def _with_networks(settings: Settings, plan: Plan) -> Settings:
-    """The same with the networks among the grasp detectors, so that they are tried as any other."""
+    """The same with the networks among the grasp detectors, so that they are tried like others."""
     detectors = dict(settings.detectors)
     for network in plan.networks:
         given = plan.training_sets[network.training_set].weights
@@ -342,7 +342,7 @@ def _with_networks(settings: Settings, plan: Plan) -> Settings:
 def settings_for(study: Study, network: Network) -> Settings:
     """The settings that the images of a training set and a network are made with.
 
-    The images of all sets have the same seed; networks of a set differ in that of the training.
+    The images of all sets have the same seed; networks of a set differ in the seed of training.
     """
     plan, settings = study
     chosen = plan.training_sets[network.training_set]

@@ -35,7 +35,7 @@ class Row:
 
 
 def success_chart(tests: Mapping[str, Mapping[str, Row]]) -> str:
-    """Success of each training set, a panel a test.
+    """Success of each training set, a panel per test.
 
     Args:
         tests: Rows by name, by title of the panel. A panel may lack some of the names.

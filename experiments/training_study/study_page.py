@@ -152,7 +152,7 @@ class TestView:
 
 @dataclass(frozen=True)
 class Comparisons:
-    """What was to be tested before anything was known."""
+    """The pre-registered comparisons."""
 
     rows: list[SetComparison]
     noises: Mapping[str, str]
@@ -182,7 +182,7 @@ def page(results: Results) -> str:
 
 
 def describe(training_set: TrainingSet) -> str:
-    """What a training set consists of, in words; a name stands between backticks."""
+    """What a training set consists of, in words, with names in backticks."""
     if training_set.weights:
         return f"given weights, `{training_set.weights}`, without training"
     if training_set.images:

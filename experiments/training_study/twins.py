@@ -1,7 +1,7 @@
 """Twins in training and test: `python twins.py results/egad GRIPPER`.
 
-Of each object of the evaluation set, and each object that a training set learns from, the voxels
-that both fill / those that either fills, as the two evolved, neither turned nor moved.
+Compares each object of the evaluation set with each object that a training set learns from, by the
+intersection over union of their voxels, as the two evolved, neither turned nor moved.
 """
 
 import sys

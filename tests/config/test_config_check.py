@@ -96,8 +96,8 @@ def test_every_problem_has_one_line():
         (
             {"grippers": {"a": {"opening": 0}}},
             "grippers.a.opening: 0 is not allowed; allowed: a number, above 0, at most 10 "
-            "(widest opening, metres; with a file, that of the hand; with a cup, that of jaws that "
-            "objects would be scaled alike for (0.08))",
+            "(widest opening, metres; with a file, by default that of the hand; with a cup, "
+            "objects are scaled as for jaws of this opening (default 0.08))",
         ),
         ({"grippers": {"so101": 5}}, "grippers.so101: 5 is not allowed"),
         ({"grippers": {"a": {"opening": 1, "palm": [1, 2]}}}, "grippers.a.palm.2: is missing"),

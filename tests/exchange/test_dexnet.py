@@ -164,7 +164,7 @@ def test_stable_poses_turn_the_object_onto_the_table(objects):
 def test_metrics_say_how_they_are_computed(objects):
     metrics = objects.parent["metrics"]
     assert set(metrics) == set(dexnet.METRICS)
-    assert "nor on its straight way in" in metrics["collision_free"].attrs["description"]
+    assert "nor on its straight approach" in metrics["collision_free"].attrs["description"]
     assert metrics["needed_opening"].attrs["description"].endswith("(m)")
     assert metrics["ferrari_canny"].attrs["torque_scaling"] == 100
     assert not metrics["ferrari_canny"].attrs["check_approach"]

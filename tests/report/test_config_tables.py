@@ -19,7 +19,7 @@ def test_values_keep_all_their_digits():
     tables = {table.name: table for table in parameter_tables(Settings())}
     values = {item.name: item.value for item in tables["space"].parameters}
     assert values["graspability_range"] == "0.0005, 0.004"
-    assert tables["schedule"].summary.startswith("Division of evolution into jobs")
+    assert tables["schedule"].summary.startswith("How evolution is divided into jobs")
 
 
 def test_errors_of_a_cell_have_their_name_or_their_values():

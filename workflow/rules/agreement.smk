@@ -2,7 +2,7 @@
 
 Inputs: results/D/eval49.parquet, results/D/bundle/G, results/D/grasps/G.parquet.
 Outputs: results/D/agreement/G.parquet, one row per grasp; made if targets.agreement is true.
-Steps: labelled grasps of shards of objects are executed; then the tables are joined.
+Steps: labelled grasps are executed in shards of objects; then the tables are joined.
 """
 
 from egad.sim import LabelTrialParameters

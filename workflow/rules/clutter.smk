@@ -3,7 +3,7 @@
 Inputs: results/D/bundle/G; for the detector `labels` also results/D/grasps/G.parquet, and
 its weights, if a workflow makes them.
 Outputs: results/D/clutter/G/P.parquet, one row per attempt; made for `targets.clutter`.
-Steps: rounds in shards; then the tables of the shards are joined.
+Steps: rounds are run in shards; then the tables of the shards are joined.
 """
 
 from egad.config.stages import ClearedTables

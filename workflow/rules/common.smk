@@ -41,15 +41,15 @@ from egad.scenes import shard_count as scene_shard_count
 
 try:
     SETTINGS = check_engines(check(config))
-    # What is missing is named here, as Snakemake overlooks it where older results exist.
+    # Missing files are named here, as Snakemake overlooks them where older results exist.
     check_input_files(SETTINGS)
-    # The user's own measures by their code, so that editing it re-runs what they measure.
+    # The user's own measures by their code, so that editing them re-runs what they measure.
     MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
     MEASURES += own_samplers([SETTINGS.grippers[SETTINGS.graspability.gripper]])
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")
 
-# A chain of epochs is as deep as it is long, and Snakemake walks it by recursion.
+# Snakemake follows a chain of epochs by recursion, one level per epoch.
 sys.setrecursionlimit(20_000)
 # The display shows the warnings and errors of jobs, which are marked in their logs.
 os.environ[MARKS] = "1"
@@ -66,7 +66,7 @@ IMAGE_SHARDS = range(shard_count(SETTINGS.render.images))
 SCENE_SHARDS = range(scene_shard_count(SETTINGS.scenes.scenes))
 FAILURE_SHARDS = range(SETTINGS.failures.shards)
 ISLANDS = range(SETTINGS.schedule.islands)
-# Some formats need them, e.g. ACRONYM: they say whether a grasp succeeded.
+# Some formats, such as ACRONYM, need simulated labels to say whether a grasp succeeded.
 SIMULATES_LABELS = SETTINGS.targets.simulated_labels or any(
     "simulated_grasps" in sources(name, SETTINGS.targets.grippers[0])
     for name in SETTINGS.targets.exports
@@ -78,10 +78,10 @@ GIVEN = {
     for name, dataset in SETTINGS.datasets.items()
     if dataset.source == "archive"
 }
-EVOLVED_DATASET = "|".join(EVOLVED) or "(?!)"  # patterns; the latter fits no name
+EVOLVED_DATASET = "|".join(EVOLVED) or "(?!)"  # patterns; the latter matches no name
 ARCHIVED_DATASET = "|".join([*EVOLVED, *GIVEN]) or "(?!)"
 ENVIRONMENT = "../../envs/egad.yaml"
-CLOCK_SKEW = 60  # seconds that the clocks of a cluster may differ
+CLOCK_SKEW = 60  # seconds by which the clocks of a cluster may differ
 
 
 wildcard_constraints:
@@ -94,7 +94,7 @@ wildcard_constraints:
 
 
 def settings_of(stage):
-    """The settings that a stage reads, by the class that lists them: changes re-run its rule.
+    """The settings that a stage reads, from the class that lists them: changes re-run its rule.
 
     A stage that reads a gripper gets the one in the file name, otherwise the one of its own
     settings. The detector of the trials is also in the file name.
@@ -123,7 +123,7 @@ def code_of(script):
 
 
 def code_of_format(script):
-    """The same with that of the format in the file name."""
+    """The same, with the version of the format in the file name."""
 
     def versions(wildcards):
         modules = modules_of_format(wildcards.format)
@@ -185,7 +185,7 @@ def parts(pattern, shards=SHARDS):
 
 
 def only_if(wanted, file):
-    """An input that a setting decides about."""
+    """An input that depends on a setting."""
     return [file] if wanted else []
 
 
@@ -201,7 +201,7 @@ def sampler_code(wildcards):
 
 @cache
 def files_of_gripper(name):
-    """The same, by its name."""
+    """The files that describe a gripper, by its name."""
     return [str(path) for path in files_of(SETTINGS.grippers[name])]
 
 
@@ -216,7 +216,7 @@ def contents_of(files):
 def again_if_incomplete(output):
     """No input; but if files are missing in the folder of an output, its job runs again.
 
-    Snakemake sees that a folder is there, not what is in it. `SHA256SUMS` lists what was written.
+    Snakemake sees that a folder exists, not what is in it. `SHA256SUMS` lists what was written.
     """
 
     def look(wildcards):

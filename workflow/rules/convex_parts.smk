@@ -1,4 +1,4 @@
-"""Convex parts: what stands for each object in simulators.
+"""Convex parts, which represent each object in simulators.
 
 Inputs: results/D/objects.parquet, results/D/rescaled/G.
 Outputs: results/D/convex_parts/G.parquet, one row per part.

@@ -1,18 +1,18 @@
-"""Failures: objects that can be grasped, and that a grasp detector does not grasp.
+"""Failures: objects that can be grasped, but that a grasp detector does not grasp.
 
 Inputs: results/D/archive.parquet; the weights of the detector, if a workflow makes them.
 Outputs: results/D/failures/G/P.parquet, one row per failure; beside it P.examined.parquet, one row
 per object that was looked at, P.attempts.parquet, and P.html, a page that explains them; made for
 `targets.failures`.
-Steps: searches that share the attempts, `failures.shards` of them; then their failures are put
-into one archive, and the detector is asked again why it failed; then attempts are filmed.
+Steps: `failures.shards` searches share the attempts; then their failures are merged into one
+archive, and the detector is asked again why it failed; then attempts are filmed.
 """
 
 from egad.config.stages import DetectorFailures
 
 
 rule search_failures:
-    """Search for failures, a shard of the attempts."""
+    """Search for failures with a shard of the attempts."""
     input:
         archive="results/{dataset}/archive.parquet",
         weights=weights_of_detector,
@@ -51,7 +51,7 @@ rule search_failures:
 
 
 rule join_failures:
-    """Put the failures of all shards into one archive, and ask the detector again why it failed."""
+    """Merge the failures of all shards, and ask the detector again why it failed."""
     input:
         examined=parts(
             "results/{dataset}/parts/failures_examined-{gripper}-{detector}-{shard}.parquet",

@@ -3,8 +3,7 @@
 Inputs: results/D/objects.parquet, results/D/meshes, results/D/rescaled/G, the simulated grasps of all
 shards and results/D/eval49.parquet, for the dataset and the gripper of the section `release`;
 results/D/trials/G/P.parquet, if they are targets; results/D/archive.parquet and
-results/D/ancestry.parquet, if the objects have genomes; other files of results/release, to link to
-them.
+results/D/ancestry.parquet, if the objects have genomes; other files of results/release, for links.
 Outputs: results/release/index.html, and its data in results/release/gallery.
 """
 

@@ -1,4 +1,4 @@
-"""Join: the tables of all shards in one. Other rules are copies of this one (`use rule`).
+"""Join: the tables of all shards as one. Other rules are copies of this one (`use rule`).
 
 They set input, output, log, benchmark, message, and the columns to sort by.
 """

@@ -5,7 +5,8 @@ results/D/meshes, results/D/rescaled/G, results/D/convex_parts/G.parquet and the
 all shards, for the dataset and the gripper of the section `release`.
 Outputs: results/release, a folder with tables, meshes, pictures, archives for simulators, a gallery,
 a dataset card and checksums.
-Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then what explains them.
+Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then files that explain
+them.
 """
 
 from egad.config.stages import SimulationBundle, ReleaseCard, ReleaseTables

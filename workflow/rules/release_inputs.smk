@@ -1,4 +1,4 @@
-"""Functions: what the release and its gallery are made from. No rules here."""
+"""Functions: the inputs of the release and its gallery. No rules here."""
 
 from egad.config.stages import Gallery
 
@@ -17,12 +17,12 @@ def ancestry_of_release(wildcards):
 
 
 def shipped_networks(wildcards):
-    """The files of the networks that egad ships, which the release has a copy of."""
+    """The files of the networks that egad ships, which are copied into the release."""
     return sorted(str(path) for path in NETWORKS.rglob("*") if path.is_file())
 
 
 def archives_of_release(wildcards):
-    """The archives for simulators, if what writes them is installed."""
+    """The archives for simulators, if the packages that write them are installed."""
     try:
         for name in SETTINGS.release.archives:
             module_of(name)

@@ -10,7 +10,7 @@ rule report:
     input:
         published(),
     output:
-        # an older one stays until this one is written
+        # an older report stays until this one is written
         out=report(
             ensure(update("results/report.html"), non_empty=True),
             caption="../report/overview.rst",

@@ -1,4 +1,4 @@
-"""agreement: simulated execution of labelled grasps of the evaluation objects of a shard."""
+"""agreement: execute labelled grasps of the evaluation objects of a shard in simulation."""
 
 import logging
 from functools import partial

@@ -22,7 +22,7 @@ def run(
 
     Args:
         archive: The elites.
-        lineages: What the archives of all islands took in, in all epochs.
+        lineages: Everything that the archives of all islands accepted, in all epochs.
         ancestry: Elites and ancestors, in the order in which they were created.
     """
     ids = parquet.read(archive, ARCHIVE)["id"]

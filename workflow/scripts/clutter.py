@@ -1,4 +1,4 @@
-"""clutter: rounds of clearing a table with a grasp detector, a shard of them."""
+"""clutter: a shard of rounds of clearing a table with a grasp detector."""
 
 import logging
 from functools import partial
@@ -41,11 +41,11 @@ def run(
     Args:
         settings: Settings of this stage.
         bundle: Folder of the simulation bundle, scaled to the gripper.
-        shard: Number of this shard, and number of shards; the rounds are dealt out among them.
+        shard: Number of this shard, and number of shards; the rounds are distributed among them.
         out: Rounds in which detector P clears a table of objects with gripper G, one attempt per
             row. Made for the detectors in `targets.clutter`.
         grasps: Labelled grasps of the objects, for the detector `labels`.
-        keep_going: Whether to go on with a detector that fails in every attempt.
+        keep_going: Whether to continue with a detector that fails in every attempt.
     """
     number, shards = shard
     todo = rounds_of(list(rows_by_id(bundle)), settings)[number::shards]

@@ -60,7 +60,7 @@ def run(
 
 
 def _warn(name: str, frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
-    """Say which of a user's meshes could not be used, and what is doubtful of the others.
+    """Warn about a user's meshes that could not be used, and about doubts on the others.
 
     Args:
         name: Name of the dataset.

@@ -37,8 +37,9 @@ def run(
         island: Number of the island.
         archive: Archive of the island.
         history: Statistics of the archive, one row per step.
-        lineage: All objects that the archive took in, even if they left it again.
-        base: Merged archive of the previous epoch; none starts from random genomes.
+        lineage: All objects that the archive accepted, even if it removed them later.
+        base: Merged archive of the previous epoch; without it, evolution starts from random
+            genomes.
         page: HTML page to write, a live map of the archive.
         islands: Number of islands, for the page.
         jobs: Processes, and threads; the result does not depend on it.

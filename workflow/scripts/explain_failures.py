@@ -10,7 +10,7 @@ def run(failures: Path, page: Path, jobs: int) -> None:
     """Write the page of an atlas.
 
     Args:
-        failures: Objects that the detector fails at; the other tables of the atlas are beside it.
+        failures: Objects that the detector fails at; the other tables of the atlas are next to it.
         page: Map of the failures, their reasons and features of shape, and films of the worst.
         jobs: Processes.
     """

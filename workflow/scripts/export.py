@@ -18,7 +18,7 @@ def run(
     """Write a folder in a format.
 
     Args:
-        settings: Those of the format.
+        settings: Settings of the format.
         dataset: Folder of the dataset.
         gripper: Name of the gripper.
         format_name: The format.

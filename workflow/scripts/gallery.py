@@ -63,7 +63,7 @@ class Ancestor(NamedTuple):
 
 
 class Made(NamedTuple):
-    """A page as a script, and the picture for a sheet; None if there is no shape."""
+    """A page as a script, and the picture for a sheet, which is None if there is no shape."""
 
     script: str
     picture: RgbImage | None
@@ -94,7 +94,7 @@ def run(
         objects: Objects of the dataset.
         meshes: Folder of their meshes.
         out: Data of the gallery: an index, sheets of pictures, and a script for each object and
-            each of its ancestors. The page beside it reads them.
+            each of its ancestors. The page next to it reads them.
         page: The gallery. It works offline and on any web server.
         detectors: Names of grasp detectors.
         trials: Their trials with the evaluation set.
@@ -105,7 +105,7 @@ def run(
         archive: Archive that the objects come from, with their genomes.
         ancestry: The objects of the archive and their ancestors.
         pieces: The folders `data` and `meshes` of the release, which the page links to.
-        archives: Archives of the release, which it links to as well.
+        archives: Archives of the release, which the page also links to.
         jobs: Processes; the result does not depend on it.
     """
     data = GalleryData(
@@ -245,7 +245,7 @@ def _ancestor(item: Ancestor, settings: Gallery, rules: Rules, axes: AxisPair) -
 
 
 def _grown(row: Mapping[str, Any], settings: Gallery, rules: Rules) -> trimesh.Trimesh | None:
-    """The surface of an ancestor; None if its genome now gives another shape than it had."""
+    """The surface of an ancestor; None if its genome now gives a different shape."""
     solid = express(row, settings, rules)
     if isinstance(solid, str) or solid.id != row["id"]:
         return None

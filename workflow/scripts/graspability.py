@@ -25,7 +25,7 @@ def run(
     out: Path,
     jobs: int = 1,
 ) -> None:
-    """Measure the graspability of every object for a gripper, as it was measured for its cell.
+    """Measure the graspability of every object for a gripper, in the same way as for its cell.
 
     Args:
         settings: Settings of this stage.

@@ -1,4 +1,4 @@
-"""join_failures: the failures that all shards of a search have found, in one archive."""
+"""join_failures: the failures found by all shards of a search, in one archive."""
 
 import logging
 from pathlib import Path
@@ -25,8 +25,8 @@ def run(
         settings: Settings of this stage.
         examined: Objects that each shard looked at.
         attempts: Simulated grasps of each shard.
-        failures: Objects that detector P fails at though gripper G can grasp them, one per row.
-            What was examined and the attempts are written beside it. Made for the detectors in
+        failures: Objects that detector P fails at although gripper G can grasp them, one per row.
+            The examined objects and the attempts are written next to it. Made for the detectors in
             `targets.failures`.
         jobs: Processes.
     """

@@ -20,7 +20,7 @@ from egad.workflow.simulations import open_naive_grasps
 
 log = logging.getLogger(__name__)
 
-GRASP_TIME = 5.0  # seconds; one takes a tenth of that
+GRASP_TIME = 5.0  # seconds; a grasp takes a tenth of that
 
 
 def run(

@@ -1,4 +1,4 @@
-"""publish: the archive that the objects are made from."""
+"""publish: the final archive, from which the objects are made."""
 
 from pathlib import Path
 

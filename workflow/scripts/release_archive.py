@@ -44,7 +44,7 @@ def run(
 def _written(
     settings: SimulationBundle, write: WriteObject, meshes: Path, convex_parts: Path, count: int
 ) -> Iterator[Path]:
-    """A folder with the files of each object, which is gone when the next one is asked for."""
+    """A folder with the files of each object, which is deleted when the next one is requested."""
     written = 0
     found = read_convex_objects(convex_parts, meshes, settings.material.density)
     for label, made in progress(found, "writing objects", count):

@@ -1,4 +1,4 @@
-"""release-card: what explains a dataset release, for people and for programs."""
+"""release-card: files that explain a dataset release, for people and for programs."""
 
 import json
 import shutil
@@ -47,14 +47,14 @@ def run(
     """Write the card of a release, its licence, citation, provenance and checksums.
 
     Args:
-        settings: What the card says.
+        settings: Settings of the card.
         pieces: Folders of tables, meshes and previews.
         archives: Archives of objects for simulators.
         gallery: The page of the gallery, and its folder.
-        out: What explains the folder `release`: a dataset card as Hugging Face reads it, the same
-            tables for tools that read Croissant, how to cite it, the licence of the data, what each
-            file was made from, the checksums of all files, and the networks that egad ships. The
-            rule `release` makes the folder. See `docs/release.md`.
+        out: Files that explain the folder `release`: a dataset card for Hugging Face, a description
+            of the same tables for tools that read Croissant, how to cite it, the licence of the
+            data, what each file was made from, the checksums of all files, and the networks that
+            egad ships. The rule `release` makes the folder. See `docs/release.md`.
 
     Raises:
         UserError: The folder has archives of an earlier release.
@@ -81,7 +81,7 @@ def run(
 
 
 def _check_archives(out: Path, pieces: Iterable[Path]) -> None:
-    """Raise UserError if there are others than those that were made for this release."""
+    """Raise UserError if there are archives other than those of this release."""
     made = {path.resolve() for path in pieces}
     old = [path for path in sorted(out.glob("archives/*.zip")) if path.resolve() not in made]
     if old:

@@ -46,12 +46,12 @@ from egad.workflow.job import run_job
 from egad.workflow.shards import rejection
 
 log = logging.getLogger(__name__)
-KEPT = 200  # objects that stay in memory
+KEPT = 200  # objects kept in memory
 
 
 @dataclass(frozen=True)
 class KnownObject:
-    """An object of the dataset, in the size that fits the gripper; parts may be missing."""
+    """An object of the dataset, at the size that fits the gripper; parts may be missing."""
 
     id: str
     mesh: trimesh.Trimesh
@@ -147,10 +147,10 @@ class Studio:
         meshes: Path,
         convex_parts: Path | None,
     ) -> None:
-        """Take what the images are made from; arguments as in `run`.
+        """Take the inputs of the images; arguments as in `run`.
 
         Raises:
-            UserError: Convex parts are needed and not given, or the sizes are too large.
+            UserError: Convex parts are needed but not given, or the sizes are too large.
         """
         if settings.render.needs_convex_parts and convex_parts is None:
             raise UserError(
@@ -192,7 +192,7 @@ class Studio:
             yield from views_of(labelled, share, self.settings, key)
 
     def _arranged(self, share: Share, rng: np.random.Generator) -> tuple[PlacedObject, ...]:
-        """The objects of a scene in random sizes where they come to rest."""
+        """The objects of a scene at random sizes, where they come to rest."""
         found = [self._known(label) for label in share.members]
         sizes = [self._size(each, share, rng) for each in found]
         pairs = [pair for pair in zip(found, sizes, strict=True) if pair[1] and pair[0].parts]

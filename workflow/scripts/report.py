@@ -82,7 +82,7 @@ def run(
 
 
 def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> DatasetReport:
-    """What was made for a dataset; only targets are taken beyond their objects."""
+    """What was made for a dataset; apart from its objects, only targets are included."""
     objects = parquet.read(folder / "objects.parquet", OBJECTS)
     evolved = settings.datasets[name].source == "evolved"
     history = parquet.read(folder / "history.parquet", HISTORY) if evolved else None
@@ -148,7 +148,7 @@ def _clutter(settings: Settings, folder: Path) -> dict[str, Any]:
 
 
 def scene_pictures(settings: ClutterParameters, bundle: Path) -> dict[str, list[bytes]]:
-    """PNGs of the scenes that the first rounds begin with, by kind; those that can be simulated."""
+    """PNGs of the initial scenes of the first rounds that can be simulated, by kind."""
     models = {name: model_in(bundle, row) for name, row in rows_by_id(bundle).items()}
     found: dict[str, list[bytes]] = {}
     for this in rounds_of(list(models), settings):
@@ -168,13 +168,13 @@ def versions() -> dict[str, str]:
     """Versions of Python and of those `PACKAGES` that are installed."""
     found = {"python": platform.python_version()}
     for name in PACKAGES:
-        with suppress(PackageNotFoundError):  # of the physics engines, one may be missing
+        with suppress(PackageNotFoundError):  # one of the physics engines may be missing
             found[name] = version(name)
     return found
 
 
 def _rejected(folder: Path, grippers: list[str]) -> pd.DataFrame:
-    """What was left out of a dataset, and of what was made of it for grippers."""
+    """What was left out of a dataset, and of the results for grippers."""
     frames = [parquet.read(folder / "rejected.parquet", REJECTED)]
     for gripper in grippers:
         for path in (f"rescaled/{gripper}/rejected.parquet", f"grasps/{gripper}.rejected.parquet"):
@@ -196,7 +196,7 @@ def _picture(path: Path, size: int) -> bytes:
 def _each(
     grippers: list[str], folder: Path, pattern: str, schema: pa.Schema
 ) -> dict[str, pd.DataFrame]:
-    """One table a gripper."""
+    """One table per gripper."""
     return {gripper: parquet.read(folder / pattern.format(gripper), schema) for gripper in grippers}
 
 

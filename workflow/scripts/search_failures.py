@@ -1,4 +1,4 @@
-"""search_failures: objects that can be grasped, and that a detector does not grasp; a shard."""
+"""search_failures: objects that can be grasped, but that a detector does not grasp; one shard."""
 
 import logging
 from pathlib import Path

@@ -47,16 +47,16 @@ def run(
     rejected: Path,
     jobs: int = 1,
 ) -> None:
-    """Choose the evaluation set, or take one that has been chosen already.
+    """Choose the evaluation set, or take one that has already been chosen.
 
-    It has one printable object per cell. The choice maximises the dissimilarity of the set.
+    It has one printable object per cell. The choice maximizes the dissimilarity of the set.
 
     Args:
         settings: Settings of this stage.
         objects: Objects of the dataset.
         solids: Objects of the shards, from postprocess, for their Reeb graphs and meshes.
-        labels: Labels of objects by their ids, if the set has been chosen already.
-        by_name: Whether it is that of the objects whose names are labels.
+        labels: Labels of objects by id, if the set has already been chosen.
+        by_name: Whether the set consists of the objects whose names are labels.
         out: The evaluation set.
         rejected: The candidates that cannot be printed, with reasons.
         jobs: Threads; the result does not depend on it.
@@ -93,7 +93,7 @@ def run(
 
 
 def _problems(row: pd.Series, settings: EvalSelection) -> list[str]:
-    """What keeps an object from being printed for the gripper that all must be printed for."""
+    """Why an object cannot be printed for the gripper that all must be printed for."""
     vertices, faces = np.reshape(row["vertices"], (-1, 3)), np.reshape(row["faces"], (-1, 3))
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     rule, opening = settings.rescale, settings.gripper.opening
@@ -111,7 +111,7 @@ def _reason(problems: list[str], settings: EvalSelection) -> str:
 
 
 def _log_result(found: Selection, distances: Distances, settings: EvalSelection) -> None:
-    """Say how much less alike the chosen objects are than others could be, and what is missing."""
+    """Log how much less alike the chosen objects are than others could be, and what is missing."""
     rng = generator(settings.seed, "random-eval-sets")
     log.info(
         "%d objects, mean distance %.4f; best of 1000 random sets, printable or not, %.4f; "

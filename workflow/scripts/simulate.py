@@ -35,8 +35,8 @@ def run(
 ) -> None:
     """Run simulated grasping trials on the evaluation objects of a shard.
 
-    Everything runs in a separate process, which is restarted if the engine crashes or hangs. An
-    object with which that happens twice is marked as crashed.
+    Everything runs in a separate process, which is restarted if the engine crashes or hangs. If
+    that happens twice with an object, it is marked as crashed.
 
     Args:
         settings: Settings of this stage.
@@ -46,7 +46,7 @@ def run(
         shard: Number of this shard, and number of shards.
         out: Simulated trials of detector P with gripper G, one attempt per row.
         grasps: Labelled grasps of the objects, for the detector `labels`.
-        keep_going: Whether to go on with a detector that fails in every attempt.
+        keep_going: Whether to continue with a detector that fails in every attempt.
     """
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)

@@ -15,7 +15,7 @@ def run(
     naive: Path,
     out: Path,
 ) -> None:
-    """Tell how often the naive and the antipodal grasps of each object succeed.
+    """Count how often the naive and the antipodal grasps of each object succeed.
 
     Args:
         grasps: Labelled grasps with simulated labels.
@@ -30,7 +30,7 @@ def run(
         raise UserError(f"{grasps} has no simulated labels; set targets.simulated_labels: true")
     held = antipodal_success_rates(parquet.read(grasps, SIMULATED_GRASPS))
     rates = naive_success_rates(parquet.read(naive, NAIVE_GRASPS))
-    # An object may have no antipodal grasps, or none that the engine could tell of.
+    # An object may have no antipodal grasps, or none whose outcome the engine could determine.
     table = rates.merge(held, how="outer", on=["label", "id"], sort=True)
     counts = {name: table[name].fillna(0) for name in ("n_free", "n_table", "n_simulated")}
     parquet.write(table.assign(**counts), SIMULATED_OBJECTS, out)

@@ -1,1 +1,1 @@
-"""Formats of grasps: one module a format."""
+"""Formats of grasps: one module per format."""

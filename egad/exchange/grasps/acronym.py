@@ -79,7 +79,7 @@ class Jaws:
 
     Attributes:
         name: Name of the gripper.
-        opening: Widest, metres.
+        opening: Widest opening, metres.
         fingertip: How far the fingers reach beyond the contacts, metres.
     """
 
@@ -95,16 +95,16 @@ def write_acronym(
 
     ACRONYM's label `flex/object_in_gripper` is 1 if both fingers still held the object after it was
     shaken in simulation, and 0 for the others and for grasps at which the open hand collides. Its
-    motions are not a number where it did not come to that. Grasps of which nothing is known, for
-    only some of an object were simulated, are left out. Our own `egad/success` is a label without
-    simulation, and says in its attribute what it means.
+    motions are NaN for grasps that did not get that far. Grasps with no known outcome are left out:
+    only some grasps of an object were simulated. Our own `egad/success` is a label without
+    simulation; its attribute says what it means.
 
     Args:
         path: A name that ends in `.h5`.
         body: The object.
         jaws: The hand.
         grasps: One row per grasp, with `COLUMNS`.
-        least: Part of the disturbed copies that must hold the object for `egad/success`.
+        least: Fraction of the perturbed copies that must hold the object for `egad/success`.
     """
     with writing(path) as file:
         for name, value in (vars(body) | {"density": body.mass / body.volume}).items():
@@ -116,7 +116,7 @@ def write_acronym(
 
 
 def jaws_of(hand: NamedGripper) -> Jaws:
-    """What a file says of a gripper."""
+    """What a file says about a gripper."""
     return Jaws(hand.name, hand.gripper.opening, finger_span(hand.gripper)[1])
 
 
@@ -139,7 +139,7 @@ def write(
 
 
 def is_ours(path: Path) -> bool:
-    """Whether a file is one that `write_acronym` wrote, or the sums of them."""
+    """Whether a file is one that `write_acronym` wrote, or holds the checksums of such files."""
     if path.name == SUMS:
         return True
     if path.suffix != ".h5" or not path.is_file():
@@ -165,7 +165,7 @@ def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float)
     own["success"].attrs["meaning"] = (
         "not simulated: 1 if the open hand touches nothing at the grasp nor on its straight way "
         "in, at the best of the approach angles tried, and at least "
-        f"{least} of the disturbed copies hold"
+        f"{least} of the perturbed copies hold"
     )
     flex = add_group(group, "qualities/flex")
     add_array(flex, "object_in_gripper", held_when_shaken(grasps).astype(np.int64))

@@ -27,9 +27,9 @@ log = logging.getLogger(__name__)
 
 Split = Literal["train", "valid"]
 SPLITS: tuple[Split, Split] = ("train", "valid")
-ONE_IN = 10  # objects to validate with
+ONE_IN = 10  # objects is for validation
 MIN_POSITIVE = 5  # an object with fewer is left out by GraspGen's reader
-# Depths of hands that GraspGen itself describes, metres, by our names of them.
+# Depths of hands that GraspGen itself describes, metres, by our names for them.
 DEPTHS = {"panda": 0.10527314, "robotiq_2f_140": 0.195}
 # for `format`: what it is, and the name of its points
 DESCRIPTION = '''\
@@ -96,9 +96,9 @@ def check(hand: NamedGripper) -> None:
 def graspgen_hand(name: str, gripper: Gripper) -> GraspGenHand:
     """A gripper with its depth.
 
-    With a file, the origin is as far behind the closed pads as that of the base link. Otherwise it
-    is where GraspGen has it if the name is that of one of its hands, and else at the back of the
-    palm.
+    For a gripper with a file, the origin is as far behind the closed pads as that of the base link.
+    Otherwise it is where GraspGen has it if the name is that of one of its hands, or else at the
+    back of the palm.
 
     Args:
         name: Name of the gripper.
@@ -125,7 +125,7 @@ def graspgen_poses(hand: GraspGenHand, grasps: Grasps) -> Floats:
 
 
 def default_split(label: str) -> Split:
-    """Which list an object is in: by chance one in ten is for validation, whatever the others."""
+    """The list of an object: at random, one in ten is for validation, independent of the others."""
     number = int.from_bytes(hashlib.sha256(label.encode()).digest()[:8])
     return "train" if number % ONE_IN else "valid"
 
@@ -138,14 +138,14 @@ def write_graspgen(
     Its mesh, as it is grasped, belongs in `objects/LABEL.obj`; `objects` is GraspGen's root of the
     meshes, and the scale is 1. `object_in_gripper` is true if both fingers still held the object
     after it was shaken in simulation, and false for the others and for grasps at which the open
-    hand collides. Grasps of which nothing is known are left out.
+    hand collides. Grasps with no known outcome are left out.
 
     Args:
         folder: Folder of the dataset, made by `start_graspgen`.
         hand: The hand.
         label: Label of the object.
         grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
-        split: The list; by default that of `default_split`, which does not know relatives.
+        split: The list; by default that of `default_split`, which does not keep relatives together.
 
     Returns:
         The number of successes; with fewer than `MIN_POSITIVE` GraspGen leaves the object out.
@@ -185,7 +185,7 @@ def start_dataset(
     Args:
         folder: Folder of the dataset.
         name: Name of the gripper.
-        about: What is known of it, for its YAML file.
+        about: What is known about it, for its YAML file.
         program: Python that GraspGen runs for it.
         mesh: Its shape in the frame of the poses, metres.
     """

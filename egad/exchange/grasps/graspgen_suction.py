@@ -47,7 +47,7 @@ def suction_transforms(grasps: Grasps) -> Floats:
 
 
 def described_cup(name: str, cup: SuctionCup) -> dict[str, Any]:
-    """A cup in GraspGen's keys."""
+    """A cup described by GraspGen's keys."""
     return {
         "poses": [np.eye(4).tolist()],
         "num_sides": cup.sides,

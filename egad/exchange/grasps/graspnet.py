@@ -15,7 +15,7 @@ from egad.grasps import Grasps, graspnet_poses, held_when_shaken, with_outcome
 from egad.io import write_obj
 
 DEPTH = 0.02  # metres; GraspNet has grasps with depths of 1, 2, 3 and 4 cm
-HEIGHT = 0.02  # metres, of every finger there
+HEIGHT = 0.02  # metres; of every finger in GraspNet
 MAX_SCORE = 1.1  # a score is 1.1 less the friction that a grasp needs
 FRICTIONS = (0.1, 1.0)
 
@@ -25,8 +25,8 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
 
     The score of a grasp that held when it was shaken in simulation is GraspNet's: 1.1 less the
     smallest friction coefficient at which the contacts can hold the object, between 0.1 and 1. It
-    is 0 for the others, and for grasps at which the open hand collides. Grasps of which nothing is
-    known are left out.
+    is 0 for the others, and for grasps at which the open hand collides. Grasps with no known
+    outcome are left out.
 
     Args:
         grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
@@ -72,7 +72,7 @@ def write_graspnet(folder: Path, label: str, grasps: pd.DataFrame, opening: floa
     """Write `LABEL.npy`, and the label with its number to `objects.csv`.
 
     Args:
-        folder: Where to. Objects are numbered in the order in which they are written.
+        folder: The folder. Objects are numbered in the order in which they are written.
         label: Label of the object.
         grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
         opening: Widest opening of the gripper, metres.

@@ -40,8 +40,8 @@ def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataF
     """Write the grasps on an object.
 
     The confidence is 1 if both fingers still held the object after it was shaken in simulation,
-    and 0 for the others and for grasps at which the open hand collides. Grasps of which nothing is
-    known are left out.
+    and 0 for the others and for grasps at which the open hand collides. Grasps with no known
+    outcome are left out.
 
     Args:
         path: A name that ends in `.yaml`.

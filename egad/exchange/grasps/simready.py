@@ -1,6 +1,6 @@
 """SimReady props for Isaac Sim: objects as OpenUSD, with a line for each grasp that held.
 
-What NVIDIA's SimReady Foundation asks of the profile Robotics-Prop 4.0.0, with its feature of
+They follow the profile Robotics-Prop 4.0.0 of NVIDIA's SimReady Foundation, with its feature of
 grasps: a line runs along the closing axis, through both contacts, from pad to pad of the open hand.
 
     /NAME                              the object, as `egad.exchange.objects.usd` has it
@@ -90,7 +90,7 @@ def write_simready(
 def _add_lines(stage: Usd.Stage, held: pd.DataFrame, hand: NamedGripper) -> None:
     """A line for each grasp, between the middles of the pads of the open hand.
 
-    A fixed jaw stands before the first contact, so the middle of that hand is aside.
+    A fixed jaw stands before the first contact, so the middle of such a hand is to one side.
     """
     if held.empty:
         return
@@ -122,7 +122,7 @@ def _define_line(stage: Usd.Stage, path: Sdf.Path, line: Singles) -> UsdGeom.Bas
 
 
 def _about(row: Mapping[Hashable, Any], gripper: str) -> dict[str, object]:
-    """What was measured of a grasp. Each was simulated once."""
+    """What was measured for a grasp. Each was simulated once."""
     approach = Gf.Vec3d(*(row[name] for name in vector_names("approach")))
     return {
         "gripper": gripper,
@@ -146,7 +146,7 @@ def _add_semantics(stage: Usd.Stage, label: str) -> None:
 
 
 def _add_metadata(stage: Usd.Stage, label: str, made: SimulationObject) -> None:
-    """Add where the prop comes from; profiles before 3.2 read it one level higher.
+    """Add the origin of the prop; profiles before 3.2 read it one level higher.
 
     The license of a mesh is not known here.
     """
@@ -167,7 +167,7 @@ def _add_metadata(stage: Usd.Stage, label: str, made: SimulationObject) -> None:
 
 
 def _today() -> str:
-    """The date, which the rules want; that of SOURCE_DATE_EPOCH gives the same bytes again."""
+    """The date, which the rules require; with SOURCE_DATE_EPOCH, the bytes are the same again."""
     moment = float(os.environ.get("SOURCE_DATE_EPOCH", time.time()))
     return datetime.fromtimestamp(moment, UTC).date().isoformat()
 

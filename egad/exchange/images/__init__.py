@@ -1,1 +1,1 @@
-"""Formats of rendered images: one module a format."""
+"""Formats of rendered images: one module per format."""

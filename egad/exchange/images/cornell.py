@@ -15,7 +15,7 @@ from egad.exchange.pictures import corners, write_by_split, write_depth
 from egad.grippers import Gripper
 from egad.perception import ImageGrasps, RenderedImage, table_depth
 
-WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers count on
+WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers rely on
 
 
 def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
@@ -23,7 +23,7 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
 
     Args:
         pictures: The images.
-        gripper: For the breadth of its jaws.
+        gripper: The gripper, for the breadth of its jaws.
         folder: An empty folder.
 
     Returns:
@@ -38,15 +38,15 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
 def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
     """Write `pcdNNNNd.tiff`, `pcdNNNNcpos.txt` and `pcdNNNNcneg.txt`.
 
-    A smaller image is set into the middle of one of 640 x 480 pixels of the same camera, where the
-    table goes on around it. A rectangle is four lines of `x y` in pixels, from the first to the
-    second along the opening; `cpos` has the free grasps, `cneg` those that collide. Readers look
-    for the middle of the rectangles, so an image without a free grasp is not written.
+    A smaller image is placed in the middle of one of 640 x 480 pixels of the same camera, in which
+    the table continues around it. A rectangle is four lines of `x y` in pixels, from the first to
+    the second along the opening; `cpos` has the free grasps, `cneg` those that collide. Readers
+    look for the middle of the rectangles, so an image without a free grasp is not written.
 
     Args:
         picture: An image of at most 640 x 480 pixels.
         folder: Folder of the split; the files are in a folder of the object there.
-        gripper: For the breadth of its jaws.
+        gripper: The gripper, for the breadth of its jaws.
 
     Returns:
         Whether the image was written.
@@ -79,7 +79,7 @@ def _surrounded(picture: RenderedImage, left: int, top: int) -> NDArray[np.float
     camera = picture.view.intrinsics
     center = (camera.center[0] + left, camera.center[1] + top)
     whole = camera._replace(width=WIDTH, height=HEIGHT, center=center)
-    depth = np.round(table_depth(whole, picture.view.pose), 4)  # steps as inside compress well
+    depth = np.round(table_depth(whole, picture.view.pose), 4)  # steps as inside, to compress well
     depth[top : top + camera.height, left : left + camera.width] = picture.depth
     return depth
 

@@ -22,7 +22,7 @@ Image = NDArray[np.float32]
 Tensors = dict[str, NDArray[Any]]
 
 CROP, SIDE = 96, 32  # pixels cut out, and of the tensors
-FILE = 1000  # rows a file
+FILE = 1000  # rows per file
 SPLIT = "object"
 FIELDS: dict[str, tuple[str, tuple[int, ...]]] = {
     "depth_ims_tf_table": ("float32", (SIDE, SIDE, 1)),
@@ -121,13 +121,13 @@ def tensors(picture: RenderedImage, object_number: int, pose_number: int) -> Ten
 def cut_out(image: Image, picture: RenderedImage, order: Literal[0, 1]) -> Image:
     """The surroundings of each grasp, its axis along the rows: (n, 32, 32, 1).
 
-    96 x 96 pixels about the center, of which every third is taken; what is beyond the image has
-    the values of its edge.
+    96 x 96 pixels about the center, of which every third is taken; pixels beyond the image have the
+    values of its edge.
 
     Args:
         image: Depths or mask, (height, width).
         picture: For the grasps.
-        order: 1: between pixels, in proportion; 0: the nearest.
+        order: 1: linear between pixels; 0: the nearest pixel.
     """
     grasps = picture.grasps
     steps = (np.arange(SIDE) - (SIDE - 1) / 2) * CROP / SIDE
@@ -140,7 +140,7 @@ def cut_out(image: Image, picture: RenderedImage, order: Literal[0, 1]) -> Image
 
 
 def _written(waiting: Tensors, folder: Path, total: int) -> Tensors:
-    """Write all full files of the rows that wait, of `total` so far; what is left."""
+    """Write all full files of the waiting rows, of `total` so far; returns the rest."""
     left = len(waiting["hand_poses"])
     while left >= FILE:
         head = {name: values[:FILE] for name, values in waiting.items()}

@@ -1,4 +1,4 @@
-"""Image sets laid out as Jacquard: a folder per object, an image and its grasps in files beside.
+"""Image sets laid out as Jacquard: a folder per object, with the grasps in files beside the images.
 
 Depierre, Dellandréa and Chen, "Jacquard: a large scale dataset for robotic grasp detection", 2018.
 """
@@ -17,7 +17,7 @@ from egad.grippers import Gripper
 from egad.perception import RenderedImage
 
 Kind = TypeVar("Kind", np.float32, np.bool_)
-SIDE = 1024  # pixels of the images, which readers count on
+SIDE = 1024  # pixels of the images, which readers rely on
 
 
 def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
@@ -25,7 +25,7 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
 
     Args:
         pictures: The images.
-        gripper: For the breadth of its jaws.
+        gripper: The gripper, for the breadth of its jaws.
         folder: An empty folder.
 
     Returns:
@@ -40,14 +40,14 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
 def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
     """Write `I_LABEL_perfect_depth.tiff`, `I_LABEL_mask.png` and `I_LABEL_grasps.txt`.
 
-    Images are enlarged to 1024 x 1024 pixels, each of which has the value of the nearest one. A
+    Images are enlarged to 1024 x 1024 pixels, each with the value of the nearest original pixel. A
     line of the grasps is `x;y;theta;opening;jaw`: pixels, and degrees clockwise as seen in the
     image. Only free grasps are in it; the file of an image without any is empty.
 
     Args:
         picture: A square image.
         folder: Folder of the split; the files are in a folder of the object there.
-        gripper: For the breadth of its jaws.
+        gripper: The gripper, for the breadth of its jaws.
 
     Returns:
         True: every image is written.

@@ -1,1 +1,1 @@
-"""Formats of objects with convex parts, mass and friction: one module a format."""
+"""Formats of objects with convex parts, mass and friction: one module per format."""

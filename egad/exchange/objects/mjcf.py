@@ -99,6 +99,6 @@ def _geom(
     file: str,
     attributes: dict[str, str],
 ) -> None:
-    # As a shell a mesh may be ever so thin; its inertia is not used.
+    # As a shell, a mesh may be arbitrarily thin; its inertia is not used.
     ElementTree.SubElement(assets, "mesh", name=name, file=file, inertia="shell")
     ElementTree.SubElement(body, "geom", {"type": "mesh", "mesh": name, **attributes})

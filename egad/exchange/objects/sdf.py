@@ -9,7 +9,7 @@ from egad.exchange.poses import write_poses
 from egad.exchange.xml_text import DRAKE, moments, number_text, xml_document
 from egad.geometry import MassProperties
 
-VERSION = "1.11"  # the first one in which a mesh says that its convex hull is meant
+VERSION = "1.11"  # the first one in which a mesh can say that its convex hull is meant
 MODEL = "model.sdf"
 
 

@@ -39,7 +39,7 @@ def write_simulation_object(
     Args:
         folder: A new folder.
         name: Name of the object.
-        made: What is written.
+        made: The object to write.
         friction: Sliding friction.
     """
     files = write_object_meshes(folder, made)

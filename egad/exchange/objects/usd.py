@@ -122,7 +122,7 @@ def _define_visuals(stage: Usd.Stage, mesh: trimesh.Trimesh) -> None:
 
 
 def _define_collisions(stage: Usd.Stage, parts: Iterable[trimesh.Trimesh], friction: float) -> None:
-    """Convex parts, each bound to the material: the parser of USD looks for it nowhere else."""
+    """Convex parts, each bound to the material: USD's parser looks for it nowhere else."""
     UsdGeom.Xform.Define(stage, COLLISIONS).CreatePurposeAttr(UsdGeom.Tokens.guide)
     material = UsdShade.Material.Define(stage, COLLISIONS.AppendChild("material"))
     physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())

@@ -24,8 +24,8 @@ class GalleryData:
         objects: Columns of `tables.objects.OBJECTS`.
         gripper: Name of the gripper; empty if nothing is scaled.
         factors: Scale factors for the gripper by label, without objects that cannot be scaled.
-        grasps: Labelled grasps of the gripper; None if there is no table. Those with
-            `simulated_success` also need the other columns that `antipodal_success_rates` reads.
+        grasps: Labelled grasps of the gripper; None if there is no table. A table with
+            `simulated_success` also needs the other columns that `antipodal_success_rates` reads.
         evaluation: Columns of `tables.evaluation.EVAL49`.
         trials: Attempts with the evaluation set by grasp detector: columns label and success.
         lineage: Lineage of the objects and their ancestors; None if it is not known.
@@ -48,7 +48,7 @@ class GalleryData:
 
     @cached_property
     def ancestors(self) -> pd.DataFrame:
-        """The ancestors that are not among the objects, the oldest first."""
+        """The ancestors that are not among the objects, oldest first."""
         if self.lineage is None:
             return self.objects.iloc[:0]
         table = self.lineage.table

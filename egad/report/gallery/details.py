@@ -38,7 +38,7 @@ class Download:
 
 @dataclass(frozen=True)
 class Relatives:
-    """Who descends from whom, and how pages of relatives are called.
+    """Who descends from whom, and the names of the pages of relatives.
 
     Attributes:
         lineage: Lineage of the objects and their ancestors.
@@ -57,8 +57,8 @@ class Relatives:
             name: Id of the object.
 
         Returns:
-            `parents`, the first one first; `children`, the oldest first; and `line`: the line of
-            first parents, from the founder to the object.
+            `parents`, first parent first; `children`, oldest first; and `line`: the line of first
+            parents, from the founder to the object.
         """
         line = self.lineage.line(name)
         return {
@@ -73,7 +73,7 @@ class Relatives:
 
 @dataclass(frozen=True)
 class GenomeText:
-    """A genome for people to read.
+    """A genome in human-readable form.
 
     Attributes:
         drawing: The network, as an SVG file.
@@ -92,8 +92,8 @@ class ObjectPage:
         row: Columns of `tables.objects.OBJECTS`.
         grasps: Columns of `tables.grasping.GRASPS`, or of `SIMULATED_GRASPS`; None if there are
             no tables of grasps.
-        factor: Size at which it is shown over that in the dataset.
-        note: Why it has no grasps, or whatever else there is to know.
+        factor: Size at which it is shown / size in the dataset.
+        note: Why it has no grasps, or other remarks.
         relatives: What `Relatives.data` returned; None if there is no lineage.
         genome: Columns of `tables.evolution.GENOME`; None if it has none.
         trials: Attempts with the object by grasp detector: a column `success`.

@@ -1,7 +1,7 @@
 """Files of the gallery, and the scripts that carry its data.
 
-Browsers do not let a page read files of a local folder, but they run scripts from it. So all data
-are scripts that call `egadData(NAME, DATA)`, which `gallery.js` defines.
+Browsers do not let a page read files from a local folder, but they run scripts from it. So all data
+files are scripts that call `egadData(NAME, DATA)`, which `gallery.js` defines.
 """
 
 import json
@@ -18,7 +18,8 @@ def data_script(name: str, data: Mapping[str, Any]) -> str:
     """A script that hands data to the page.
 
     Args:
-        name: What the page asks for: the path of the script in the folder, without its ending.
+        name: Name by which the page requests it: the path of the script in the folder, without its
+            ending.
         data: Ready for JSON.
     """
     return f"egadData({_json(name)},{_json(data)});\n"

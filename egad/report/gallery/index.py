@@ -15,7 +15,7 @@ from egad.report.gallery.sheets import cell_ranks
 
 @dataclass(frozen=True)
 class Membership:
-    """What objects belong to, beyond the cell, and what simulation says of their grasps.
+    """What objects belong to besides their cells, and what simulation says about their grasps.
 
     Attributes:
         families: Name of the family by id of the object; empty if families are unknown.
@@ -43,8 +43,8 @@ def index_data(
         space: The cells.
         axes: What the axes of the space are called.
         member: What the objects belong to.
-        gripper: What the grasps are for; None without grasps.
-        unattainable: So many of the easiest rows are hatched.
+        gripper: The gripper of the grasps; None without grasps.
+        unattainable: How many of the easiest rows are hatched.
 
     Returns:
         `finger`: from the contacts back to the palm, or to the top of the cup, metres; `cells`
@@ -92,7 +92,7 @@ def sheet_file(rank: int) -> str:
 
 
 def _measures(axes: AxisPair, simulated: bool) -> list[dict[str, Any]]:
-    """What can be filtered: as the axes call it, and in their units."""
+    """What can be filtered, with the names and units of the axes."""
     found = [_measure("complexity", axes.across), _measure("graspability", axes.upwards)]
     if simulated:
         found.append(_entry("simulated", "antipodal success", "%", 100, 0))

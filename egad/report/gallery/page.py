@@ -14,7 +14,7 @@ from egad.report.viewer import LABELS
 def gallery_page(
     title: str, data: GalleryData, axes: AxisPair, links: Sequence[Download], legend: str = ""
 ) -> str:
-    """The HTML page that shows the data in the folder beside it.
+    """The HTML page that shows the data in the folder next to it.
 
     Args:
         title: Heading of the page.
@@ -39,7 +39,7 @@ def gallery_page(
 
 
 def _facts(data: GalleryData) -> list[str]:
-    """What the dataset is, in a few words each."""
+    """Facts about the dataset, in a few words each."""
     facts = [f"{len(data.objects)} objects"]
     if data.grasps is not None and "simulated_success" in data.grasps:
         simulated = int(data.grasps["simulated_success"].notna().sum())

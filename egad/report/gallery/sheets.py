@@ -21,7 +21,7 @@ Place = tuple[int, int]
 def cell_ranks(objects: pd.DataFrame) -> NDArray[np.int64]:
     """The rank of each object in its cell: 0 is the most diverse one.
 
-    Sheet k of the objects has those of rank k, each at the place of its cell.
+    Sheet k contains the objects of rank k, each at the position of its cell.
 
     Args:
         objects: Columns label, diversity, complexity_cell and difficulty_cell.
@@ -55,7 +55,7 @@ def sheet(pictures: Mapping[Place, RgbImage], columns: int, rows: int) -> bytes:
 
 
 def ancestor_sheets(pictures: Mapping[int, RgbImage], count: int) -> Iterator[bytes]:
-    """The sheets of the ancestors, by their numbers: from the left and then downwards.
+    """The sheets of the ancestors, ordered by number: from left to right, then downwards.
 
     Args:
         pictures: By number of the ancestor; some may have none.

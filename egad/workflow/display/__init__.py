@@ -1,7 +1,7 @@
-"""What the terminal shows while the workflow runs: its jobs and the progress of each.
+"""The terminal display while the workflow runs: its jobs and the progress of each.
 
-Jobs write their progress to their logs, on whatever machine they run. Snakemake's own process
-reads the ends of these logs, and draws bars on a terminal or prints plain lines elsewhere.
+Jobs write their progress to their logs, whatever machine they run on. Snakemake's own process reads
+the ends of these logs, and draws bars on a terminal or prints plain lines elsewhere.
 """
 
 from egad.workflow.display.messages import start_display

@@ -1,4 +1,4 @@
-"""Jobs as bars at the bottom of a terminal; what is printed meanwhile stands above them."""
+"""Jobs as bars at the bottom of a terminal; printed text appears above them."""
 
 import time
 from typing import TextIO, cast
@@ -15,14 +15,14 @@ from egad.workflow.display.jobs import Job, Jobs
 
 REFRESH = 2  # times a second
 WIDTH = 20  # columns of a bar
-MARGIN = 4  # rows of the terminal that are left free
+MARGIN = 4  # rows of the terminal left free
 
 
 class Bars:
     """Draws two rows for each job and one for the whole run."""
 
     def __init__(self, jobs: Jobs, stream: TextIO) -> None:
-        """Start a thread that draws on the terminal that the stream writes to."""
+        """Start a thread that draws on the terminal of the stream."""
         self._jobs, self._start = jobs, time.monotonic()
         self._console = Console(file=stream, force_terminal=True)
         self.stream = cast("TextIO", FileProxy(self._console, stream))
@@ -41,7 +41,7 @@ class Bars:
         self._console.print(Text(text, style), soft_wrap=True)
 
     def close(self) -> None:
-        """Take the bars away."""
+        """Remove the bars."""
         self._live.stop()
 
     def _rows(self) -> RenderableType:

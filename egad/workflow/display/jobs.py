@@ -1,4 +1,4 @@
-"""The jobs that run, and how far each of them is by its log."""
+"""The running jobs, and the progress of each according to its log."""
 
 import os
 import threading
@@ -9,12 +9,12 @@ from pathlib import Path
 from egad._util.progress import Status, parse_phase
 
 READ_BYTES = 32768  # of the end of a log
-SILENCE = 30.0  # seconds without any output after which a job is not just starting
+SILENCE = 30.0  # seconds without any output after which a job no longer counts as starting
 
 
 @dataclass(eq=False)
 class Job:
-    """A job that runs.
+    """A running job.
 
     Attributes:
         rule: Name of its rule.
@@ -30,7 +30,7 @@ class Job:
     _former: tuple[int, int] | None = field(init=False)
 
     def __post_init__(self) -> None:
-        self._former = self._written()  # what an earlier run left
+        self._former = self._written()  # left by an earlier run
 
     @property
     def title(self) -> str:
@@ -38,7 +38,7 @@ class Job:
         return self.message.partition(" (")[0] or self.rule
 
     def read(self) -> tuple[Status | None, str]:
-        """The last progress in its log, and words on what it has done since."""
+        """The last progress in its log, and a description of what it has done since."""
         if self.log is None or self._written() in (None, self._former):
             silent = time.monotonic() - self.start > SILENCE
             return None, "no output yet" if silent else "starting"
@@ -53,7 +53,7 @@ class Job:
 
 
 class Jobs:
-    """The jobs that run, by their numbers in Snakemake. Several threads may use it at once.
+    """The running jobs, by their numbers in Snakemake. Several threads may use it at once.
 
     Attributes:
         steps: How many jobs are done, and how many there are.
@@ -86,9 +86,9 @@ class Jobs:
 
 
 def last_progress(lines: list[str]) -> tuple[Status | None, str]:
-    """The last progress that the lines of a log tell, and the phase that started after it.
+    """The last progress in the lines of a log, and the phase that started after it.
 
-    Progress that has come to its end counts only until then.
+    Completed progress counts only until the next phase starts.
     """
     doing = ""
     for line in reversed(lines):
@@ -99,7 +99,7 @@ def last_progress(lines: list[str]) -> tuple[Status | None, str]:
 
 
 def last_lines(log: Path) -> list[str]:
-    """The lines at the end of a log, the first perhaps without its beginning; none without it."""
+    """The last lines of a log, the first of which may be cut off; empty if there is no log."""
     try:
         with log.open("rb") as file:
             file.seek(max(file.seek(0, os.SEEK_END) - READ_BYTES, 0))

@@ -10,7 +10,7 @@ from egad.workflow.display.jobs import Job, Jobs
 
 FIRST, NEXT = 4.0, 8.0  # seconds after the start of a job, and between lines
 TICK = 0.5
-MAX_LINES = 10  # jobs that have lines; more are counted
+MAX_LINES = 10  # jobs with their own lines; further jobs are only counted
 
 
 class Lines:
@@ -51,7 +51,7 @@ class Lines:
 
 
 def job_line(job: Job, now: float) -> str:
-    """How far a job is."""
+    """The progress of a job."""
     status, doing = job.read()
     parts = [str(status) if status else "", doing, f"{duration(now - job.start)} so far"]
     return f"{job.title}: {', '.join(part for part in parts if part)}"

@@ -1,7 +1,7 @@
-"""What Snakemake tells its log handlers, made short for the terminal.
+"""Messages from Snakemake to its log handlers, shortened for the terminal.
 
-Messages for which there is nothing shorter reach the terminal as they are. Snakemake's own log file
-has all of them in full.
+Messages without a shorter form reach the terminal as they are. Snakemake's own log file has all of
+them in full.
 """
 
 import logging
@@ -52,7 +52,7 @@ def _is_quiet(handler: logging.Handler) -> bool:
 
 
 class Display(logging.Handler):
-    """Shows the jobs that messages of Snakemake tell of."""
+    """Shows the jobs that Snakemake's messages are about."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class Display(logging.Handler):
         steps: int,
         whole_logs: Collection[str] = (),
     ) -> None:
-        """Start to show them.
+        """Start to show jobs.
 
         Args:
             terminal: The handler of Snakemake that writes to the terminal.
@@ -69,7 +69,7 @@ class Display(logging.Handler):
         """
         super().__init__()
         self._jobs = Jobs(steps)
-        self._done: list[Job] = []  # and not printed yet
+        self._done: list[Job] = []  # done, but not printed yet
         self._terminal, self._stream, self._whole_logs = terminal, terminal.stream, whole_logs
         self._view = _view(self._jobs, terminal.stream)
         terminal.setStream(self._view.stream)
@@ -83,7 +83,7 @@ class Display(logging.Handler):
         super().close()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Show what a message tells, if it is about a job."""
+        """Show what a message says, if it is about a job."""
         shown = {
             "job_info": self._start,
             "job_finished": self._finish,
@@ -111,7 +111,7 @@ class Display(logging.Handler):
             self._done.append(job)
 
     def _count(self, message: dict[str, Any]) -> None:
-        """Print which jobs are done; this message comes after theirs."""
+        """Print which jobs are done; this message comes after those of the jobs."""
         self._jobs.steps = message["done"], message["total"]
         steps = f"({message['done']} of {message['total']} steps)"
         for job in self._done:
@@ -149,14 +149,14 @@ class Display(logging.Handler):
 
 
 def _is_kept(record: logging.LogRecord) -> bool:
-    """Whether a message reaches the terminal as Snakemake has it."""
+    """Whether a message reaches the terminal unchanged."""
     event = getattr(record, "event", "")
     explained = event == "error" and getattr(record, "exception", "") == "RuleException"
     return not (event in REPLACED or explained or record.msg == SELECTING)
 
 
 def _view(jobs: Jobs, stream: TextIO) -> "Lines | Bars":
-    """Bars on a terminal that can move its cursor, else lines."""
+    """Bars on a terminal that can move its cursor, otherwise lines."""
     if not stream.isatty() or os.environ.get("TERM") == "dumb":
         return Lines(jobs, stream)
     from egad.workflow.display.bars import Bars  # noqa: PLC0415 (it imports rich)
