@@ -135,7 +135,7 @@ class Benchmark:
         path = as_path("out", out)
         check_ending(path, ENDINGS)
         if self._scenes is None:
-            raise UserError("only what `egad.run_benchmark` returned can be filmed")
+            raise UserError("only results returned by `egad.run_benchmark` can be filmed")
         write_film(film_round(self.table, scene, noise, number, *self._scenes), path)
 
 

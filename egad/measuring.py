@@ -40,7 +40,8 @@ from egad.reeb import similarity as matching
 MAP_GRIPPER = "yumi"  # the cells of the map are for it
 LARGE = 0.02  # graspability that is not written in thousandths
 MEASURED_LARGER = (
-    "the mesh is measured larger than it is, as EGAD does: {size}; rule='none' measures it as it is"
+    "the mesh is enlarged before it is measured, as in EGAD: {size}; "
+    "rule='none' keeps its real size"
 )
 
 

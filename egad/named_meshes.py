@@ -50,7 +50,7 @@ def named_meshes(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[Named
 
 def _not_objects(given: str) -> str:
     return (
-        "objects are a dataset, as `egad.load` and `dataset.select` return, or a dictionary of "
+        "objects must be a dataset, as `egad.load` and `dataset.select` return, or a dictionary of "
         f"meshes by name, such as {{'mug': mesh}}; got {given}"
     )
 

@@ -249,7 +249,9 @@ class Dataset:
             UserError: The dataset is an archive that is not a file.
         """
         if self._ancestry is None:
-            raise UserError("an archive that `egad.evolve` returned has no lineage; a run has one")
+            raise UserError(
+                "an archive returned by `egad.evolve` has no lineage; that of a run has one"
+            )
         return Lineage(parquet.read(self._ancestry, LINEAGE))
 
     def _mask(self, given: pd.Series) -> NDArray[np.bool_]:
@@ -260,14 +262,14 @@ class Dataset:
         """
         rows = self.table.index
         if len(given) != len(rows):
-            raise UserError(f"{len(given)} booleans choose from {len(rows)} objects")
+            raise UserError(f"got {len(given)} booleans for {len(rows)} objects")
         if given.isna().any():
-            raise UserError("booleans that choose objects must be true or false, some are missing")
+            raise UserError("booleans that select objects must be true or false; some are missing")
         if not given.index.equals(rows):
             if not (given.index.is_unique and given.index.isin(rows).all()):
                 raise UserError(
                     "the booleans belong to rows of another table; "
-                    "make them of `dataset.table`, or give an array"
+                    "make them from `dataset.table`, or give an array"
                 )
             given = given.reindex(rows)
         return given.to_numpy(dtype=bool)
@@ -276,7 +278,7 @@ class Dataset:
         """The row of an object in the table."""
         if not isinstance(name, str):
             raise UserError(
-                f"an object is asked for by its label or id, got {name!r}; "
+                f"an object is selected by its label or id, got {name!r}; "
                 "`dataset.table` lists them, and `list(dataset)` has all objects by position"
             )
         if name not in self._place:

@@ -90,7 +90,7 @@ def check_sampler(gripper: Gripper) -> None:
     """
     name = gripper.grasps_with
     if name == ANTIPODAL and gripper.cup is not None:
-        raise UserError("the sampler `antipodal` is for jaws; a cup has none")
+        raise UserError("the sampler `antipodal` is for jaws; the gripper has a cup")
     if name == SUCTION and gripper.cup is None:
         raise UserError("the sampler `suction` is for cups; the gripper has jaws")
     if name not in BUILT_IN:
@@ -141,17 +141,19 @@ def _checked(gripper: Gripper, given: Any, n: int) -> Sampled:  # noqa: ANN401 (
     if (poses.shape, widths.shape, quality.shape) != ((count, 4, 4), (count,), (count,)):
         raise UserError(f"{wanted}, but returned arrays of the shapes {shapes}")
     if count > n:
-        raise UserError(f"the sampler {name} was asked for {n} grasps at most, and gave {count}")
+        raise UserError(
+            f"the sampler {name} was asked for at most {n} grasps, but returned {count}"
+        )
     wrong = {
         "a pose that is not finite": ~np.isfinite(poses).all(axis=(1, 2)),
-        "a pose that is no rotation with a translation": ~_rigid(poses),
+        "a pose that is not a rotation and a translation": ~_rigid(poses),
         "a width that is negative or not finite": ~(np.isfinite(widths) & (widths >= 0)),
         f"a width above the opening of {gripper.opening:g} m": widths > gripper.opening,
         "a quality that is negative or not finite": ~(np.isfinite(quality) & (quality >= 0)),
     }
     for what, where in wrong.items():
         if where.any():
-            raise UserError(f"the sampler {name} gave {what}: grasp {int(where.argmax())}")
+            raise UserError(f"the sampler {name} returned {what}: grasp {int(where.argmax())}")
     return Sampled(poses, widths, quality)
 
 

@@ -127,7 +127,7 @@ def test_booleans_of_objects_with_the_same_mesh_choose_by_row(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda mask: mask[:3], r"3 booleans choose from 2198 objects"),
+        (lambda mask: mask[:3], r"got 3 booleans for 2198 objects"),
         (lambda mask: mask.to_numpy()[None], "by its label or id, got array"),
         (lambda mask: mask.astype("boolean").mask(mask), "some are missing"),
         (lambda mask: [None, *mask.tolist()[1:]], "some are missing"),
@@ -190,9 +190,9 @@ SIDE = 0.8 * 0.08  # of the opening of the panda gripper
 @pytest.mark.parametrize("given", [[BOX], BOX, None, "released", {1: BOX}, {"a": BOX, None: BOX}])
 def test_objects_are_a_dataset_or_meshes_by_name(objects, given, tmp_path):
     for wrong in (given, objects["M14_3"]):
-        with pytest.raises(UserError, match=r"objects are a dataset, .* of meshes by name"):
+        with pytest.raises(UserError, match=r"objects must be a dataset, .* of meshes by name"):
             egad.run_trials("random", wrong, "panda")
-        with pytest.raises(UserError, match=r"objects are a dataset, .* of meshes by name"):
+        with pytest.raises(UserError, match=r"objects must be a dataset, .* of meshes by name"):
             egad.export(wrong, "obj", "panda", tmp_path / "out")
 
 

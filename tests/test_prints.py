@@ -275,7 +275,7 @@ def test_stable_poses_print_their_probability():
 
 
 def test_a_repaired_mesh_tells_what_was_done():
-    assert repr(egad.repair(BOX)) == "Repaired(12 faces, sound as it was)"
+    assert repr(egad.repair(BOX)) == "Repaired(12 faces, unchanged)"
     beside = BOX.copy().apply_translation((1, 0, 0)).apply_scale(0.5)
     found = egad.repair(trimesh.util.concatenate([BOX, beside]))
     assert repr(found) == f"Repaired(12 faces, changed, {found.dropped})"
@@ -331,7 +331,7 @@ def test_a_comparison_is_in_percentage_points():
     found = first.compare(second)
     assert repr(found).startswith("Comparison(+25.0 percentage points (95 % interval ")
     assert "8 attempts at 2 objects; test over the objects: p = 1" in repr(found)
-    assert "began alike" not in repr(found)  # nothing is known of how they began
+    assert "same initial pose" not in repr(found)  # nothing is known of how they began
     assert facts(found)["attempts"] == "8"
     assert "percentage points" in facts(found)["difference"]
 
@@ -340,7 +340,9 @@ def test_comparisons_of_attempts_that_began_alike_have_both_tests():
     tables = [attempts({"mug": count}).table.assign(id="m", initial_pose="p") for count in (3, 1)]
     found = egad.Trials(tables[0]).compare(egad.Trials(tables[1]))
     assert "(no interval)" in repr(found)
-    assert repr(found).endswith("p = 0.5, 2 to 0 of 4 succeeded for one alone)")
+    assert repr(found).endswith(
+        "p = 0.5, of 4 only the first succeeded in 2, only the second in 0)"
+    )
 
 
 def test_a_benchmark_prints_the_rates_of_each_kind_of_scene():

@@ -56,7 +56,9 @@ def test_a_released_object_has_the_measures_of_its_label():
 def test_a_mesh_that_is_too_coarse_is_measured_with_a_warning():
     parts = [trimesh.creation.box([60, 40, 30]), trimesh.creation.cylinder(10, 50, sections=32)]
     coarse = trimesh.boolean.union(parts, engine="manifold")
-    with pytest.warns(egad.CoarseMeshWarning, match="means little .* bits after .*: remesh"):
+    with pytest.warns(
+        egad.CoarseMeshWarning, match="too large for a meaningful .* bits after .*: remesh"
+    ):
         found = egad.measure(coarse, max_candidates=512)
     assert "too coarse" in repr(found)
     assert found.fine_complexity < found.complexity - 0.16

@@ -144,7 +144,7 @@ def test_the_shipped_network_lifts_boxes():
 def test_a_round_is_filmed_and_compared(first, idle, tmp_path):
     first.film("single", 1, tmp_path / "film.gif")
     assert Image.open(tmp_path / "film.gif").n_frames > 20
-    with pytest.raises(UserError, match="there is none"):
+    with pytest.raises(UserError, match="not in the table"):
         first.film("single", 2, tmp_path / "film.gif")
     with pytest.raises(UserError, match="can be filmed"):
         egad.Benchmark(first.table).film("single", 1, tmp_path / "film.gif")

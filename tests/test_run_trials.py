@@ -178,7 +178,10 @@ def test_an_object_without_grasps_gives_the_labels_nothing_to_propose():
             "'antipodal' is not known; did you mean antipodal-depth",
         ),
         ({"objects": {}}, "there are no objects"),
-        ({"objects": {"bar": "bar.stl"}, "rule": "none"}, r"a mesh is a trimesh\.Trimesh, got str"),
+        (
+            {"objects": {"bar": "bar.stl"}, "rule": "none"},
+            r"a mesh must be a trimesh\.Trimesh, got str",
+        ),
         ({"gripper": "pandas"}, "gripper 'pandas' is not known; did you mean panda"),
         ({"attempts": 0}, "attempts is 0"),
         ({"rule": "best"}, "rule 'best' is not known; .*none"),

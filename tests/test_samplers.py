@@ -146,12 +146,15 @@ def test_graspability_and_evolution_take_the_qualities_of_a_user_sampler(tmp_pat
         ("return poses[:, :3], widths, quality", r"shapes \(5, 3, 4\)"),
         ("return poses, widths[:2], quality", "shapes"),
         ("poses[1, 0, 0] = np.nan\nreturn poses, widths, quality", "not finite: grasp 1"),
-        ("poses[2, 0, 0] = 2\nreturn poses, widths, quality", "no rotation .*: grasp 2"),
-        ("poses[2, 0, 0] = -1\nreturn poses, widths, quality", "no rotation .*: grasp 2"),
+        ("poses[2, 0, 0] = 2\nreturn poses, widths, quality", "not a rotation .*: grasp 2"),
+        ("poses[2, 0, 0] = -1\nreturn poses, widths, quality", "not a rotation .*: grasp 2"),
         ("widths[3] = -1\nreturn poses, widths, quality", "width .*: grasp 3"),
         ("widths[1] = 0.09\nreturn poses, widths, quality", "width above the opening .*: grasp 1"),
         ("quality[0] = np.inf\nreturn poses, widths, quality", "quality .*: grasp 0"),
-        ("return np.tile(poses, (2, 1, 1)), np.ones(10), np.ones(10)", "asked for 5 grasps"),
+        (
+            "return np.tile(poses, (2, 1, 1)), np.ones(10), np.ones(10)",
+            "asked for at most 5 grasps",
+        ),
     ],
 )
 def test_what_is_no_grasps_is_refused_by_name(tmp_path, bar, body, says):

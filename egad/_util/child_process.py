@@ -31,7 +31,7 @@ MAX_ATTEMPTS = 2
 ENDING_TIME = 5.0  # seconds
 WATCHING = 1.0  # seconds
 NOT_SENT = (
-    "this cannot be sent to another process, as several jobs need; "
+    "this cannot be sent to another process, which more than one job requires; "
     "put it into a module of its own, or use 1 job"
 )
 CACHED = type(functools.cache(len))

@@ -246,7 +246,7 @@ def allowed(node: Node) -> str:
     if node["type"] == "object":
         return "a table with at least one name"
     if "pattern" in node:
-        return "a name of small letters, digits, _ and -"
+        return "a name of lowercase letters, digits, _ and -"
     return ", ".join([_KINDS[node["type"]], *_limits(node)])
 
 

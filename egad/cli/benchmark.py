@@ -57,7 +57,7 @@ def benchmark(
     ] = None,
     keep_going: Annotated[
         bool,
-        typer.Option("--keep-going", help="go on with a detector that fails in every attempt"),
+        typer.Option("--keep-going", help="continue even if the detector fails in every attempt"),
     ] = False,
     rule: Rule = None,
     films: Annotated[

@@ -69,13 +69,11 @@ DetectorName = Annotated[
     str,
     typer.Argument(
         metavar="DETECTOR",
-        help="FILE.py, FILE.py:NAME or package.module:NAME; or one of the configuration, such as "
-        "antipodal-cloud",
+        help="FILE.py, FILE.py:NAME or package.module:NAME; or a detector of the configuration, "
+        "such as antipodal-cloud",
     ),
 ]
-Weights = Annotated[
-    Path | None, typer.Option("--weights", help="file of weights that the detector is made with")
-]
+Weights = Annotated[Path | None, typer.Option("--weights", help="file of weights for the detector")]
 Command = Annotated[
     str | None,
     typer.Option(
@@ -98,7 +96,9 @@ SimulatedIn = Annotated[
 MaxCandidates = Annotated[
     int | None,
     typer.Option(
-        min=1, help="most candidate grasps for the graspability; default: as in the configuration"
+        min=1,
+        help="maximum number of candidate grasps for the graspability; default: as in the "
+        "configuration",
     ),
 ]
 

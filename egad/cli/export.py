@@ -42,7 +42,7 @@ RELEASED = "released"
 def export(
     dataset: Dataset,
     gripper: Annotated[str, gripper_option()],
-    out: Annotated[Path, out_option("file or folder to write, as the format has it")],
+    out: Annotated[Path, out_option("file or folder to write, depending on the format")],
     format_name: Annotated[Format, typer.Option("--format", help="format to write")],
     config: Config = None,
     objects: Annotated[
@@ -60,7 +60,7 @@ def export(
 
     if dataset.is_file() or str(dataset) in (RELEASED, EVALUATION_SET):
         if objects and str(dataset) != RELEASED:
-            raise UserError(f"--objects: for the folder of a run, not for {dataset}")
+            raise UserError(f"--objects is only for the folder of a run, not for {dataset}")
         _export_archive(dataset, gripper, out, format_name, config, objects)
         return
     chosen = objects or EVALUATION_SET
@@ -104,8 +104,8 @@ def _export_archive(
         files = " ".join(str(folder / file) for file in last_files(format_name, gripper))
         shipped = " --configfile config/released.yaml --" if not archive.is_file() else ""
         raise UserError(
-            f"{archive} has objects alone, and {format_name} needs results of a run; first make "
-            f"them with snakemake --cores 2{shipped} {files}, then export {folder}"
+            f"{archive} contains only objects, but {format_name} needs results of a run; first "
+            f"make them with snakemake --cores 2{shipped} {files}, then export {folder}"
         )
     settings, name = gripper_in(settings_in(config), gripper)
     hand = name if config is None and name in GRIPPERS else settings.grippers[name]

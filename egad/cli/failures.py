@@ -30,7 +30,7 @@ FILMS = 20
 PAGE = "index.html"
 TABLES = {
     "failures": "the failures; egad.load reads them as a dataset",
-    "examined": "all objects that were looked at",
+    "examined": "all objects that the search considered",
     "attempts": "the attempts",
 }
 
@@ -47,7 +47,7 @@ def failures(
     attempts: Annotated[
         int | None,
         typer.Option(
-            min=1, help="simulated grasps in all, of 0.15 s each; default: failures.attempts"
+            min=1, help="total number of simulated grasps, 0.15 s each; default: failures.attempts"
         ),
     ] = None,
     strategy: Annotated[
@@ -68,25 +68,25 @@ def failures(
     least_regret: Annotated[
         float | None,
         typer.Option(
-            help="success rate of the reference minus that of the detector at a failure, at least; "
-            "default: failures.least_regret"
+            help="minimum difference between the success rates of the reference and the detector "
+            "at a failure; default: failures.least_regret"
         ),
     ] = None,
     engines: Annotated[
         str | None,
         typer.Option(
-            help="physics engines, separated by commas, in all of which an object must be a "
-            "failure; default: failures.engines"
+            help="physics engines, separated by commas; a failure must be one in all of them; "
+            "default: failures.engines"
         ),
     ] = None,
     rule: Rule = None,
     films: Annotated[
-        int, typer.Option(min=0, help="of the worst failures, how many the page shows films of")
+        int, typer.Option(min=0, help="number of the worst failures to show films of on the page")
     ] = FILMS,
     out: Annotated[
         Path | None,
         out_option(
-            "folder to write, where a search that was cut off goes on; default: failures/DETECTOR"
+            "folder to write; an interrupted search resumes from it; default: failures/DETECTOR"
         ),
     ] = None,
     config: Config = None,
@@ -172,4 +172,4 @@ def _tell(atlas: "FailureAtlas", name: str, folder: Path) -> None:
     for table, text in TABLES.items():
         typer.echo(f"{folder / table}.parquet: {text}")
     if len(atlas):
-        typer.echo(f"{folder / PAGE}: the same to look at, with films of the worst failures")
+        typer.echo(f"{folder / PAGE}: the failures as a page, with films of the worst ones")

@@ -14,7 +14,7 @@ def genome(
         str,
         typer.Option("--in", help="`released`, archive.parquet, or folder of a dataset"),
     ] = "released",
-    out: Annotated[Path | None, out_option("drawing to write, too: .svg")] = None,
+    out: Annotated[Path | None, out_option("drawing to write as well: .svg")] = None,
     digits: Annotated[
         int | None,
         typer.Option(min=1, max=17, help="significant digits; default: as many as shapes need"),

@@ -95,8 +95,9 @@ def reference(source: Path, settings: MeasureMeshes) -> "Dataset":
     cells = found.table[["complexity_cell", "difficulty_cell"]].to_numpy()
     if len(cells) and cells.max() >= settings.space.cells:
         raise UserError(
-            f"--in {source}: cells up to {cells.max()}, but the configuration has "
-            f"{settings.space.cells} along each axis; name the one of that dataset with --config"
+            f"--in {source} has cells up to {cells.max()}, but the configuration has "
+            f"{settings.space.cells} along each axis; give the configuration of that "
+            "dataset with --config"
         )
     return found
 

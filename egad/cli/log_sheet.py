@@ -31,14 +31,15 @@ def log_sheet(
         list[Path],
         out_option("file to write: .html, the page; .csv, the order; may be repeated"),
     ] = [Path("log.html")],  # noqa: B006 (typer copies it)
-    seed: Annotated[int, typer.Option(min=0, help="what the order is drawn from")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="random seed of the order")] = 0,
     blind: Annotated[
         bool, typer.Option("--blind", help="call the detectors A, B, ... until the end")
     ] = False,
     rounds: Annotated[
         bool,
         typer.Option(
-            "--rounds", help="one attempt at each object before the next; to look at results early"
+            "--rounds",
+            help="try every object once before any is tried again, to look at results early",
         ),
     ] = False,
     objects: Annotated[
@@ -59,7 +60,7 @@ def log_sheet(
     for path in out:
         check_ending(path, (".html", ".csv"))
         if path.suffix.lower() == ".csv" and path.exists():
-            raise UserError(f"--out {path} exists and may be filled in; give another file")
+            raise UserError(f"--out {path} exists and may already be filled in; give another file")
     found = evaluation_objects(dataset, None if objects is None else _words(objects))
     planned = plan(found, attempts, _words(detectors), seed, blind=blind, rounds=rounds)
     tried = [
@@ -98,7 +99,7 @@ def evaluation_objects(dataset: Path, labels: list[str] | None) -> "dict[str, Ev
         ids, source = dict(zip(chosen["label"], chosen["id"], strict=True)), load(dataset)
     else:
         raise UserError(
-            f"{table} is not there; make it with: snakemake --cores 2 {table}, or give "
+            f"{table} is missing; make it with: snakemake --cores 2 {table}, or give "
             f"{EVALUATION_SET} for the released objects"
         )
     wanted = list(ids) if labels is None else labels

@@ -39,7 +39,10 @@ def matched_set(
     command: Command = None,
     gripper: Annotated[str, gripper_option(opening=False)] = "panda",
     pairs: Annotated[
-        int, typer.Option(min=1, max=10, help="failures, each with an object that is grasped")
+        int,
+        typer.Option(
+            min=1, max=10, help="number of pairs, each a failure and an object that is grasped"
+        ),
     ] = 5,
     attempts: Annotated[
         int, typer.Option(min=1, help="simulated attempts at each object in each physics engine")
@@ -47,12 +50,14 @@ def matched_set(
     within: Annotated[
         int,
         typer.Option(
-            min=1, help="cells that a partner may be away, in complexity and graspability"
+            min=1, help="maximum distance of a partner in complexity and in graspability, cells"
         ),
     ] = 2,
     succeeds: Annotated[
         float,
-        typer.Option(min=0.05, max=1, help="how often the detector must hold a partner, 0.05 to 1"),
+        typer.Option(
+            min=0.05, max=1, help="minimum success rate of the detector at a partner, 0.05 to 1"
+        ),
     ] = 0.8,
     config: Config = None,
     jobs: Jobs = CORES,
@@ -83,7 +88,7 @@ def matched_set(
     typer.echo(str(found))
     if len(found) < pairs:
         typer.echo(f"fewer pairs than {pairs}: {found.unmatched} failures have no partner")
-    typer.echo(f"what was chosen, and how often each is held: {out / 'eval49/README.md'}")
+    typer.echo(f"the chosen objects, and how often each is held: {out / 'eval49/README.md'}")
     log_sheet(out, name, out=[out / "log.html"], seed=settings.seed, rounds=True)
 
 

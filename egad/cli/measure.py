@@ -170,8 +170,8 @@ def warn_of_measures(table: "pd.DataFrame") -> None:
     larger = table[table["factor"] > ENLARGED]
     if len(larger):
         log.warning(
-            "%d of %d meshes are measured larger than they are, %s for one %.3g times: "
-            "with --rule none, egad measure takes their real size",
+            "%d of %d meshes are enlarged before they are measured, for example %s by a factor of "
+            "%.3g; with --rule none, egad measure keeps their real size",
             *(len(larger), len(table), larger["name"].iloc[0], larger["factor"].iloc[0]),
         )
     warn_of_shapes(table)

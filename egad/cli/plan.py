@@ -11,7 +11,7 @@ def plan(
         list[Path] | None,
         typer.Option(
             "--from",
-            help="results whose objects vary as yours will: .parquet or .csv; may be repeated",
+            help="results with objects that vary like yours: .parquet or .csv; may be repeated",
         ),
     ] = None,
     difference: Annotated[
@@ -20,29 +20,31 @@ def plan(
     objects: Annotated[
         list[int], typer.Option(min=1, max=1000, help="objects to try; may be repeated")
     ] = [10, 20, 49, 100],  # noqa: B006 (typer copies it)
-    most: Annotated[int, typer.Option(min=1, max=1000, help="most attempts at each object")] = 100,
+    most: Annotated[
+        int, typer.Option(min=1, max=1000, help="maximum number of attempts at each object")
+    ] = 100,
     rate: Annotated[
         float | None,
-        typer.Option(help="mean success rate, %; default: of --from, else 60"),
+        typer.Option(help="mean success rate, %; default: that of --from, else 60"),
     ] = None,
     spread: Annotated[
         float | None,
         typer.Option(
-            help="standard deviation of the rates of objects, percentage points; default: of "
-            "--from, else 30"
+            help="standard deviation of the rates of objects, percentage points; default: "
+            "that of --from, else 30"
         ),
     ] = None,
     correlation: Annotated[
         float | None,
         typer.Option(
-            help="correlation of both detectors over objects; default: of the tables if --from "
-            "names several detectors, else 0.7"
+            help="correlation of both detectors over objects; default: that of the tables if "
+            "--from names several detectors, else 0.7"
         ),
     ] = None,
     power: Annotated[float, typer.Option(help="probability of finding the better one")] = 0.8,
-    level: Annotated[float, typer.Option(help="probability of finding one if both are equal")] = (
-        0.05
-    ),
+    level: Annotated[
+        float, typer.Option(help="probability of finding a better one if both are equal")
+    ] = (0.05),
     seed: Annotated[int, typer.Option(min=0, help="seed of the simulation")] = 0,
 ) -> None:
     """Find how many attempts show a difference between two detectors, by simulation over objects.

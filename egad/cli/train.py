@@ -21,7 +21,7 @@ from egad.learning import NetworkName
 def train(
     folders: Annotated[
         list[Path],
-        typer.Argument(help="folders of rendered images, or for vgn of scenes, as one set"),
+        typer.Argument(help="folders of rendered images, or of scenes for vgn, used as one set"),
     ],
     out: OutFolder,
     network: Annotated[
@@ -39,12 +39,14 @@ def train(
         typer.Option(
             exists=True,
             dir_okay=False,
-            help="weights to begin with, from a training or published; default: random ones",
+            help="initial weights, from an earlier training or published; default: random ones",
         ),
     ] = None,
     device: Annotated[
         Literal["cpu", "cuda"],
-        typer.Option(help="where vgn is trained; on a GPU, the last digits may differ each time"),
+        typer.Option(
+            help="device that vgn is trained on; on a GPU, the last digits may differ each time"
+        ),
     ] = "cpu",
     config: Config = None,
     jobs: Jobs = CORES,
@@ -115,8 +117,8 @@ def _on_scenes(
     low, high = score.average_precision.interval
     return (
         f"average precision {score.average_precision.value:.2f} ({low:.2f} to {high:.2f}) at "
-        f"{score.grasps} grasps in {score.scenes} scenes of held-out objects, of which "
-        f"{score.share:.0%} succeeded"
+        f"{score.grasps} grasps in {score.scenes} scenes of held-out objects; "
+        f"{score.share:.0%} of the grasps succeeded"
     )
 
 

@@ -61,7 +61,7 @@ def compare(
     is_clutter = [path.suffix == ".parquet" and "scene" in parquet.columns(path) for path in tables]
     if any(is_clutter) and not all(is_clutter):
         one, other = (tables[is_clutter.index(kind)] for kind in (True, False))
-        raise UserError(f"{one} is of cleared tables, {other} of trials: compare them apart")
+        raise UserError(f"{one} is of cleared tables, {other} of trials: compare them separately")
     if sequential and all(is_clutter):
         raise UserError("--sequential is for trials, not for cleared tables")
     if len(tables) > 1 and all(is_clutter):
@@ -133,7 +133,7 @@ def template(
 
     check_ending(out, (".csv",))
     if out.exists():
-        raise UserError(f"--out {out} exists and may be filled in; give another file")
+        raise UserError(f"--out {out} exists and may already be filled in; give another file")
     settings = settings_in(config)
     labels = labels_of(settings.select_eval.rows, settings.select_eval.columns)
     if evaluation is not None:
@@ -213,8 +213,8 @@ def _tell_sequential(found: "Mapping[str, pd.DataFrame]") -> None:
     for name, table in found.items():
         if (longest := attempts_in_a_row(table)) > 2:
             typer.echo(
-                f"{name}: up to {longest} attempts at one object follow each other: the sequential "
-                "test then decides for these objects only",
+                f"{name}: up to {longest} attempts at one object follow each other: the result of "
+                "the sequential test then holds for these objects only",
                 err=True,
             )
 

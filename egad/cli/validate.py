@@ -16,7 +16,7 @@ def validate(
         list[Path],
         typer.Argument(
             help="simulated results, .parquet or .csv, or success rates of objects, .csv; "
-            "the last file has the real ones, unless there is --real",
+            "the last file has the real results, unless --real is given",
         ),
     ],
     real: Annotated[
@@ -35,7 +35,7 @@ def validate(
 
     simulated = tables if real else tables[:-1]
     if not simulated:
-        raise UserError("validate needs simulated and real results: two files at least")
+        raise UserError("validate needs simulated and real results: at least two files")
     found = compare_sides(_gather(simulated), _gather(real or tables[-1:]))
     agreements(found.objects, "objects")
     if found.detectors is not None:

@@ -25,11 +25,12 @@ def verify_trials(
     dataset: SimulatedIn = RUN,
     gripper: RunGripper = None,
     sample: Annotated[
-        int | None, typer.Option(min=1, help="objects, or rounds, to look at; default: all")
+        int | None,
+        typer.Option(min=1, help="number of objects, or rounds, to verify; default: all"),
     ] = None,
     tolerance: Annotated[
         float,
-        typer.Option(min=0, help="by how much numbers may differ, on another kind of processor"),
+        typer.Option(min=0, help="how much numbers may differ, for another kind of processor"),
     ] = 0.0,
     config: Config = None,
     jobs: Jobs = CORES,
@@ -49,7 +50,7 @@ def verify_trials(
     groups = groups_of(rows, sample, settings.seed)
     attempts = sum(map(len, groups))
     if not attempts:
-        raise UserError(f"{table}: no attempt to look at")
+        raise UserError(f"{table}: no attempt to verify")
     models = models_in(dataset, settings, hand)
     found = verify_groups(groups, models, settings, hand, tolerance, jobs)
     for each in found[:SHOWN]:
@@ -62,10 +63,10 @@ def verify_trials(
             "reproduced: the table was altered, or settings, objects, the version of the engine or "
             "the kind of processor differ from those of the trials"
         )
-    typer.echo(f"{table}: {attempts} of {len(rows)} attempts simulated again: all as it says")
+    typer.echo(f"{table}: {attempts} of {len(rows)} attempts simulated again: all as in the table")
     labels = dict(zip(rows["id"], rows.get("label", rows["id"]), strict=True))
     objects = [(labels.get(name, name), name) for name in models]
     missing = list(gaps(rows, pd.DataFrame(objects, columns=["label", "id"]), settings, hand))
     if missing:
         more = f", and {len(missing) - 1} more" if len(missing) > 1 else ""
-        typer.echo(f"It is not all that the configuration asks for: {missing[0]}{more}", err=True)
+        typer.echo(f"The table does not match the configuration: {missing[0]}{more}", err=True)

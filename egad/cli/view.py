@@ -98,7 +98,7 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "Gras
         raise UserError(f"--in {folder}: no dataset here; give its folder, e.g. results/egad")
     for path in (scales, table):
         if not path.is_file():
-            raise UserError(f"{path} is not there; make it with: snakemake --cores 2 {table}")
+            raise UserError(f"{path} is missing; make it with: snakemake --cores 2 {table}")
     check_opening(folder, gripper, opening)
     evaluation = folder / "eval49.parquet"
     sizes = parquet.read(scales, SCALES).set_index("label")
@@ -143,7 +143,9 @@ def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "GraspScene"
     except RejectedError as reason:
         raise UserError(f"{path}: {reason}") from reason
     if row["factor"] > ENLARGED:
-        log.warning("%s is shown and grasped larger than it is; --rule none changes that", path)
+        log.warning(
+            "%s is enlarged before it is shown and grasped; --rule none keeps its real size", path
+        )
     title = _size(row)
     rng = generator(settings.seed, "grasps", path.stem)
     try:

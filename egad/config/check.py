@@ -90,7 +90,7 @@ def _sentences(error: Problem) -> list[str]:
         text = str(error["ctx"]["error"])
         return [f"{where}: {line}" if where else line for line in text.split("\n")]
     if path[-1] == "[key]":
-        name = "a name of small letters, digits, _ and -"
+        name = "a name of lowercase letters, digits, _ and -"
         return [f"{_dotted(path[:-1])}: {_shown(value)} cannot be a name; allowed: {name}"]
     if node is None:
         return [f"{where}: {_shown(value)}: {error['msg']}"]

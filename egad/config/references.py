@@ -81,7 +81,7 @@ def _impossible_targets(settings: Settings) -> list[str]:
         for cup in cups
     ]
     problems += [
-        f"targets.render: {name} of targets.grippers has a sampler of its own; images have "
+        f"targets.render: {name} of targets.grippers has a sampler of its own; images need "
         "antipodal grasps"
         for name in own
         if settings.targets.render and settings.grippers[name].grasps_with != ANTIPODAL

@@ -236,9 +236,9 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     if not body.any():
         raise RejectedError("empty")
     if rules.required is not None and not body[rules.required].all():
-        raise RejectedError("apart from what is kept solid")
+        raise RejectedError("does not contain all of keep_solid")
     if not is_whole(body, rules.symmetry):
-        raise RejectedError("one of several mirror or turned images")
+        raise RejectedError("one of several mirrored or rotated copies")
     _check_limits(body, rules.limits)
     return body
 
@@ -247,7 +247,7 @@ def _without_voids(body: Solid, rules: Rules) -> Solid:
     """A body with its voids filled; one that must stay empty would be filled by repair later."""
     full: Solid = ndimage.binary_fill_holes(body)
     if rules.allowed is not None and (full & ~rules.allowed).any():
-        raise RejectedError("closed around what must stay empty")
+        raise RejectedError("encloses space that must stay empty")
     return full
 
 
@@ -263,7 +263,7 @@ def _check_limits(body: Solid, limits: Limits) -> None:
     }
     for name, (value, (low, high)) in values.items():
         if not low <= value <= high:
-            raise RejectedError(f"{name} out of limits ({value:.3g})")
+            raise RejectedError(f"{name} outside its limits ({value:.3g})")
 
 
 def box_sides(body: Solid) -> NDArray[np.int64]:

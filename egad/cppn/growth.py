@@ -80,6 +80,6 @@ def check_regrown(genome: Row, voxels: Solid, threshold: float, rules: Rules = U
     grown = grow(genome, len(voxels), threshold, rules)
     if np.count_nonzero(grown & voxels) < SAME * np.count_nonzero(grown | voxels):
         raise UserError(
-            "its genome does not describe its voxels, so it was evolved within constraints; give "
-            "their configuration: egad export-meshes ARCHIVE --resolution N --config FILE"
+            "its genome does not describe its voxels, so it was evolved under constraints; give "
+            "the configuration with them: egad export-meshes ARCHIVE --resolution N --config FILE"
         )

@@ -59,8 +59,8 @@ class Region(Parameters):
     def _a_mesh_has_a_file(self) -> Self:
         if (self.kind == "mesh") != bool(self.mesh):
             raise ValueError(
-                f"kind is {self.kind} and mesh is {self.mesh!r}; `kind: mesh` and a file belong "
-                "together"
+                f"kind is {self.kind} and mesh is {self.mesh!r}; `kind: mesh` needs a mesh file, "
+                "and other kinds take none"
             )
         return self
 

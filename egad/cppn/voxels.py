@@ -45,7 +45,7 @@ def unpack(data: bytes, resolution: int) -> Solid:
     bits = np.frombuffer(data, dtype=np.uint8)
     if len(bits) != (count + 7) // 8:
         raise UserError(
-            f"{len(bits)} bytes of voxels do not make {resolution}^3 voxels: "
+            f"{len(bits)} bytes of voxels do not fit {resolution}^3 voxels: "
             "they come from another shape.resolution"
         )
     return np.unpackbits(bits, count=count).astype(bool).reshape((resolution,) * 3)

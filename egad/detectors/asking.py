@@ -51,7 +51,7 @@ def wanted_input(detect: Callable[..., Any]) -> str:
         return INPUTS[0]
     if first.name not in INPUTS:
         raise UserError(
-            f"the first parameter of a detector says what it gets, and {first.name!r} is none of "
+            f"the first parameter of a detector names its input, but {first.name!r} is none of "
             f"{', '.join(INPUTS)}; rename it, or set an attribute `observes`"
         )
     return first.name
@@ -62,7 +62,7 @@ def check_views_will_do(detect: Callable[..., Any]) -> None:
     if (name := wanted_input(detect)) != INPUTS[0]:
         raise UserError(
             f"in trials, a detector gets a view from above; this one asks for `{name}`, which "
-            "`egad benchmark` and `egad.run_benchmark` give"
+            "`egad benchmark` and `egad.run_benchmark` provide"
         )
 
 
@@ -139,5 +139,7 @@ def from_above(answer: list[Grasp] | GraspPoses) -> list[Grasp]:
         DetectorError: They are poses, which only a hand without an arm can carry out.
     """
     if isinstance(answer, GraspPoses):
-        raise DetectorError("it gives poses, not grasps from above: `egad benchmark` tries those")
+        raise DetectorError(
+            "it returned poses, not grasps from above; `egad benchmark` can execute poses"
+        )
     return answer

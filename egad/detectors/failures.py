@@ -64,7 +64,7 @@ def keep_failure(out: Path) -> Iterator[None]:
     except OnlyFailuresError as error:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(f"{error.failure}\n", encoding="utf-8")
-        raise UserError(f"{error}\nThe first failure is kept in {path}") from error
+        raise UserError(f"{error}\nThe first failure was written to {path}") from error
 
 
 def try_to_plan(plan: Callable[[], T]) -> T | Failure:
@@ -110,7 +110,7 @@ class FailureMonitor:
         what: str = "objects",
         *,
         quiet: bool = False,
-        remedy: str = "; to go on nevertheless, set keep_going",
+        remedy: str = "; to continue anyway, set keep_going",
     ) -> None:
         """Begin a run.
 
@@ -142,7 +142,7 @@ class FailureMonitor:
         if not self._first and len(texts):
             self._first = str(texts.iloc[0])
             if not self._quiet:
-                log.error("the detector failed, for the first time:\n%s", self._first)
+                log.error("first failure of the detector:\n%s", self._first)
         self._left -= 1
         asked = table[~table["outcome"].isin(SIMULATION_FAILURES)]
         if len(asked):

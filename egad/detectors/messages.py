@@ -34,7 +34,7 @@ def unpacked(data: bytes) -> Any:  # noqa: ANN401 (plain values and arrays)
     try:
         return msgpack.unpackb(data, object_hook=_decoded)
     except (msgpack.exceptions.UnpackException, TypeError, KeyError, ValueError) as error:
-        raise ValueError(f"no message of MessagePack with arrays: {error}") from error
+        raise ValueError(f"not a MessagePack message with arrays: {error}") from error
 
 
 def _encoded(value: Any) -> Any:  # noqa: ANN401 (as msgpack)
@@ -56,7 +56,7 @@ def _decoded(value: dict[Any, Any]) -> Any:  # noqa: ANN401 (as msgpack)
         return value
     kind = np.dtype(value[b"type"])
     if kind.kind not in KINDS:
-        raise ValueError(f"an array of {kind}; allowed: truth values, integers, real numbers")
+        raise ValueError(f"an array of {kind}; allowed: booleans, integers, real numbers")
     data = np.frombuffer(value[b"data"], kind)
     return data.reshape(value[b"shape"]).copy() if value[b"nd"] else data[0].item()
 
@@ -110,7 +110,7 @@ def answered(message: Any) -> list[Grasp] | GraspPoses:  # noqa: ANN401 (whateve
         ValueError: It is not an answer, or says what went wrong.
     """
     if not isinstance(message, dict):
-        raise ValueError(f"the answer is no table but {type(message).__name__}")
+        raise ValueError(f"the answer must be a map, got {type(message).__name__}")
     if "error" in message:
         raise ValueError(f"it says: {message['error']}")
     try:
@@ -128,7 +128,9 @@ def _from_above(columns: dict[str, Any]) -> list[Grasp]:
     count = len(center)
     center = center.reshape(0, 3) if count == 0 else center
     if center.shape != (count, 3) or any(each.shape != (count,) for each in others):
-        raise ValueError(f"grasps must have center (n, 3), and (n,) {', '.join(GRASP[1:])}")
+        raise ValueError(
+            f"grasps must have center of shape (n, 3), and {', '.join(GRASP[1:])} of shape (n,)"
+        )
     return [
         Grasp((x, y, z), *numbers)
         for x, y, z, *numbers in np.column_stack([center, *others]).tolist()

@@ -77,14 +77,18 @@ class DetectorConfig(Parameters):
         if (self.detector is None) == (self.command is None):
             raise ValueError("a detector needs either `detector` or `command`")
         if (self.detector == GRASPGEN) != (self.address is not None):
-            raise ValueError("the detector graspgen needs `address`, and no other takes it")
+            raise ValueError(
+                "the detector graspgen needs `address`; other detectors do not take it"
+            )
         if self.execution != "deepest" and self.detector != "ggcnn":
             raise ValueError(f"the detector {self.name} takes no `execution`: only ggcnn does")
         if self.threshold is not None and self.detector != "vgn":
             raise ValueError(f"the detector {self.name} takes no `threshold`: only vgn does")
         if self.detector is None:
             if self.weights:
-                raise ValueError("a detector with `command` takes no `weights`: put them there")
+                raise ValueError(
+                    "a detector with `command` takes no `weights`: put them into `command`"
+                )
             return self
         module, _, name = self.detector.rpartition(":")
         if self.detector not in (*SHIPPED, GRASPGEN) and not (module and name.isidentifier()):
@@ -117,8 +121,8 @@ def check_gripper(detector: str, gripper: Gripper) -> None:
         raise UserError(f"the detector {detector} is for suction cups; the gripper has jaws")
     if detector in (*SHIPPED, GRASPGEN) and gripper.cup is not None:
         raise UserError(
-            f"the detector {detector} is for jaws; the gripper has a suction cup, for which there "
-            f"are {', '.join(FOR_CUPS)} and labels"
+            f"the detector {detector} is for jaws; the gripper has a suction cup; "
+            f"allowed: {', '.join(FOR_CUPS)}, labels"
         )
 
 

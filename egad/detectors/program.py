@@ -69,7 +69,7 @@ class Program:
         if isinstance(observation, View) and self._wants != "view":
             raise UserError(
                 f"in trials, a detector gets a view from above; {self._name} asks for "
-                f"{self._wants}, which `egad benchmark` gives"
+                f"{self._wants}, which `egad benchmark` provides"
             )
         seed = int(rng.integers(2**63))
         message = packed(question(observation, self._wants, gripper, seed))
@@ -115,7 +115,9 @@ class Program:
         """What the program wants to see."""
         hello = self._exchange(b"", self._starting_limit)
         if not isinstance(hello, dict) or hello.get("protocol") != PROTOCOL:
-            raise DetectorError(f"it must begin with {{protocol: {PROTOCOL}, observes: ...}}")
+            raise DetectorError(
+                f"it must begin with the message {{protocol: {PROTOCOL}, observes: ...}}"
+            )
         wanted = hello.get("observes")
         if wanted not in INPUTS:
             raise DetectorError(f"it observes {wanted!r}; allowed: {', '.join(INPUTS)}")
@@ -153,7 +155,9 @@ class Program:
                 if ready.select(0):
                     if not os.read(process.stdout.fileno(), PIECE):
                         raise EOFError
-                    raise ValueError("it wrote without being asked. Does it print something?")
+                    raise ValueError(
+                        "it wrote without being asked. Does it print to standard output?"
+                    )
                 ready.register(process.stdin, selectors.EVENT_WRITE)
             while rest or not _is_complete(incoming):
                 for key, _ in _wait(ready, deadline):
@@ -217,8 +221,9 @@ def _is_complete(incoming: bytearray) -> bool:
     length = int(LENGTH.unpack_from(incoming)[0])
     if length > MAX_BYTES:
         raise ValueError(
-            f"a message of {length} bytes; most: {MAX_BYTES}. Does it print something?"
+            f"a message of {length} bytes; at most {MAX_BYTES} are allowed. Does it print to "
+            "standard output?"
         )
     if len(incoming) > LENGTH.size + length:
-        raise ValueError("more than one message at once. Does it print something?")
+        raise ValueError("more than one message at once. Does it print to standard output?")
     return len(incoming) == LENGTH.size + length

@@ -53,7 +53,9 @@ def make_detector(config: DetectorConfig) -> Detector:
     if name in IN_SCENES:
         return IN_SCENES[name]
     if name == "labels":
-        raise UserError("labels: knows where the object is and answers in simulated trials only")
+        raise UserError(
+            "labels: it knows where the object is, so it works in simulated trials only"
+        )
     if name == GRASPGEN and config.address:
         return GraspGen(config.address)
     if name == "ggcnn":

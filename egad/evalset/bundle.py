@@ -179,10 +179,10 @@ PAGE = """# Objects for simulators
 | `LABEL/LABEL.urdf` | for PyBullet, Gazebo, Isaac and others: one link |
 | `LABEL/LABEL.xml` | the same as MJCF for MuJoCo: one free body |
 | `LABEL/visual.obj` | the true surface |
-| `LABEL/parts/part-NNN.obj` | convex parts that stand for it in contacts |
+| `LABEL/parts/part-NNN.obj` | convex parts that replace it in contacts |
 | `LABEL/poses.json` | how it can rest on a table, the most probable first |
 | `bundle.parquet` | parts, errors and mass properties, one row per object |
-| `rejected.parquet` | what could not be made ready, and why |
+| `rejected.parquet` | objects that could not be prepared, and why |
 | `SHA256SUMS` | `sha256sum --check SHA256SUMS` |
 
 All files of an object share one frame, that of its mesh; the origin is not the center of mass. Mass
@@ -192,12 +192,12 @@ and inertia are those of the solid at {density:g} kg/m3, not of its parts; the s
 A pose has its `probability` (a drop in a random orientation, without bouncing), the `transform`
 from the frame of the mesh to that of the table (4 x 4; the table is z = 0, the center of mass above
 its origin), the outward `face_normal` of the resting face in the frame of the mesh, the `height` of
-the center of mass, and the `margin`, by how many degrees the table must be tilted for it to topple.
+the center of mass, and the `margin`, the smallest tilt of the table in degrees that topples it.
 Poses less than 5 degrees apart count as one; those with a probability below 0.001 are left out.
 
 ## Loading
 
-PyBullet takes the inertia from the file only if it is told to, and keeps 1 mm of air around every
+PyBullet uses the inertia from the file only if told to, and keeps a gap of 1 mm around every
 part, so that objects rest 1 mm above their pose:
 
     flags = pybullet.URDF_USE_INERTIA_FROM_FILE
@@ -211,10 +211,10 @@ The visual mesh is in group 2 and collides with nothing, the parts are in group 
 
 ## The objects
 
-The volume error is the volume of all parts together / that of the object - 1, the deviation how far
-they stick out of the object at most, mostly in narrow hollows. `buried` is the share of the surface
-that fingers can touch that lies more than {depth:g} mm inside a part. `!` marks a volume error
-beyond the bound of {bound:.1%}, or a buried share beyond {buried:.0%}.
+The volume error is the volume of all parts together / that of the object - 1. The deviation is how
+far the parts stick out of the object at most, mostly in narrow hollows. `buried` is the fraction of
+the surface that fingers can touch that lies more than {depth:g} mm inside a part. `!` marks a
+volume error above the bound of {bound:.1%}, or a buried fraction above {buried:.0%}.
 
 {objects}{rejected}"""
 HEAD = ("object", "parts", "volume error", "deviation, mm", "buried", "mass, g", "poses")

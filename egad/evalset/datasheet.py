@@ -45,18 +45,20 @@ REPORTING = """
 ## How to report results
 
 1. Print the objects for your gripper: {settings}.
-   An object that is not printable at its size is named above; leave it out and say so.
-2. As in the paper, make {attempts} attempts at each object: drop it into the workspace alone,
-   let the detector choose one grasp, close, lift. It is a success if the object is held until the
-   end. Put it back at random between attempts, and count every attempt, the aborted ones too.
-3. Write every attempt into a copy of `trials.csv`: `success` is 1 or 0. If you like, `outcome` is
-   success, slipped, dropped, missed, collided, no_grasp, failed or other, and `detector` its name.
-   `egad trials report` reads the file, `egad trials compare` holds it against others. The page
-   of `egad log-sheet` writes such a file too, attempt by attempt in a random order.
-4. Report the success rate over all attempts and that of each object, row and column, the gripper
-   with its opening, the scale rule and the factors, the filament and the friction of the fingers,
-   the sensor, and the version of the detector. {attempts} attempts leave an object's rate uncertain
-   by up to 22 points (95 %); compare detectors over the whole set.
+   Objects that are not printable at their size are named above; leave them out and say so.
+2. As in the paper, make {attempts} attempts at each object: drop it alone into the workspace, let
+   the detector choose one grasp, close the gripper and lift. The attempt succeeds if the object is
+   held until the end. Put the object back at random between attempts, and count every attempt,
+   including aborted ones.
+3. Write every attempt into a copy of `trials.csv`: `success` is 1 or 0. Optionally, `outcome` is
+   success, slipped, dropped, missed, collided, no_grasp, failed or other, and `detector` is the
+   name of the detector. `egad trials report` reads the file, `egad trials compare` compares it
+   with others. The page of `egad log-sheet` writes such a file too, attempt by attempt in a random
+   order.
+4. Report the success rate over all attempts and for each object, row and column, the gripper with
+   its opening, the scale rule and the factors, the filament and the friction of the fingers, the
+   sensor, and the version of the detector. With {attempts} attempts, the rate of one object is
+   uncertain by up to 22 points (95 %); compare detectors over the whole set.
 """
 
 
@@ -102,7 +104,8 @@ def _introduction(dataset: str, chosen: pd.DataFrame, empty: list[str]) -> str:
     missing = f"\nNo printable object lies in {' '.join(empty)}.\n" if empty else ""
     if len(borrowed):
         missing += (
-            f"\nNone lies in {' '.join(borrowed)} itself: one from a cell beside it stands there.\n"
+            f"\n{' '.join(borrowed)}: no printable object lies in the cell itself; one from a "
+            "neighboring cell takes its place.\n"
         )
     count = len(chosen)
     return INTRODUCTION.format(

@@ -48,7 +48,7 @@ def read_labels(path: Path) -> dict[str, str]:
         if not name:
             raise UserError(f"{path}, line {line}: the id is missing")
         if not LABEL.fullmatch(label):
-            raise UserError(f"{path}, line {line}: label is {label!r}; allowed: such as C4")
+            raise UserError(f"{path}, line {line}: label is {label!r}; allowed: labels such as C4")
         if name in labels:
             raise UserError(f"{path}, line {line}: the object {name} has two labels")
         labels[name] = label
@@ -73,7 +73,7 @@ def take(
         UserError: No object has a label, two have the same, or one lies outside the grid.
     """
     if unknown := sorted(set(labels) - set(objects["id"])):
-        log.warning("objects with labels that are not in the dataset: %s", ", ".join(unknown))
+        log.warning("labelled objects that are not in the dataset: %s", ", ".join(unknown))
     ids = objects["id"].tolist()
     placed = sorted((labels[name], row) for row, name in enumerate(ids) if name in labels)
     names = [label for label, _ in placed]

@@ -113,7 +113,7 @@ def warn_if_beyond(name: str, within: bool, volume_error: float, bound: float) -
         return
     depth = "" if np.isnan(bound) else f" and their deviation {1000 * bound:.2g} mm"
     warn_user(
-        f"the convex parts of {name} are beyond the bounds asked for: their volume error is "
+        f"the convex parts of {name} exceed the requested bounds: their volume error is "
         f"{volume_error:.1%}{depth}; allow more parts or larger bounds",
         PartsWarning,
     )

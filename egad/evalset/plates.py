@@ -90,8 +90,8 @@ def _note(pose: PrintPose, problems: list[str], plate: int | None, settings: Pri
             " x ".join(f"{1000 * side:.0f}" for side in sides)
             for sides in (pose.mesh.extents[:2], settings.bed)
         )
-        return f"{size} mm and a gap of {1000 * settings.gap:g} mm do not fit the bed of {bed} mm"
-    return "stands on little: use a brim" if pose.contact < SMALL_CONTACT else ""
+        return f"{size} mm plus a gap of {1000 * settings.gap:g} mm do not fit the bed of {bed} mm"
+    return "small contact with the bed: use a brim" if pose.contact < SMALL_CONTACT else ""
 
 
 def pack(

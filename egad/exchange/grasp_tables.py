@@ -44,7 +44,7 @@ def grasp_table(path: Path, gripper: str | None) -> Path:
     if path.is_file():
         if gripper is not None:
             raise UserError(
-                f"{path}: a gripper can be named only for the folder of a dataset, not for a file"
+                f"{path}: a gripper can be given only for the folder of a dataset, not for a file"
             )
         return path
     known = sorted(
@@ -53,8 +53,8 @@ def grasp_table(path: Path, gripper: str | None) -> Path:
     if not known:
         raise UserError(f"{path}: neither a table of grasps nor a dataset with grasps")
     if gripper not in known:
-        asked = "name a gripper" if gripper is None else f"no grasps of gripper {gripper!r}"
-        raise UserError(f"{path}: {asked}; there are {', '.join(known)}")
+        asked = "name a gripper" if gripper is None else f"no grasps for gripper {gripper!r}"
+        raise UserError(f"{path}: {asked}; available: {', '.join(known)}")
     return path / "grasps" / f"{gripper}.parquet"
 
 

@@ -47,7 +47,7 @@ def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "an
     sees = asked_for(detect)
     if search.approach == "above" and sees != "view":
         raise UserError(
-            f"the detector asks for `{sees}`, and for grasps from above it gets a view from above; "
+            f"the detector asks for `{sees}`, but for grasps from above it gets a view from above; "
             "with the approach `any` it gets what it asks for"
         )
     return search.approach or ("above" if sees == "view" else "any")

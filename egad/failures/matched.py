@@ -180,7 +180,7 @@ def match_failures(
     """
     settings = atlas.searched_with()
     if check_count("pairs", pairs) > MAX_PAIRS:
-        raise UserError(f"pairs is {pairs}; allowed: 1 to {MAX_PAIRS}, a digit of the labels each")
+        raise UserError(f"pairs is {pairs}; allowed: 1 to {MAX_PAIRS}, as labels have one digit")
     check_count("attempts", attempts)
     check_count("within", within)
     if not 0 < succeeds <= 1:
@@ -188,7 +188,10 @@ def match_failures(
     rules = PartnerRules(within, succeeds)
     further = load() if objects is None else objects
     if further.shape != atlas.shape:
-        raise UserError("the voxels of the objects become meshes in another way than the atlas's")
+        raise UserError(
+            "the objects and the atlas have different settings of shapes, which turn voxels into "
+            "meshes"
+        )
     with workers(jobs) as mapper:
         matching = Matching(atlas, further.archive, rules, attempts, detect, settings, mapper)
         chosen = matching.best(pairs)

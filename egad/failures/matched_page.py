@@ -17,7 +17,7 @@ to complex failures. `contact-sheet.pdf` shows all objects on one page.
 
 The failures were found by a search, in simulation. Then the detector and a reference, which knows
 where the object lies, tried all objects {attempts} times from the same poses in each physics
-engine. Nothing was chosen by these attempts, so their rates are not biased by the search:
+engine. Nothing was chosen based on these attempts, so their rates are not biased by the search:
 
 {rates}
 
@@ -27,14 +27,14 @@ counts, and `attempts.parquet` all attempts.
 
 {chosen}
 
-`archive.parquet` has the genomes and voxels of all objects. They are no sample of any population of
-objects: the failures show where the detector fails, not how often.
+`archive.parquet` has the genomes and voxels of all objects. They are not a sample of any population
+of objects: the failures show where the detector fails, not how often.
 
 ## On a robot
 
-Try both objects of a pair equally often, in the random order of `log.html`, and hold the rates of
-rows A and B against each other. A robot has no reference: that a failure can be grasped is shown by
-a detector that grasps it, or by a hand that is guided.
+Try both objects of a pair equally often, in the random order of `log.html`, and compare the rates
+of rows A and B. A robot has no reference: to show that a failure can be grasped, use a detector
+that grasps it, or guide the hand.
 
 ## The objects
 """
@@ -93,8 +93,8 @@ def _cells(row: dict[str, Any], engines: list[Any]) -> list[str]:
 def _chosen(found: MatchedSet) -> str:
     reasons = "; ".join(f"{reason}: {count}" for reason, count in found.replaced.items())
     return (
-        f"A partner must be printable, and of as many other attempts the detector must hold it in "
-        f"{100 * found.rules.succeeds:.0f} %, the reference in {100 * REFERENCE:.0f} %. Objects "
-        f"that were chosen and did not pass: {reasons or 'none'}. Failures without a partner, left "
-        f"out: {found.unmatched}."
+        f"A partner must be printable. In the same number of other attempts, the detector must "
+        f"hold it in {100 * found.rules.succeeds:.0f} %, the reference in {100 * REFERENCE:.0f} %. "
+        f"Objects that were chosen but did not pass: {reasons or 'none'}. Failures without a "
+        f"partner, left out: {found.unmatched}."
     )

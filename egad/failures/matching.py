@@ -207,11 +207,11 @@ class Matching:
 
     def _nothing(self) -> str:
         reasons = most_common(Counter(self.replaced))
-        tried = f"; of {len(self._tried)} that were tried again, none is: {reasons}"
+        tried = f"; of {len(self._tried)} that were tried again, none qualifies: {reasons}"
         return (
             f"none of {len(self._failures)} failures has an object within {self._rules.within} "
             f"cells that the detector succeeds at{tried if self._tried else ''}; give an atlas of "
-            "more attempts, or ask for less: within more cells, or with a lower success rate"
+            "more attempts, allow more cells, or require a lower success rate"
         )
 
     def _similarities(self, failure: int) -> Floats:

@@ -126,7 +126,7 @@ def check_searchable(detector: DetectorConfig, gripper: Gripper) -> None:
     """
     if detector.detector == "labels":
         raise UserError(
-            "labels knows where objects lie, as the reference does: failures are those of a "
-            "detector that has to see them"
+            "the detector labels knows where objects lie, as the reference does; search for "
+            "failures of a detector that has to see them"
         )
     check_gripper(detector.name, gripper)

@@ -80,7 +80,7 @@ class Store:
         except UserError as error:
             if self._tables():
                 error.args = (
-                    f"{error}\nWhat was found so far is in {self.folder}; the same search goes on "
+                    f"{error}\nThe results so far are in {self.folder}; the same search resumes "
                     "from there",
                 )
             raise

@@ -65,7 +65,7 @@ def _not_a_mesh(given: object) -> str:
         advice = "; `scene.to_mesh()` makes one mesh of a scene"
     elif isinstance(given, str | Path):
         advice = "; `egad.read_mesh(path, units='mm')` reads one from a file"
-    return f"a mesh is a trimesh.Trimesh, got {type(given).__name__}{advice}"
+    return f"a mesh must be a trimesh.Trimesh, got {type(given).__name__}{advice}"
 
 
 def check_surface(mesh: trimesh.Trimesh) -> None:
@@ -166,7 +166,7 @@ def units_doubt(longest_sides: Mapping[str, float], unit: str | None) -> str:
     low, high = USUAL_SIDES
     return (
         f"{len(odd)} of {len(longest_sides)} meshes are smaller than {low:g} m or larger than "
-        f"{high:g} m, {name} for one ({side:.3g} m): is their unit {unit or 'right'}?"
+        f"{high:g} m, for example {name} ({side:.3g} m): is their unit {unit or 'right'}?"
     )
 
 

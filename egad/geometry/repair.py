@@ -122,7 +122,7 @@ class Repaired(NamedTuple):
     def _facts(self) -> dict[str, str]:
         facts = {
             "mesh": f"{len(self.mesh.faces)} faces",
-            "repair": "changed" if self.changed else "sound as it was",
+            "repair": "changed" if self.changed else "unchanged",
         }
         if self.shell_thickness:
             facts["wall"] = f"{1000 * self.shell_thickness:g} mm thick"
@@ -313,7 +313,7 @@ def _reason(failed: list[trimesh.Trimesh]) -> str:
         return f"no volume; {THICKEN}"
     edges = sum(len(open_edges(part.faces)) for part in failed)
     if edges == 0:
-        return "faces without volume, or that meet in ways that no solid has"
+        return "faces that enclose no volume, or meet in ways that no solid allows"
     return f"open surface: {edges} open edges that could not be closed; {THICKEN}"
 
 

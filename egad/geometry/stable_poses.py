@@ -164,7 +164,7 @@ def _facets(vertices: Floats, center: Floats) -> _Facets:
     try:
         hull = ConvexHull(vertices)
     except QhullError as error:
-        raise RejectedError("no hull to rest on: flat") from error
+        raise RejectedError("flat: it has no hull to rest on") from error
     # Qhull merges faces that are flat to its precision and gives their triangles the same plane.
     planes, face = np.unique(hull.equations, axis=0, return_inverse=True)
     face = face.ravel()

@@ -37,7 +37,7 @@ def read_description(path: Path) -> mujoco.MjSpec:
             return mujoco.MjSpec.from_file(str(path.resolve()))
         return mujoco.MjSpec.from_string(text)
     except ValueError as error:
-        raise UserError(f"it is no URDF or MJCF that MuJoCo reads: {_line(error)}") from error
+        raise UserError(f"it is not URDF or MJCF that MuJoCo can read: {_line(error)}") from error
 
 
 def compile_skeleton(spec: mujoco.MjSpec) -> mujoco.MjModel:
@@ -130,7 +130,7 @@ def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
     try:
         return spec.compile()
     except ValueError as error:
-        raise UserError(f"MuJoCo refuses it: {_line(error)}") from error
+        raise UserError(f"MuJoCo rejects it: {_line(error)}") from error
 
 
 def shapes_of(model: mujoco.MjModel, body: int) -> list[Floats]:

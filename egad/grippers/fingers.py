@@ -18,7 +18,7 @@ STANDING = 1e-7  # metres; fingers that move less in a small step stand still
 SPREAD = 0.5  # of the closing speed: links that move more than this across it are not two fingers
 SNAP = 2.0  # degrees; axes this close to one of the palm's axes are taken to be that axis
 MAX_DRIVEN = 4
-WHOLE_ROBOT = "; of a whole robot, name a link of each finger: finger_links: [NAME, NAME]"
+WHOLE_ROBOT = "; for a whole robot, name a link of each finger: finger_links: [NAME, NAME]"
 
 
 class Sides(NamedTuple):
@@ -62,11 +62,11 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
         if not model.jnt_limited[joint] or not np.isfinite([low, high]).all():
             raise UserError(
                 f"the joint {name} has no limits, or equal ones; it needs a "
-                f"lower and a higher one{WHOLE_ROBOT}"
+                f"lower and an upper limit{WHOLE_ROBOT}"
             )
     if len(driven) > MAX_DRIVEN:
         raise UserError(
-            f"it has {len(driven)} joints that move by themselves "
+            f"it has {len(driven)} independent joints "
             f"({', '.join(joint_name(model, joint) for joint in driven)}); name the one that "
             f"closes the hand: joint: NAME{WHOLE_ROBOT}"
         )

@@ -255,7 +255,7 @@ def finger_span(gripper: Gripper) -> tuple[float, float]:
     Raises:
         UserError: The gripper has a suction cup.
     """
-    check_jaws(gripper, "what looks at fingers")
+    check_jaws(gripper, "the span of the fingers")
     tip = gripper.fingertip
     if tip is None:
         tip = min(gripper.finger_width, gripper.finger_length) / 2

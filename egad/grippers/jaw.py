@@ -255,7 +255,7 @@ def _on_fixed_face(jaws: JawSolids, frame: JawFrame, tcp: Floats, pad: Floats) -
     start = tcp - off[0] * frame.closing + GRID * frame.closing
     (behind,) = jaws.fixed_face(start[None], frame)
     if not np.isfinite(behind):
-        raise UserError("at its tcp there is no face of the fixed jaw")
+        raise UserError("there is no face of the fixed jaw at its tcp")
     return np.asarray(start - behind * frame.closing)
 
 

@@ -84,8 +84,8 @@ def find_facing(
     closing = float(np.sign(sums[1] - sums[0]))
     if max(sums) < MIN_AREA or closing == 0:
         raise UserError(
-            f"its jaws never face each other: no face of the link "
-            f"{body_name(mechanism.model, body)}, which moves, closes against one that does not"
+            f"its jaws never face each other: no face of the moving link "
+            f"{body_name(mechanism.model, body)} closes against a fixed one"
         )
     chosen = [look.seen & (look.ways == closing) for look in looks]
     weights = np.concatenate([areas[rows] for rows in chosen])

@@ -63,7 +63,7 @@ def find_pads(
     facing = [pair for pair in product(*fronts) if _overlap(pair[0][1], pair[1][1], sides.axis)]
     if not facing:
         names = [", ".join(body_name(model, body) for body in each) or "(none)" for each in bodies]
-        raise UserError(f"no face of the links {names[0]} looks at one of the links {names[1]}")
+        raise UserError(f"no face of the links {names[0]} is opposite one of the links {names[1]}")
     pads = min(facing, key=lambda pair: _gap(pair[0][1], pair[1][1], sides.axis))
     centers, corners = [], []
     for body, faces in pads:

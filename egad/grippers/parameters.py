@@ -161,7 +161,7 @@ class Gripper(UserParameters):
         if not isinstance(values.get("file"), str | Path):
             return values
         if values.get("mesh") is not None:
-            raise ValueError("a gripper has a file, or a mesh for its palm, but not both")
+            raise ValueError("a gripper takes a file or a mesh for its palm, not both")
         missing = SIZES - {name for name, value in values.items() if value is not None}
         if not missing:
             return values
@@ -171,7 +171,7 @@ class Gripper(UserParameters):
         found = sizes_of(read_described(Path(values["file"]).expanduser(), values))
         if isinstance(opening := values.get("opening"), int | float) and opening > found["opening"]:
             raise ValueError(
-                f"opening is {opening:g}; the hand of {values['file']} opens "
+                f"opening is {opening:g}; the hand of {values['file']} opens at most "
                 f"{found['opening']:.4g} m"
             )
         return values | {name: found[name] for name in missing}

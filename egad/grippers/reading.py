@@ -97,7 +97,7 @@ def _read_model(
         model, beyond = _modelled(_description(path, changed).copy(), path, choices)
     if beyond:
         log.warning(
-            "%s: joints that follow others go beyond their own limits, which do not count: %s",
+            "%s: joints that follow others exceed their own limits, which are ignored: %s",
             path,
             ", ".join(beyond),
         )
@@ -268,7 +268,7 @@ def _approach(mechanism: Mechanism, positions: Floats, closing: Floats, ahead: F
     length = float(np.linalg.norm(ahead))
     if length < SHORT:
         raise UserError(
-            "it does not show from where it approaches; name the axis: approach_axis: [x, y, z]"
+            "its approach direction cannot be determined; give it: approach_axis: [x, y, z]"
         )
     largest = int(np.abs(ahead).argmax())
     if abs(ahead[largest]) > np.cos(np.radians(UPRIGHT)) * length:

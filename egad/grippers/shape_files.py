@@ -126,7 +126,7 @@ def read_shape(path: Path) -> Floats | None:
     if ending in ("obj", "msh") or (ending == "stl" and _is_regular_stl(path)):
         return None
     if ending not in ("stl", "ply", "off", "dae"):
-        raise UserError(f"{path} is no STL, OBJ, PLY, OFF or Collada (DAE); convert it to STL")
+        raise UserError(f"{path} is not STL, OBJ, PLY, OFF or Collada (DAE); convert it to STL")
     points = _collada_points(path) if ending == "dae" else _points(path)
     try:
         return points[ConvexHull(points).vertices]
@@ -156,7 +156,7 @@ def _collada_points(path: Path) -> Floats:
         reason = error.msg.partition(" (<string>")[0]
         raise UserError(f"{path} is not readable as Collada: {reason}; {advice}") from error
     except Exception as error:  # of a damaged file; anything may be raised
-        raise UserError(f"{path} is damaged or has no scene of Collada; {advice}") from error
+        raise UserError(f"{path} is damaged or has no Collada scene; {advice}") from error
     if not len(points):
-        raise UserError(f"{path} is Collada without faces in its scene; {advice}")
+        raise UserError(f"{path} is a Collada file without faces in its scene; {advice}")
     return np.unique(points * unit_conversion(scene.units or "meters", "meters"), axis=0)

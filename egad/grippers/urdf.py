@@ -39,7 +39,7 @@ def read_urdf(path: Path) -> str | None:
     if root is None or root.tag == "mujoco":
         return None
     if root.tag != "robot":
-        raise UserError(f"it is no URDF or MJCF: its outermost element is <{root.tag}>")
+        raise UserError(f"it is not URDF or MJCF: its root element is <{root.tag}>")
     if any(_is_xacro(each) for each in root.iter()):
         name = path.name.removesuffix(".xacro").removesuffix(".urdf") + ".urdf"
         if name == path.name:  # a shell empties its output before xacro reads its input
@@ -119,7 +119,7 @@ def _joint(given: Element, path: Path) -> Element:
         found = given.findall(tag)
         if any(each.attrib != found[0].attrib for each in found):
             log.warning(
-                "%s: the joint %s has %d elements <%s>; the first one counts",
+                "%s: the joint %s has %d <%s> elements; only the first is used",
                 path,
                 name,
                 len(found),
@@ -155,7 +155,7 @@ def _numbers(element: Element, key: str, part: Element) -> list[float]:
 def _name(element: Element) -> str:
     name = element.get("name", "")
     if not name:
-        raise UserError(f"one of its elements <{element.tag}> has no name")
+        raise UserError(f"one of its <{element.tag}> elements has no name")
     return name
 
 
@@ -165,7 +165,7 @@ def _by_name(elements: list[Element]) -> dict[str, Element]:
     for element in elements:
         name = element.get("name", "")
         if name in found and ElementTree.tostring(found[name]) != ElementTree.tostring(element):
-            raise UserError(f"it has two different {element.tag}s of the name {name}")
+            raise UserError(f"it has two different {element.tag}s named {name}")
         found[name] = element
     return found
 
@@ -177,17 +177,19 @@ def _check(links: Mapping[str, Element], joints: Mapping[str, Element]) -> None:
         for tag, link in _named_links(joint):
             if link not in links:
                 raise UserError(
-                    f"the {tag} of the joint {name} is {link!r}, a link that the file lacks"
+                    f"the {tag} of the joint {name} is {link!r}, a link that is not in the file"
                 )
         child = joint.find("child")
         link = "" if child is None else child.get("link", "")
         if link in carriers:
-            raise UserError(f"the link {link} hangs on two joints, {carriers[link]} and {name}")
+            raise UserError(
+                f"the link {link} is the child of two joints, {carriers[link]} and {name}"
+            )
         carriers[link] = name
         mimic = joint.find("mimic")
         if mimic is not None and mimic.get("joint") not in joints:
             leader = mimic.get("joint")
-            raise UserError(f"the joint {name} mimics {leader!r}, a joint that the file lacks")
+            raise UserError(f"the joint {name} mimics {leader!r}, a joint that is not in the file")
 
 
 def _named_links(joint: Element) -> Iterator[tuple[str, str]]:

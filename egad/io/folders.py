@@ -30,12 +30,12 @@ def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
     _check_folder(folder)
     try:
         if pattern.count("**") > 1:
-            raise ValueError("`**` is allowed once")
+            raise ValueError("`**` is allowed only once")
         found = sorted(path for path in folder.glob(pattern) if _is_mesh(path, folder))
     except (ValueError, IndexError, NotImplementedError) as error:
         raise UserError(f"pattern {pattern!r} is not valid: {error}") from error
     if not found:
-        where = "in it" if pattern == EVERY_FILE else f"that fit the pattern {pattern}"
+        where = "in it" if pattern == EVERY_FILE else f"that match the pattern {pattern}"
         raise UserError(f"{folder}: no mesh files {where}; allowed endings: {' '.join(ENDINGS)}")
     return found
 

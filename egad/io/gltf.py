@@ -44,7 +44,7 @@ def parse_glb(data: bytes) -> Content:
     except KeyError as error:
         raise RejectedError(f"it is damaged: it has no {error.args[0]}") from error
     except IndexError as error:
-        raise RejectedError("it is damaged: it refers to what is not there") from error
+        raise RejectedError("it is damaged: it refers to something that is missing") from error
 
 
 def _content(document: Json, binary: bytes) -> Content:
@@ -68,7 +68,7 @@ def _chunks(data: bytes) -> tuple[Json, bytes]:
         raise RejectedError("it does not start with `glTF`")
     version, length = (int.from_bytes(data[k : k + 4], "little") for k in (4, 8))
     if version != 2:
-        raise RejectedError(f"glTF version {version} is not read, only 2")
+        raise RejectedError(f"glTF version {version} is not supported, only 2")
     if length > len(data):
         raise RejectedError("it is truncated")
     size = int.from_bytes(data[12:16], "little")
@@ -86,7 +86,7 @@ def _chunks(data: bytes) -> tuple[Json, bytes]:
 def _check_extensions(document: Json) -> None:
     for name in document.get("extensionsRequired", []):
         if name not in READ and not str(name).startswith(LOOKS):
-            raise RejectedError(f"it needs the extension {name}, which is not read")
+            raise RejectedError(f"it needs the extension {name}, which is not supported")
 
 
 def _placed_meshes(document: Json, binary: bytes) -> Iterator[tuple[int, Floats]]:
@@ -97,7 +97,7 @@ def _placed_meshes(document: Json, binary: bytes) -> Iterator[tuple[int, Floats]
     while waiting:
         number, above = waiting.pop()
         if number in seen:
-            raise RejectedError(f"the node {number} hangs at two others, or below itself")
+            raise RejectedError(f"the node {number} has two parents, or is below itself")
         seen.add(number)
         node = nodes[number]
         if not node.get("extensions", {}).get(VISIBILITY, {}).get("visible", True):
@@ -165,7 +165,7 @@ def _triangles(document: Json, binary: bytes, primitive: Json) -> tuple[Floats, 
     """Vertices and faces of a primitive; no faces for points and lines."""
     points = _values(document, binary, primitive["attributes"]["POSITION"])
     if DRACO in primitive.get("extensions", {}) and not points.any():
-        raise RejectedError(f"it needs the extension {DRACO}, which is not read")
+        raise RejectedError(f"it needs the extension {DRACO}, which is not supported")
     if "indices" in primitive:
         corners = _values(document, binary, primitive["indices"]).ravel().astype(np.int64)
     else:
@@ -217,7 +217,7 @@ def _array(
     view = document["bufferViews"][part["bufferView"]]
     buffer = document["buffers"][view["buffer"]]
     if packed := [name for name in view.get("extensions", {}) if "meshopt" in name]:
-        raise RejectedError(f"it needs the extension {packed[0]}, which is not read")
+        raise RejectedError(f"it needs the extension {packed[0]}, which is not supported")
     if "uri" in buffer or view["buffer"] != 0:
         raise RejectedError("its shapes are in another file, which is not read")
     start = view.get("byteOffset", 0) + part.get("byteOffset", 0)
@@ -225,7 +225,7 @@ def _array(
     stride = view.get("byteStride") or tight
     within = part.get("byteOffset", 0) + stride * (count - 1) + tight
     if count < 1 or stride < tight or within > view["byteLength"] or start < 0:
-        raise RejectedError("it is truncated: a buffer view does not hold what it should")
+        raise RejectedError("it is truncated: a buffer view does not hold all of its values")
     if start + stride * (count - 1) + tight > len(binary):
         raise RejectedError("it is truncated: its binary chunk is too short")
     return np.ndarray((count, width), kind, binary, start, (stride, kind.itemsize))

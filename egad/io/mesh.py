@@ -80,7 +80,9 @@ def write_mesh(mesh: trimesh.Trimesh, path: Path) -> None:
     """
     ending = path.suffix.lower()
     if ending not in WRITERS:
-        raise UserError(f"{path.name}: such files are not written; endings: {' '.join(WRITERS)}")
+        raise UserError(
+            f"{path.name}: cannot write such files; allowed endings: {' '.join(WRITERS)}"
+        )
     WRITERS[ending](mesh, path)
 
 

@@ -14,7 +14,7 @@ REFUSED = {
     b"curv": "a free-form curve",
     b"surf": "a free-form surface",
     b"call": "a reference to another file",
-    b"fo": "a face of an old version",
+    b"fo": "a face in an outdated syntax",
 }
 # Names, looks, parameters of refused shapes, lines and points; some files hold their materials.
 IGNORED = frozenset(
@@ -73,7 +73,8 @@ class _Reader:
             self._read_face(f"line {number}", words[1:])
         elif key in REFUSED:
             raise RejectedError(
-                f"line {number}: `{key.decode()}`, {REFUSED[key]}, is not read; export triangles"
+                f"line {number}: `{key.decode()}`, {REFUSED[key]}, is not supported; export "
+                "triangles"
             )
         elif key not in IGNORED:
             self.unknown = self.unknown or f"line {number}: {key[:20].decode('latin-1')!r}"
@@ -87,7 +88,7 @@ class _Reader:
         if len(values) < 3:
             raise RejectedError(f"{where}: a vertex has {len(values)} coordinates")
         if len(words) == 4 and values[3] != 1:  # with more, they are colors
-            raise RejectedError(f"{where}: a vertex has the weight {values[3]:g}; only 1 is read")
+            raise RejectedError(f"{where}: a vertex has the weight {values[3]:g}; allowed: 1")
         check_at_most(len(self.vertices) + 1, MAX_VERTICES, "vertices")
         self.vertices.append((values[0], values[1], values[2]))
 

@@ -34,8 +34,8 @@ def parse_off(data: bytes) -> Content:
         free = None if kind else _free_rows(words[3:], count, polygons)
         if free is None:
             raise RejectedError(
-                f"it is truncated, or does not have one vertex or face a line: {count:,} vertices "
-                f"and {polygons:,} faces are announced, {len(rows):,} lines follow"
+                f"it is truncated, or does not have one vertex or face per line: it announces "
+                f"{count:,} vertices and {polygons:,} faces, but {len(rows):,} lines follow"
             )
         rows = free
     check_at_most(count, MAX_VERTICES, "vertices")
@@ -68,10 +68,10 @@ def _body(text: bytes) -> tuple[bytes, bytes]:
         raise RejectedError("it does not start with OFF")
     more, homogeneous, dimensions, binary = header.groups()
     if binary:
-        raise RejectedError("binary OFF is not read; save it as text")
+        raise RejectedError("binary OFF is not supported; save it as text")
     if homogeneous or dimensions:
         kind = (homogeneous + dimensions).decode()
-        raise RejectedError(f"{kind}OFF, coordinates of other dimensions than 3, is not read")
+        raise RejectedError(f"{kind}OFF, with coordinates that are not 3D, is not supported")
     return more, text[header.end() :]
 
 

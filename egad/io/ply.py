@@ -119,7 +119,7 @@ def _elements(lines: list[str]) -> tuple[str, list[Element]]:
             case [] | ["comment" | "obj_info", *_]:
                 pass
             case _:
-                raise RejectedError(f"its header has the line {line[:40]!r}")
+                raise RejectedError(f"its header has the unknown line {line[:40]!r}")
     if order is None:
         raise RejectedError("its header does not say the format")
     for each in elements:
@@ -130,7 +130,7 @@ def _elements(lines: list[str]) -> tuple[str, list[Element]]:
 
 def _order(kind: str, version: str) -> str:
     if kind not in ORDERS or version != "1.0":
-        raise RejectedError(f"the format {kind} {version} is not read")
+        raise RejectedError(f"the format {kind} {version} is not supported")
     return ORDERS[kind]
 
 
@@ -144,14 +144,14 @@ def _check_vertices(element: Element) -> None:
 
 def _check_faces(element: Element) -> None:
     if element.name in UNREAD and element.size:
-        raise RejectedError(f"its element {element.name} is not read; export triangles")
+        raise RejectedError(f"its element {element.name} is not supported; export triangles")
     if element.name == "face" and element.size and _used(element) is None:
         raise RejectedError(f"its faces do not have a list {' or '.join(INDICES)}")
 
 
 def _type(name: str) -> str:
     if name not in TYPES:
-        raise RejectedError(f"its header has the type {name!r}")
+        raise RejectedError(f"its header has the unknown type {name!r}")
     return TYPES[name]
 
 
@@ -163,7 +163,7 @@ def _used(element: Element) -> int | None:
 
 def _cut_short(element: Element) -> RejectedError:
     return RejectedError(
-        f"it is truncated: not all of its {element.size:,} {element.name} are there"
+        f"it is truncated: some of its {element.size:,} {element.name} elements are missing"
     )
 
 

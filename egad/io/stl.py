@@ -64,7 +64,7 @@ def parse_binary(data: bytes) -> Content:
         RejectedError: It is truncated, or holds more facets than its header says.
     """
     if len(data) < HEADER:
-        raise RejectedError("it is truncated: its header is not whole")
+        raise RejectedError("it is truncated: its header is incomplete")
     count, there = int.from_bytes(data[80:HEADER], "little"), (len(data) - HEADER) // FACET
     if there < count:
         raise RejectedError(f"it is truncated: its header says {count:,} faces, it has {there:,}")

@@ -58,7 +58,7 @@ def parse_3mf(data: bytes) -> Content:
                 raise RejectedError("it is encrypted")
             return _Package(archive).content()
     except zipfile.BadZipFile as error:
-        raise RejectedError("it is not a whole zip archive") from error
+        raise RejectedError("it is not a complete zip archive") from error
 
 
 class _Package:
@@ -108,7 +108,7 @@ class _Package:
             for prefix in root.get("requiredextensions", "").split():
                 space = namespaces.get(prefix, prefix)
                 if space not in KNOWN:
-                    raise RejectedError(f"it needs the extension {space}, which is not read")
+                    raise RejectedError(f"it needs the extension {space}, which is not supported")
             self._models[path] = root
             found = root.iterfind(f"{TAG}resources/{TAG}object")
             self._objects[path] = {str(each.get("id")): each for each in found}
@@ -155,7 +155,7 @@ class _Package:
         others = [each for each in (found if mesh is None else mesh) if _is_foreign_shape(each)]
         if mesh is None or others:
             name = _local_name(others[0]) if others else "nothing"
-            raise RejectedError(f"an object has a shape of {name}, which is not read")
+            raise RejectedError(f"an object has a shape of {name}, which is not supported")
         vertices = _attributes(mesh.findall(f"{TAG}vertices/{TAG}vertex"), ("x", "y", "z"))
         corners = _attributes(mesh.findall(f"{TAG}triangles/{TAG}triangle"), ("v1", "v2", "v3"))
         self._total[0] += len(vertices) // 3
@@ -223,7 +223,7 @@ def _unit(root: Element) -> str | None:
     """The unit that a model states."""
     name = root.get("unit")
     if name is not None and name not in UNITS:
-        raise RejectedError(f"its unit is {name!r}; 3MF has {', '.join(UNITS)}")
+        raise RejectedError(f"its unit is {name!r}; allowed in 3MF: {', '.join(UNITS)}")
     return None if name is None else UNIT_OF[name]
 
 

@@ -17,8 +17,8 @@ PAGE = """# {title}, trained on {source}
 A fully convolutional network of {parameters:,} weights. For every voxel of a truncated signed
 distance field it says how good a grasp there is, how the hand is turned, and how wide it holds
 (Breyer et al., "Volumetric grasping network", CoRL 2020). The weights are in `weights.safetensors`,
-for the detector `vgn`. It learnt from grasps of {gripper}. How well it grasps with another hand is
-not measured here: the detector tells the network nothing about the hand that it is used with.
+for the detector `vgn`. It was trained on grasps of {gripper}. How well it grasps with another hand
+is not measured here: the detector tells the network nothing about the hand that it is used with.
 
 The input, (1, 40, 40, 40), is distances from 0 inside to 1 outside, 0 where nothing is seen or near
 no surface. The output, (6, 40, 40, 40), is quality, quaternion (x, y, z, w) and width in voxels, of
@@ -31,9 +31,9 @@ On {scenes:,} scenes of held-out objects, those of the split `test`, seen by all
 the same kind.
 
 {score}
-The average precision of guesses is the share of grasps that succeeded, their balanced accuracy is
-50 %. The rotation is that of the hand, compared with the nearest one at which it held, at
-grasps that succeeded. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
+Guesses have an average precision equal to the share of grasps that succeeded, and a balanced
+accuracy of 50 %. The rotation is that of the hand, compared with the nearest one at which it held,
+at grasps that succeeded. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
 
 The quality is that of a set in which as many grasps succeed as fail. The detector smooths it, which
 lowers its peaks, and proposes what is left above `threshold`, {threshold} by default for these

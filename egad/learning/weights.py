@@ -139,7 +139,7 @@ def _differences(
             words.append(f"{name} is {state[name].dtype}, not {value.dtype}")
         elif not state[name].isfinite().all():
             words.append(f"{name} has numbers that are not finite")
-    return [*words, *(f"{name} is too much" for name in state if name not in wanted)]
+    return [*words, *(f"{name} is unexpected" for name in state if name not in wanted)]
 
 
 def _sides(value: torch.Tensor) -> str:

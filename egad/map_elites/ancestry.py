@@ -74,7 +74,9 @@ class Lineage:
             UserError: The object is not in the table.
         """
         if name not in self._parents:
-            raise UserError(f"the ancestors of the object {name} are not known: the table lacks it")
+            raise UserError(
+                f"the ancestors of the object {name} are unknown: it is not in the table"
+            )
         return self._parents[name]
 
     def children(self, name: str) -> tuple[str, ...]:

@@ -91,8 +91,8 @@ def is_coarse(complexities: ArrayLike, fine_complexities: ArrayLike) -> NDArray[
 def coarse_advice(fine: float) -> str:
     """What the user of a mesh that is too coarse should know and do."""
     return (
-        f"the triangles are so large that the complexity means little ({fine:.3f} bits after "
-        "long edges are split): remesh with even edges of about 2 % of the longest side"
+        f"the triangles are too large for a meaningful complexity ({fine:.3f} bits after long "
+        "edges are split): remesh with uniform edges of about 2 % of the longest side"
     )
 
 

@@ -38,7 +38,7 @@ def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | Non
     try:
         value = float(given)
     except (TypeError, ValueError, OverflowError) as error:
-        raise RejectedError(f"{name} is not a number but {type(given).__name__}") from error
+        raise RejectedError(f"{name} must be a number, got {type(given).__name__}") from error
     if not math.isfinite(value):
         raise RejectedError(f"{name} is not a finite number ({value})")
     return value

@@ -111,19 +111,19 @@ def card(
     blocks = [
         f"# Depth images of {dataset} for {gripper}",
         f"Objects at rest on a table, turned at random; seed {settings.seed}. A single "
-        "object lies in one of its stable poses, as often as drops end in it"
+        "object lies in one of its stable poses, each as often as drops end in it"
         + (
-            "; several are packed upright side by side or dropped to a pile, "
-            f"{render.objects} at most"
+            "; several are packed upright side by side or dropped into a pile, "
+            f"at most {render.objects}"
             if render.packed + render.pile
             else ""
         )
         + ". Splits are by object"
-        + (", and the evaluation set is for testing." if render.hold_out else "."),
+        + (", and the evaluation set is reserved for testing." if render.hold_out else "."),
         _table(found.counts),
         f"A grasp is reachable if its approach can be within {render.tilt:g} degrees of the "
-        f"vertical; of each object at most {render.grasps} are sampled. It is free if the hand, "
-        f"opening {1000 * settings.gripper.opening:g} mm at most, touches nothing else, and good "
+        f"vertical; at most {render.grasps} are sampled per object. It is free if the hand, which "
+        f"opens at most {1000 * settings.gripper.opening:g} mm, touches nothing else, and good "
         "if it also "
         + (
             "held in simulation."
@@ -150,7 +150,7 @@ def _table(counts: pd.DataFrame) -> str:
     ]
     pairs = zip(counts.loc[names, "collision_free"], counts.loc[names, "grasps"], strict=True)
     shares = [f"{100 * free / max(grasps, 1):.0f} %" for free, grasps in pairs]
-    return table(["", *names], [*rows, ("free, of the reachable", *shares)]).rstrip()
+    return table(["", *names], [*rows, ("free fraction of the reachable grasps", *shares)]).rstrip()
 
 
 def _sizes(render: Render, found: Summary, figure: str) -> str:
@@ -179,18 +179,18 @@ def _objects(render: Render) -> str:
     low, high = (100 * rank for rank in render.complexity)
     if (low, high, render.subset) == (0, 100, 1):
         return ""
-    drawn = f"{100 * render.subset:g} %, drawn by chance, of the objects" * (render.subset < 1)
-    ranks = f"from {low:g} to {high:g} % of the ranks in complexity"
+    drawn = f"a random {100 * render.subset:g} % of the objects" * (render.subset < 1)
+    ranks = f"whose rank in complexity is from {low:g} to {high:g} %"
     return f"Only {drawn or 'objects'} {ranks}."
 
 
 def _camera(camera: Camera) -> list[str]:
     width, height = camera.image
-    around = ", cut out around the first object's center of mass" if camera.centered else ""
+    around = ", cropped around the first object's center of mass" if camera.centered else ""
     return [
         f"{width} x {height} pixels{around}; focal length {_range(camera.focal)} pixels; "
         f"{_range(camera.distance)} m from the middle of the table, {_range(camera.tilt)} degrees "
-        f"off the vertical, rolled by {_range(camera.roll)} degrees; what lies there is up to "
+        f"off the vertical, rolled by {_range(camera.roll)} degrees; the objects are up to "
         f"{camera.shift:g} m off the middle along x and y. Depth is in steps of 0.1 mm."
     ]
 

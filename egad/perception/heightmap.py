@@ -105,7 +105,7 @@ def min_fingertip_height(
     Returns:
         (n,) heights over the table, `TABLE_CLEARANCE` above what is met.
     """
-    check_jaws(gripper, "the least height of fingertips")
+    check_jaws(gripper, "the minimum height of the fingertips")
     along, across = _probes(gripper.finger_thickness, gripper.finger_width)
     shift = (width + gripper.finger_thickness)[:, None] / 2
     clear = np.maximum(

@@ -48,13 +48,13 @@ OTHER_FILES = (
     ),
     Files(
         "network",
-        "grasp networks that egad ships as detectors of their names, with their model cards",
+        "grasp networks that egad ships as detectors of the same names, with their model cards",
         "networks/*/weights.safetensors",
         "application/octet-stream",
     ),
     Files(
         "gallery",
-        "page to look at the objects in a browser, with its data in the folder `gallery`",
+        "page to view the objects in a browser, with its data in the folder `gallery`",
         "index.html",
         "text/html",
     ),

@@ -100,12 +100,12 @@ founder along the line of first parents. A first parent gives its child the stru
 a second one gives only weights, and may be of another family. An object whose ancestors are not
 known is a family of its own.
 
-The test split is the evaluation set with all parents and children of its objects, so none of these
-is trained on. More distant relatives of them are in the other splits. To compare results with
-others, test on the rows with `in_evaluation_set`.
+The test split is the evaluation set with all parents and children of its objects, so none of them
+is used for training. More distant relatives of them are in the other splits. To compare results
+with others, test on the rows with `in_evaluation_set`.
 
-Evolution sometimes finds nearly the same shape in two families. Splits by ancestry do not exclude
-that an object resembles one of another split.
+Evolution sometimes finds nearly the same shape in two families. Splits by ancestry do not prevent
+an object from resembling one in another split.
 
 ## Frames and units
 
@@ -122,8 +122,8 @@ Its x is the closing axis, from the first contact to the second, its z is the ap
 y = z cross x. In the frame of the scaled object, its position is `center`, its x axis is `axis`,
 its z axis is `approach`, and its rotation is the quaternion `hand_qx` to `hand_qw`.
 
-GLB files are Y up, as glTF demands. The point (x, y, z) of the tables is (x, z, -y) in the file,
-and programs that are Z up turn it back.
+GLB files are Y-up, as glTF requires. The point (x, y, z) of the tables is (x, z, -y) in the file,
+and Z-up programs convert it back.
 
 ## What the labels mean
 
@@ -143,7 +143,7 @@ from 0 = simplest and 0 = easiest.
   density.
 - Labels were simulated with rigid bodies, and with convex parts in place of the true surface. They
   are not trials of a real robot.
-- Objects are abstract shapes of one uniform material, without texture and category.
+- Objects are abstract shapes of one uniform material, without texture or category.
 
 ## Columns of `objects`
 

@@ -99,8 +99,8 @@ class ClearingResults:
         named = "; ".join(f"{rules}: {', '.join(names)}" for rules, names in by_rules.items())
         many = "are" if len(by_rules) > 1 else "may be"
         return (
-            f"The rules {many} different ({named}): a difference between tables is then one of the "
-            "rules, too, not only of the detectors"
+            f"The rules {many} different ({named}): a difference between tables is then due to the "
+            "rules, too, not only to the detectors"
         )
 
 

@@ -30,9 +30,9 @@ def cup_facts(cup: SuctionCup) -> dict[str, str]:
         "seals if": f"no spring changes its length by {100 * cup.max_strain:.3g} % or more, and "
         "there is no hole inside the ring",
         "pull along the axis": f"{most.pull:.3g} N ({most.pull / GRAM / 1000:.3g} kg)",
-        "force across the axis": f"{most.across:.3g} N at no other load",
-        "torsion": f"{most.torsion:.3g} N m at no other load",
-        "bending": f"{most.bending:.3g} N m: 100 g hang up to "
+        "force across the axis": f"{most.across:.3g} N with no other load",
+        "torsion": f"{most.torsion:.3g} N m with no other load",
+        "bending": f"{most.bending:.3g} N m: holds 100 g up to "
         f"{1000 * most.bending / (100 * GRAM):.3g} mm beside the axis",
         "stem": f"{2000 * cup.stem_radius:.3g} mm across, {1000 * cup.stem_length:.3g} mm long",
     }

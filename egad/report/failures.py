@@ -25,7 +25,7 @@ VERDICTS = {
     "failure": "the reference holds it, the detector does not",
     "detector_succeeds": "the detector holds it too often for a failure",
     "not_graspable": "rejected: the reference does not hold it, either",
-    "not_printable": "rejected: it cannot be printed, for its walls or its parts",
+    "not_printable": "rejected: it cannot be printed, because of its walls or its parts",
     "not_confirmed": "rejected: fresh drops did not show a failure in every engine",
     "not_simulated": "rejected: it has no convex parts, or does not come to rest",
     "not_measured": "not tried: complexity or graspability could not be measured",
@@ -267,7 +267,7 @@ def _guards(examined: pd.DataFrame) -> str:
         return ""
     *first, last = parts
     listed = f"{', '.join(first)}, and {last}" if first else last
-    return f"Of the others that were looked at, {listed}."
+    return f"Of the other objects considered, {listed}."
 
 
 def _sources(examined: pd.DataFrame) -> list[tuple[str, Rate]]:

@@ -46,7 +46,7 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
         "opening": f"{_mm(model.openings[[0, -1]], ' to ')} mm",
         "pads": f"{_mm(pad[1:] / 1000, ' x ')} mm, {1000 * (gripper.fingertip or 0):.1f} mm from "
         "their middle to the fingertips",
-        "way of the pads along the approach": f"{bow:.1f} mm" if bow > 0.01 else "none",
+        "travel of the pads along the approach": f"{bow:.1f} mm" if bow > 0.01 else "none",
         "middle of the closed pads": f"{_mm(frame[:3, 3], ', ')} mm in the frame of the palm",
         **jaw,
         "closing axis": _axis(frame[:3, 0]),

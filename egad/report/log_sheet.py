@@ -34,12 +34,12 @@ MEANINGS = {
     Outcome.SLIPPED: "lost, but you did not see when",
     Outcome.OTHER: "any other failure: say which in a note",
     Outcome.NO_GRASP: "the detector proposed no grasp",
-    Outcome.ERROR: "the detector crashed or gave something else than a grasp",
+    Outcome.ERROR: "the detector crashed or returned something other than a grasp",
     Outcome.TIMEOUT: "the detector took too long",
 }
 REASONS = (
     "wrong object, pose or detector",
-    "operator or robot stopped it for another cause than the grasp",
+    "operator or robot stopped it for a reason other than the grasp",
     "camera or network failed",
     "object or gripper was damaged",
 )
@@ -249,8 +249,8 @@ def _check_detectors(names: Sequence[str]) -> None:
     for name in names:
         if not name[:1].isalnum() or len(name) > MAX_NAME or not name.isprintable():
             raise UserError(
-                f"--detectors: {name!r} is no name of a detector; allowed: a letter or digit, then "
-                f"up to {MAX_NAME - 1} characters without commas"
+                f"--detectors: {name!r} cannot be the name of a detector; allowed: a letter or "
+                f"digit, then up to {MAX_NAME - 1} characters without commas"
             )
         if names.count(name) > 1:
             raise UserError(f"--detectors: {name} is named twice")

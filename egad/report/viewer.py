@@ -232,11 +232,11 @@ def view(
     if not isinstance(grasps, Grasps | None):
         raise UserError(
             f"grasps are egad.Grasps, got {type(grasps).__name__}; "
-            "`egad.Grasps(table)` makes them of a table"
+            "`egad.Grasps(table)` makes them from a table"
         )
     _check_contacts(mesh, grasps)
     if grasps is not None and gripper is None:
-        raise UserError("grasps are drawn with the fingers of a gripper: name it, such as 'panda'")
+        raise UserError("grasps are drawn with the fingers of a gripper: name one, such as 'panda'")
     name = gripper if isinstance(gripper, str | None) else ""
     hand = as_gripper("panda" if gripper is None else gripper)  # any, if nothing is drawn of it
     rows = empty(GRASPS) if grasps is None else grasps.to_frame()

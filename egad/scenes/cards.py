@@ -46,7 +46,7 @@ def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
     missing = found.planned - len(found.scenes)
     blocks = [
         f"# {title}",
-        "Objects packed upright side by side or dropped to a pile, at rest on a table, in sizes "
+        "Objects packed upright side by side or dropped into a pile, at rest on a table, in sizes "
         f"{_range(scenes.protocol.scale)} times those that fit the gripper, packed ones "
         f"{_range(scenes.protocol.packed_scale or scenes.protocol.scale)}; seed {settings.seed}, "
         f"engine {scenes.engine}, protocol {scenes.protocol}.",
@@ -57,9 +57,9 @@ def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
         if missing
         else "",
         "## Labels",
-        f"In each scene {scenes.grasps} grasps, at random points of the surface that the cameras "
-        "see, if they see any. The fully open hand comes against the normal, until its fingertips "
-        f"are {_range(DEPTHS)} of the finger length below the surface. "
+        f"Each scene has {scenes.grasps} grasps, at random points of the surface that the cameras "
+        "see, if they see any. The fully open hand approaches against the normal, until its "
+        f"fingertips are {_range(DEPTHS)} of the finger length below the surface. "
         f"{scenes.yaws} turns about the approach are simulated, evenly over half a turn. A grasp "
         "succeeds if one of them holds an object after the retreat; the middle of the widest run "
         "of successes is kept, or else the first turn. A contact during the approach of more than "

@@ -263,7 +263,7 @@ def _same_gripper(sets: Sequence[Sequence[tuple[Path, ...]]]) -> tuple[str, Grip
         try:
             found.append((notes["gripper"], from_file(Gripper, notes["hand"])))
         except UserError as error:
-            raise TableError(f"{path}: its gripper is not one: {error}") from error
+            raise TableError(f"{path}: its gripper is not valid: {error}") from error
     first, *others = found
     for path, (name, gripper) in zip([each[0][0].parent for each in sets[1:]], others, strict=True):
         if gripper != first[1]:

@@ -69,7 +69,7 @@ def execute_labelled_grasps(
     Returns:
         One row per grasp, columns of `tables.evaluation.AGREEMENT`.
     """
-    check_jaws(settings.gripper, "a labelled grasp that is carried out afloat")
+    check_jaws(settings.gripper, "a labelled grasp of a floating object")
     found = []
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     arm = ARMS[settings.trials.arm](gripper)

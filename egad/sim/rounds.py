@@ -196,7 +196,7 @@ def film_round(
     rows = table[chosen].reset_index(drop=True)
     name = round_name(scene, noise, number)
     if rows.empty or not rows["n_objects"].iloc[0]:
-        raise UserError(f"{name}: there is none in the table, or it never began")
+        raise UserError(f"{name}: it is not in the table, or it never began")
     films: list[Film] = []
     again = repeat_round(rows, models, settings, lambda world: films.append(Film(world)))
     before, after = (each[ENDS].to_numpy(dtype=np.float64) for each in (rows, again))

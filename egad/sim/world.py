@@ -352,7 +352,7 @@ class World(ABC):
         """
         for _ in range(steps):
             if not self._advance() < MAX_SPEED:  # also raises for NaN
-                raise UnstableError("an object was thrown away")
+                raise UnstableError("an object was flung away")
             if self.attached is not None:
                 self._check_load(self.attached)
             if self.watch is not None:

@@ -71,9 +71,9 @@ class Comparison:
             "test over the objects": f"p = {self.p_objects:.3g}",
         }
         if self.alike:
-            facts["test over the attempts that began alike"] = (
-                f"p = {self.p_attempts:.3g}, {self.only_first} to {self.only_second} of "
-                f"{self.alike} succeeded for one alone"
+            facts["test over the attempts with the same initial pose"] = (
+                f"p = {self.p_attempts:.3g}, of {self.alike} only the first succeeded in "
+                f"{self.only_first}, only the second in {self.only_second}"
             )
         if not np.isnan(self.p_rates):
             facts["test over the attempts at these objects"] = f"p = {self.p_rates:.3g}"

@@ -101,7 +101,7 @@ def _row(path: Path, line: int, row: Mapping[str, str], has_rate: bool) -> dict[
         found = NUMBER.fullmatch(row["success_rate"])
         rate = float(found[1]) / (100 if found[2] else 1) if found else np.nan
         if not 0 <= rate <= 1:
-            raise wrong("success_rate", "0 to 1, or a percentage with its sign, such as 85 %")
+            raise wrong("success_rate", "0 to 1, or a percentage with a percent sign, such as 85 %")
     else:
         if not WHOLE.fullmatch(row["successes"]) or int(row["successes"]) > attempts:
             raise wrong("successes", f"a whole number, at most the {attempts:.0f} attempts")

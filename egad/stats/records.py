@@ -247,7 +247,7 @@ def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
     if outcome not in list(Outcome):
         raise wrong("outcome", ", ".join(Outcome))
     if (outcome == Outcome.SUCCESS) != success:
-        raise wrong("outcome", "success just where success is 1")
+        raise wrong("outcome", "success if and only if success is 1")
     try:
         quality = float(row["quality"]) if row["quality"] else np.nan
     except ValueError as error:

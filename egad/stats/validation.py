@@ -166,7 +166,10 @@ def _detector_agreement(
 ) -> Agreement | None:
     """Agreement over detectors of mean rates on objects that all of them tried on both sides."""
     if len(matched) < 2:
-        notes.append("one detector: whether the simulation ranks detectors right takes several")
+        notes.append(
+            "one detector: it takes several to tell whether the simulation ranks detectors "
+            "correctly"
+        )
         return None
     tables = [table for pair in matched.values() for table in pair]
     both = sorted(set.intersection(*(set(table.index) for table in tables)))

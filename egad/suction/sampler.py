@@ -201,7 +201,7 @@ def _direction(gravity: ArrayLike) -> Floats:
     given = _vector("gravity", gravity)
     length = np.linalg.norm(given)
     if not length > 0:
-        raise UserError(f"gravity is {gravity!r}; allowed: a direction, which is not zero")
+        raise UserError(f"gravity is {gravity!r}; allowed: a nonzero direction")
     return np.asarray(given / length)
 
 

@@ -153,9 +153,7 @@ RESULTS = pa.schema(
         column("id", STRING, "name of the object in its dataset; empty if not known"),
         column("attempt", INT, "number of the attempt"),
         SUCCESS,
-        column(
-            "outcome", STRING, f"{listed(NOTED_BY_HAND)}, or as in the table of simulated trials"
-        ),
+        column("outcome", STRING, f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),
         column("quality", FLOAT, "quality that the detector predicted; null if it gave none"),
         column("detector", STRING, "name of the grasp detector"),
         column(

@@ -209,7 +209,9 @@ def _entries(folder: Path, problems: list[str]) -> Iterator[tuple[str, Entry]]:
     for path in sorted(each for each in folder.iterdir() if each.is_dir()):
         try:
             if not re.fullmatch(NAME, path.name):
-                raise UserError(f"{path}: its name may have small letters, digits, _ and - only")
+                raise UserError(
+                    f"{path}: its name may only have lowercase letters, digits, _ and -"
+                )
             yield path.name, read_entry(path / ENTRY)
         except UserError as error:
             problems += str(error).split("\n")
@@ -327,9 +329,11 @@ def main() -> None:
     parser.add_argument("folder", type=Path, nargs="?", default=FOLDER)
     parser.add_argument("--out", type=Path, default=OUT)
     parser.add_argument(
-        "--sample", type=int, help="objects, or rounds, of each table; default: all"
+        "--sample", type=int, help="number of objects, or rounds, of each table; default: all"
     )
-    parser.add_argument("--tolerance", type=float, default=0.0, help="of numbers; default: 0")
+    parser.add_argument(
+        "--tolerance", type=float, default=0.0, help="how much numbers may differ; default: 0"
+    )
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="%(message)s")

@@ -186,7 +186,7 @@ def _printed(label: str, item: PrintItem, engraved: bool, settings: PrintFiles) 
     x, y = item.place or (np.nan, np.nan)
     mesh = item.pose.mesh
     plain = settings.engraving.enabled and not engraved and item.plate is not None
-    notes = [item.note, "no place for its label" if plain else ""]
+    notes = [item.note, "no space for its label" if plain else ""]
     return {
         "file": _file(label, settings),
         "plate": item.plate,

@@ -78,7 +78,7 @@ def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
     before, after = (
         100 * np.mean([row[f"graspable_fraction_{when}"] for row in scales]) for when in BOTH
     )
-    text = "%.0f %% of their surface fits into an opening of %g mm, before %.0f %%"
+    text = "%.0f %% of their surface fits into an opening of %g mm, before scaling %.0f %%"
     log.info(text, after, 1000 * opening, before)
 
 

@@ -75,7 +75,7 @@ def open_detector(
 
 def _labels(grasps: Path | None) -> Callable[[str], Labels]:
     if grasps is None:
-        raise UserError("the detector labels needs the table of labelled grasps")
+        raise UserError("the detector `labels` needs the table of labelled grasps")
     table = parquet.read(grasps, GRASPS)
     return lambda object_id: Labels(table[table["id"] == object_id])
 
@@ -89,7 +89,7 @@ def open_clutter(
     by_id = {} if grasps is None else dict(list(parquet.read(grasps, GRASPS).groupby("id")))
     none = parquet.empty(GRASPS)
     if settings.detector.detector == LABELS and grasps is None:
-        raise UserError("the detector labels needs the table of labelled grasps")
+        raise UserError("the detector `labels` needs the table of labelled grasps")
     model = cache(lambda name: model_in(bundle, known[name]))
     with open_table(
         settings.detector, model, lambda name: by_id.get(name, none), settings

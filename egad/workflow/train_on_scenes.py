@@ -73,7 +73,7 @@ def train_on_scenes(
     if scenes.gripper != settings.gripper:
         raise UserError(
             f"{scenes.source}: these scenes are for {scenes.gripper_name}, with other settings "
-            f"than {gripper} has here"
+            f"than those of {gripper} here"
         )
     network = (vgn.new_vgn(seed) if start is None else weights.read_vgn(start)).to(device)
     task = scene_training.SceneTask(scenes, settings.gripper, plan, seed, device)

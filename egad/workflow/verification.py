@@ -121,7 +121,7 @@ def gaps(
     for name, count in counts.items():
         attempts = found.get(name, [])
         if not attempts or attempts != list(range(count or len(attempts))):
-            yield f"{name}: attempts are missing, there twice, or in another order"
+            yield f"{name}: attempts are missing, duplicated or out of order"
 
 
 def _object_name(label: str, name: str) -> str:

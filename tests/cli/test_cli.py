@@ -327,7 +327,7 @@ def test_export_says_what_is_allowed(tmp_path):
     given = ["export", tmp_path, "--out", tmp_path / "out", "--gripper", "hand", "--format"]
     assert "neither a table of grasps nor a dataset" in egad(*given, "dexnet").stderr
     (tmp_path / "grasps" / "yumi.parquet").touch()
-    assert "no grasps of gripper 'hand'; there are yumi" in egad(*given, "acronym").stderr
+    assert "no grasps for gripper 'hand'; available: yumi" in egad(*given, "acronym").stderr
     (tmp_path / "grasps" / "hand.parquet").touch()
     unknown = egad(*given, "dexnet")
     assert "--gripper 'hand' is not known in the configuration (--config)" in unknown.stderr
@@ -400,7 +400,7 @@ def test_tools_about_grasps_say_what_is_wrong(tmp_path, monkeypatch, arguments, 
 def test_commands_doubt_a_unit_that_makes_a_mesh_too_large(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     trimesh.creation.box((60, 60, 60)).export(tmp_path / "cube.obj")
-    doubt = "larger than 1 m, cube"
+    doubt = "larger than 1 m, for example cube"
     jobs = [] if command[0] == "view" else ["--jobs", 1]
     assert doubt in egad(*command, *jobs, "--units", "m").stderr
     shutil.rmtree(tmp_path / "scaled", ignore_errors=True)

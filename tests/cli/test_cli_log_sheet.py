@@ -69,7 +69,7 @@ def test_twenty_attempts_are_usual(dataset, tmp_path):
         (["--objects", "A0,B4"], "--objects: 'B4' is not known in the evaluation set; did you"),
         (["--objects", " ,"], "--objects names no object"),
         (["--out", "log.pdf"], "must end in .html or .csv"),
-        (["--out", "filled.csv"], "exists and may be filled in"),
+        (["--out", "filled.csv"], "exists and may already be filled in"),
     ],
 )
 def test_mistakes_of_a_sheet_are_one_sentence(dataset, monkeypatch, arguments, sentence):
@@ -86,4 +86,4 @@ def test_other_mistakes_are_told_too(dataset, tmp_path):
     assert "mine is named twice" in log_sheet(dataset, detectors="mine,mine").stderr
     done = log_sheet(tmp_path / "nowhere")
     assert done.returncode == 1
-    assert "nowhere/eval49.parquet is not there; make it with: snakemake" in done.stderr
+    assert "nowhere/eval49.parquet is missing; make it with: snakemake" in done.stderr

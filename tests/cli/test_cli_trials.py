@@ -164,7 +164,7 @@ def test_cleared_tables_and_trials_are_compared_apart(tmp_path, filled):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["template", "--out", "good.csv"], "exists and may be filled in"),
+        (["template", "--out", "good.csv"], "exists and may already be filled in"),
         (["report", "good.csv", "--out", "page.pdf"], "must end in .html or .parquet or .csv"),
         (["report", "missing.csv"], "missing.csv"),
         (["compare", "good.csv"], "at least two detectors"),

@@ -105,16 +105,16 @@ def test_a_detector_that_only_fails_ends_the_search_with_its_traceback_in_a_file
     said = done.stderr[done.stderr.index("egad: ") :]
     assert said.startswith("egad: the detector failed in all ")
     assert "keep_going" not in said
-    assert said.endswith("is kept in atlas/failures.parquet.failure.txt\n")
+    assert said.endswith("was written to atlas/failures.parquet.failure.txt\n")
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("labels", "labels knows where objects lie, as the reference does"),
+        ("labels", "the detector labels knows where objects lie, as the reference does"),
         ("suction-depth", "the detector suction-depth is for suction cups; the gripper has jaws"),
         ("random --gripper cup_30mm", "the detector random is for jaws; the gripper has a suction"),
-        ("antipodal-cloud --approach above", "the detector asks for `cloud`, and for grasps from"),
+        ("antipodal-cloud --approach above", "the detector asks for `cloud`, but for grasps from"),
         ("nowhere.py", "there is no file nowhere.py"),
         ("random --objects nowhere", "--objects nowhere: nowhere is neither 'released', nor"),
         ("random --objects meshes", "--objects meshes: these objects come from meshes"),

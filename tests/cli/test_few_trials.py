@@ -152,7 +152,7 @@ def test_attempts_are_planned_from_results():
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["validate", "good.parquet"], "two files at least"),
+        (["validate", "good.parquet"], "at least two files"),
         (["validate", "good.parquet", "missing.csv"], "missing.csv"),
         (["validate", "good.parquet", "good.parquet", "real.csv"], "two tables have the same det"),
         (["validate", "good.parquet", "fair.parquet", "x.csv"], "no detector is on both sides: si"),

@@ -144,7 +144,8 @@ def test_a_file_that_is_not_there_is_refused(tmp_path):
 def test_what_does_not_fit_the_configuration_is_refused(home, tmp_path):
     coarse = {"space": {"cells": 2}, "shape": {"resolution": 16}}
     other = select(Settings.model_validate(coarse), MeasureMeshes)
-    with pytest.raises(UserError, match="2 along each axis; name the one of that dataset"):
+    want = "2 along each axis; give the configuration of that dataset"
+    with pytest.raises(UserError, match=want):
         reference(home / "archive.parquet", other)
     parquet.write(parquet.empty(REJECTED), REJECTED, tmp_path / "rejected.parquet")
     with pytest.raises(TableError, match=r"rejected\.parquet"):

@@ -70,7 +70,7 @@ def test_an_object_without_grasps_is_shown_with_the_reason(dataset):
     [
         ("yumi", "D03_1", "object 'D03_1' is not known in .*; did you mean D03_0"),
         ("yumi", "zzz", "known: A0, B1, D03_0, E04_1"),
-        ("panda", "D03_0", r"panda/scales.parquet is not there; make it with: snakemake .*panda"),
+        ("panda", "D03_0", r"panda/scales.parquet is missing; make it with: snakemake .*panda"),
     ],
 )
 def test_what_is_not_there_is_named_with_what_is(dataset, gripper, name, sentence):

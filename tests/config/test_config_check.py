@@ -121,7 +121,8 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
         ({"targets": {"failures": ["other"]}}, "targets.failures: 'other' is not defined"),
         (
             {"targets": {"failures": ["labels"]}},
-            "targets.failures: with egad_75mm of targets.grippers, labels knows where objects lie",
+            "targets.failures: with egad_75mm of targets.grippers, the detector labels knows where "
+            "objects lie",
         ),
         (
             {"targets": {"failures": ["suction-depth"]}},
@@ -154,7 +155,7 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
                 "grippers": {"mine": {"opening": 0.05, "sampler": "mine.py:sample"}},
                 "targets": {"grippers": ["mine"], "render": True},
             },
-            "targets.render: mine of targets.grippers has a sampler of its own; images have",
+            "targets.render: mine of targets.grippers has a sampler of its own; images need",
         ),
         (
             {"targets": {"grippers": ["cup_30mm"], "detectors": [], "render": True}},

@@ -169,7 +169,7 @@ def test_paper_states_every_parameter_of_table_two_itself():
         (("similarity", "bases"), "even or scan"),
         (("space", "complexity_range"), "a list of 2, each a number"),
         (("datasets", "any", "folder"), "a text or nothing"),
-        (("targets", "grippers", 0), "a name of small letters, digits, _ and -"),
+        (("targets", "grippers", 0), "a name of lowercase letters, digits, _ and -"),
     ],
 )
 def test_allowed_says_the_limits(path, words):

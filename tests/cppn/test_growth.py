@@ -78,7 +78,7 @@ def test_constraints_that_nobody_named_are_noticed(objects):
     )
     bounded = grow(each.genome, 25, rules=rules)
     check_regrown(each.genome, bounded, 0.5, rules)
-    with pytest.raises(UserError, match="evolved within constraints"):
+    with pytest.raises(UserError, match="evolved under constraints"):
         check_regrown(each.genome, bounded, 0.5)
 
 

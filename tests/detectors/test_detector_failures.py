@@ -113,7 +113,7 @@ def test_a_quiet_monitor_tells_the_failure_as_it_ends_the_run():
 def test_the_failure_that_ends_a_run_is_kept_beside_its_output(tmp_path):
     kept = tmp_path / "out.parquet.failure.txt"
     with (
-        pytest.raises(UserError, match="is kept in"),
+        pytest.raises(UserError, match="was written to"),
         keep_failure(tmp_path / "out.parquet"),
     ):
         raise copy.copy(OnlyFailuresError("only failures", "went wrong"))  # as by pickle

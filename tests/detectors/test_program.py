@@ -136,7 +136,7 @@ def test_the_seed_is_from_the_generator(observation, program):
         ("print('hello')", "a message of"),
         ("send({'protocol': 2, 'observes': 'cloud'})", "must begin with"),
         ("send({'protocol': 1, 'observes': 'smell'})", "'smell'; allowed: view, views"),
-        ("os.write(1, struct.pack('>I', 3) + b'\\xc1\\xc1\\xc1'); time.sleep(60)", "no message"),
+        ("os.write(1, struct.pack('>I', 3) + b'\\xc1\\xc1\\xc1'); time.sleep(60)", "not a Message"),
         ("os.write(1, b'\\0\\0\\0\\1\\1surplus'); time.sleep(60)", "more than one message"),
         ("os.write(1, b'\\0'); time.sleep(60)", "did not answer"),
         ("time.sleep(60)", "did not answer"),

@@ -50,7 +50,7 @@ def test_a_file_says_which_object_has_which_label(tmp_path, caplog):
         ("id,name\nmug,C2\n", "the column label is missing"),
         ("id,label\n,C2\n", "line 2: the id is missing"),
         ("id;label\n\nmug;C2\n\nmug;C3\n", "line 5: the object mug has two labels"),
-        ("id,label\nmug,C22\n", "line 2: label is 'C22'; allowed: such as C4"),
+        ("id,label\nmug,C22\n", "line 2: label is 'C22'; allowed: labels such as C4"),
         ("id,label\nmug,\n", "line 2: label is ''"),
         ("id,label\nmug\n", "line 2: label is ''"),
         ("id,label\nmug,C2\nmug,C3\n", "line 3: the object mug has two labels"),

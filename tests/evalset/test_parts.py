@@ -58,7 +58,7 @@ def test_other_settings_and_meshes_are_other_entries(
 
 def test_everyone_who_takes_parts_beyond_their_bounds_is_told() -> None:
     one = Bundle(max_parts=1)
-    text = "the convex parts of {} are beyond the bounds asked for: their volume error is "
+    text = "the convex parts of {} exceed the requested bounds: their volume error is "
     with pytest.warns(egad.PartsWarning, match=text.format("the mesh")):
         egad.convex_parts(ell(), max_parts=1)
     with pytest.warns(egad.PartsWarning, match=text.format("hook")):

@@ -104,7 +104,7 @@ def test_objects_of_a_run_are_not_chosen_without_one(archive, tmp_path, source):
     given = ["--gripper", GRIPPER, "--format", "obj", "--out", out, "--objects", "all"]
     refused = egad("export", chosen, *given)
     assert refused.returncode == 1
-    assert refused.stderr == f"egad: --objects: for the folder of a run, not for {chosen}\n"
+    assert refused.stderr == f"egad: --objects is only for the folder of a run, not for {chosen}\n"
     assert not out.exists()
 
 
@@ -129,7 +129,7 @@ def test_acronym_files_take_no_folder_of_others(export, tmp_path):
         (out / name).write_text("years of work")
         refused = export("acronym", out)
         assert refused.returncode == 1
-        assert f"{name} is no earlier export and would be lost" in refused.stderr
+        assert f"{name} is not from an earlier export and would be lost" in refused.stderr
         assert (out / name).exists()
         (out / name).unlink()
     assert "is a file" in export("acronym", out / "A00_0.h5").stderr

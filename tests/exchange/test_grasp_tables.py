@@ -35,13 +35,13 @@ def test_contacts_lie_on_the_x_axis_of_the_hand(dataset):
 
 
 def test_a_gripper_that_is_not_there_is_named(dataset, tmp_path):
-    with pytest.raises(UserError, match="no grasps of gripper 'pinda'; there are yumi"):
+    with pytest.raises(UserError, match="no grasps for gripper 'pinda'; available: yumi"):
         egad.load_grasps(dataset, "pinda")
-    with pytest.raises(UserError, match="name a gripper; there are yumi"):
+    with pytest.raises(UserError, match="name a gripper; available: yumi"):
         egad.load_grasps(dataset)
     with pytest.raises(UserError, match="neither a table of grasps nor a dataset"):
         egad.load_grasps(tmp_path, "yumi")
-    with pytest.raises(UserError, match="named only for the folder of a dataset, not for a file"):
+    with pytest.raises(UserError, match="given only for the folder of a dataset, not for a file"):
         egad.load_grasps(dataset / "grasps" / "yumi.parquet", "yumi")
 
 

@@ -166,7 +166,7 @@ def test_objects_that_are_left_out_are_logged(dataset, settings, labelled, tmp_p
     grasps = tmp_path / "grasps.parquet"
     rows.to_parquet(grasps)
     export(settings, dataset, tmp_path / "out", grasps)
-    assert "A00_0 has 0 grasps that hold; GraspGen leaves objects with fewer than 5 out" in (
+    assert "A00_0 has 0 grasps that hold; GraspGen leaves out objects with fewer than 5" in (
         caplog.text
     )
 

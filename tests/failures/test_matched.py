@@ -277,7 +277,7 @@ def test_a_detector_that_only_crashes_is_told_with_its_error(failing):
 
 def test_objects_whose_voxels_are_other_meshes_are_refused(failing):
     objects = dataset_of(egad.load().archive[:1], Shape(smoothing_iterations=1))
-    with pytest.raises(UserError, match="become meshes in another way"):
+    with pytest.raises(UserError, match="different settings of shapes, which turn voxels"):
         match_failures(failing, thick_only, objects=objects)
 
 

@@ -116,7 +116,7 @@ def test_a_detector_that_only_fails_ends_the_search_and_says_where_the_rest_is(
     with pytest.raises(OnlyFailuresError) as stopped:
         search_failures(objects, failing, given, folder=tmp_path)
     _, where = str(stopped.value).splitlines()
-    assert where == f"What was found so far is in {tmp_path}; the same search goes on from there"
+    assert where == f"The results so far are in {tmp_path}; the same search resumes from there"
 
 
 def test_a_detector_that_never_succeeds_is_told_of_once(objects, monkeypatch, caplog):
@@ -143,5 +143,5 @@ def test_a_detector_grasps_from_where_it_sees(objects, tmp_path):
     config = DetectorConfig(detector=f"{own}:detect")
     found = run_shard(0, objects, config, settings_of(attempts=2, shards=1))
     assert (found.attempts["failure"] == "").all()
-    with pytest.raises(UserError, match="asks for `cloud`, and for grasps from above it gets"):
+    with pytest.raises(UserError, match="asks for `cloud`, but for grasps from above it gets"):
         run_shard(0, objects, config, settings_of(attempts=2, shards=1, approach="above"))

@@ -90,7 +90,7 @@ NO_SOLID = {
 @pytest.mark.parametrize("given", NO_MESH)
 def test_what_is_not_a_mesh_is_refused_with_advice(given):
     argument, sentence = NO_MESH[given]
-    with pytest.raises(UserError, match=f"a mesh is a trimesh.Trimesh, .*{sentence}"):
+    with pytest.raises(UserError, match=f"a mesh must be a trimesh.Trimesh, .*{sentence}"):
         check_mesh(argument)
 
 
@@ -103,7 +103,7 @@ def test_an_unusable_mesh_is_rejected_with_the_reason(given):
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_every_function_checks_its_mesh(function):
-    with pytest.raises(UserError, match=r"a mesh is a trimesh\.Trimesh"):
+    with pytest.raises(UserError, match=r"a mesh must be a trimesh\.Trimesh"):
         FUNCTIONS[function](NO_MESH["scene"][0])
     with pytest.raises(RejectedError, match="vertices that do not exist"):
         FUNCTIONS[function](UNUSABLE["corner too high"][0])

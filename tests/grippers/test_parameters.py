@@ -76,7 +76,7 @@ def test_a_file_and_a_mesh_exclude_each_other(boxes_file):
 
 
 def test_an_opening_beyond_that_of_the_file_is_refused(boxes_file):
-    with pytest.raises(UserError, match=r"opening is 0\.2; the hand of .* opens 0\.0802 m"):
+    with pytest.raises(UserError, match=r"opening is 0\.2; the hand of .* opens at most 0\.0802 m"):
         Gripper.from_file(boxes_file, opening=0.2)
 
 

@@ -167,7 +167,7 @@ BAD = {
             'name="left_joint" type="prismatic"': 'name="left_joint" type="fixed"',
             f'"{-(THICK / 2 + 1e-4)} 0 ': f'"{-(THICK / 2 + 1e-4)} {2 * WIDE} ',
         },
-        "its jaws never face each other: no face of the link right",
+        "its jaws never face each other: no face of the moving link right",
     ),
     "no opening": (
         {'upper="0.04"': 'upper="0.0001"'},
@@ -186,7 +186,7 @@ BAD = {
             f'"{side * (THICK / 2 + 1e-4)} 0 ': f'"{side * (THICK / 2 + 1e-4)} {side * WIDE} '
             for side in (-1, 1)
         },
-        "no face of the links left looks at one of the links right",
+        "no face of the links left is opposite one of the links right",
     ),
     "missing mesh": (
         {f'<box size="{THICK} {WIDE} {LONG}"/>': '<mesh filename="package://maker/no.stl"/>'},
@@ -197,7 +197,7 @@ BAD = {
         "the link left is 44.5 m wide.*millimetres",
     ),
     "parallel": ({'<axis xyz="1 0 0"/>': '<axis xyz="-1 0 0"/>'}, "left, right do not move as"),
-    "not XML": ({"<robot": "robot"}, "no URDF or MJCF"),
+    "not XML": ({"<robot": "robot"}, "not URDF or MJCF"),
 }
 
 
@@ -289,7 +289,7 @@ def test_three_fingers_are_refused(tmp_path):
         (Choices(joint="no"), "joint is 'no'; the hand has left_joint, right_joint"),
         (Choices(finger_links=("left", "no")), "no link 'no'; it has hand, left, right"),
         (Choices(pad_links=("left", "no")), "no link 'no'"),
-        (Choices(pad_links=("left", "left")), r"links left looks at one of the links \(none\)"),
+        (Choices(pad_links=("left", "left")), r"links left is opposite one of the links \(none\)"),
         (Choices(approach_axis=(1.0, 0.0, 0.0)), "approach is along its closing axis"),
         (Choices(closing_axis=(0.0, 0.0, 0.0)), r"closing_axis \[0.0, 0.0, 0.0\] has no direction"),
     ],

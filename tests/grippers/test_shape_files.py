@@ -144,7 +144,7 @@ def test_formats_that_mujoco_does_not_know_are_read(tmp_path, boxes, ending):
 
 def test_another_format_is_refused_with_its_name(tmp_path):
     trimesh.creation.box(FINGER).export(tmp_path / "finger.glb")
-    words = r"link left cannot be used: .*finger\.glb is no STL, OBJ, PLY, .*convert it"
+    words = r"link left cannot be used: .*finger\.glb is not STL, OBJ, PLY, .*convert it"
     with pytest.raises(UserError, match=words):
         read_model(hand_with(tmp_path, "finger.glb"))
 
@@ -189,12 +189,14 @@ def test_a_collada_shape_has_its_unit_and_place_and_no_upward_axis(tmp_path, box
 
 
 BROKEN_COLLADA = {
-    "<COLLADA/>": "damaged or has no scene of Collada",
-    collada(np.eye(3), [[0, 1, 2]]).replace('scene url="#scene"', "no"): "damaged or has no scene",
+    "<COLLADA/>": "damaged or has no Collada scene",
+    collada(np.eye(3), [[0, 1, 2]]).replace(
+        'scene url="#scene"', "no"
+    ): "damaged or has no Collada",
     collada(np.eye(3), [[0, 1, 9]]): "not readable as Collada: Indexes .* beyond",
     "solid": "not readable as Collada: XML Parsing Error",
     collada(np.eye(3), [[0, 1, 2]]).replace("float_array", "reals"): "not readable .* No array",
-    collada([[0, 0, 0]], []): "Collada without faces",
+    collada([[0, 0, 0]], []): "a Collada file without faces",
 }
 
 

@@ -93,7 +93,7 @@ def test_of_repeated_limits_the_first_one_counts_and_is_logged(tmp_path, caplog)
     path = box_urdf(tmp_path / "hand.urdf", changes={LIMIT: second})
     found = read_model(path)
     assert np.ptp(found.openings) == pytest.approx(0.02, abs=1e-8)
-    assert f"{path}: the joint left_joint has 2 elements <limit>; the first one counts" in (
+    assert f"{path}: the joint left_joint has 2 <limit> elements; only the first is used" in (
         caplog.messages
     )
 
@@ -102,31 +102,31 @@ BAD = {
     "macro": (whole('<xacro:property name="w" value="1"/>'), "xacro hand.urdf > expanded"),
     "expression": ({'size="': 'size="${w} '}, "xacro"),
     "substitution": ({"<robot": '<robot path="$(find maker)"'}, "xacrodoc hand"),
-    "other format": ({"<robot": "<sdf", "</robot": "</sdf"}, "outermost element is <sdf>"),
+    "other format": ({"<robot": "<sdf", "</robot": "</sdf"}, "root element is <sdf>"),
     "two links of a name": (
         {'<link name="right">': '<link name="left">'},
-        "two different links of the name left",
+        "two different links named left",
     ),
     "two joints of a name": (
         {'"right_joint"': '"left_joint"'},
-        "two different joints of the name left_joint",
+        "two different joints named left_joint",
     ),
     "kind of joint": (
         {"prismatic": "slider"},
         "the joint left_joint has the type 'slider'; allowed: fixed, revolute",
     ),
-    "no name": ({'<link name="left">': "<link>"}, "one of its elements <link> has no name"),
+    "no name": ({'<link name="left">': "<link>"}, "one of its <link> elements has no name"),
     "two carriers": (
         {RIGHT: '<parent link="hand"/><child link="left"/>'},
-        "the link left hangs on two joints, left_joint and right_joint",
+        "the link left is the child of two joints, left_joint and right_joint",
     ),
     "missing link": (
         {LEFT: '<parent link="palm"/><child link="left"/>'},
-        "the parent of the joint left_joint is 'palm', a link that the file lacks",
+        "the parent of the joint left_joint is 'palm', a link that is not in the file",
     ),
     "missing leader": (
         {'<mimic joint="left_joint"/>': '<mimic joint="no"/>'},
-        "the joint right_joint mimics 'no', a joint that the file lacks",
+        "the joint right_joint mimics 'no', a joint that is not in the file",
     ),
     "mass": (inertial('<mass value="nan"/>'), "the link left has value='nan' in <mass>"),
     "no mass": (inertial("<mass/>"), "the link left has value='' in <mass>; allowed: numbers"),

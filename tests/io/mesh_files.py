@@ -324,10 +324,10 @@ OFF = {
     "counts_apart.off": box_of(off("OFF", V, F).replace("8 12 0", "8\n12\n0")),
     "face_of_two_lines.off": box_of(off("OFF", V, F).replace("3 1 3 0", "3 1\n3 0")),
     "colours_on_one_line.off": refused(
-        off("COFF", np.hstack([V, COLOUR]), F).replace("\n", " "), "one vertex or face a line"
+        off("COFF", np.hstack([V, COLOUR]), F).replace("\n", " "), "one vertex or face per line"
     ),
     "face_colours_on_one_line.off": refused(
-        (off("OFF 8 12 0", V, []) + coloured(F, "3")).replace("\n", " "), "one vertex or face a"
+        (off("OFF 8 12 0", V, []) + coloured(F, "3")).replace("\n", " "), "one vertex or face per"
     ),
     "one_line_cut.off": refused(off("OFF", V, F).replace("\n", " ")[:-4], "truncated"),
     "one_line_cut_early.off": refused("OFF 8 12 0 1 2", "truncated"),
@@ -529,7 +529,7 @@ PLY |= {
     **{
         f"{name}.ply": refused(
             ply("binary_big_endian", [("vertex", XYZ, ROWS), (name, FACE, TRIANGLES)]),
-            f"its element {name} is not read",
+            f"its element {name} is not supported",
         )
         for name in ("trifans", "range_grid")
     },
@@ -845,10 +845,12 @@ GLB = {
             sparse(True),
             lambda document: document["accessors"][0].update(count=5),
         ),
-        "refers to what is not there",
+        "refers to something that is missing",
         None,
     ),
-    "scene_outside.glb": refused(gltf(POINTS, CORNERS, scene=3), "refers to what is not", None),
+    "scene_outside.glb": refused(
+        gltf(POINTS, CORNERS, scene=3), "refers to something that is", None
+    ),
     "no_positions.glb": refused(
         changed(
             gltf(POINTS, CORNERS),

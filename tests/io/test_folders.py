@@ -27,7 +27,7 @@ def test_mesh_files_are_sorted_and_others_passed_over(tree):
 def test_a_folder_without_meshes_says_what_is_allowed(tmp_path):
     with pytest.raises(UserError, match=r"\.obj"):
         mesh_files(tmp_path)
-    with pytest.raises(UserError, match=r"no mesh files that fit the pattern \*/a\.obj"):
+    with pytest.raises(UserError, match=r"no mesh files that match the pattern \*/a\.obj"):
         mesh_files(tmp_path, "*/a.obj")
     with pytest.raises(UserError, match="no such folder"):
         mesh_files(tmp_path / "gone")

@@ -142,7 +142,7 @@ def test_history_and_score_are_those_of_the_card(trained, made):
     assert "Cameras in each scene: 3. Noise of their images: dex in 3 scenes, none in 3" in text
     for words in (
         "313,238 weights",
-        "It learnt from grasps of panda.",
+        "It was trained on grasps of panda.",
         "above `threshold`, 0.5 by default",
         "| seed | 3 |",
         "| batch | 2 |",
@@ -266,7 +266,7 @@ def test_the_gripper_is_that_of_the_scenes(made, scenes, tmp_path):
     words = ["train", str(folder), "--config", config, "--out", str(out)]
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
-    assert "It learnt from grasps of egad_75mm." in (out / "README.md").read_text()
+    assert "It was trained on grasps of egad_75mm." in (out / "README.md").read_text()
     settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     with pytest.raises(UserError, match="these scenes are for egad_75mm, with other settings than"):
         train_on_scenes(settings, "panda", [folder], tmp_path / "other")

@@ -105,7 +105,7 @@ def test_the_same_weights_give_the_same_bytes_and_keep_their_notes(tmp_path):
     [
         ({"conv1.weight": (8, 1, 9, 9)}, "GG-CNN, but conv1.weight is 8 x 1 x 9 x 9, not 32 x 1"),
         ({"conv1.weight": None}, "GG-CNN, but conv1.weight is missing"),
-        ({"conv9.weight": (1,)}, "GG-CNN, but conv9.weight is too much"),
+        ({"conv9.weight": (1,)}, "GG-CNN, but conv9.weight is unexpected"),
         ({"features.0.weight": (16, 1, 3, 3)}, "GG-CNN2, but features.0.weight is 16 x 1 x 3 x 3"),
     ],
 )

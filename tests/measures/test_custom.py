@@ -58,7 +58,7 @@ def test_a_function_cannot_spoil_the_mesh(file):
         ("wide_open", "wide open failed in line 8 of mine.py: ZeroDivisionError: division by zero"),
         ("unknown", r"unknown is not a finite number \(nan\)"),
         ("endless", r"endless is not a finite number \(inf\)"),
-        ("nothing", "nothing is not a number but NoneType"),
+        ("nothing", "nothing must be a number, got NoneType"),
     ],
 )
 def test_what_is_no_number_rejects_the_object(file, name, reason):

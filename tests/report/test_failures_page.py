@@ -92,10 +92,10 @@ def words(html):
 def test_the_page_says_in_words_what_was_found(tables):
     text = words(made_page(tables)).replace("\N{NO-BREAK SPACE}", " ")
     assert "found 2 failures in 2 cells of the map, with 80 simulated grasps of 8 objects" in text
-    assert "Of the others that were looked at, 5 are held by the detector too often, " in text
+    assert "Of the other objects considered, 5 are held by the detector too often, " in text
     assert "1 are not held by the reference either, and 1 were not tried" in text
     assert "Of 4 objects tried from the dataset, 1 is a failure (25.0 %)" in text
-    assert "At 12 drops" in text
+    assert "In 12 drops" in text
     assert "none of its first ten proposals holds: 6 (50 %)" in text
     assert "collided 3 1 failure" in text
     assert "missed 2 1 failure" in text

@@ -33,9 +33,11 @@ def test_facts_are_in_millimetres(boxes, tmp_path):
     assert facts["opening"] == "0.2 to 80.2 mm"
     assert facts["fingers"] == "left; right"
     assert facts["closing axis"] == "1, 0, 0"
-    assert facts["way of the pads along the approach"] == "none"
+    assert facts["travel of the pads along the approach"] == "none"
     linkage = Gripper.from_file(linkage_mjcf(tmp_path / "linkage.xml"))
-    assert hand_facts(linkage, model_of(linkage))["way of the pads along the approach"] == "15.9 mm"
+    assert (
+        hand_facts(linkage, model_of(linkage))["travel of the pads along the approach"] == "15.9 mm"
+    )
 
 
 def test_the_page_has_the_hand_at_three_openings(boxes):

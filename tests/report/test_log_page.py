@@ -220,18 +220,18 @@ def test_a_backup_is_restored_on_another_phone(sheet, browser, tmp_path):
 
     other = opened(browser("other"), sheet)
     other.set_input_files("#restore", late)
-    told(other, "#said", "4 results added, 0 were here")
+    told(other, "#said", "4 results added, 0 were already here")
     assert saved(other) == "Saved 3 of 40"
     assert other.input_value("#field-robot") == "the robot"
     other.set_input_files("#restore", early)
-    told(other, "#said", "0 results added, 4 were here")
+    told(other, "#said", "0 results added, 4 were already here")
     assert "No. 3, " in other.inner_text("#undo")
     assert "collided" in other.inner_text("#undo")  # what was undone stays undone
     log(other, "timeout")
     log(one, "success")
     apart = download_backup(other, tmp_path / "apart.json")
     one.set_input_files("#restore", apart)
-    told(one, "#conflicts", "Two results each, which do not count here: no. 4.")
+    told(one, "#conflicts", "Attempts with two results, which do not count here: no. 4.")
     assert saved(one) == "Saved 4 of 40"
 
     end(one)
@@ -247,11 +247,14 @@ def download_backup(tab, path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda _: "PNG", "This file is no backup of a grasp log."),
-        (lambda _: "null", "This file is no backup of a grasp log."),
-        (lambda text: text.replace("egad-log", "other"), "This file is no backup"),
+        (lambda _: "PNG", "This file is not a backup of a grasp log."),
+        (lambda _: "null", "This file is not a backup of a grasp log."),
+        (lambda text: text.replace("egad-log", "other"), "This file is not a backup"),
         (lambda text: text.replace('"sheet": "', '"sheet": "f'), "of another sheet (f"),
-        (lambda text: text.replace('"missed"', '"fell"'), "0 results added, 2 were here. 1 cannot"),
+        (
+            lambda text: text.replace('"missed"', '"fell"'),
+            "0 results added, 2 were already here. 1 cannot",
+        ),
         (lambda text: text.replace('"missed"', '"other"'), "1 differ from those here, which are"),
     ],
 )
@@ -357,7 +360,7 @@ def test_a_page_that_cannot_store_says_so_at_once(sheet, browser, tmp_path):
     phone = browser()
     phone.add_init_script(NO_STORAGE)
     tab = opened(phone, sheet)
-    assert "This browser keeps nothing of this page" in tab.inner_text("[role=alert]")
+    assert "This browser stores nothing for this page" in tab.inner_text("[role=alert]")
     begin(tab)
     log(tab, "success", "missed")
     assert saved(tab) == "Saved 2 of 40"
@@ -373,7 +376,7 @@ def test_a_storage_that_is_full_loses_nothing(sheet, browser):
     assert tab.inner_text("#alerts") == ""
     tab.evaluate("window.isFull = true")
     log(tab, "missed")
-    assert "Not stored: the browser refuses to keep more" in tab.inner_text("[role=alert]")
+    assert "Not stored: the browser refuses to store more" in tab.inner_text("[role=alert]")
     assert saved(tab) == "Saved 2 of 40"
     tab.evaluate("window.isFull = false")
     log(tab, "dropped")

@@ -154,7 +154,7 @@ def test_grasps_of_another_size_are_not_shown():
     assert "Gripper panda, opening 80 mm" in egad.view(box, grasps, "panda").html
     with pytest.raises(UserError, match="same scale"):
         egad.view(box.copy().apply_scale(0.5), grasps, "panda")
-    with pytest.raises(UserError, match=r"a mesh is a trimesh\.Trimesh"):
+    with pytest.raises(UserError, match=r"a mesh must be a trimesh\.Trimesh"):
         egad.view(trimesh.Scene(box))
     for wrong in (grasps.to_frame(), grasps.poses, "grasps"):
         name = type(wrong).__name__
@@ -169,7 +169,7 @@ def test_grasps_are_shown_with_the_gripper_that_they_are_for():
     hand = egad.Gripper(opening=0.065)
     grasps = egad.sample_grasps(box, hand, n=5)
     assert "Gripper, opening 65 mm" in " ".join(egad.view(box, grasps, hand).html.split())
-    with pytest.raises(UserError, match="fingers of a gripper: name it"):
+    with pytest.raises(UserError, match="fingers of a gripper: name one"):
         egad.view(box, grasps)
     assert "opening" not in egad.view(box).html.partition("<script")[0].partition("<h1")[2]
 

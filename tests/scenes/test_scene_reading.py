@@ -131,7 +131,7 @@ def test_scenes_of_an_unknown_gripper_are_refused(write, dataset, settings, tmp_
     notes = parquet.notes(path)
     for wrong, error, said in (
         ({"gripper": 3}, UserError, "does not say for which gripper it is; make the scenes again"),
-        ({"hand": {"opening": -1}}, TableError, "its gripper is not one: .*opening"),
+        ({"hand": {"opening": -1}}, TableError, "its gripper is not valid: .*opening"),
     ):
         for file, schema in ((path, SCENES), (other, SCENE_GRASPS)):
             parquet.write(parquet.read(file, schema), schema, file, notes | wrong)

@@ -92,7 +92,7 @@ def test_a_robots_objects_are_known_by_their_label_only(written):
             "label,attempt,success,outcome\nA0,0,0,fell\n",
             "outcome is 'fell'; allowed: success, coll",
         ),
-        ("label,attempt,success,outcome\nA0,0,0,success\n", "success just where success is 1"),
+        ("label,attempt,success,outcome\nA0,0,0,success\n", "success if and only if success is 1"),
         ("label,attempt,success,quality\nA0,0,1,high\n", "quality is 'high'; allowed: a number"),
         ("label,attempt,Success,success\nA0,0,1,0\n", "the column success occurs twice"),
         ("label,attempt,success\nA0,0,1\nA0,1,0,missed\n", "line 3: 4 cells; the first line has 3"),
@@ -232,7 +232,7 @@ def test_a_column_id_means_something_in_a_log_only(written):
         ({"valid": "perhaps"}, "line 3: valid is 'perhaps'; allowed: 1, 0"),
         ({"attempt": "first"}, "line 3: attempt is 'first'"),
         ({"schema": "2"}, "line 3: schema is '2'; allowed: 1"),
-        ({"success": "0"}, "line 3: outcome is 'success'; allowed: success just where success"),
+        ({"success": "0"}, "line 3: outcome is 'success'; allowed: success if and only if success"),
     ],
 )
 def test_a_log_is_read_without_the_rows_that_are_wrong(written, caplog, row, words):

@@ -184,7 +184,7 @@ def test_one_detector_on_each_side_needs_no_common_name():
     found = validate({"ggcnn": simulated["d0"]}, {"results": real["d0"]})
     assert list(found.objects) == ["ggcnn"]
     assert found.detectors is None
-    assert "one detector: whether" in found.notes[0]
+    assert "one detector: it takes several" in found.notes[0]
 
 
 def test_detectors_of_one_side_only_are_noted():

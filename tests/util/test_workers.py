@@ -201,8 +201,8 @@ with workers(2) as mapper:
 PRINTED = """\
 (832053, 1) (1346282, 1) (2178322, 1) (3524591, 1) []
 -1 -2
-this cannot be sent to another process, as several jobs need; put it into a module of its own, \
-or use 1 job: cannot pickle '_thread.lock' object
+this cannot be sent to another process, which more than one job requires; put it into a module \
+of its own, or use 1 job: cannot pickle '_thread.lock' object
 """
 
 
@@ -219,7 +219,10 @@ def test_work_that_cannot_be_sent_is_told(monkeypatch):
         (abs, [pointer], "pointers"),
         (module.double, [1], "only_here"),
     ):
-        want = f"cannot be sent to another process, as several jobs need; .*, or use 1 job: .*{why}"
+        want = (
+            "cannot be sent to another process, which more than one job requires; .*, or use 1 "
+            f"job: .*{why}"
+        )
         with pytest.raises(UserError, match=want), workers(2) as mapper:
             list(mapper(work, items))
 

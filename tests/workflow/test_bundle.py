@@ -300,11 +300,11 @@ def test_what_cannot_be_used_is_named_and_the_rest_is_made(tmp_path, meshes, bun
 def test_an_object_beyond_the_bound_is_marked(tmp_path, meshes):
     coarse = SETTINGS.bundle.model_copy(update={"max_parts": 2})
     settings = SETTINGS.model_copy(update={"bundle": coarse})
-    with pytest.warns(egad.PartsWarning, match="the convex parts of cup are beyond the bounds"):
+    with pytest.warns(egad.PartsWarning, match="convex parts of cup exceed the requested bounds"):
         write_bundle(settings, any_objects([meshes / "cup.obj"]), "m", tmp_path / "out")
     row = row_of(tmp_path / "out", "cup")
     assert row["deviation_bound"] > coarse.deviation
-    with pytest.warns(egad.PartsWarning, match="the convex parts of cup are beyond the bounds"):
+    with pytest.warns(egad.PartsWarning, match="convex parts of cup exceed the requested bounds"):
         model_in(tmp_path / "out", rows_by_id(tmp_path / "out")["cup"])
     assert not row["within"]
     assert row["parts"] <= 2

@@ -136,7 +136,7 @@ ALTERATIONS = {
     "an object left out": (lambda table: table.iloc[:3], "B1 (id-b): attempts are missing"),
     "an attempt twice": (
         lambda table: pd.concat([table, table.tail(1)]),
-        "B1 (id-b): attempts are missing, there twice",
+        "B1 (id-b): attempts are missing, duplicated",
     ),
     "another name": (
         lambda table: table.assign(label=table["label"].replace("B1", "C1")),

@@ -154,7 +154,7 @@ def test_open_surfaces_are_measured_as_shells_if_the_settings_say_so(bad, table)
 
 def test_units_that_must_be_wrong_are_pointed_out(bad, caplog):
     measure_files(SETTINGS, {"thousand": bad["thousand"]}, "m", 1)
-    assert "thousand for one (60 m): is their unit m?" in caplog.text
+    assert "for example thousand (60 m): is their unit m?" in caplog.text
     caplog.clear()
     measure_files(SETTINGS, {"thousand": bad["thousand"]}, "mm", 1)
     assert caplog.text == ""
@@ -164,7 +164,7 @@ def test_units_of_meshes_that_cannot_be_used_are_doubted_too(tmp_path, caplog):
     trimesh.creation.box([0.06, 0.04, 0.05]).export(tmp_path / "metres.ply")
     found = measure_files(SETTINGS, {"metres": tmp_path / "metres.ply"}, "mm", 1)
     assert found["reason"][0] != ""
-    assert "metres for one (6e-05 m): is their unit mm?" in caplog.text
+    assert "for example metres (6e-05 m): is their unit mm?" in caplog.text
 
 
 def test_the_size_is_that_of_the_rule(bad, table, caplog):
@@ -176,7 +176,9 @@ def test_the_size_is_that_of_the_rule(bad, table, caplog):
     potato().apply_scale(0.5).export(files["small"])
     (scaled,) = measure_files(SETTINGS, files, "m", 1).to_dict("records")
     assert scaled["factor"] == pytest.approx(2 * table.loc["good", "factor"], rel=1e-3)
-    assert "1 of 1 meshes are measured larger than they are, small for one" in caplog.text
+    assert (
+        "1 of 1 meshes are enlarged before they are measured, for example small by" in caplog.text
+    )
     caplog.clear()
     (real,) = measure_files(SETTINGS, files, "m", 1, "none").to_dict("records")
     assert (real["rule"], real["factor"]) == ("none", 1)

@@ -473,7 +473,9 @@ def test_meshes_need_a_unit_unless_they_state_it_and_odd_sizes_are_said_once(cle
     assert "block.ply does not state its unit; give `units`" in said
     metres = clean.overlay("metres.yaml", {"datasets": {"own": {"units": "m"}}})
     said = clean.make("--cores", 1, target, configs=[*configs, metres])
-    doubt = "own: 2 of 2 meshes are smaller than 0.005 m or larger than 1 m, block for one (60 m)"
+    doubt = (
+        "own: 2 of 2 meshes are smaller than 0.005 m or larger than 1 m, for example block (60 m)"
+    )
     assert said.count(doubt) == 1
     assert "cannot be used; cube-3mf: the file states the unit mm, but m is given" in said
 

@@ -45,7 +45,7 @@ rule search_failures:
         sampler=sampler_code,
         detector=detector_code,
     message:
-        "Searching failures of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
+        "Searching for failures of {wildcards.detector} with {wildcards.gripper} on {wildcards.dataset}, shard {wildcards.shard}"
     script:
         "../scripts/search_failures.py"
 

@@ -50,7 +50,7 @@ def run(
     with workers(jobs) as mapper:
         found = Archive(settings.space, settings.similarity, jobs)
         if base is not None:
-            phase("reading the archive of the epoch before")
+            phase("reading the archive of the previous epoch")
             check_provenance(base, settings)
             found.add(elites_of(parquet.read(base, EPOCH)))
         done = evolve(found, settings, epoch, island, rules, mapper, watch)

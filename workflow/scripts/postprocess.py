@@ -32,8 +32,8 @@ from egad.workflow.solids import solid_row
 
 log = logging.getLogger(__name__)
 PAPER_ESTIMATES = (
-    "The values of graspability in %s are rough: percentiles of few grasps that keep a distance "
-    "from each other, with a bias from selection. The objects are measured again."
+    "The graspability values in %s are rough: percentiles of a few grasps that are kept apart "
+    "from each other, biased by selection. The objects are measured again."
 )
 Sources = dict[str, Callable[[], trimesh.Trimesh]]
 
@@ -115,7 +115,11 @@ def from_archive(
         if in_shard(str(object_id), shard, shards)
     }
     if other := differences(path, settings, MEASURING):
-        log.info("\n".join(["Not compared with the graspability in the archive:", *other]))
+        log.info(
+            "\n".join(
+                ["Not compared with the graspability in the archive, as settings differ:", *other]
+            )
+        )
         return sources, pd.Series(dtype=float)
     return sources, archive["graspability"]
 

@@ -86,7 +86,7 @@ def _check_archives(out: Path, pieces: Iterable[Path]) -> None:
     old = [path for path in sorted(out.glob("archives/*.zip")) if path.resolve() not in made]
     if old:
         raise UserError(
-            f"{', '.join(map(str, old))}: of an earlier release; remove it, or add its format to "
+            f"{', '.join(map(str, old))}: from an earlier release; remove it, or add its format to "
             "release.archives"
         )
 

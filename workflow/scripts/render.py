@@ -160,8 +160,8 @@ class Studio:
         opening = settings.gripper.opening
         if settings.render.widths and settings.render.widths[1] > opening:
             raise UserError(
-                f"render.widths ends at {settings.render.widths[1]:g} m; the gripper opens "
-                f"{opening:g} m"
+                f"render.widths ends at {settings.render.widths[1]:g} m, but the gripper "
+                f"opens {opening:g} m"
             )
         self.settings = settings
         self._body: HandBody = hand_body(settings.gripper)

@@ -37,7 +37,7 @@ def run(
     check_provenance(archive, settings.breeding, ("shape",))
     objects = parquet.read(archive, ARCHIVE)
     if other := differences(archive, settings.breeding, MEASURING):
-        log.info("\n".join(["The objects are measured again:", *other]))
+        log.info("\n".join(["The objects are measured again, as settings differ:", *other]))
         objects["graspability"] = np.nan
     phase("starting the simulator")
     with (

@@ -200,8 +200,8 @@ def run(
     check_not_file(out)
     if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
         raise UserError(
-            f"--out {out}: {foreign[0]} is no earlier export and would be lost; "
-            "name a folder of its own"
+            f"--out {out}: {foreign[0]} is not from an earlier export and would be lost; "
+            "give a separate folder"
         )
     check_key(gripper, "gripper")
     check_simulated(simulated_grasps)

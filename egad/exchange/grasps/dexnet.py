@@ -114,7 +114,7 @@ def _keys(part: Path, ours: bool) -> list[str]:
         part.unlink()
         raise UserError(
             f"{part}: truncated or damaged ({error.reason}); it was removed, and the next run of "
-            "snakemake makes it anew"
+            "snakemake creates it again"
         ) from error
 
 

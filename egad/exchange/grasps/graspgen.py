@@ -271,7 +271,7 @@ def run(
             held = write_graspgen(folder, hand, label, rows)
             if held < MIN_POSITIVE:
                 log.warning(
-                    "%s has %d grasps that hold; GraspGen leaves objects with fewer than %d out",
+                    "%s has %d grasps that hold; GraspGen leaves out objects with fewer than %d",
                     label,
                     held,
                     MIN_POSITIVE,

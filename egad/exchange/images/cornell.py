@@ -57,7 +57,7 @@ def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
     height, width = picture.depth.shape
     if height > HEIGHT or width > WIDTH:
         raise UserError(
-            f"images of Cornell have {WIDTH} x {HEIGHT} pixels, these have {width} x {height}"
+            f"Cornell images have {WIDTH} x {HEIGHT} pixels, these have {width} x {height}"
         )
     if not picture.grasps.collision_free.any():
         return False

@@ -57,7 +57,7 @@ def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
     """
     height, width = picture.depth.shape
     if height != width:
-        raise UserError(f"images of Jacquard are square, these have {width} x {height} pixels")
+        raise UserError(f"Jacquard images are square, these have {width} x {height} pixels")
     place = folder / picture.label
     place.mkdir(parents=True, exist_ok=True)
     name = f"{picture.image}_{picture.label}"

@@ -169,7 +169,7 @@ def ancestor_data(
         "facts": [*_measures(row, axes), *_facts(grown)],
         "scene": mesh and pack(GraspScene(str(row["id"]), "", mesh, empty(GRASPS))),
         "labels": None,
-        "note": "" if mesh else "Its shape cannot be made again from its genome.",
+        "note": "" if mesh else "Its shape cannot be rebuilt from its genome.",
         "relatives": relatives,
         "genome": asdict(genome),
         "trials": [],

@@ -65,8 +65,8 @@ function flush() {
   } catch (error) {
     const stored = unstored.size < memory.size;
     alarm("storage", stored
-      ? `Not stored: the browser refuses to keep more (${error.name}). Save a backup now; closing the page loses the last results.`
-      : `This browser keeps nothing of this page (${error.name}): it is a private window, or storage is switched off. Open the page elsewhere, or save a backup after every attempt; closing the page loses all results.`);
+      ? `Not stored: the browser refuses to store more (${error.name}). Save a backup now; closing the page loses the last results.`
+      : `This browser stores nothing for this page (${error.name}): it is a private window, or storage is switched off. Open the page elsewhere, or save a backup after every attempt; closing the page loses all results.`);
   }
 }
 
@@ -234,7 +234,7 @@ function renderRates(state) {
   }));
   const numbers = state.conflicts.map((slot) => slot + 1).join(", ");
   find("#conflicts").hidden = !numbers;
-  find("#conflicts").textContent = `Two results each, which do not count here: no. ${numbers}.`;
+  find("#conflicts").textContent = `Attempts with two results, which do not count here: no. ${numbers}.`;
 }
 
 function renderFiles({ revision, live, next }) {
@@ -442,11 +442,11 @@ function merge(text) {
   try {
     given = JSON.parse(text);
   } catch {
-    return "This file is no backup of a grasp log.";
+    return "This file is not a backup of a grasp log.";
   }
   const name = given?.session;
   if (given?.format !== FORMAT || !/^[\w-]{1,40}$/.test(name) || !Array.isArray(given.results)) {
-    return "This file is no backup of a grasp log.";
+    return "This file is not a backup of a grasp log.";
   }
   if (given.sheet !== sheet.sheet || given.schema !== sheet.schema) {
     return `This backup is of another sheet (${String(given.sheet).slice(0, 20)}); open the page with which it was made.`;
@@ -467,7 +467,7 @@ function merge(text) {
   put(name + "/about", JSON.stringify({ ...given.about, ...about(name) }));
   if (name !== session()) choose(name);
   const left = given.results.length - usable.length;
-  return `Restored: ${added} results added, ${known.size} were here.`
+  return `Restored: ${added} results added, ${known.size} were already here.`
     + (different ? ` ${different} differ from those here, which are kept.` : "")
     + (left ? ` ${left} cannot be read and are left out.` : "");
 }

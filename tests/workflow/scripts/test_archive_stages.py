@@ -35,7 +35,7 @@ def test_an_archive_by_the_estimator_of_the_paper_is_read_and_explained(tmp_path
     parquet.write(parquet.empty(schema), schema, path, notes)
     with caplog.at_level("INFO"):
         from_archive(path, select(Settings(), PostprocessSolids), 0, 1)
-    assert "percentiles of few grasps that keep a distance" in caplog.text
+    assert "percentiles of a few grasps that are kept apart" in caplog.text
     assert parquet.read(path, ARCHIVE)["cell_confidence"].isna().all()
 
 

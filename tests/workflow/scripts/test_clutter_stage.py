@@ -143,7 +143,7 @@ def test_a_detector_that_only_fails_stops_the_run_and_leaves_its_traceback(made,
         cleared(given, made, tmp_path / "out.parquet")
     line = OWN[: OWN.index("1 / 0")].count("\n") + 1
     kept = tmp_path / "out.parquet.failure.txt"
-    assert str(stopped.value).endswith(f"is kept in {kept}")
+    assert str(stopped.value).endswith(f"was written to {kept}")
     text = kept.read_text(encoding="utf-8")
     assert f'File "{own.name}", line {line}, in failing' in text
     assert text.endswith("ZeroDivisionError: division by zero\n")
@@ -170,7 +170,7 @@ def deadly(*_):
 
 
 def test_labels_need_grasps(made, tmp_path):
-    with pytest.raises(UserError, match="labels needs the table of labelled grasps"):
+    with pytest.raises(UserError, match="`labels` needs the table of labelled grasps"):
         clutter.run(settings("labels"), made, (0, 1), tmp_path / "out.parquet")
 
 
@@ -188,7 +188,7 @@ def test_a_round_is_filmed_again(table, made, tmp_path):
     film_clearing(given, path, bundle_models(made), ("pile", "none", 0), tmp_path / "film.gif")
     frames = Image.open(tmp_path / "film.gif").n_frames
     assert frames > 20 * table.query("scene == 'pile' and round == 0")["success"].sum()
-    with pytest.raises(UserError, match="there is none"):
+    with pytest.raises(UserError, match="not in the table"):
         film_clearing(given, path, bundle_models(made), ("pile", "none", 2), tmp_path / "film.gif")
     altered = table.assign(success=~table["success"])
     parquet.write(altered, CLUTTER, path)

@@ -74,7 +74,7 @@ def test_every_object_is_in_both_tables_and_what_is_missing_is_named(sheet):
     text = (sheet() / "README.md").read_text()
     assert "3 of 4 cells of the grid are filled" in text
     assert "No printable object lies in B1." in text
-    assert "None lies in A1 itself" in text
+    assert "A1: no printable object lies in the cell itself" in text
     rows = [cells(line) for line in text.splitlines() if line.startswith("| ")]
     assert [row[0] for row in rows if row[0] in LABELS] == LABELS * 2
     printed = {row[0]: row for row in rows[-3:]}

@@ -107,7 +107,7 @@ def test_a_job_says_what_its_table_was_made_from(own, archive, tmp_path):
 
 def test_a_detector_that_only_fails_ends_the_job_and_leaves_its_traceback(own, archive, tmp_path):
     out = tmp_path / "examined.parquet"
-    with pytest.raises(UserError, match=r"of the first 3 objects\n.* is kept in") as stopped:
+    with pytest.raises(UserError, match=r"of the first 3 objects\n.* was written to") as stopped:
         given = settings_of(f"{own}:failing", attempts=60, shards=1)
         search_failures.run(given, archive, 0, out, tmp_path / "attempts.parquet")
     kept = tmp_path / "examined.parquet.failure.txt"

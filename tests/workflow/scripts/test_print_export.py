@@ -43,7 +43,7 @@ def test_what_cannot_be_printed_is_a_row_with_a_note_and_the_rest_is_made(tmp_pa
     assert rows["note"]["A0"] == ""
     assert rows["note"]["A1"] == "no mesh box1.obj: no such file"
     assert rows["note"]["A2"] == "not printable at this size: walls thinner than 1.2 mm"
-    assert rows["note"]["A3"] == "60 x 60 mm and a gap of 5 mm do not fit the bed of 50 x 50 mm"
+    assert rows["note"]["A3"] == "60 x 60 mm plus a gap of 5 mm do not fit the bed of 50 x 50 mm"
     assert rows["plate"].tolist()[0] == 1
     assert rows["plate"][1:].isna().all()
     assert rows["volume"]["A0"] == pytest.approx(8000)
@@ -67,7 +67,7 @@ def test_labels_are_cut_into_the_prints_away_from_usable_grasps(tmp_path):
     )
     assert rows["engraved"].tolist() == [True, False]
     assert rows["note"]["A0"] == ""
-    assert "no place for its label" in rows["note"]["A1"]
+    assert "no space for its label" in rows["note"]["A1"]
     assert 8000 - rows["volume"]["A0"] == pytest.approx(20, abs=8)
     assert read_mesh(tmp_path / "c/print/A0_paper_50mm.stl", "mm").is_watertight
 

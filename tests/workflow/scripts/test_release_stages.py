@@ -270,7 +270,7 @@ def test_an_archive_of_an_earlier_release_is_refused(release, tmp_path):
     copy = shutil.copytree(release, tmp_path / "copy")
     (copy / "archives/usd.zip").touch()
     archives = [copy / "archives/mjcf.zip"]
-    with pytest.raises(UserError, match=r"archives/usd\.zip: of an earlier release"):
+    with pytest.raises(UserError, match=r"archives/usd\.zip: from an earlier release"):
         release_card.run(select(SETTINGS, ReleaseCard), [], archives, [], copy)
 
 

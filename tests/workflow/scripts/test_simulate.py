@@ -223,7 +223,7 @@ def verified(dataset, trials, tmp_path, monkeypatch, *words):
 def test_a_table_is_verified_without_its_detector(dataset, table, tmp_path, monkeypatch, capsys):
     trials = parquet.read(table, TRIALS)
     assert verified(dataset, trials, tmp_path, monkeypatch) == 0
-    assert "9 of 9 attempts simulated again: all as it says" in capsys.readouterr().out
+    assert "9 of 9 attempts simulated again: all as in the table" in capsys.readouterr().out
     assert verified(dataset, trials, tmp_path, monkeypatch, "--sample", "2") == 0
     assert "6 of 9 attempts" in capsys.readouterr().out
 
