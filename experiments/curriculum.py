@@ -61,6 +61,7 @@ SCENES = 300  # further scenes of each kind, of one object each
 EXAMPLES = 4000
 DROPS = 10  # of each held-out failure, in each engine
 ROUNDS = 40
+THRESHOLD = 0.1  # least quality of the grasps that networks propose, as in the study of scenes
 LEAST = {"learnt": 10, "held-out": 5}  # fewest failures for a comparison
 
 
@@ -134,7 +135,7 @@ def once(folder: Path, work: Callable[[], object]) -> None:
 
 def detector(weights: Path) -> DetectorConfig:
     """A network as a detector."""
-    return DetectorConfig(detector="vgn", weights=str(weights))
+    return DetectorConfig(detector="vgn", weights=str(weights), threshold=THRESHOLD)
 
 
 def objects_in(known: pd.DataFrame, splits: Sequence[str]) -> egad.Dataset:
