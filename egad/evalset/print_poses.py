@@ -39,7 +39,7 @@ def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -
         choice: `stable`: on the face of its hull that it most probably comes to rest on;
             `overhang`: among all but the improbable poses, the one with the least area to support,
             if possible with a first layer of 1 mm2.
-        angle: Surfaces at a larger angle to the vertical are supported, degrees.
+        angle: Overhangs at a larger angle to the vertical are supported, degrees.
         along: The axis for the longer side of the footprint.
     """
     try:
@@ -71,7 +71,7 @@ def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> floa
     Args:
         mesh: A closed surface, wound outwards.
         rotation: (3, 3); after it, z points up.
-        angle: Surfaces at a larger angle to the vertical count, degrees.
+        angle: Overhangs at a larger angle to the vertical count, degrees.
     """
     up = rotation[2]
     heights = np.asarray(mesh.vertices) @ up

@@ -84,7 +84,7 @@ def merge_hulls(hulls: Sequence[Hull], allowed: float, fits: Callable[[Hull], bo
 
 
 class _Pool:
-    """Hulls by number, and a heap of the least volume that merging two touching hulls adds."""
+    """Hulls by number, and a heap of lower bounds of what merging two touching hulls adds."""
 
     def __init__(self, hulls: Iterable[Hull]) -> None:
         self.hulls: list[Hull] = []

@@ -211,7 +211,7 @@ def repair_for_files(
 def dropped_text(bodies: int, volume: float) -> str:
     """How many bodies were left out and their fraction of the volume, as a phrase; empty for none.
 
-    Bodies without volume are open surfaces.
+    Bodies without volume are open surfaces, whose area has a limit.
     """
     if not bodies:
         return ""
