@@ -35,7 +35,7 @@ ROUGH = 0.002  # metres: deviation of convex parts while it is uncertain whether
 SOLVED = 0.5  # of the success rate that a failure may have: above this, examination ends
 TRIES = 3  # grasps of the reference per drop, while it is chosen
 HOPELESS = 0.3  # fraction of the drops without a grasp that holds, above which the choice ends
-PATIENCE = 2  # drops for each one wanted, as some objects do not come to rest
+PATIENCE = 2  # drops for each one wanted, as the object does not come to rest in all
 
 
 def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
