@@ -134,7 +134,7 @@ class MapDetector:
         (`egad.perception.min_fingertip_height`) at a pixel where the network sees a grasp. The
         penetration is how far the fingertips get below the surface seen there. Below 5 mm there is
         no grasp; otherwise its quality is that of the network times min(penetration / 20 mm, 1).
-        The best of each 21 x 21 pixels is proposed.
+        A pixel is proposed if it is the best of the 21 x 21 pixels around it.
 
         The hand opens as wide as the network says or as it can. It is placed where the ray of the
         pixel is 10 mm below the surface, or half way down to the table if that is less. There its

@@ -62,8 +62,8 @@ def gg_cnn() -> Heads:
 def gg_cnn2() -> Heads:
     """The second one: pooled twice, dilated in the middle, enlarged twice.
 
-    The published weights have none for the transposed convolutions in the project's current code:
-    14 and 17 are layers without weights. That these are bilinear is our guess.
+    The published weights have no place for the transposed convolutions in the project's current
+    code: 14 and 17 are layers without weights. That these are bilinear is our guess.
     """
     layers = [
         *(nn.Conv2d(1, 16, 11, padding=5), nn.ReLU()),

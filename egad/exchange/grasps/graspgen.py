@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 
 Split = Literal["train", "valid"]
 SPLITS: tuple[Split, Split] = ("train", "valid")
-ONE_IN = 10  # objects is for validation
+ONE_IN = 10  # one in this many objects is for validation
 MIN_POSITIVE = 5  # an object with fewer is left out by GraspGen's reader
 # Depths of hands that GraspGen itself describes, metres, by our names for them.
 DEPTHS = {"panda": 0.10527314, "robotiq_2f_140": 0.195}
