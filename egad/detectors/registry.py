@@ -142,5 +142,5 @@ def fingerprint(config: DetectorConfig) -> list[str]:
 
 def _with_shipped_weights(config: DetectorConfig) -> DetectorConfig:
     """A shipped network as the detector that loads its weights; any other detector as it is."""
-    settings = SHIPPED_NETWORKS.get(config.name)
+    settings = SHIPPED_NETWORKS.get(config.detector or "")
     return DetectorConfig(**settings) if settings else config

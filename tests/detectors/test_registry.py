@@ -138,6 +138,7 @@ def test_edited_code_or_weights_have_another_fingerprint(tmp_path):
     assert fingerprint(DETECTORS["random"]) == []
     for name, settings in SHIPPED_NETWORKS.items():
         assert fingerprint(DETECTORS[name]) == fingerprint(DetectorConfig(**settings)) != []
+        assert fingerprint(DetectorConfig(command=(name,))) == []
 
 
 @pytest.mark.parametrize(
