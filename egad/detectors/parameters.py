@@ -41,7 +41,7 @@ class DetectorConfig(Parameters):
     detector: UserPath | None = Field(
         None,
         description=f"built-in detector ({KNOWN}), or your own: FILE.py:CLASS or "
-        f"package.module:CLASS",
+        "package.module:CLASS",
     )
     command: tuple[UserPath, ...] | None = Field(
         None,

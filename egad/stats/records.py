@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from egad._util.input_limits import MAX_COLUMNS
 from egad.errors import UserError, most_common
 from egad.evalset import LABEL
 from egad.io import csv_lines
@@ -43,7 +44,6 @@ WORDS = {
     **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
     **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
 }
-MAX_COLUMNS = 1000  # of a CSV file
 MAX_TOLD = 5  # warnings of one kind about a log
 ATTEMPT = re.compile(r"[0-9]{1,9}")
 ATTEMPT_KEY = ["detector", "label", "attempt"]
