@@ -56,7 +56,7 @@ class PrintExport(Parameters):
         40.0,
         gt=0,
         lt=90,
-        description="surfaces at a larger angle to the vertical are supported, degrees",
+        description="overhangs at a larger angle to the vertical are supported, degrees",
     )
     perimeters: int = Field(2, ge=1, le=20, description="lines along each outline of a layer")
     line_width: float = Field(

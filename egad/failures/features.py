@@ -275,8 +275,8 @@ class ExplainedShare(NamedTuple):
 def shares(failures: pd.DataFrame, solved: pd.DataFrame) -> dict[str, ExplainedShare]:
     """For each feature, the share of the failures that it explains.
 
-    A feature explains a failure if hardly any object that the detector solves has such a value.
-    The shares overlap, as a thin object may also be concave: they do not add up. They are
+    A feature explains a failure if few objects that the detector solves have such a value. The
+    shares overlap, as a thin object may also be concave: they do not add up. They are
     associations, not causes.
 
     Args:

@@ -76,7 +76,7 @@ def find_failures(
             direction, as in `egad.run_benchmark`. By default it depends on the detector's input.
         depth_noise: Noise of the depth images, pixels, as in `egad.run_trials`.
         least_regret: Minimum difference of the success rates of reference and detector at a
-            failure, 0 to 1; use a lower value for a detector that hardly ever fails.
+            failure, 0 to 1; use a lower value for a detector that rarely fails.
         engines: Physics engines; an object must be a failure in all of them. By default those that
             are installed.
         seed: The same arguments give the same atlas.

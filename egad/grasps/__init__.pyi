@@ -21,6 +21,7 @@ from .parameters import CONE as CONE
 from .parameters import FRICTION as FRICTION
 from .parameters import GraspLabel as GraspLabel
 from .parameters import LabelParameters as LabelParameters
+from .parameters import Perturbation as Perturbation
 from .parameters import Quality as Quality
 from .parameters import Robust as Robust
 from .parameters import Sampling as Sampling

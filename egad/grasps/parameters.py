@@ -22,19 +22,10 @@ class Quality(Parameters):
     cone_faces: int = Field(8, ge=3, le=24, description="edges of the linearized friction cone")
 
 
-class Robust(Parameters):
-    """Robust grasp quality: the mean quality over perturbed copies of a grasp."""
+class Perturbation(Parameters):
+    """What the perturbed copies of any grasp share."""
 
     samples: int = Field(25, ge=1, description="number of perturbed copies of a grasp")
-    torque_scaling: float = Field(
-        1000.0, gt=0, description="weight of a torque relative to a force, 1/m"
-    )
-    grasp_translation_sigma: Sigma = Field(
-        0.001, description="standard deviation of the grasp center, metres per axis"
-    )
-    grasp_rotation_sigma: Sigma = Field(
-        0.001, description="standard deviation of the grasp axis, radians per axis"
-    )
     object_translation_sigma: Sigma = Field(
         0.005, description="standard deviation of the object position, metres per axis"
     )
@@ -45,6 +36,20 @@ class Robust(Parameters):
         0.01, description="standard deviation of the center of mass, metres per axis"
     )
     friction_sigma: Sigma = Field(0.1, description="standard deviation of the friction coefficient")
+
+
+class Robust(Perturbation):
+    """Robust grasp quality: the mean quality over perturbed copies of a grasp."""
+
+    torque_scaling: float = Field(
+        1000.0, gt=0, description="weight of a torque relative to a force, 1/m"
+    )
+    grasp_translation_sigma: Sigma = Field(
+        0.001, description="standard deviation of the grasp center, metres per axis"
+    )
+    grasp_rotation_sigma: Sigma = Field(
+        0.001, description="standard deviation of the grasp axis, radians per axis"
+    )
 
 
 class Sampling(Parameters):

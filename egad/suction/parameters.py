@@ -5,33 +5,22 @@ from typing import Self
 from pydantic import Field
 
 from egad._util.parameters import Parameters, Seed, Sigma
-from egad.grasps import Robust
+from egad.grasps import Perturbation, Robust
 
 
-class RobustSuction(Parameters):
+class RobustSuction(Perturbation):
     """Robust quality: the share of perturbed copies that seal and resist the load.
 
     The paper does not give its sigmas. Those used here come from the robust quality of antipodal
     grasps (Dex-Net 2.0); that of the weight is ours.
     """
 
-    samples: int = Field(25, ge=1, description="number of perturbed copies of a grasp")
     cup_translation_sigma: Sigma = Field(
         0.001, description="standard deviation of the cup position, metres per axis"
     )
     cup_rotation_sigma: Sigma = Field(
         0.001, description="standard deviation of the cup rotation, radians per axis"
     )
-    object_translation_sigma: Sigma = Field(
-        0.005, description="standard deviation of the object position, metres per axis"
-    )
-    object_rotation_sigma: Sigma = Field(
-        0.01, description="standard deviation of the object rotation, radians per axis"
-    )
-    com_sigma: Sigma = Field(
-        0.01, description="standard deviation of the center of mass, metres per axis"
-    )
-    friction_sigma: Sigma = Field(0.1, description="standard deviation of the friction coefficient")
     weight_sigma: Sigma = Field(
         0.1, description="standard deviation of the weight of the object, relative"
     )

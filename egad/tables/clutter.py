@@ -26,7 +26,9 @@ CARRIED_OUT = (
 CLUTTER = pa.schema(
     [
         column("scene", STRING, "how the objects lie: single, packed or pile"),
-        column("noise", STRING, "noise in the depth images: none, stereo, gamma, dex or points"),
+        column(
+            "noise", STRING, "noise in what the cameras see: none, stereo, gamma, dex or points"
+        ),
         column("round", INT, "number of the round"),
         column("attempt", INT, "number of the attempt in its round"),
         column("seed", STRING, "seed of the round (hexadecimal)"),
