@@ -1,6 +1,7 @@
 """Work in a process of its own, which can die or be stopped without harm to this one."""
 
 import functools
+import importlib
 import io
 import json
 import logging
@@ -18,6 +19,7 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager, suppre
 from functools import partial
 from multiprocessing.connection import Connection
 from operator import attrgetter
+from types import ModuleType
 from typing import Any, Self
 
 import cloudpickle
@@ -299,6 +301,8 @@ class _Pickler(cloudpickle.CloudPickler):  # type: ignore[misc]
     """Sends what the program defines by value, cached functions with an empty cache."""
 
     def reducer_override(self, obj: Any) -> Any:  # noqa: ANN401 (any object, any reduction)
+        if isinstance(obj, ModuleType) and type(obj) is not ModuleType:  # `egad`, loaded lazily
+            return importlib.import_module, (obj.__name__,)
         if isinstance(obj, CACHED) and not _is_importable(obj):
             attributes = {k: v for k, v in vars(obj).items() if k != "cache_parameters"}
             return _with_cache, (obj.__wrapped__, obj.cache_parameters()), attributes

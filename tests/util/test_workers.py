@@ -92,6 +92,7 @@ def test_work_is_pickled_once_and_unpickled_once_in_each_process(monkeypatch):
 
 
 PROGRAM = """
+import egad
 from egad._util.workers import workers
 
 print("once")
@@ -107,6 +108,7 @@ class Item:
         return type(other) is Item and self.number == other.number
 
 def copy(item):
+    assert egad.__name__ == "egad"  # a module with lazy attributes
     return Item(item.number)
 
 scale = 2
@@ -115,7 +117,9 @@ with workers(2) as mapper:
     assert list(mapper(copy, [Item(1), Item(2)])) == [Item(1), Item(2)]
 """
 LINES = PROGRAM.strip().splitlines()
-GUARDED = "\n".join([LINES[0], 'if __name__ == "__main__":', *(f"  {each}" for each in LINES[1:])])
+GUARDED = "\n".join(
+    [*LINES[:2], 'if __name__ == "__main__":', *(f"  {each}" for each in LINES[2:])]
+)
 
 
 def output(arguments, given, folder):
