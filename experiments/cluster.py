@@ -10,7 +10,8 @@ from pathlib import Path
 import pandas as pd
 
 ROOT = Path(__file__).parents[1]
-INHERITED = {"render_set": "render", "set_card": "image_card"}  # rules of the training study
+# Rules of the studies.
+INHERITED = {"render_set": "render", "set_card": "image_card", "scene_clutter": "clutter"}
 RULE = re.compile(
     r"^(?:use rule (\w+)(?: from egad)? as|rule) (\w+)(.*?)(?=^\S|\Z)", re.DOTALL | re.MULTILINE
 )
@@ -23,7 +24,7 @@ def needs() -> dict[str, tuple[str, ...]]:
     files = sorted(
         (ROOT / "workflow/rules").glob("*.smk"), key=lambda path: path.name != "join.smk"
     )
-    files.append(ROOT / "experiments/training_study/Snakefile")
+    files += sorted((ROOT / "experiments").glob("*/Snakefile"))
     for base, name, text in (rule for path in files for rule in RULE.findall(path.read_text())):
         asked = ASKED.search(text)
         if asked or base in found:
