@@ -1,19 +1,20 @@
 """Does a network learn more from objects at which it fails than from as many others?
 
-    python experiments/curriculum.py FOLDER --networks NETWORKS --scenes SCENES --ycb YCB [--show]
+    python experiments/curriculum.py FOLDER --networks NETWORKS --scenes SCENES --ycb YCB --jobs 2
 
 docs/studies/curriculum-plan.md says what is compared and why. NETWORKS has the networks that are
 trained further, `0/weights.safetensors` to `2/weights.safetensors`; SCENES are the labelled scenes
 of released objects that they were trained on; YCB is a folder with `*.ply`, metres. FOLDER keeps
-all results, and a second call resumes where the first was interrupted. `--show` prints the tables
-of the results so far.
+all results, and a second call resumes where the first was interrupted. `FOLDER --show` prints the
+tables of the results so far.
 """
 
 import argparse
 import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -25,6 +26,7 @@ from failures import unlike
 import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output, write_text
+from egad._util.workers import Mapper, workers
 from egad.config.stages import TrainOnScenes
 from egad.detectors import Detector, DetectorConfig, opened
 from egad.errors import RejectedError
@@ -72,16 +74,18 @@ def main() -> None:
     parser.add_argument("--networks", type=Path, help="folder of the networks")
     parser.add_argument("--scenes", type=Path, help="labelled scenes that they know")
     parser.add_argument("--ycb", type=Path, help="folder of meshes, metres")
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--show", action="store_true", help="make nothing")
     given = parser.parse_args()
     if not given.show:
         if None in (given.networks, given.scenes, given.ycb):
             parser.error("--networks, --scenes and --ycb are needed, or --show")
-        make(given.folder, given.networks, given.scenes, given.ycb)
+        with workers(given.jobs) as mapper:
+            make(given.folder, given.networks, given.scenes, given.ycb, mapper)
     show(given.folder)
 
 
-def make(folder: Path, networks: Path, scenes: Path, meshes: Path) -> None:
+def make(folder: Path, networks: Path, scenes: Path, meshes: Path, mapper: Mapper) -> None:
     """Make all that is missing."""
     before = [networks / f"{number}/weights.safetensors" for number in range(NETWORKS)]
     household = {each.id: each.mesh() for each in ycb(meshes)}
@@ -90,13 +94,13 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path) -> None:
     trained_on, untrained = (
         objects_in(known, splits) for splits in (["train"], ["validation", "test"])
     )
-    learnt, held_out = (
-        [
-            search(folder, plan, number, weights, plan.name, objects)
-            for number, weights in enumerate(before)
-        ]
+    searches = [
+        (folder, plan, number, weights, plan.name, objects)
         for plan, objects in ((LEARNT, trained_on), (HELD_OUT, untrained))
-    )
+        for number, weights in enumerate(before)
+    ]
+    atlases = [FailureAtlas.load(path) for path in every(mapper, search, searches)]
+    learnt, held_out = atlases[:NETWORKS], atlases[NETWORKS:]
     chosen = further_objects(learnt)
     tried = tested_objects(held_out, chosen)
     found = {"learnt": len(chosen["failures"]), "held-out": len(tried)}
@@ -104,20 +108,46 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path) -> None:
         show(folder)
         raise SystemExit(f"failures: {found}; needed: {LEAST}: nothing can be compared")
     settings = learnt[0].searched_with()
-    for kind, some in chosen.items():
-        further_scenes(folder / "scenes" / kind, some, settings)
+    further = [(folder / "scenes" / kind, some, settings) for kind, some in chosen.items()]
+    every(mapper, further_scenes, further)
+    trainings = {
+        (kind, number): (
+            folder / f"networks/{kind}-{number}",
+            [scenes, folder / "scenes" / kind],
+            start,
+            number,
+        )
+        for kind in KINDS
+        for number, start in enumerate(before)
+    }
     after = {(BEFORE, number): weights for number, weights in enumerate(before)}
-    for kind in KINDS:
-        for number, start in enumerate(before):
-            out = folder / f"networks/{kind}-{number}"
-            after[kind, number] = train(out, [scenes, folder / "scenes" / kind], start, number)
-    for (kind, number), weights in after.items():
-        try_failures(folder / f"held-out/{kind}-{number}", weights, tried, held_out)
-        for test, objects in tests.items():
-            clear(folder / f"cleared-{test}/{kind}-{number}", weights, objects)
-    for kind in AGAIN:
-        for number in range(NETWORKS):
-            search(folder, HELD_OUT, number, after[kind, number], kind, untrained)
+    after |= dict(zip(trainings, every(mapper, train, trainings.values()), strict=True))
+    retries = [
+        (folder / f"held-out/{kind}-{number}", weights, tried, held_out)
+        for (kind, number), weights in after.items()
+    ]
+    every(mapper, try_failures, retries)
+    clearings = [
+        (folder / f"cleared-{test}/{kind}-{number}", weights, objects)
+        for (kind, number), weights in after.items()
+        for test, objects in tests.items()
+    ]
+    every(mapper, clear, clearings)
+    again = [
+        (folder, HELD_OUT, number, after[kind, number], kind, untrained)
+        for kind in AGAIN
+        for number in range(NETWORKS)
+    ]
+    every(mapper, search, again)
+
+
+def every(mapper: Mapper, work: Callable[..., Any], calls: Iterable[tuple[Any, ...]]) -> list[Any]:
+    """The results of calls, with these arguments each."""
+    return list(mapper(partial(_call, work), calls))
+
+
+def _call(work: Callable[..., Any], arguments: tuple[Any, ...]) -> object:
+    return work(*arguments)
 
 
 def once(folder: Path, work: Callable[[], object]) -> None:
@@ -146,8 +176,8 @@ def objects_in(known: pd.DataFrame, splits: Sequence[str]) -> egad.Dataset:
 
 def search(
     folder: Path, plan: Searches, number: int, weights: Path, name: str, objects: egad.Dataset
-) -> FailureAtlas:
-    """The failures of a network."""
+) -> Path:
+    """Search for the failures of a network; returns the folder of their atlas."""
     out = folder / f"searches/{name}-{number}"
     once(
         out,
@@ -161,7 +191,7 @@ def search(
             out=out / "atlas",
         ),
     )
-    return FailureAtlas.load(out / "atlas")
+    return out / "atlas"
 
 
 def further_objects(atlases: Iterable[FailureAtlas]) -> dict[str, pd.DataFrame]:
