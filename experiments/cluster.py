@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 ROOT = Path(__file__).parents[1]
-# Rules of the studies.
+# Rules of the studies that do the work of another rule.
 INHERITED = {"render_set": "render", "set_card": "image_card", "scene_clutter": "clutter"}
 RULE = re.compile(
     r"^(?:use rule (\w+)(?: from egad)? as|rule) (\w+)(.*?)(?=^\S|\Z)", re.DOTALL | re.MULTILINE

@@ -99,7 +99,7 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path, mapper: Mappe
         for plan, objects in ((LEARNT, trained_on), (HELD_OUT, untrained))
         for number, weights in enumerate(before)
     ]
-    atlases = [FailureAtlas.load(path) for path in every(mapper, search, searches)]
+    atlases = [FailureAtlas.load(path) for path in starmap(mapper, search, searches)]
     learnt, held_out = atlases[:NETWORKS], atlases[NETWORKS:]
     chosen = further_objects(learnt)
     tried = tested_objects(held_out, chosen)
@@ -109,40 +109,43 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path, mapper: Mappe
         raise SystemExit(f"failures: {found}; needed: {LEAST}: nothing can be compared")
     settings = learnt[0].searched_with()
     further = [(folder / "scenes" / kind, some, settings) for kind, some in chosen.items()]
-    every(mapper, further_scenes, further)
-    trainings = {
-        (kind, number): (
+    starmap(mapper, further_scenes, further)
+    networks_after = [(kind, number) for kind in KINDS for number in range(NETWORKS)]
+    trainings = [
+        (
             folder / f"networks/{kind}-{number}",
             [scenes, folder / "scenes" / kind],
-            start,
+            before[number],
             number,
         )
-        for kind in KINDS
-        for number, start in enumerate(before)
-    }
+        for kind, number in networks_after
+    ]
+    trained = starmap(mapper, train, trainings)
     after = {(BEFORE, number): weights for number, weights in enumerate(before)}
-    after |= dict(zip(trainings, every(mapper, train, trainings.values()), strict=True))
+    after |= dict(zip(networks_after, trained, strict=True))
     retries = [
         (folder / f"held-out/{kind}-{number}", weights, tried, held_out)
         for (kind, number), weights in after.items()
     ]
-    every(mapper, try_failures, retries)
+    starmap(mapper, try_failures, retries)
     clearings = [
         (folder / f"cleared-{test}/{kind}-{number}", weights, objects)
         for (kind, number), weights in after.items()
         for test, objects in tests.items()
     ]
-    every(mapper, clear, clearings)
+    starmap(mapper, clear, clearings)
     again = [
         (folder, HELD_OUT, number, after[kind, number], kind, untrained)
         for kind in AGAIN
         for number in range(NETWORKS)
     ]
-    every(mapper, search, again)
+    starmap(mapper, search, again)
 
 
-def every(mapper: Mapper, work: Callable[..., Any], calls: Iterable[tuple[Any, ...]]) -> list[Any]:
-    """The results of calls, with these arguments each."""
+def starmap(
+    mapper: Mapper, work: Callable[..., Any], calls: Iterable[tuple[Any, ...]]
+) -> list[Any]:
+    """The results of a function for each tuple of arguments."""
     return list(mapper(partial(_call, work), calls))
 
 
@@ -151,7 +154,10 @@ def _call(work: Callable[..., Any], arguments: tuple[Any, ...]) -> object:
 
 
 def once(folder: Path, work: Callable[[], object]) -> None:
-    """Fill a folder unless that was done before; keeps the total of its CPU seconds."""
+    """Fill a folder unless that was done before; keeps the total of its CPU seconds.
+
+    Those of a process that is killed are lost.
+    """
     if (folder / DONE).exists():
         return
     spent, begin = folder / SPENT, cpu_time()

@@ -20,7 +20,7 @@ from functools import partial
 from multiprocessing.connection import Connection
 from operator import attrgetter
 from types import ModuleType
-from typing import Any, Self
+from typing import Any, Self, TypeGuard
 
 import cloudpickle
 from threadpoolctl import threadpool_limits
@@ -301,12 +301,19 @@ class _Pickler(cloudpickle.CloudPickler):  # type: ignore[misc]
     """Sends what the program defines by value, cached functions with an empty cache."""
 
     def reducer_override(self, obj: Any) -> Any:  # noqa: ANN401 (any object, any reduction)
-        if isinstance(obj, ModuleType) and type(obj) is not ModuleType:  # `egad`, loaded lazily
+        if _is_module_of_own_class(obj):
             return importlib.import_module, (obj.__name__,)
         if isinstance(obj, CACHED) and not _is_importable(obj):
             attributes = {k: v for k, v in vars(obj).items() if k != "cache_parameters"}
             return _with_cache, (obj.__wrapped__, obj.cache_parameters()), attributes
         return super().reducer_override(obj)
+
+
+def _is_module_of_own_class(obj: object) -> TypeGuard[ModuleType]:
+    """Whether it is a module that cloudpickle does not know as one: `egad`, which loads lazily."""
+    if not isinstance(obj, ModuleType) or type(obj) is ModuleType:
+        return False
+    return sys.modules.get(obj.__name__) is obj
 
 
 def _is_importable(function: Any) -> bool:  # noqa: ANN401 (its type is private)
