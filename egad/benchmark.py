@@ -173,9 +173,9 @@ def run_benchmark(
             (`egad.detectors.wanted_input`), the gripper and a random generator, and returns poses,
             widths and scores (`egad.detectors.GraspPoses`), or grasps from above; or the name of a
             detector that needs no file: `antipodal-cloud`, `antipodal-depth`, `random`,
-            `ggcnn2-evolved` (the network that egad ships; it needs PyTorch); `suction-cloud`,
-            `suction-depth` for a suction cup; or `labels`, which knows where the objects are and
-            proposes the best of 100 sampled grasps of each.
+            `ggcnn2-evolved` or `vgn-evolved` (networks that egad ships; they need PyTorch);
+            `suction-cloud`, `suction-depth` for a suction cup; or `labels`, which knows where the
+            objects are and proposes the best of 100 sampled grasps of each.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         scenes: Kinds of scenes: single, packed, pile.

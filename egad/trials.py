@@ -13,6 +13,7 @@ from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.detectors import (
+    IN_ANY_DIRECTION,
     QUICK,
     SHIPPED_NETWORKS,
     Detector,
@@ -44,6 +45,7 @@ from egad.stats import Comparison, Mean, by_object, compare, engine_names, mean_
 
 log = logging.getLogger(__name__)
 LABELS = "labels"
+BY_NAME = sorted({LABELS, *SHIPPED_NETWORKS, *QUICK} - set(IN_ANY_DIRECTION))
 
 
 class Trials:
@@ -129,7 +131,7 @@ def run_trials(
     Args:
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
             (`egad.detectors.Detector`); or the name of a detector that needs no file:
-            `antipodal-depth`, `random`, `ggcnn2-evolved` (the network that egad ships; it needs
+            `antipodal-depth`, `random`, `ggcnn2-evolved` (a network that egad ships; it needs
             PyTorch), `ggcnn2-evolved-published` (the same, carried out as on the robot of EGAD);
             `suction-depth` for a suction cup; or `labels`, which knows where the object is and
             proposes the best of 100 grasps that are sampled with the seed.
@@ -180,7 +182,12 @@ def run_trials(
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     targets = named_meshes(objects)
     if isinstance(detect, str):
-        check_gripper(check_name("detector", detect, (LABELS, *SHIPPED_NETWORKS, *QUICK)), hand)
+        if detect in IN_ANY_DIRECTION:
+            raise UserError(
+                f"in trials, a detector gets a view from above; {detect} asks for more, which "
+                "`egad benchmark` and `egad.run_benchmark` provide"
+            )
+        check_gripper(check_name("detector", detect, BY_NAME), hand)
     elif not callable(detect):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
     else:

@@ -135,9 +135,10 @@ def test_scenes_without_objects_do_not_end_the_run(monkeypatch):
     assert found.rates() == []
 
 
-def test_the_shipped_network_lifts_boxes():
+@pytest.mark.parametrize("name", ["ggcnn2-evolved", "vgn-evolved"])
+def test_shipped_networks_lift_boxes(name):
     pytest.importorskip("torch")
-    found = egad.run_benchmark("ggcnn2-evolved", OBJECTS, **{**FEW, "scenes": ["single"]})
+    found = egad.run_benchmark(name, OBJECTS, **{**FEW, "scenes": ["single"], "rounds": 8})
     assert found.table["success"].mean() > 0.5
 
 

@@ -72,6 +72,9 @@ def test_a_detector_that_asks_for_more_than_a_view_is_told_where_to_go():
 
     with pytest.raises(UserError, match=r"cloud.*run_benchmark"):
         egad.run_trials(detect, {"bar": BAR}, "panda", attempts=1)
+    for name in ("antipodal-cloud", "vgn-evolved"):
+        with pytest.raises(UserError, match=f"{name} asks for more, .*run_benchmark"):
+            egad.run_trials(name, {"bar": BAR}, "panda", attempts=1)
 
 
 def test_the_shipped_network_lifts_a_bar():

@@ -34,6 +34,7 @@ def wrong_references(settings: Settings) -> list[str]:
         ),
         *_unknown_in_release(settings),
         *_wrong_kind("targets.detectors", settings.targets.detectors, settings),
+        *_not_for_trials(settings),
         *_wrong_kind("targets.clutter", settings.targets.clutter, settings),
         *_impossible_targets(settings),
         *_impossible_searches(settings),
@@ -67,6 +68,15 @@ def _wrong_kind(key: str, detectors: Iterable[str], settings: Settings) -> list[
             except UserError as error:
                 problems.append(f"{key}: with {hand} of targets.grippers, {error}")
     return problems
+
+
+def _not_for_trials(settings: Settings) -> list[str]:
+    """A line for each detector of trials that needs more than these show it."""
+    return [
+        f"targets.detectors: {name} asks for more than a view from above: see targets.clutter"
+        for name in settings.targets.detectors
+        if name in settings.detectors and settings.detectors[name].detector in IN_ANY_DIRECTION
+    ]
 
 
 def _impossible_targets(settings: Settings) -> list[str]:

@@ -10,6 +10,7 @@ from .base import DetectorError as DetectorError
 from .base import DetectorTimeoutError as DetectorTimeoutError
 from .base import Grasp as Grasp
 from .base import best_grasp as best_grasp
+from .collision import in_collision as in_collision
 from .failures import Failure as Failure
 from .failures import FailureMonitor as FailureMonitor
 from .failures import OnlyFailuresError as OnlyFailuresError

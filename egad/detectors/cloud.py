@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from egad._util.arrays import Flags, Floats, Ints
+from egad._util.arrays import Floats, Ints
+from egad.detectors.collision import in_collision
 from egad.detectors.poses import GraspPoses, best_poses
-from egad.grasps import TABLE_CLEARANCE, hand_poses, roomy
-from egad.grippers import Gripper, check_jaws, finger_span
+from egad.grasps import hand_poses, roomy
+from egad.grippers import Gripper, check_jaws
 from egad.perception import PointCloud
 
 MAX_POINTS = 800  # that can be contacts
@@ -16,7 +17,6 @@ MAX_CANDIDATES = 60  # for which approaches are tried
 MAX_OBSTACLES = 3000  # points that the hand must not touch
 APPROACHES = 16  # around the closing axis
 UPWARD = 0.2  # sine of the angle by which the approach may point up
-WAY = 0.05  # metres; length of the straight approach, which must be free, too
 MIN_CLEARANCE = 0.002  # on each side of the object
 TORQUE_SCALING = 100.0  # 1/m
 
@@ -70,7 +70,7 @@ def antipodal_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generato
     slope = approaches[:, :, 2]
     scores = quality[:, None] * (1 - slope) / 2
     blocked = (slope > UPWARD).ravel()
-    blocked[~blocked] = _blocked(
+    blocked[~blocked] = in_collision(
         poses[~blocked], np.repeat(widths, APPROACHES)[~blocked], obstacles, gripper
     )
     scores[blocked.reshape(count, APPROACHES)] = -1.0
@@ -129,29 +129,3 @@ def _around(axes: Floats) -> Floats:
         + np.sin(turns)[None, :, None] * second[:, None]
     )
     return ways
-
-
-def _blocked(poses: Floats, widths: Floats, points: Floats, gripper: Gripper) -> Flags:
-    """Whether a hand on its way to a grasp touches a point or the table, (n,)."""
-    base, tip = finger_span(gripper)
-    palm, side = np.array(gripper.palm) / 2, gripper.finger_width / 2
-    back = base - gripper.palm[2]
-    found = np.zeros(len(poses), dtype=np.bool_)
-    for number, (pose, width) in enumerate(zip(poses, widths, strict=True)):
-        x, y, z = ((points - pose[:3, 3]) @ pose[:3, :3]).T
-        inner, outer = width / 2, width / 2 + gripper.finger_thickness
-        fingers = (np.abs(x) >= inner) & (np.abs(x) <= outer) & (np.abs(y) <= side)
-        fingers &= (z >= base - WAY) & (z <= tip)
-        rest = (np.abs(x) <= palm[0]) & (np.abs(y) <= palm[1]) & (z >= back - WAY) & (z <= base)
-        lowest = -max(pose[2, 2], 0.0) * WAY + _lowest(
-            pose, [(outer, side, base, tip), (palm[0], palm[1], back, base)]
-        )
-        found[number] = lowest < TABLE_CLEARANCE or (fingers | rest).any()
-    return found
-
-
-def _lowest(pose: Floats, boxes: list[tuple[float, float, float, float]]) -> float:
-    """Height of the lowest corner of boxes: half sides along x and y, from and to along z."""
-    across = [abs(pose[2, 0]) * x + abs(pose[2, 1]) * y for x, y, _, _ in boxes]
-    ends = [min(pose[2, 2] * low, pose[2, 2] * high) for _, _, low, high in boxes]
-    return float(pose[2, 3] + min(end - wide for end, wide in zip(ends, across, strict=True)))

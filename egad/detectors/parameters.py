@@ -13,9 +13,11 @@ Execution = Literal["deepest", "published"]
 # Written by `egad train`. Not by way of `egad.data`: its other files do not affect detectors.
 NETWORKS = Path(__file__).parents[1] / "data" / "networks"
 _GGCNN2 = {"detector": "ggcnn", "weights": str(NETWORKS / "ggcnn2-evolved" / "weights.safetensors")}
+_VGN = {"detector": "vgn", "weights": str(NETWORKS / "vgn-evolved" / "weights.safetensors")}
 SHIPPED_NETWORKS: dict[str, dict[str, Any]] = {
     "ggcnn2-evolved": _GGCNN2,
     "ggcnn2-evolved-published": {**_GGCNN2, "execution": "published"},
+    "vgn-evolved": {**_VGN, "threshold": 0.1, "avoid_collisions": True},
 }
 """Settings of the networks that egad ships, as for a detector with the user's own weights."""
 SHIPPED = (
@@ -30,7 +32,7 @@ SHIPPED = (
     "vgn",
 )
 FOR_CUPS = ("suction-cloud", "suction-depth")
-IN_ANY_DIRECTION = ("antipodal-cloud", "graspgen", "suction-cloud", "vgn")
+IN_ANY_DIRECTION = ("antipodal-cloud", "graspgen", "suction-cloud", "vgn", "vgn-evolved")
 GRASPGEN = "graspgen"  # shipped, but of no use without an address
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 
@@ -63,6 +65,11 @@ class DetectorConfig(Parameters):
         description="minimum quality of the proposals of `vgn`; nothing: the `threshold` of the "
         "clutter protocol if it has one, else 0.5 for weights of `egad train` and 0.9 for others",
     )
+    avoid_collisions: bool = Field(
+        False,
+        description="whether `vgn` multiplies the quality of its proposals by 0.1 if the hand, at "
+        "the grasp or on the last 5 cm before it, would touch the point cloud or the table",
+    )
     address: str | None = Field(
         None, description="address of the server of `graspgen`, such as tcp://localhost:5556"
     )
@@ -84,6 +91,8 @@ class DetectorConfig(Parameters):
             raise ValueError(f"the detector {self.name} takes no `execution`: only ggcnn does")
         if self.threshold is not None and self.detector != "vgn":
             raise ValueError(f"the detector {self.name} takes no `threshold`: only vgn does")
+        if self.avoid_collisions and self.detector != "vgn":
+            raise ValueError(f"the detector {self.name} takes no `avoid_collisions`: only vgn does")
         if self.detector is None:
             if self.weights:
                 raise ValueError(

@@ -61,7 +61,7 @@ def make_detector(config: DetectorConfig) -> Detector:
     if name == "ggcnn":
         return with_checked_answers(GGCNN(config.weights, config.execution))
     if name == "vgn":
-        return with_checked_answers(Vgn(config.weights, config.threshold))
+        return with_checked_answers(Vgn(config.weights, config.threshold, config.avoid_collisions))
     return with_checked_answers(_own(config))
 
 

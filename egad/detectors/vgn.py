@@ -13,11 +13,12 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Singles
 from egad._util.extras import needed_for
 from egad.detectors.base import WHERE
+from egad.detectors.collision import in_collision
 from egad.detectors.poses import GraspPoses, best_poses
 from egad.errors import UserError
 from egad.grippers import Gripper
 from egad.learning import encode, hand_in_network_frame
-from egad.perception import Tsdf
+from egad.perception import Observation, Tsdf
 
 VGN_WEIGHTS = "the published ones are in the data of the project ethz-asl/vgn: vgn_conv.pth"
 SMOOTHING = 1.0  # voxels
@@ -26,17 +27,25 @@ WIDTHS = (1.33, 9.33)  # voxels; predictions beyond these are dropped
 OPENING = 0.08  # metres; opening of the hand that these are for, the Panda's
 THRESHOLD = 0.9  # of the quality, for weights without their own, such as the published ones
 APART = 4  # voxels; side of the cube in which only the best grasp is kept
+COLLIDING = 0.1  # by which the quality of a grasp that would collide is multiplied (ours)
 
 
 class Vgn:
     """VGN's network as a grasp detector."""
 
-    def __init__(self, weights: str | None, threshold: float | None = None) -> None:
+    def __init__(
+        self,
+        weights: str | None,
+        threshold: float | None = None,
+        avoid_collisions: bool = False,
+    ) -> None:
         """Load the network.
 
         Args:
             weights: File of weights, published or safetensors.
             threshold: Least quality of proposals; None for that noted in the weights, or 0.9.
+            avoid_collisions: Whether to ask for the point cloud, too, and to multiply the quality
+                of a proposal by 0.1 if the hand would touch the cloud or the table.
 
         Raises:
             UserError: PyTorch is missing, or the weights are, or they are of another network.
@@ -57,25 +66,34 @@ class Vgn:
         except files.WeightsError as error:
             raise UserError(f"{error}; {VGN_WEIGHTS}") from error
         self._threshold = own if threshold is None else threshold
+        self._avoids_collisions = avoid_collisions
 
-    def __reduce__(self) -> tuple[type["Vgn"], tuple[str, float]]:
+    def __reduce__(self) -> tuple[type["Vgn"], tuple[str, float, bool]]:
         """For other processes, which load it again."""
-        return Vgn, (self._weights, self._threshold)
+        return Vgn, (self._weights, self._threshold, self._avoids_collisions)
 
-    def __call__(self, tsdf: Tsdf, gripper: Gripper, _rng: np.random.Generator) -> GraspPoses:
+    @property
+    def observes(self) -> str:
+        """What it asks to see."""
+        return "observation" if self._avoids_collisions else "tsdf"
+
+    def __call__(
+        self, seen: Tsdf | Observation, gripper: Gripper, _rng: np.random.Generator
+    ) -> GraspPoses:
         """Grasps at the voxels of the highest quality.
 
         The hand opens as wide as it can, as in VGN's experiments; the width that the network
         predicts only excludes grasps.
 
         Args:
-            tsdf: 40 x 40 x 40 voxels.
+            seen: Of 40 x 40 x 40 voxels.
             gripper: The hand.
             _rng: Not used: the same field gives the same grasps.
 
         Returns:
             At most 50 grasps, best first.
         """
+        tsdf = seen.tsdf if isinstance(seen, Observation) else seen
         grid = encode(tsdf)
         answer = self._infer(grid)
         quality = _processed(answer[0], answer[5], grid, widest(gripper))
@@ -86,7 +104,10 @@ class Vgn:
         poses[:, :3, 3] = tsdf.corner + voxels * tsdf.voxel
         poses = poses @ hand_in_network_frame(gripper)
         widths = np.full(len(voxels), gripper.opening)
-        return best_poses(GraspPoses(poses, widths, quality[i, j, k].astype(np.float64)))
+        scores = quality[i, j, k].astype(np.float64)
+        if isinstance(seen, Observation):
+            scores[in_collision(poses, widths, seen.cloud.points, gripper)] *= COLLIDING
+        return best_poses(GraspPoses(poses, widths, scores))
 
 
 def widest(gripper: Gripper) -> float:

@@ -15,7 +15,7 @@ Copyright (c) {creator}
 You may copy, change and share these files for any purpose, even commercially, if you give
 credit, link to the licence, and say whether you changed something. For credit, cite the paper and
 the dataset as CITATION.cff says. The data comes without any warranty; the legal text says so in
-full.
+full. To the network vgn-evolved, the licence networks/vgn-evolved/LICENSE-VGN applies, too.
 """
 
 

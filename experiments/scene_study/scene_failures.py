@@ -20,7 +20,8 @@ from write_scene_tables import CAMERAS, SCENE
 
 from egad._util.arrays import RgbImage
 from egad.config.stages import ClearedTables, select
-from egad.sim import ClutterParameters, Models, film_round
+from egad.errors import UserError
+from egad.sim import ClutterParameters, Film, Models, repeat_round
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, ROUND
 from egad.workflow.bundled import bundle_models
@@ -60,12 +61,24 @@ def frames_of(
     """Frames of one attempt: those of its round up to its end, less those before it."""
     rows = attempts[(attempts[ROUND] == attempt[ROUND]).all(axis=1)]
     until = rows[rows["attempt"] <= attempt["attempt"]]
-    name = (str(attempt["scene"]), str(attempt["noise"]), int(attempt["round"]))
-    frames = film_round(until, *name, models, settings)
-    earlier = until[until["attempt"] < attempt["attempt"]]
-    skipped = len(film_round(earlier, *name, models, settings)) if len(earlier) else 0
-    found: Sequence[RgbImage] = chosen(frames[skipped:], FRAMES)
+    earlier = film_of(until.iloc[:-1], models, settings)
+    found: Sequence[RgbImage] = chosen(film_of(until, models, settings)[len(earlier) :], FRAMES)
     return found
+
+
+def film_of(rows: pd.DataFrame, models: Models, settings: ClutterParameters) -> Sequence[RgbImage]:
+    """Frames of a round up to the end of some of its first attempts; none if there are none.
+
+    Raises:
+        UserError: The attempts ended differently.
+    """
+    if rows.empty:
+        return []
+    films: list[Film] = []
+    again = repeat_round(rows, models, settings, lambda world: films.append(Film(world)))
+    if again["outcome"].tolist()[: len(rows)] != rows["outcome"].tolist():
+        raise UserError("the round was not reproduced: was it made by another version?")
+    return films[0].frames
 
 
 if __name__ == "__main__":

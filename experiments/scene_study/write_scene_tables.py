@@ -7,6 +7,7 @@ kinds of noise.
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -61,13 +62,14 @@ def run(
     shown = clear[clear["name"].isin([*scenes, *PUBLISHED])]
     write_text(chart, learning_chart(shown, scenes, PAIRS[0][0]))
     known = {path.parent.name: parquet.read(path, OBJECTS) for path in objects}
-    parts = {
-        "Goals": goals(rounds),
-        **{f"Cleared, {test}": cleared(rows) for test, rows in rounds.groupby("test", sort=False)},
-        "Piles seen by six cameras, all kinds of noise, by outcome": outcomes(attempts, names),
-        "The same, cleared by thirds of the objects": thirds(attempts, names, known),
-        "Scores": scored(scores),
-    }
+    parts = {"Goals": goals(rounds), "Scores": scored(scores)}
+    for (cameras, scene), rows in rounds.groupby(["cameras", "scene"], sort=False):
+        parts[f"Cleared, {scene}, cameras {cameras}"] = cleared(rows)
+    for noise in rounds["noise"].unique():
+        some = {path: rows[rows["noise"] == noise] for path, rows in attempts.items()}
+        title = f"Piles, cameras {CAMERAS}, noise {noise}"
+        parts[f"{title}, by outcome"] = outcomes(some, names)
+        parts[f"{title}, cleared by thirds of the objects"] = thirds(some, names, known)
     write_text(out, "\n".join(f"## {title}\n\n{part}" for title, part in parts.items()))
 
 
@@ -181,8 +183,8 @@ def _ends(values: Floats, level: float) -> tuple[float, float]:
 
 
 def cleared(rounds: pd.DataFrame) -> str:
-    """The share that each set or detector clears in each condition of a test, as Markdown."""
-    conditions = list(rounds.groupby(["cameras", "scene", "noise"], sort=False))
+    """The share that each set or detector clears with each noise of each test, as Markdown."""
+    conditions = list(rounds.groupby(["test", "noise"], sort=False))
     rows = []
     for name in rounds["name"].unique():
         cells = []
@@ -231,15 +233,29 @@ def thirds(
 
 
 def scored(paths: Sequence[Path]) -> str:
-    """Average precision of each network on unseen scenes of its own set, as Markdown."""
+    """Scores of each network on unseen scenes of its own set, as Markdown."""
     rows = []
     for path in paths:
         (row,) = parquet.records(parquet.read(path, SCENE_SCORE))
         share = row["n_positive"] / row["n_grasps"]
-        low, high = (row[f"average_precision_ci_{end}"] for end in ("low", "high"))
-        found = f"{row['average_precision']:.2f} ({low:.2f} to {high:.2f})"
-        rows.append((f"{path.parents[1].name}-{path.parent.name}", found, f"{share:.2f}"))
-    return markdown(["network", "average precision", "share of positives"], rows)
+        name = f"{path.parents[1].name}-{path.parent.name}"
+        rows.append(
+            (
+                name,
+                _score(row, "average_precision", 2),
+                f"{share:.2f}",
+                _score(row, "angle_error", 1),
+            )
+        )
+    return markdown(
+        ["network", "average precision", "share of positives", "error of rotation, degrees"], rows
+    )
+
+
+def _score(row: Mapping[str, Any], name: str, digits: int) -> str:
+    """A score with its interval."""
+    value, low, high = (row[f"{name}{end}"] for end in ("", "_ci_low", "_ci_high"))
+    return f"{value:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
 
 
 def _points(gain: float, low: float, high: float) -> str:

@@ -130,6 +130,11 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
             "for suction cups; the gripper has jaws",
         ),
         (
+            {"targets": {"detectors": ["vgn-evolved"]}},
+            "targets.detectors: vgn-evolved asks for more than a view from above: see "
+            "targets.clutter",
+        ),
+        (
             {"targets": {"failures": ["antipodal-cloud"]}, "failures": {"approach": "above"}},
             "targets.failures: antipodal-cloud asks for more than a view from above, and "
             "failures.approach is above",

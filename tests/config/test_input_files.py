@@ -161,7 +161,7 @@ def test_weights_that_a_workflow_makes_need_not_be_there_yet():
     def asked(weights):
         detector = {"detector": "vgn", "weights": weights}
         return meshes(
-            "parts", detectors={"mine": detector}, targets={"datasets": [], "detectors": ["mine"]}
+            "parts", detectors={"mine": detector}, targets={"datasets": [], "clutter": ["mine"]}
         )
 
     (line,) = problems(asked("lost.safetensors"))

@@ -1,14 +1,11 @@
 """antipodal-cloud proposes what a hand can do with what is seen."""
 
-import itertools
-
 import numpy as np
 import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.detectors.cloud import MIN_CLEARANCE, TORQUE_SCALING, _blocked, antipodal_cloud
-from egad.grasps import TABLE_CLEARANCE
+from egad.detectors.cloud import MIN_CLEARANCE, TORQUE_SCALING, antipodal_cloud
 from egad.grippers import GRIPPERS, BoxBody
 from egad.perception import PointCloud
 
@@ -79,22 +76,3 @@ def test_the_same_seed_gives_the_same_grasps():
     first, again, other = found(mesh, 1), found(mesh, 1), found(mesh, 2)
     np.testing.assert_array_equal(first.poses, again.poses)
     assert first.poses.shape != other.poses.shape or (first.poses != other.poses).any()
-
-
-def test_the_hand_does_not_begin_its_way_inside_the_table():
-    """Nearly level and slightly upwards: the palm is lowest where the way begins."""
-    z = np.array([0.0, np.cos(0.19), np.sin(0.19)])
-    x = np.array([1.0, 0.0, 0.0])
-    pose = np.eye(4)
-    pose[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    for height in np.linspace(0.02, 0.09, 15):
-        pose[2, 3] = height
-        corners = [
-            point @ pose[:3, :3].T + pose[:3, 3]
-            for part in BoxBody(HAND).parts(0.05)
-            for point in itertools.product(*part.box.T)
-        ]
-        lowest = min(corner[2] for corner in corners)
-        nothing = np.empty((0, 3))
-        blocked = _blocked(pose[None], np.array([HAND.opening]), nothing, HAND)[0]
-        assert blocked == (lowest < TABLE_CLEARANCE)

@@ -118,6 +118,7 @@ def test_weights_for_a_function_are_a_mistake(file):
         ({"detector": "telepathy"}, "vgn, graspgen, FILE.py:CLASS"),
         ({"detector": "mine.py:"}, "FILE.py:CLASS"),
         ({"detector": "random", "weights": "w.pt"}, "takes no `weights`"),
+        ({"detector": "ggcnn", "avoid_collisions": True}, "ggcnn takes no `avoid_collisions`"),
     ],
 )
 def test_what_no_detector_can_be_is_refused(values, words):

@@ -71,6 +71,30 @@ def asked(width, hand):
     return detect(grid, hand, np.random.default_rng(0))
 
 
+def test_colliding_grasps_come_last(observation):
+    """The box is 4 cm wide: a finger of a hand that is 3 cm off is inside it."""
+    tsdf = observation.tsdf
+    down = Rotation.from_euler("x", np.pi).as_quat()
+    answer = np.zeros((6, 40, 40, 40), np.float32)
+    answer[5], answer[1:5] = 5, down[:, None, None, None]
+    tip = np.array([0, 0, 0.02])  # VGN's origin is 5 cm above it
+    for along, quality in ((0.0, 20), (0.03, 30)):
+        where = np.rint((tip + np.array([0, along, 0.05]) - tsdf.corner) / tsdf.voxel).astype(int)
+        answer[0][tuple(where)] = quality
+    found = {}
+    for avoid in (False, True):
+        detect = Vgn.__new__(Vgn)
+        detect._infer, detect._threshold, detect._avoids_collisions = lambda _: answer, 0.1, avoid
+        assert wanted_input(detect) == ("observation" if avoid else "tsdf")
+        found[avoid] = detect(observation if avoid else tsdf, HAND, np.random.default_rng(0))
+    free, last = found[True].poses[:, 1, 3]
+    assert abs(free) < 0.004
+    assert abs(last - 0.03) < 0.004
+    np.testing.assert_array_equal(found[False].poses, found[True].poses[::-1])
+    before, after = found[False].scores[::-1], found[True].scores
+    np.testing.assert_allclose(after / before, [1, 0.1])
+
+
 def test_the_threshold_is_that_of_the_weights_or_that_of_vgn(tmp_path):
     torch = pytest.importorskip("torch")
     weights = pytest.importorskip("egad.learning.weights")

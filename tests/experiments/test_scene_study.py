@@ -210,7 +210,7 @@ def test_rounds_of_both_kinds_of_noise_count_apart(tmp_path):
 def test_every_condition_has_a_column():
     table = pd.concat([rounds(GOOD), rounds(GOOD, noise="dex")])
     lines = cleared(table).splitlines()
-    assert lines[0] == "| % | six, pile, none | six, pile, dex |"
+    assert lines[0] == "| % | egad, none | egad, dex |"
     assert [line.split("|")[1].strip() for line in lines[2:]] == list(GOOD)
 
 
@@ -252,8 +252,11 @@ def test_scores_name_the_network(tmp_path):
     path.parent.mkdir(parents=True)
     numbers = dict(zip(("", "_ci_low", "_ci_high"), (0.5, 0.4, 0.6), strict=True))
     row = {f"average_precision{end}": value for end, value in numbers.items()}
+    row |= {f"angle_error{end}": 60 * value for end, value in numbers.items()}
     write_rows(SCENE_SCORE, [row | {"n_positive": 1, "n_grasps": 4}], path)
-    assert scored([path]).splitlines()[2] == "| evolved-1 | 0.50 (0.40 to 0.60) | 0.25 |"
+    assert scored([path]).splitlines()[2] == (
+        "| evolved-1 | 0.50 (0.40 to 0.60) | 0.25 | 30.0 (24.0 to 36.0) |"
+    )
 
 
 def test_the_chart_has_a_line_over_scenes_and_one_of_each_other_detector():

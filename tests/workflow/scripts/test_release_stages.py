@@ -166,7 +166,9 @@ def test_the_checksums_are_those_that_another_program_computes(release):
     listed = {line.partition(": ")[0] for line in done.stdout.splitlines()}
     present = {str(path.relative_to(release)) for path in release.rglob("*") if path.is_file()}
     assert listed == present - {"SHA256SUMS"}
-    assert "networks/ggcnn2-evolved/weights.safetensors" in listed
+    for name in ("ggcnn2-evolved", "vgn-evolved"):
+        assert f"networks/{name}/weights.safetensors" in listed
+    assert "networks/vgn-evolved/LICENSE-VGN" in listed
 
 
 def test_the_same_bytes_for_any_number_of_shards(run, release, tmp_path):
