@@ -191,7 +191,7 @@ def cleared(rounds: pd.DataFrame) -> str:
         for _, some in conditions:
             low, high = interval(some, name)
             share = share_of(some[some["name"] == name])
-            cells.append(f"{100 * share:.0f} ({100 * low:.0f} to {100 * high:.0f})")
+            cells.append(_with_interval(100 * share, 100 * low, 100 * high, 0))
         rows.append((str(name), *cells))
     return markdown(["%", *(", ".join(map(str, key)) for key, _ in conditions)], rows)
 
@@ -255,11 +255,15 @@ def scored(paths: Sequence[Path]) -> str:
 def _score(row: Mapping[str, Any], name: str, digits: int) -> str:
     """A score with its interval."""
     value, low, high = (row[f"{name}{end}"] for end in ("", "_ci_low", "_ci_high"))
-    return f"{value:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
+    return _with_interval(value, low, high, digits)
 
 
 def _points(gain: float, low: float, high: float) -> str:
-    return f"{100 * gain:.1f} ({100 * low:.1f} to {100 * high:.1f})"
+    return _with_interval(100 * gain, 100 * low, 100 * high, 1)
+
+
+def _with_interval(value: float, low: float, high: float, digits: int) -> str:
+    return f"{value:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
 
 
 def _yes(is_met: bool) -> str:
