@@ -20,7 +20,16 @@ import numpy as np
 import pandas as pd
 import trimesh
 from benchmark import cpu_time, ycb
-from curriculum_tables import BEFORE, DONE, KINDS, NETWORKS, SPENT, TABLE, show
+from curriculum_tables import (
+    BEFORE,
+    DONE,
+    KINDS,
+    NETWORKS,
+    SEARCHED_AGAIN,
+    SPENT,
+    TABLE,
+    show,
+)
 from failures import unlike
 
 import egad
@@ -57,7 +66,7 @@ class Searches(NamedTuple):
 
 
 GRIPPER = "panda"
-LEARNT, HELD_OUT = Searches("learnt", 4000, 101), Searches("held-out", 3000, 201)
+LEARNT, HELD_OUT = Searches("learnt", 4000, 101), Searches("held-out", 12_000, 201)
 AGAIN = ("failures", "random")  # kinds after which networks are searched again
 SCENES = 300  # further scenes of each kind, of one object each
 EXAMPLES = 4000
@@ -74,6 +83,9 @@ def main() -> None:
     parser.add_argument("--networks", type=Path, help="folder of the networks")
     parser.add_argument("--scenes", type=Path, help="labelled scenes that they know")
     parser.add_argument("--ycb", type=Path, help="folder of meshes, metres")
+    parser.add_argument(
+        "--held-out", type=int, default=HELD_OUT.attempts, help="grasps of a search for the test"
+    )
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--show", action="store_true", help="make nothing")
     given = parser.parse_args()
@@ -81,12 +93,15 @@ def main() -> None:
         if None in (given.networks, given.scenes, given.ycb):
             parser.error("--networks, --scenes and --ycb are needed, or --show")
         with workers(given.jobs) as mapper:
-            make(given.folder, given.networks, given.scenes, given.ycb, mapper)
+            make(given.folder, given.networks, given.scenes, given.ycb, given.held_out, mapper)
     show(given.folder)
 
 
-def make(folder: Path, networks: Path, scenes: Path, meshes: Path, mapper: Mapper) -> None:
+def make(
+    folder: Path, networks: Path, scenes: Path, meshes: Path, held_out_attempts: int, mapper: Mapper
+) -> None:
     """Make all that is missing."""
+    plans = LEARNT, HELD_OUT._replace(attempts=held_out_attempts)
     before = [networks / f"{number}/weights.safetensors" for number in range(NETWORKS)]
     household = {each.id: each.mesh() for each in ycb(meshes)}
     tests: dict[str, Objects] = {"egad": egad.load("evaluation-set"), "ycb": household}
@@ -96,7 +111,7 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path, mapper: Mappe
     )
     searches = [
         (folder, plan, number, weights, plan.name, objects)
-        for plan, objects in ((LEARNT, trained_on), (HELD_OUT, untrained))
+        for plan, objects in zip(plans, (trained_on, untrained), strict=True)
         for number, weights in enumerate(before)
     ]
     atlases = [FailureAtlas.load(path) for path in starmap(mapper, search, searches)]
@@ -134,8 +149,9 @@ def make(folder: Path, networks: Path, scenes: Path, meshes: Path, mapper: Mappe
         for test, objects in tests.items()
     ]
     starmap(mapper, clear, clearings)
+    again_plan = HELD_OUT._replace(attempts=SEARCHED_AGAIN)
     again = [
-        (folder, HELD_OUT, number, after[kind, number], kind, untrained)
+        (folder, again_plan, number, after[kind, number], kind, untrained)
         for kind in AGAIN
         for number in range(NETWORKS)
     ]
@@ -245,11 +261,16 @@ def most_similar(wanted: Floats, among: Floats) -> list[int]:
 
 def tested_objects(
     atlases: Iterable[FailureAtlas], chosen: Mapping[str, pd.DataFrame]
-) -> list[str]:
-    """The ids of failures that are like no training object, and like no other of these failures."""
+) -> dict[str, bool]:
+    """The ids of failures that are unlike each other, and whether no training object is like them.
+
+    Those without a similar training object come first.
+    """
     known = (voxels for objects in chosen.values() for voxels in objects["voxels"])
     failures = pd.concat([each.table for each in atlases])
-    return failures["id"].iloc[unlike(failures["voxels"], known)].tolist()
+    new = failures.iloc[unlike(failures["voxels"], known)]
+    others = failures.iloc[unlike(failures["voxels"], new["voxels"])]
+    return dict.fromkeys(new["id"], True) | dict.fromkeys(others["id"], False)
 
 
 def further_scenes(folder: Path, objects: pd.DataFrame, settings: FailureParameters) -> None:
@@ -275,14 +296,18 @@ def train(out: Path, scenes: list[Path], start: Path, number: int) -> Path:
 
 
 def try_failures(
-    out: Path, weights: Path, names: Sequence[str], atlases: Sequence[FailureAtlas]
+    out: Path, weights: Path, tested: Mapping[str, bool], atlases: Sequence[FailureAtlas]
 ) -> None:
     """Try a network at failures of some atlases, from fresh drops."""
     settings = atlases[0].searched_with()
 
     def work() -> None:
         with opened(detector(weights), settings.failures.planning_time) as asked:
-            rows = [row for name in names for row in retried(name, _one_with(name, atlases), asked)]
+            rows = [
+                row | {"is_new": is_new}
+                for name, is_new in tested.items()
+                for row in retried(name, _one_with(name, atlases), asked)
+            ]
         write(pd.DataFrame(rows), out)
 
     once(out, work)

@@ -1,11 +1,12 @@
 """The tables of the study of failures as training data: see `curriculum.py`."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import scipy.stats
+from failures import unlike
 from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
@@ -18,21 +19,23 @@ KINDS = ("failures", "random", "hard")  # of further objects
 BEFORE = "before"  # a network before further training
 SEARCHES = ("learnt", "held-out", "failures", "random")
 TABLE, SPENT, DONE = "table.parquet", "cpu.txt", "done"
+SEARCHED_AGAIN = 3000  # grasps of each second search
 DRAWS = 10_000
 
 
 def show(folder: Path) -> None:
     """Print the tables of the results so far."""
     tests = {
-        "held-out failures": ("held-out", by_failure),
+        "held-out failures unlike training objects": ("held-out", by_new_failure),
+        "all held-out failures": ("held-out", by_failure),
         "piles of egad": ("cleared-egad", by_round),
         "piles of ycb": ("cleared-ycb", by_round),
     }
     for title, (name, counts) in tests.items():
         found = {
-            kind: [counts(pd.read_parquet(path)) for path in paths]
+            kind: each
             for kind in (BEFORE, *KINDS)
-            if len(paths := sorted((folder / name).glob(f"{kind}-*/{TABLE}"))) == NETWORKS
+            if len(each := tested(folder / name, kind, counts)) == NETWORKS
         }
         others = [kind for kind in (BEFORE, "random", "hard") if kind in found]
         rows = [
@@ -42,19 +45,36 @@ def show(folder: Path) -> None:
         if rows:
             print(f"\n{title}\n")
             print(markdown(["network", "%", *(f"minus {other}" for other in others)], rows))
+    print(f"\nsearches, and the first {SEARCHED_AGAIN} grasps of each\n")
     searched = [
         (name, *yields(paths))
         for name in SEARCHES
         if (paths := sorted((folder / "searches").glob(f"{name}-*/{DONE}")))
     ]
-    print(markdown(["search", "networks", "failures", "attempts", "per 1000"], searched))
+    counts = ["failures", "different", "grasps", "per 1000"]
+    print(
+        markdown(["search", "networks", *counts, *(f"first {each}" for each in counts)], searched)
+    )
     spent = sum(float(path.read_text()) for path in folder.rglob(SPENT))
     print(f"{spent / 3600:.1f} CPU hours")
+
+
+def tested(
+    folder: Path, kind: str, counts: Callable[[pd.DataFrame], pd.DataFrame]
+) -> list[pd.DataFrame]:
+    """The counts of each network of a kind that was tested, unless there is nothing to count."""
+    tables = [counts(pd.read_parquet(path)) for path in sorted(folder.glob(f"{kind}-*/{TABLE}"))]
+    return [table for table in tables if len(table)]
 
 
 def by_failure(rows: pd.DataFrame) -> pd.DataFrame:
     """Attempts and successes at each held-out failure: `n` and `won`, by object and engine."""
     return rows.set_index(["id", "engine"])[["n", "detector"]].set_axis(["n", "won"], axis=1)
+
+
+def by_new_failure(rows: pd.DataFrame) -> pd.DataFrame:
+    """As `by_failure`, of those without a similar training object."""
+    return by_failure(rows[rows["is_new"]])
 
 
 def by_round(rows: pd.DataFrame) -> pd.DataFrame:
@@ -115,9 +135,17 @@ def _drawn_shares(counts: pd.DataFrame, drawn: NDArray[np.int64]) -> Floats:
     return shares
 
 
-def yields(paths: Sequence[Path]) -> tuple[int, int, int, str]:
-    """Searches that are complete, their failures and attempts, and failures per 1000 attempts."""
-    examined = pd.concat([FailureAtlas.load(path.parent / "atlas").examined for path in paths])
-    failures = int((examined["verdict"] == ObjectVerdict.FAILURE).sum())
-    attempts = int(examined["attempts"].sum())
-    return len(paths), failures, attempts, f"{1000 * failures / attempts:.1f}"
+def yields(paths: Sequence[Path]) -> tuple[int | str, ...]:
+    """Counts of complete searches, in all and in the first grasps of each."""
+    examined = [FailureAtlas.load(path.parent / "atlas").examined for path in paths]
+    first = [
+        each[each["attempts"].cumsum() - each["attempts"] < SEARCHED_AGAIN] for each in examined
+    ]
+    return len(paths), *counted(pd.concat(examined)), *counted(pd.concat(first))
+
+
+def counted(examined: pd.DataFrame) -> tuple[int, int, int, str]:
+    """Failures, how many are unlike each other, grasps, and failures per 1000 grasps."""
+    voxels = examined["voxels"][examined["verdict"] == ObjectVerdict.FAILURE]
+    grasps = int(examined["attempts"].sum())
+    return len(voxels), len(unlike(voxels)), grasps, f"{1000 * len(voxels) / grasps:.1f}"

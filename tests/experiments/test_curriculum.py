@@ -86,7 +86,7 @@ def packed(solid):
     return np.packbits(solid).tobytes()
 
 
-def test_tested_objects_are_unlike_all_that_is_trained_on(study):
+def test_tested_objects_are_unlike_each_other_and_perhaps_like_a_training_object(study):
     rng = np.random.default_rng(3)
     known, first, second = rng.random((3, 1000)) < 0.3
     nearly = known.copy()
@@ -97,7 +97,8 @@ def test_tested_objects_are_unlike_all_that_is_trained_on(study):
     table = pd.DataFrame({"id": list(rows), "voxels": [packed(solid) for solid in rows.values()]})
     halves = [SimpleNamespace(table=part) for part in (table.iloc[:3], table.iloc[3:])]
     chosen = {"hard": pd.DataFrame({"voxels": [packed(known)]})}
-    assert study["tested_objects"](halves, chosen) == ["first", "second"]
+    found = study["tested_objects"](halves, chosen)
+    assert list(found.items()) == [("first", True), ("second", True), ("known", False)]
     by_hand = (known & first).sum() / (known | first).sum()
     assert sys.modules["failures"].overlap(packed(known), packed(first)) == pytest.approx(by_hand)
 
@@ -127,8 +128,25 @@ def test_rounds_and_failures_are_counted(tables):
     assert tables["share"](tables["by_round"](rows)) == pytest.approx(2 / 5)
     rows = pd.DataFrame(
         {"id": ["a", "a", "b"], "engine": ["x", "y", "x"], "n": [4, 4, 2], "detector": [1, 2, 2]}
-    )
+    ).assign(is_new=[True, True, False])
     assert tables["share"](tables["by_failure"](rows)) == pytest.approx(1 / 2)
+    assert tables["share"](tables["by_new_failure"](rows)) == pytest.approx(3 / 8)
+
+
+def test_first_grasps_of_a_search_end_with_the_object_that_exceeds_them(tables, monkeypatch):
+    """Where the second search, of so many grasps, ended too."""
+    voxels = [packed(np.arange(64) // 8 == row) for row in range(4)]
+    verdicts = ["failure", "failure", "detector_succeeds", "failure"]
+    rows = pd.DataFrame({"attempts": [100, 1900, 1500, 80], "verdict": verdicts, "voxels": voxels})
+    again = rows.assign(voxels=voxels[:1] * 4)
+    atlases = iter([SimpleNamespace(examined=rows), SimpleNamespace(examined=again)])
+    monkeypatch.setitem(
+        tables["yields"].__globals__,
+        "FailureAtlas",
+        SimpleNamespace(load=lambda _: next(atlases)),
+    )
+    paths = [Path("a/done"), Path("b/done")]
+    assert tables["yields"](paths) == (2, 6, 3, 7160, "0.8", 4, 2, 7000, "0.6")
 
 
 def counts(rng, rates, n=20):
