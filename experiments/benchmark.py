@@ -46,6 +46,7 @@ from egad.stats import Clearing, by_difficulty, clearing_rates
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 
+WITHOUT_FILES = ("vgn-evolved", "ggcnn2-evolved", "antipodal-cloud", "labels", "random")
 ROUNDS = 100
 GRIPPER = "panda"
 COUNT = 49  # primitives and simple objects, as many as in the evaluation set
@@ -61,7 +62,7 @@ def main(given: argparse.Namespace) -> None:
     detectors = {
         "vgn": DetectorConfig(detector="vgn", weights=given.vgn),
         "ggcnn2": DetectorConfig(detector="ggcnn", weights=given.ggcnn),
-        **{name: DetectorConfig(detector=name) for name in ("antipodal-cloud", "labels", "random")},
+        **{name: DetectorConfig(detector=name) for name in WITHOUT_FILES},
     }
     simple = [NamedMesh(*[f"s{n:02}"] * 2, partial(single, n)) for n in range(COUNT)]
     sets = {

@@ -273,16 +273,24 @@ def tested_objects(
     return dict.fromkeys(new["id"], True) | dict.fromkeys(others["id"], False)
 
 
-def further_scenes(folder: Path, objects: pd.DataFrame, settings: FailureParameters) -> None:
-    """Labelled scenes of one object each; if they were interrupted, all are made again."""
+def further_scenes(
+    folder: Path,
+    objects: pd.DataFrame,
+    settings: FailureParameters,
+    scenes: int = SCENES,
+    share: float = 0,
+) -> None:
+    """Labelled scenes of one object each; if they were interrupted, all are made again.
+
+    A share of them is for validation, and another one for the test.
+    """
 
     def work() -> None:
         shutil.rmtree(folder, ignore_errors=True)
         pairs = zip(objects["id"], objects["voxels"], strict=True)
         meshes = {name: surface_of(voxels, settings) for name, voxels in pairs}
-        egad.make_scenes(
-            meshes, GRIPPER, scenes=SCENES, per_scene=1, validation=0, test=0, out=folder
-        )
+        split = {"validation": share, "test": share}
+        egad.make_scenes(meshes, GRIPPER, scenes=scenes, per_scene=1, out=folder, **split)
 
     once(folder, work)
 

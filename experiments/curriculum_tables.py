@@ -17,6 +17,8 @@ from egad.random import generator
 NETWORKS = 3
 KINDS = ("failures", "random", "hard")  # of further objects
 BEFORE = "before"  # a network before further training
+ALONE = "alone"  # one that was trained further on failures alone, by `curriculum_alone.py`
+RETRIED = "trained-on"  # the folder of tests at the failures that were trained on
 SEARCHES = ("learnt", "held-out", "failures", "random")
 TABLE, SPENT, DONE = "table.parquet", "cpu.txt", "done"
 SEARCHED_AGAIN = 3000  # grasps of each second search
@@ -28,13 +30,14 @@ def show(folder: Path) -> None:
     tests = {
         "held-out failures unlike training objects": ("held-out", by_new_failure),
         "all held-out failures": ("held-out", by_failure),
+        "failures that were trained on": (RETRIED, by_failure),
         "piles of egad": ("cleared-egad", by_round),
         "piles of ycb": ("cleared-ycb", by_round),
     }
     for title, (name, counts) in tests.items():
         found = {
             kind: each
-            for kind in (BEFORE, *KINDS)
+            for kind in (BEFORE, *KINDS, ALONE)
             if len(each := tested(folder / name, kind, counts)) == NETWORKS
         }
         others = [kind for kind in (BEFORE, "random", "hard") if kind in found]
