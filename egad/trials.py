@@ -23,6 +23,7 @@ from egad.detectors import (
     check_gripper,
     check_views_will_do,
     make_detector,
+    more_than_a_view,
     with_checked_answers,
 )
 from egad.errors import RejectedError, UserError, check_name
@@ -183,10 +184,7 @@ def run_trials(
     targets = named_meshes(objects)
     if isinstance(detect, str):
         if detect in IN_ANY_DIRECTION:
-            raise UserError(
-                f"in trials, a detector gets a view from above; {detect} asks for more, which "
-                "`egad benchmark` and `egad.run_benchmark` provide"
-            )
+            raise more_than_a_view(detect, "more")
         check_gripper(check_name("detector", detect, BY_NAME), hand)
     elif not callable(detect):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")

@@ -2,6 +2,7 @@ from .asking import INPUTS as INPUTS
 from .asking import check_views_will_do as check_views_will_do
 from .asking import choose as choose
 from .asking import from_above as from_above
+from .asking import more_than_a_view as more_than_a_view
 from .asking import ranked as ranked
 from .asking import seen_by as seen_by
 from .asking import wanted_input as wanted_input

@@ -60,10 +60,15 @@ def wanted_input(detect: Callable[..., Any]) -> str:
 def check_views_will_do(detect: Callable[..., Any]) -> None:
     """Raise UserError for a detector that asks for more than trials provide."""
     if (name := wanted_input(detect)) != INPUTS[0]:
-        raise UserError(
-            f"in trials, a detector gets a view from above; this one asks for `{name}`, which "
-            "`egad benchmark` and `egad.run_benchmark` provide"
-        )
+        raise more_than_a_view("this one", f"`{name}`")
+
+
+def more_than_a_view(who: str, what: str) -> UserError:
+    """The error for a detector that asks for more than trials provide."""
+    return UserError(
+        f"in trials, a detector gets a view from above; {who} asks for {what}, which "
+        "`egad benchmark` and `egad.run_benchmark` provide"
+    )
 
 
 def seen_by(detect: Callable[..., Any], observation: Observation) -> Seen:

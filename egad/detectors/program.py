@@ -16,7 +16,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from egad.detectors.asking import INPUTS
+from egad.detectors.asking import INPUTS, more_than_a_view
 from egad.detectors.base import WHERE, DetectorError, DetectorTimeoutError, Grasp
 from egad.detectors.messages import PROTOCOL, answered, packed, question, unpacked
 from egad.detectors.poses import GraspPoses
@@ -67,10 +67,7 @@ class Program:
         if self._process is None:
             self._start()
         if isinstance(observation, View) and self._wants != "view":
-            raise UserError(
-                f"in trials, a detector gets a view from above; {self._name} asks for "
-                f"{self._wants}, which `egad benchmark` provides"
-            )
+            raise more_than_a_view(self._name, self._wants)
         seed = int(rng.integers(2**63))
         message = packed(question(observation, self._wants, gripper, seed))
         answer = self._exchange(message, self._limit)
