@@ -216,6 +216,14 @@ def search(
     return out / "atlas"
 
 
+def atlases_of(folder: Path, searches: Searches) -> list[FailureAtlas]:
+    """The failures of each network that some searches found."""
+    return [
+        FailureAtlas.load(folder / f"searches/{searches.name}-{number}/atlas")
+        for number in range(NETWORKS)
+    ]
+
+
 def further_objects(atlases: Iterable[FailureAtlas]) -> dict[str, pd.DataFrame]:
     """Equally many objects of each kind, by its name, from those that searches found graspable.
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from curriculum import (
     HELD_OUT,
     LEARNT,
+    atlases_of,
     further_objects,
     further_scenes,
     starmap,
@@ -23,7 +24,6 @@ from curriculum_tables import ALONE, BEFORE, NETWORKS, RETRIED, show
 from failures import unlike
 
 from egad._util.workers import workers
-from egad.failures import FailureAtlas
 
 SCENES = 1000  # of one object each
 SHARE = 0.1  # of the scenes, for validation, and as many for the test
@@ -31,10 +31,7 @@ SHARE = 0.1  # of the scenes, for validation, and as many for the test
 
 def main(folder: Path, networks: Path, jobs: int) -> None:
     """Make what is missing, then print the tables."""
-    learnt, held_out = (
-        [FailureAtlas.load(folder / f"searches/{plan.name}-{n}/atlas") for n in range(NETWORKS)]
-        for plan in (LEARNT, HELD_OUT)
-    )
+    learnt, held_out = atlases_of(folder, LEARNT), atlases_of(folder, HELD_OUT)
     chosen = further_objects(learnt)
     failures, scenes = chosen["failures"], folder / "scenes" / ALONE
     further_scenes(scenes, failures, learnt[0].searched_with(), SCENES, SHARE)

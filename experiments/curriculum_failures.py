@@ -12,8 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from curriculum import HELD_OUT, LEARNT
-from curriculum_tables import NETWORKS
+from curriculum import HELD_OUT, LEARNT, atlases_of
 from failures import unlike
 from pictures import HEIGHT, WIDTH, chosen, save_sheet
 from PIL import Image
@@ -31,7 +30,6 @@ SHOWN = 3  # objects of each folder
 FRAMES = 5
 SOLVED = 50  # objects of each search at which the network succeeds
 SHAPE = ("grasp_size", "concavity", "complexity")
-SEARCHES = [f"{plan.name}-{number}" for plan in (HELD_OUT, LEARNT) for number in range(NETWORKS)]
 
 
 def main(run: Path) -> None:
@@ -39,7 +37,7 @@ def main(run: Path) -> None:
     pictures: list[tuple[str, list[RgbImage]]] = []
     lines = []
     for folder in sorted(path.parent for path in run.glob("*/searches")):
-        atlases = [FailureAtlas.load(folder / f"searches/{name}/atlas") for name in SEARCHES]
+        atlases = [*atlases_of(folder, HELD_OUT), *atlases_of(folder, LEARNT)]
         failures = pd.concat([each.table.assign(atlas=n) for n, each in enumerate(atlases)])
         failures = failures.iloc[unlike(failures["voxels"])]
         solved = pd.concat(
