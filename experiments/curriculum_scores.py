@@ -1,0 +1,92 @@
+"""What networks know of labelled grasps in the study of failures as training data.
+
+`curriculum_scores.py FOLDER NETWORKS`: FOLDER is a complete one of `curriculum.py`, and NETWORKS
+has the networks that were trained further there. The first table has, for the further scenes of
+each kind, the share of grasps that succeeded, and how many turns of the hand hold there. The second
+one has, for networks of each kind at some of these scenes, the average precision and the error of
+the rotation. This was not planned.
+"""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+from curriculum import GRIPPER
+from curriculum_tables import ALONE, BEFORE, KINDS, NETWORKS
+
+from egad._util.markdown import table as markdown
+from egad.grippers import GRIPPERS
+from egad.learning.scene_examples import SceneExample, labelled_grasps, scene_example
+from egad.learning.scene_scores import SceneScore, scene_score
+from egad.learning.scene_training import answers_at, read_answers
+from egad.learning.training import spread
+from egad.learning.weights import read_vgn
+from egad.scenes import LabelledScene, SceneDataset, load_scenes
+
+SCENES = 100  # of each kind, for the second table
+
+
+def main(folder: Path, networks: Path) -> None:
+    """Print the tables."""
+    further = {kind: load_scenes(folder / "scenes" / kind) for kind in KINDS}
+    turns = [(kind, *turns_that_hold(scenes)) for kind, scenes in further.items()]
+    print(markdown(["scenes of", "successful grasps, %", "turns that hold"], turns))
+    examples = {
+        kind: [
+            example_of(scenes.scene(number)) for number in spread(np.arange(len(scenes)), SCENES)
+        ]
+        for kind, scenes in further.items()
+    }
+    places = {BEFORE: f"{networks}/"}
+    places |= {kind: f"{folder}/networks/{kind}-" for kind in (*KINDS, ALONE)}
+    rows = [
+        (kind, *(text for each in examples.values() for text in scores(place, each)))
+        for kind, place in places.items()
+        if weights_at(place, 0).exists()
+    ]
+    titles = [f"{kind}: {what}" for kind in examples for what in ("precision", "degrees")]
+    print(markdown(["networks", *titles], rows))
+
+
+def turns_that_hold(scenes: SceneDataset) -> tuple[str, str]:
+    """The percentage of grasps that succeeded, and how many turns of the hand hold there."""
+    grasps = [scenes.scene(number).grasps for number in range(len(scenes))]
+    holds = np.concatenate([np.stack(list(each["yaws"])) for each in grasps if len(each)])
+    held = holds[holds.any(axis=1)]
+    return (
+        f"{100 * len(held) / len(holds):.1f}",
+        f"{held.sum(axis=1).mean():.2f} of {held.shape[1]}",
+    )
+
+
+def example_of(scene: LabelledScene) -> SceneExample:
+    """A scene as networks are shown it."""
+    return scene_example(scene.observation().tsdf, labelled_grasps(scene, GRIPPERS[GRIPPER]))
+
+
+def weights_at(place: str, number: int) -> Path:
+    """The file of a network."""
+    return Path(f"{place}{number}/weights.safetensors")
+
+
+def scores(place: str, examples: Sequence[SceneExample]) -> tuple[str, str]:
+    """Means over networks of the average precision and of the error of the rotation, degrees."""
+    found = [score_of(weights_at(place, number), examples) for number in range(NETWORKS)]
+    precision = np.mean([each.average_precision.value for each in found])
+    return f"{precision:.2f}", f"{np.mean([each.angle.value for each in found]):.0f}"
+
+
+def score_of(weights: Path, examples: Sequence[SceneExample]) -> SceneScore:
+    """What a network answers to scenes, compared with their labels."""
+    network = read_vgn(weights).eval()
+    with torch.inference_mode():
+        found = [answers_at(network, each).double().numpy() for each in examples]
+    none = [np.zeros((len(each), 3)) for each in found]  # losses
+    answers = map(read_answers, found, none, examples)
+    return scene_score(list(answers))
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:]))
