@@ -36,7 +36,7 @@ class Tsdf:
         """Points of the surface and outward unit normals, (m, 3) each, metres.
 
         They are the vertices of marching cubes (Lorensen and Cline 1987) where all eight voxels
-        around were seen.
+        around were seen, without those at which the gradients of both neighbors cancel out.
         """
         seen = self.weights > 0
         inside = (self.distances < 0) & seen
@@ -49,7 +49,8 @@ class Tsdf:
             self.distances, 0.0, gradient_direction="ascent", mask=known
         )
         points: Floats = self.corner + (vertices + 0.5) * self.voxel
-        return points, -normals.astype(np.float64)  # they point to where the distances fall
+        directed = normals.any(axis=1)
+        return points[directed], -normals[directed].astype(np.float64)  # skimage's point inwards
 
 
 def fuse(views: Sequence[View], corner: Floats, side: float, resolution: int) -> Tsdf:

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import trimesh
+from skimage.measure import marching_cubes
 
-from egad.perception import DepthCamera, Intrinsics, View, camera_above, cameras_around, fuse
+from egad.perception import DepthCamera, Intrinsics, Tsdf, View, camera_above, cameras_around, fuse
 from egad.perception.tsdf import TRUNCATION
 
 CAMERA = Intrinsics(320, 240, 208.0, (159.5, 119.5))
@@ -83,3 +84,14 @@ def test_missing_depth_is_not_seen():
 def test_free_space_has_no_surface():
     view = View(np.full((240, 320), 5.0, np.float32), CAMERA, camera_above(0.5))
     assert len(fuse([view], CORNER, SIDE, 10).surface()[0]) == 0
+
+
+def test_all_normals_have_length_1():
+    """Where the gradients of two voxels cancel out, marching cubes gives a normal of length 0."""
+    signs = np.random.default_rng(0).choice(np.array([-1, 1], np.float32), size=(8, 8, 8))
+    _, _, normals, _ = marching_cubes(signs, 0.0)
+    directed = normals.any(axis=1)
+    assert 0 < directed.sum() < len(directed)
+    points, normals = Tsdf(signs, np.ones_like(signs), CORNER, 0.01, 0.04).surface()
+    assert len(points) == directed.sum()
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-5)
