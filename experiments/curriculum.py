@@ -297,8 +297,15 @@ def further_scenes(
         shutil.rmtree(folder, ignore_errors=True)
         pairs = zip(objects["id"], objects["voxels"], strict=True)
         meshes = {name: surface_of(voxels, settings) for name, voxels in pairs}
-        split = {"validation": share, "test": share}
-        egad.make_scenes(meshes, GRIPPER, scenes=scenes, per_scene=1, out=folder, **split)
+        egad.make_scenes(
+            meshes,
+            GRIPPER,
+            scenes=scenes,
+            per_scene=1,
+            validation=share,
+            test=share,
+            out=folder,
+        )
 
     once(folder, work)
 

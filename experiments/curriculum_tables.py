@@ -54,9 +54,9 @@ def show(folder: Path) -> None:
         for name in SEARCHES
         if (paths := sorted((folder / "searches").glob(f"{name}-*/{DONE}")))
     ]
-    counts = ["failures", "different", "grasps", "per 1000"]
+    titles = ["failures", "different", "grasps", "per 1000"]
     print(
-        markdown(["search", "networks", *counts, *(f"first {each}" for each in counts)], searched)
+        markdown(["search", "networks", *titles, *(f"first {each}" for each in titles)], searched)
     )
     spent = sum(float(path.read_text()) for path in folder.rglob(SPENT))
     print(f"{spent / 3600:.1f} CPU hours")
@@ -144,11 +144,13 @@ def yields(paths: Sequence[Path]) -> tuple[int | str, ...]:
     first = [
         each[each["attempts"].cumsum() - each["attempts"] < SEARCHED_AGAIN] for each in examined
     ]
-    return len(paths), *counted(pd.concat(examined)), *counted(pd.concat(first))
+    return len(paths), *counted(examined), *counted(first)
 
 
-def counted(examined: pd.DataFrame) -> tuple[int, int, int, str]:
-    """Failures, how many are unlike each other, grasps, and failures per 1000 grasps."""
-    voxels = examined["voxels"][examined["verdict"] == ObjectVerdict.FAILURE]
-    grasps = int(examined["attempts"].sum())
-    return len(voxels), len(unlike(voxels)), grasps, f"{1000 * len(voxels) / grasps:.1f}"
+def counted(searches: Sequence[pd.DataFrame]) -> tuple[str, int, int, str]:
+    """Failures, in all and by search, how many are different, grasps, and failures per 1000."""
+    found = [each["voxels"][each["verdict"] == ObjectVerdict.FAILURE] for each in searches]
+    failures, by_search = sum(map(len, found)), ", ".join(str(len(each)) for each in found)
+    grasps = sum(int(each["attempts"].sum()) for each in searches)
+    rate = f"{1000 * failures / grasps:.1f}"
+    return f"{failures} ({by_search})", len(unlike(pd.concat(found))), grasps, rate

@@ -146,7 +146,10 @@ def test_first_grasps_of_a_search_end_with_the_object_that_exceeds_them(tables, 
         SimpleNamespace(load=lambda _: next(atlases)),
     )
     paths = [Path("a/done"), Path("b/done")]
-    assert tables["yields"](paths) == (2, 6, 3, 7160, "0.8", 4, 2, 7000, "0.6")
+    assert tables["yields"](paths) == (
+        *(2, "6 (3, 3)", 3, 7160, "0.8"),
+        *("4 (2, 2)", 2, 7000, "0.6"),
+    )
 
 
 def counts(rng, rates, n=20):
