@@ -110,7 +110,7 @@ def make(
         objects_in(known, splits) for splits in (["train"], ["validation", "test"])
     )
     searches = [
-        (folder, plan, number, weights, plan.name, objects)
+        (folder, plan, number, detector(weights), plan.name, objects)
         for plan, objects in zip(plans, (trained_on, untrained), strict=True)
         for number, weights in enumerate(before)
     ]
@@ -151,7 +151,7 @@ def make(
     starmap(mapper, clear, clearings)
     again_plan = HELD_OUT._replace(attempts=SEARCHED_AGAIN)
     again = [
-        (folder, again_plan, number, after[kind, number], kind, untrained)
+        (folder, again_plan, number, detector(after[kind, number]), kind, untrained)
         for kind in AGAIN
         for number in range(NETWORKS)
     ]
@@ -197,14 +197,19 @@ def objects_in(known: pd.DataFrame, splits: Sequence[str]) -> egad.Dataset:
 
 
 def search(
-    folder: Path, plan: Searches, number: int, weights: Path, name: str, objects: egad.Dataset
+    folder: Path,
+    plan: Searches,
+    number: int,
+    asked: DetectorConfig,
+    name: str,
+    objects: egad.Dataset,
 ) -> Path:
     """Search for the failures of a network; returns the folder of their atlas."""
     out = folder / f"searches/{name}-{number}"
     once(
         out,
         lambda: egad.find_failures(
-            detector(weights),
+            asked,
             GRIPPER,
             objects=objects,
             attempts=plan.attempts,
