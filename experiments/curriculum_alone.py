@@ -1,9 +1,10 @@
 """Can networks learn failures if they see nothing else? `curriculum_alone.py FOLDER NETWORKS`.
 
 FOLDER is a complete one of `curriculum.py`, and NETWORKS has the networks that were trained further
-there. Each is trained further on scenes of failures alone. The result, the network before and the
-one after the training of the study are tried at the failures that are trained on, and the first one
-also at held-out failures. This was not planned. An interrupted call resumes.
+there. Each is trained further on scenes of failures alone; some failures are for validation and
+test. The result, the network before and the one after the training of the study are tried at the
+failures that are trained on, and the first one also at held-out failures. This was not planned. An
+interrupted call resumes.
 """
 
 import argparse
@@ -24,6 +25,7 @@ from curriculum_tables import ALONE, BEFORE, NETWORKS, RETRIED, show
 from failures import unlike
 
 from egad._util.workers import workers
+from egad.scenes import load_scenes
 
 SCENES = 1000  # of one object each
 SHARE = 0.1  # of the scenes, for validation, and as many for the test
@@ -36,7 +38,8 @@ def main(folder: Path, networks: Path, jobs: int) -> None:
     failures, scenes = chosen["failures"], folder / "scenes" / ALONE
     further_scenes(scenes, failures, learnt[0].searched_with(), SCENES, SHARE)
     before = [networks / f"{number}/weights.safetensors" for number in range(NETWORKS)]
-    trained_on = dict.fromkeys(failures["id"].iloc[unlike(failures["voxels"])], False)
+    known = failures[failures["id"].isin(set(objects_in_training(scenes)))]
+    trained_on = dict.fromkeys(known["id"].iloc[unlike(known["voxels"])], False)
     tested = tested_objects(held_out, chosen)
     with workers(jobs) as mapper:
         alone = starmap(
@@ -50,10 +53,10 @@ def main(folder: Path, networks: Path, jobs: int) -> None:
         further = [
             folder / f"networks/failures-{number}/weights.safetensors" for number in range(NETWORKS)
         ]
-        known = {BEFORE: before, "failures": further, ALONE: alone}
+        tried = {BEFORE: before, "failures": further, ALONE: alone}
         retries = [
             (folder / RETRIED / f"{kind}-{number}", weights, trained_on, learnt)
-            for kind, each in known.items()
+            for kind, each in tried.items()
             for number, weights in enumerate(each)
         ]
         retries += [
@@ -62,6 +65,12 @@ def main(folder: Path, networks: Path, jobs: int) -> None:
         ]
         starmap(mapper, try_failures, retries)
     show(folder)
+
+
+def objects_in_training(scenes: Path) -> list[str]:
+    """The ids of the objects in scenes of the split `train`."""
+    index = load_scenes(scenes).index
+    return sorted(set(index["objects"][index["split"] == "train"].explode()))
 
 
 if __name__ == "__main__":

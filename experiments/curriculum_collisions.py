@@ -1,15 +1,16 @@
 """Does a check for collisions remove failures? `curriculum_collisions.py FOLDER SCENES`.
 
-FOLDER is that of `curriculum.py` for the networks `tuned-evolved`, and SCENES are the scenes that
-they know. `vgn-evolved` is the first of these networks with `avoid_collisions`. It is searched as
-that network was, and the table has both. This was not planned. An interrupted call resumes.
+FOLDER is that of `curriculum.py --held-out 3000` for the networks `tuned-evolved`, and SCENES are
+the scenes that they know. `vgn-evolved` is the first of these networks with `avoid_collisions`. It
+is searched as that network was, and the table has both. This was not planned. An interrupted call
+resumes.
 """
 
 import argparse
 from pathlib import Path
 
 from curriculum import HELD_OUT, LEARNT, objects_in, search, starmap
-from curriculum_tables import DONE, SEARCHED_AGAIN, yields
+from curriculum_tables import SEARCHED_AGAIN, yields
 
 from egad._util.markdown import table as markdown
 from egad._util.workers import workers
@@ -33,10 +34,10 @@ def main(folder: Path, scenes: Path, jobs: int) -> None:
     ]
     with workers(jobs) as mapper:
         checked = starmap(mapper, search, searches)
-    plain = [folder / f"searches/{plan.name}-{NETWORK}/atlas" for plan in plans]
+    unchecked = [folder / f"searches/{plan.name}-{NETWORK}/atlas" for plan in plans]
     rows = [
-        (name, *yields([atlas.parent / DONE for atlas in atlases])[1:5])
-        for name, atlases in (("no check", plain), ("avoid_collisions", checked))
+        (name, *yields(atlases)[1:5])
+        for name, atlases in (("no check", unchecked), ("avoid_collisions", checked))
     ]
     titles = ["failures, by search", "different", "grasps", "failures per 1000 grasps"]
     print(markdown(["", *titles], rows))

@@ -2,8 +2,8 @@
 
 RUN has the folders of `curriculum.py`, one for each set of networks. For some of the failures that
 searches found, all unlike each other, docs/studies/curriculum_failures.png shows the object and
-frames of an attempt that failed where the reference succeeded. The table that is printed compares
-the shape of such failures with that of objects at which the networks succeed.
+frames of an attempt that failed where the reference succeeded. The tables that are printed compare
+such failures with objects at which the networks succeed: their shape, and the outcomes of attempts.
 """
 
 import sys
@@ -30,12 +30,13 @@ SHOWN = 3  # objects of each folder
 FRAMES = 5
 SOLVED = 50  # objects of each search at which the network succeeds
 SHAPE = ("grasp_size", "concavity", "complexity")
+OUTCOMES = ("success", "collided", "slipped_lifting", "slipped_closing", "missed")
 
 
 def main(run: Path) -> None:
     """Draw the picture, and print the table."""
     pictures: list[tuple[str, list[RgbImage]]] = []
-    lines = []
+    lines, ends = [], []
     for folder in sorted(path.parent for path in run.glob("*/searches")):
         atlases = [*atlases_of(folder, HELD_OUT), *atlases_of(folder, LEARNT)]
         failures = pd.concat([each.table.assign(atlas=n) for n, each in enumerate(atlases)])
@@ -49,9 +50,17 @@ def main(run: Path) -> None:
             (folder.name, name, len(objects), *shapes(rows_of(objects), atlases))
             for name, objects in (("failures", failures), ("successes", solved))
         ]
+        ends += [
+            (folder.name, name, *outcomes(rows_of(objects), atlases, purpose))
+            for name, objects, purpose in (
+                ("failures", failures, "confirm"),
+                ("successes", solved, "screen"),
+            )
+        ]
     save_sheet(pictures, PICTURE, colors=256)
     titles = [f"{SHAPE_FEATURES[name].title}, {SHAPE_FEATURES[name].unit}" for name in SHAPE]
     print(markdown(["networks", "objects", "number", *titles], lines))
+    print(markdown(["networks", "at", "attempts", *OUTCOMES], ends))
 
 
 def rows_of(objects: pd.DataFrame) -> list[pd.Series]:
@@ -87,6 +96,16 @@ def shapes(objects: Iterable[pd.Series], atlases: Sequence[FailureAtlas]) -> lis
         "{:.3g} ({:.3g} to {:.3g})".format(*SHAPE_FEATURES[name].factor * quantiles[name])
         for name in SHAPE
     ]
+
+
+def outcomes(
+    objects: Iterable[pd.Series], atlases: Sequence[FailureAtlas], purpose: str
+) -> list[str]:
+    """Number of attempts of a network for a purpose, and the percentage of each outcome."""
+    tried = pd.concat([attempts_at(row, atlases) for row in objects])
+    tried = tried[(tried["who"] == "detector") & (tried["purpose"] == purpose)]
+    shares = tried["outcome"].value_counts(normalize=True)
+    return [str(len(tried)), *(f"{100 * shares.get(name, 0):.0f}" for name in OUTCOMES)]
 
 
 def attempts_at(row: pd.Series, atlases: Sequence[FailureAtlas]) -> pd.DataFrame:

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import torch
 from curriculum import GRIPPER
 from curriculum_tables import ALONE, BEFORE, KINDS, NETWORKS
@@ -31,7 +32,7 @@ SCENES = 100  # of each kind, for the second table
 def main(folder: Path, networks: Path) -> None:
     """Print the tables."""
     further = {kind: load_scenes(folder / "scenes" / kind) for kind in KINDS}
-    turns = [(kind, *turns_that_hold(scenes)) for kind, scenes in further.items()]
+    turns = [(kind, *turns_that_hold(grasps_of(scenes))) for kind, scenes in further.items()]
     print(markdown(["scenes of", "successful grasps, %", "turns that hold"], turns))
     examples = {
         kind: [
@@ -50,10 +51,14 @@ def main(folder: Path, networks: Path) -> None:
     print(markdown(["networks", *titles], rows))
 
 
-def turns_that_hold(scenes: SceneDataset) -> tuple[str, str]:
+def grasps_of(scenes: SceneDataset) -> list[pd.DataFrame]:
+    """The labelled grasps of each scene."""
+    return [scenes.scene(number).grasps for number in range(len(scenes))]
+
+
+def turns_that_hold(grasps: Sequence[pd.DataFrame]) -> tuple[str, str]:
     """The percentage of grasps that succeeded, and how many turns of the hand hold there."""
-    grasps = [scenes.scene(number).grasps for number in range(len(scenes))]
-    holds = np.concatenate([np.stack(list(each["yaws"])) for each in grasps if len(each)])
+    holds = np.array([turns for each in grasps for turns in each["yaws"]])
     held = holds[holds.any(axis=1)]
     return (
         f"{100 * len(held) / len(holds):.1f}",

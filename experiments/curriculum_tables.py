@@ -50,7 +50,7 @@ def show(folder: Path) -> None:
             print(markdown(["network", "%", *(f"minus {other}" for other in others)], rows))
     print(f"\nsearches, and the first {SEARCHED_AGAIN} grasps of each\n")
     searched = [
-        (name, *yields(paths))
+        (name, *yields([path.with_name("atlas") for path in paths]))
         for name in SEARCHES
         if (paths := sorted((folder / "searches").glob(f"{name}-*/{DONE}")))
     ]
@@ -138,13 +138,13 @@ def _drawn_shares(counts: pd.DataFrame, drawn: NDArray[np.int64]) -> Floats:
     return shares
 
 
-def yields(paths: Sequence[Path]) -> tuple[int | str, ...]:
+def yields(atlases: Sequence[Path]) -> tuple[int | str, ...]:
     """Counts of complete searches, in all and in the first grasps of each."""
-    examined = [FailureAtlas.load(path.parent / "atlas").examined for path in paths]
+    examined = [FailureAtlas.load(path).examined for path in atlases]
     first = [
         each[each["attempts"].cumsum() - each["attempts"] < SEARCHED_AGAIN] for each in examined
     ]
-    return len(paths), *counted(examined), *counted(first)
+    return len(atlases), *counted(examined), *counted(first)
 
 
 def counted(searches: Sequence[pd.DataFrame]) -> tuple[str, int, int, str]:

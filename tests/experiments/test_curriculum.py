@@ -145,11 +145,24 @@ def test_first_grasps_of_a_search_end_with_the_object_that_exceeds_them(tables, 
         "FailureAtlas",
         SimpleNamespace(load=lambda _: next(atlases)),
     )
-    paths = [Path("a/done"), Path("b/done")]
+    paths = [Path("a"), Path("b")]
     assert tables["yields"](paths) == (
         *(2, "6 (3, 3)", 3, 7160, "0.8"),
         *("4 (2, 2)", 2, 7000, "0.6"),
     )
+
+
+def test_turns_of_the_hand_are_counted_where_one_of_them_holds():
+    pytest.importorskip("torch")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(EXPERIMENTS)
+        scores = runpy.run_path(str(EXPERIMENTS / "curriculum_scores.py"))
+    first, second = (
+        pd.DataFrame({"yaws": [[0, 1, 1], [0, 0, 0]]}),
+        pd.DataFrame({"yaws": [[0, 1, 0]]}),
+    )
+    none = pd.DataFrame({"yaws": []})
+    assert scores["turns_that_hold"]([first, none, second]) == ("66.7", "1.50 of 3")
 
 
 def counts(rng, rates, n=20):
