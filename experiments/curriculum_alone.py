@@ -38,7 +38,7 @@ def main(folder: Path, networks: Path, jobs: int) -> None:
     failures, scenes = chosen["failures"], folder / "scenes" / ALONE
     further_scenes(scenes, failures, learnt[0].searched_with(), SCENES, SHARE)
     before = [networks / f"{number}/weights.safetensors" for number in range(NETWORKS)]
-    known = failures[failures["id"].isin(set(objects_in_training(scenes)))]
+    known = failures[failures["id"].isin(objects_in_training(scenes))]
     trained_on = dict.fromkeys(known["id"].iloc[unlike(known["voxels"])], False)
     tested = tested_objects(held_out, chosen)
     with workers(jobs) as mapper:

@@ -34,7 +34,7 @@ OUTCOMES = ("success", "collided", "slipped_lifting", "slipped_closing", "missed
 
 
 def main(run: Path) -> None:
-    """Draw the picture, and print the table."""
+    """Draw the picture, and print the tables."""
     pictures: list[tuple[str, list[RgbImage]]] = []
     lines, ends = [], []
     for folder in sorted(path.parent for path in run.glob("*/searches")):

@@ -36,7 +36,7 @@ class Tsdf:
         """Points of the surface and outward unit normals, (m, 3) each, metres.
 
         They are the vertices of marching cubes (Lorensen and Cline 1987) where all eight voxels
-        around were seen, without those at which the gradients of both neighbors cancel out.
+        around were seen, without those whose normal is undefined, as gradients cancel out there.
         """
         seen = self.weights > 0
         inside = (self.distances < 0) & seen

@@ -2,6 +2,7 @@
 
 import runpy
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,20 +18,26 @@ VERDICTS = [
 ]
 
 
-@pytest.fixture(scope="module")
-def study():
+@contextmanager
+def names_of(script):
+    """What a script defines; the modules that it imports from its folder are forgotten again."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(EXPERIMENTS)
-        yield runpy.run_path(str(EXPERIMENTS / "curriculum.py"))
-        for name in ("benchmark", "curriculum_tables", "failures"):
-            sys.modules.pop(name, None)
+        yield runpy.run_path(str(EXPERIMENTS / script))
+    for name in ("benchmark", "curriculum", "curriculum_tables", "failures"):
+        sys.modules.pop(name, None)
+
+
+@pytest.fixture(scope="module")
+def study():
+    with names_of("curriculum.py") as names:
+        yield names
 
 
 @pytest.fixture(scope="module")
 def tables():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(EXPERIMENTS)
-        yield runpy.run_path(str(EXPERIMENTS / "curriculum_tables.py"))
+    with names_of("curriculum_tables.py") as names:
+        yield names
 
 
 @pytest.fixture
@@ -154,15 +161,9 @@ def test_first_grasps_of_a_search_end_with_the_object_that_exceeds_them(tables, 
 
 def test_turns_of_the_hand_are_counted_where_one_of_them_holds():
     pytest.importorskip("torch")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(EXPERIMENTS)
-        scores = runpy.run_path(str(EXPERIMENTS / "curriculum_scores.py"))
-    first, second = (
-        pd.DataFrame({"yaws": [[0, 1, 1], [0, 0, 0]]}),
-        pd.DataFrame({"yaws": [[0, 1, 0]]}),
-    )
-    none = pd.DataFrame({"yaws": []})
-    assert scores["turns_that_hold"]([first, none, second]) == ("66.7", "1.50 of 3")
+    grasps = [pd.DataFrame({"yaws": yaws}) for yaws in ([[0, 1, 1], [0, 0, 0]], [], [[0, 1, 0]])]
+    with names_of("curriculum_scores.py") as scores:
+        assert scores["turns_that_hold"](grasps) == ("66.7", "1.50 of 3")
 
 
 def counts(rng, rates, n=20):
