@@ -21,6 +21,7 @@ import pandas as pd
 import trimesh
 from benchmark import cpu_time, ycb
 from curriculum_tables import (
+    ATLAS,
     BEFORE,
     DONE,
     KINDS,
@@ -52,6 +53,7 @@ from egad.grippers import GRIPPERS
 from egad.learning import VgnTraining
 from egad.random import generator
 from egad.scenes import load_scenes
+from egad.workflow.train import WEIGHTS
 from egad.workflow.train_on_scenes import train_on_scenes
 
 Objects = egad.Dataset | Mapping[str, trimesh.Trimesh]
@@ -102,13 +104,10 @@ def make(
 ) -> None:
     """Make all that is missing."""
     plans = LEARNT, HELD_OUT._replace(attempts=held_out_attempts)
-    before = [networks / f"{number}/weights.safetensors" for number in range(NETWORKS)]
+    before = networks_before(networks)
     household = {each.id: each.mesh() for each in ycb(meshes)}
     tests: dict[str, Objects] = {"egad": egad.load("evaluation-set"), "ycb": household}
-    known = load_scenes(scenes).index
-    trained_on, untrained = (
-        objects_in(known, splits) for splits in (["train"], ["validation", "test"])
-    )
+    trained_on, untrained = objects_in(scenes, "train"), objects_in(scenes, "validation", "test")
     searches = [
         (folder, plan, number, detector(weights), plan.name, objects)
         for plan, objects in zip(plans, (trained_on, untrained), strict=True)
@@ -125,35 +124,31 @@ def make(
     settings = learnt[0].searched_with()
     further = [(folder / "scenes" / kind, some, settings) for kind, some in chosen.items()]
     starmap(mapper, further_scenes, further)
-    networks_after = [(kind, number) for kind in KINDS for number in range(NETWORKS)]
+    after = {BEFORE: before} | {kind: networks_after(folder, kind) for kind in KINDS}
     trainings = [
-        (
-            folder / f"networks/{kind}-{number}",
-            [scenes, folder / "scenes" / kind],
-            before[number],
-            number,
-        )
-        for kind, number in networks_after
+        (weights, [scenes, folder / "scenes" / kind], before[number], number)
+        for kind in KINDS
+        for number, weights in enumerate(after[kind])
     ]
-    trained = starmap(mapper, train, trainings)
-    after = {(BEFORE, number): weights for number, weights in enumerate(before)}
-    after |= dict(zip(networks_after, trained, strict=True))
+    starmap(mapper, train, trainings)
     retries = [
         (folder / f"held-out/{kind}-{number}", weights, tried, held_out)
-        for (kind, number), weights in after.items()
+        for kind, each in after.items()
+        for number, weights in enumerate(each)
     ]
     starmap(mapper, try_failures, retries)
     clearings = [
         (folder / f"cleared-{test}/{kind}-{number}", weights, objects)
-        for (kind, number), weights in after.items()
+        for kind, each in after.items()
+        for number, weights in enumerate(each)
         for test, objects in tests.items()
     ]
     starmap(mapper, clear, clearings)
     again_plan = HELD_OUT._replace(attempts=SEARCHED_AGAIN)
     again = [
-        (folder, again_plan, number, detector(after[kind, number]), kind, untrained)
+        (folder, again_plan, number, detector(weights), kind, untrained)
         for kind in AGAIN
-        for number in range(NETWORKS)
+        for number, weights in enumerate(after[kind])
     ]
     starmap(mapper, search, again)
 
@@ -190,10 +185,25 @@ def detector(weights: Path) -> DetectorConfig:
     return DetectorConfig(detector="vgn", weights=str(weights), threshold=THRESHOLD)
 
 
-def objects_in(known: pd.DataFrame, splits: Sequence[str]) -> egad.Dataset:
+def networks_before(networks: Path) -> list[Path]:
+    """The weights of each network before further training."""
+    return [networks / f"{number}/{WEIGHTS}" for number in range(NETWORKS)]
+
+
+def networks_after(folder: Path, kind: str) -> list[Path]:
+    """The weights of each network after further training on a kind of objects."""
+    return [folder / f"networks/{kind}-{number}/{WEIGHTS}" for number in range(NETWORKS)]
+
+
+def ids_in(scenes: Path, *splits: str) -> list[str]:
+    """The ids of the objects in scenes of some splits."""
+    index = load_scenes(scenes).index
+    return sorted(set(index["objects"][index["split"].isin(splits)].explode()))
+
+
+def objects_in(scenes: Path, *splits: str) -> egad.Dataset:
     """The released objects in scenes of some splits; no family is in several splits."""
-    rows = known[known["split"].isin(splits)]
-    return egad.load().select(sorted(set(rows["objects"].explode())))
+    return egad.load().select(ids_in(scenes, *splits))
 
 
 def search(
@@ -215,16 +225,16 @@ def search(
             attempts=plan.attempts,
             seed=plan.first_seed + number,
             shards=1,
-            out=out / "atlas",
+            out=out / ATLAS,
         ),
     )
-    return out / "atlas"
+    return out / ATLAS
 
 
 def atlases_of(folder: Path, searches: Searches) -> list[FailureAtlas]:
     """The failures of each network that some searches found."""
     return [
-        FailureAtlas.load(folder / f"searches/{searches.name}-{number}/atlas")
+        FailureAtlas.load(folder / f"searches/{searches.name}-{number}/{ATLAS}")
         for number in range(NETWORKS)
     ]
 
@@ -315,12 +325,12 @@ def further_scenes(
     once(folder, work)
 
 
-def train(out: Path, scenes: list[Path], start: Path, number: int) -> Path:
-    """Train a network further; returns its weights."""
+def train(weights: Path, scenes: list[Path], start: Path, number: int) -> None:
+    """Train a network further; it is written to the folder of its weights."""
     plan = VgnTraining(examples=EXAMPLES)
     settings = TrainOnScenes(seed=number, training_vgn=plan, gripper=GRIPPERS[GRIPPER])
+    out = weights.parent
     once(out, lambda: train_on_scenes(settings, GRIPPER, scenes, out, start=start))
-    return out / "weights.safetensors"
 
 
 def try_failures(

@@ -16,6 +16,9 @@ from curriculum import (
     atlases_of,
     further_objects,
     further_scenes,
+    ids_in,
+    networks_after,
+    networks_before,
     starmap,
     tested_objects,
     train,
@@ -25,7 +28,6 @@ from curriculum_tables import ALONE, BEFORE, NETWORKS, RETRIED, show
 from failures import unlike
 
 from egad._util.workers import workers
-from egad.scenes import load_scenes
 
 SCENES = 1000  # of one object each
 SHARE = 0.1  # of the scenes, for validation, and as many for the test
@@ -37,23 +39,14 @@ def main(folder: Path, networks: Path, jobs: int) -> None:
     chosen = further_objects(learnt)
     failures, scenes = chosen["failures"], folder / "scenes" / ALONE
     further_scenes(scenes, failures, learnt[0].searched_with(), SCENES, SHARE)
-    before = [networks / f"{number}/weights.safetensors" for number in range(NETWORKS)]
-    known = failures[failures["id"].isin(objects_in_training(scenes))]
+    before, alone = networks_before(networks), networks_after(folder, ALONE)
+    known = failures[failures["id"].isin(ids_in(scenes, "train"))]
     trained_on = dict.fromkeys(known["id"].iloc[unlike(known["voxels"])], False)
     tested = tested_objects(held_out, chosen)
     with workers(jobs) as mapper:
-        alone = starmap(
-            mapper,
-            train,
-            [
-                (folder / f"networks/{ALONE}-{number}", [scenes], start, number)
-                for number, start in enumerate(before)
-            ],
-        )
-        further = [
-            folder / f"networks/failures-{number}/weights.safetensors" for number in range(NETWORKS)
-        ]
-        tried = {BEFORE: before, "failures": further, ALONE: alone}
+        trainings = zip(alone, [[scenes]] * NETWORKS, before, range(NETWORKS), strict=True)
+        starmap(mapper, train, trainings)
+        tried = {BEFORE: before, "failures": networks_after(folder, "failures"), ALONE: alone}
         retries = [
             (folder / RETRIED / f"{kind}-{number}", weights, trained_on, learnt)
             for kind, each in tried.items()
@@ -65,12 +58,6 @@ def main(folder: Path, networks: Path, jobs: int) -> None:
         ]
         starmap(mapper, try_failures, retries)
     show(folder)
-
-
-def objects_in_training(scenes: Path) -> list[str]:
-    """The ids of the objects in scenes of the split `train`."""
-    index = load_scenes(scenes).index
-    return sorted(set(index["objects"][index["split"] == "train"].explode()))
 
 
 if __name__ == "__main__":

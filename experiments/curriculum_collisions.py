@@ -10,12 +10,11 @@ import argparse
 from pathlib import Path
 
 from curriculum import HELD_OUT, LEARNT, objects_in, search, starmap
-from curriculum_tables import SEARCHED_AGAIN, yields
+from curriculum_tables import ATLAS, SEARCHED_AGAIN, yields
 
 from egad._util.markdown import table as markdown
 from egad._util.workers import workers
 from egad.detectors import DetectorConfig
-from egad.scenes import load_scenes
 
 NETWORK = 0  # that of the detector
 CHECKED = DetectorConfig(detector="vgn-evolved")
@@ -23,10 +22,9 @@ CHECKED = DetectorConfig(detector="vgn-evolved")
 
 def main(folder: Path, scenes: Path, jobs: int) -> None:
     """Make what is missing, then print the table."""
-    known = load_scenes(scenes).index
     plans = {
-        LEARNT: objects_in(known, ["train"]),
-        HELD_OUT._replace(attempts=SEARCHED_AGAIN): objects_in(known, ["validation", "test"]),
+        LEARNT: objects_in(scenes, "train"),
+        HELD_OUT._replace(attempts=SEARCHED_AGAIN): objects_in(scenes, "validation", "test"),
     }
     searches = [
         (folder, plan, NETWORK, CHECKED, f"checked-{plan.name}", objects)
@@ -34,7 +32,7 @@ def main(folder: Path, scenes: Path, jobs: int) -> None:
     ]
     with workers(jobs) as mapper:
         checked = starmap(mapper, search, searches)
-    unchecked = [folder / f"searches/{plan.name}-{NETWORK}/atlas" for plan in plans]
+    unchecked = [folder / f"searches/{plan.name}-{NETWORK}/{ATLAS}" for plan in plans]
     rows = [
         (name, *yields(atlases)[1:5])
         for name, atlases in (("no check", unchecked), ("avoid_collisions", checked))

@@ -46,17 +46,12 @@ def main(run: Path) -> None:
             for n, each in enumerate(atlases)
         )
         pictures += [row_of(folder.name, row, atlases) for row in rows_of(failures)[:SHOWN]]
-        lines += [
-            (folder.name, name, len(objects), *shapes(rows_of(objects), atlases))
-            for name, objects in (("failures", failures), ("successes", solved))
-        ]
-        ends += [
-            (folder.name, name, *outcomes(rows_of(objects), atlases, purpose))
-            for name, objects, purpose in (
-                ("failures", failures, "confirm"),
-                ("successes", solved, "screen"),
-            )
-        ]
+        for name, objects, purpose in (
+            ("failures", rows_of(failures), "confirm"),
+            ("successes", rows_of(solved), "screen"),
+        ):
+            lines.append((folder.name, name, len(objects), *shapes(objects, atlases)))
+            ends.append((folder.name, name, *outcomes(objects, atlases, purpose)))
     save_sheet(pictures, PICTURE, colors=256)
     titles = [f"{SHAPE_FEATURES[name].title}, {SHAPE_FEATURES[name].unit}" for name in SHAPE]
     print(markdown(["networks", "objects", "number", *titles], lines))

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import torch
-from curriculum import GRIPPER
-from curriculum_tables import ALONE, BEFORE, KINDS, NETWORKS
+from curriculum import GRIPPER, networks_after, networks_before
+from curriculum_tables import ALONE, BEFORE, KINDS
 
 from egad._util.markdown import table as markdown
 from egad.grippers import GRIPPERS
@@ -40,12 +40,12 @@ def main(folder: Path, networks: Path) -> None:
         ]
         for kind, scenes in further.items()
     }
-    places = {BEFORE: f"{networks}/"}
-    places |= {kind: f"{folder}/networks/{kind}-" for kind in (*KINDS, ALONE)}
+    tried = {BEFORE: networks_before(networks)}
+    tried |= {kind: networks_after(folder, kind) for kind in (*KINDS, ALONE)}
     rows = [
-        (kind, *(text for each in examples.values() for text in scores(place, each)))
-        for kind, place in places.items()
-        if weights_at(place, 0).exists()
+        (kind, *(text for each in examples.values() for text in scores(weights, each)))
+        for kind, weights in tried.items()
+        if weights[0].exists()
     ]
     titles = [f"{kind}: {what}" for kind in examples for what in ("precision", "degrees")]
     print(markdown(["networks", *titles], rows))
@@ -71,14 +71,9 @@ def example_of(scene: LabelledScene) -> SceneExample:
     return scene_example(scene.observation().tsdf, labelled_grasps(scene, GRIPPERS[GRIPPER]))
 
 
-def weights_at(place: str, number: int) -> Path:
-    """The file of a network."""
-    return Path(f"{place}{number}/weights.safetensors")
-
-
-def scores(place: str, examples: Sequence[SceneExample]) -> tuple[str, str]:
+def scores(weights: Sequence[Path], examples: Sequence[SceneExample]) -> tuple[str, str]:
     """Means over networks of the average precision and of the error of the rotation, degrees."""
-    found = [score_of(weights_at(place, number), examples) for number in range(NETWORKS)]
+    found = [score_of(each, examples) for each in weights]
     precision = np.mean([each.average_precision.value for each in found])
     return f"{precision:.2f}", f"{np.mean([each.angle.value for each in found]):.0f}"
 

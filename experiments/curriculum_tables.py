@@ -20,7 +20,7 @@ BEFORE = "before"  # a network before further training
 ALONE = "alone"  # one that was trained further on failures alone, by `curriculum_alone.py`
 RETRIED = "trained-on"  # the folder of tests at the failures that were trained on
 SEARCHES = ("learnt", "held-out", "failures", "random")
-TABLE, SPENT, DONE = "table.parquet", "cpu.txt", "done"
+TABLE, ATLAS, SPENT, DONE = "table.parquet", "atlas", "cpu.txt", "done"
 SEARCHED_AGAIN = 3000  # grasps of each second search
 DRAWS = 10_000
 
@@ -50,7 +50,7 @@ def show(folder: Path) -> None:
             print(markdown(["network", "%", *(f"minus {other}" for other in others)], rows))
     print(f"\nsearches, and the first {SEARCHED_AGAIN} grasps of each\n")
     searched = [
-        (name, *yields([path.with_name("atlas") for path in paths]))
+        (name, *yields([path.with_name(ATLAS) for path in paths]))
         for name in SEARCHES
         if (paths := sorted((folder / "searches").glob(f"{name}-*/{DONE}")))
     ]
