@@ -14,6 +14,7 @@ from .distance import DistanceField as DistanceField
 from .distance import distance_field as distance_field
 from .distance import largest_deviation as largest_deviation
 from .distance import nearest as nearest
+from .manifold import difference as difference
 from .manifold import is_solid as is_solid
 from .manifold import joined as joined
 from .manifold import to_mesh as to_mesh

@@ -65,6 +65,24 @@ def union(solids: Iterable[Solid]) -> Solid:
     return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
 
 
+def difference(
+    meshes: Iterable[trimesh.Trimesh], others: Iterable[trimesh.Trimesh]
+) -> trimesh.Trimesh:
+    """The surface of the union of closed surfaces, without what lies in others; may be empty.
+
+    Raises:
+        RejectedError: One of them is open or wound inconsistently, or has no volume.
+    """
+
+    def solid(mesh: trimesh.Trimesh) -> Solid:
+        merged = mesh.copy()
+        merged.merge_vertices()
+        outwards = wind_outwards(merged)
+        return to_solid(outwards.vertices, outwards.faces)
+
+    return to_mesh(union(map(solid, meshes)) - union(map(solid, others)))
+
+
 def box(low: NDArray[np.float64], high: NDArray[np.float64]) -> Solid:
     """An axis-aligned box."""
     return manifold3d.Manifold.cube(tuple(high - low)).translate(tuple(low))

@@ -1,16 +1,20 @@
 """3MF files: the objects that are built, where they are built.
 
+Modifiers and supports of slicers are left out, and negative volumes are cut out of the other
+volumes of their object.
+
 Source: 3MF Consortium, Core Specification 1.3 and Production Extension 1.1.
 """
 
 import io
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import numpy as np
+import trimesh
 
 from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import (
@@ -20,8 +24,19 @@ from egad._util.input_limits import (
     check_at_most,
 )
 from egad.errors import RejectedError
+from egad.geometry import difference
 from egad.io.content import Content
 from egad.io.polygons import check_corners
+from egad.io.slicers import (
+    CONFIGS,
+    Volume,
+    configured_volumes,
+    cura_kind,
+    marked_volumes,
+    part_kind,
+    sign_of,
+    volume_sizes,
+)
 from egad.io.text import integers, reals
 from egad.io.units import PRESCRIBED, UNIT_OF
 
@@ -38,6 +53,16 @@ SAME = np.eye(4)[:, :3]  # a transform (4, 3) of rows that are multiplied from t
 class _Placed(NamedTuple):
     vertices: Floats
     faces: Ints
+    sign: int = 1  # see `egad.io.slicers.SIGNS`
+
+
+class _Leaf(NamedTuple):
+    """A mesh object within an object that is built, and its volumes if it has several."""
+
+    found: Element
+    number: str
+    matrix: Floats
+    volumes: Sequence[Volume]
 
 
 def parse_3mf(data: bytes) -> Content:
@@ -68,13 +93,15 @@ class _Package:
         self._archive = archive
         self._models = dict[str, Element]()
         self._objects = dict[str, dict[str, Element]]()
+        self._volumes = dict[str, list[Volume]]()  # of objects in the part that it starts with
         self._left_out = set[str]()
         self._total = [0, 0]  # vertices, faces
 
     def content(self) -> Content:
         """All that is built."""
-        path = self._start()
-        root = self._model(path)
+        root = self._model(path := self._start())
+        for name in (each for each in CONFIGS if each in self._archive.namelist()):
+            self._volumes = configured_volumes(_parsed(self._archive.read(name))[0]) | self._volumes
         parts = list(self._built(path, root))
         if not parts and self._left_out:
             raise RejectedError(f"no faces: its objects are {', '.join(sorted(self._left_out))}")
@@ -120,17 +147,23 @@ class _Package:
             if item.get("printable") == "0":
                 self._left_out.add("not printable")
                 continue
-            yield from self._placed(path, unit, item, SAME, ())
+            volumes = self._volumes.get(str(item.get("objectid")), [])
+            pieces = [
+                piece
+                for index, leaf in enumerate(self._leaves(path, unit, item, SAME, ()))
+                for piece in self._pieces(leaf, part_kind(volumes, index, leaf.number))
+            ]
+            yield from _cut(pieces)
 
-    def _placed(
+    def _leaves(
         self,
         path: str,
         unit: str | None,
         reference: Element,
         above: Floats,
         parents: tuple[tuple[str, str], ...],
-    ) -> Iterator[_Placed]:
-        """The meshes of the object that an item or a component refers to."""
+    ) -> Iterator[_Leaf]:
+        """The mesh objects of the object that an item or a component refers to."""
         path = reference.get(PATH, path).lstrip("/")
         if (_unit(self._model(path)) or PRESCRIBED["3mf"]) != (unit or PRESCRIBED["3mf"]):
             raise RejectedError(f"its parts have different units: {path}")
@@ -142,17 +175,40 @@ class _Package:
             raise RejectedError(f"the object {number} is a part of itself")
         matrix = _compose(_transform(reference), above)
         components = found.find(f"{TAG}components")
-        if components is not None:
-            for each in components.iterfind(f"{TAG}component"):
-                yield from self._placed(path, unit, each, matrix, (*parents, (path, number)))
-        elif (kind := found.get("type", "model")) != "model":
-            self._left_out.add(f"of type {kind}")
-        else:
-            yield self._mesh(found, matrix)
+        if components is None:
+            volumes = self._volumes.get(number, []) if path == next(iter(self._models)) else []
+            yield _Leaf(found, number, matrix, [each for each in volumes if each.first])
+            return
+        for each in components.iterfind(f"{TAG}component"):
+            yield from self._leaves(path, unit, each, matrix, (*parents, (path, number)))
 
-    def _mesh(self, found: Element, matrix: Floats) -> _Placed:
-        mesh = found.find(f"{TAG}mesh")
-        others = [each for each in (found if mesh is None else mesh) if _is_foreign_shape(each)]
+    def _pieces(self, leaf: _Leaf, kind: str | None) -> list[_Placed]:
+        """What an object contributes, which is of a kind that a slicer names, if one does."""
+        usual = leaf.found.get("type", "model")
+        kind = kind if kind is not None else cura_kind(leaf.found)
+        if usual != "model" and not kind:
+            self._left_out.add(f"of type {usual}")
+            return []
+        if not (sign := self._sign(kind)):
+            return []
+        points, faces, marked = self._mesh(leaf)
+        sizes = volume_sizes(leaf.volumes or marked, len(faces))
+        signs = np.repeat([self._sign(kind) for kind, _ in sizes], [size for _, size in sizes])
+        parts = [_Placed(points, faces[signs == each], each) for each in (1, -1)]
+        return [each._replace(sign=sign) for each in _cut([p for p in parts if len(p.faces)])]
+
+    def _sign(self, kind: str) -> int:
+        """What a volume of some kind adds; that it is left out is noted."""
+        if not (sign := sign_of(kind)):
+            self._left_out.add(f"of the kind {kind}")
+        return sign
+
+    def _mesh(self, leaf: _Leaf) -> tuple[Floats, Ints, list[Volume]]:
+        """Vertices and faces of an object, and the volumes that are noted within it."""
+        mesh = leaf.found.find(f"{TAG}mesh")
+        others = [
+            each for each in (leaf.found if mesh is None else mesh) if _is_foreign_shape(each)
+        ]
         if mesh is None or others:
             name = _local_name(others[0]) if others else "nothing"
             raise RejectedError(f"an object has a shape of {name}, which is not supported")
@@ -162,10 +218,28 @@ class _Package:
         self._total[1] += len(corners) // 3
         check_at_most(self._total[0], MAX_VERTICES, "vertices")
         check_at_most(self._total[1], MAX_FACES, "faces")
+        matrix = leaf.matrix
         points = reals(vertices, "a vertex").reshape(-1, 3) @ matrix[:3] + matrix[3]
         faces = integers(corners, "a triangle").reshape(-1, 3)
         check_corners(faces, len(points))
-        return _Placed(points, faces[:, ::-1] if np.linalg.det(matrix[:3]) < 0 else faces)
+        outwards = faces[:, ::-1] if np.linalg.det(matrix[:3]) < 0 else faces
+        return points, outwards, marked_volumes(mesh)
+
+
+def _cut(pieces: list[_Placed]) -> list[_Placed]:
+    """The solid pieces, without the negative volumes, which are cut out of them."""
+    solid, negative = ([each for each in pieces if each.sign == sign] for sign in (1, -1))
+    if not solid or not negative:
+        return solid
+    bodies, holes = (
+        [trimesh.Trimesh(each.vertices, each.faces, process=False) for each in part]
+        for part in (solid, negative)
+    )
+    try:
+        mesh = difference(bodies, holes)
+    except RejectedError as reason:
+        raise RejectedError(f"it has a negative volume, but one is no solid: {reason}") from reason
+    return [_Placed(np.asarray(mesh.vertices), np.asarray(mesh.faces))] if len(mesh.faces) else []
 
 
 class _Tree(ElementTree.TreeBuilder):

@@ -1,0 +1,115 @@
+"""What slicers say about the volumes of a 3MF file: which are solid, cut out, or only settings.
+
+PrusaSlicer, SuperSlicer and Slic3r divide the triangles of an object into volumes; Bambu Studio and
+OrcaSlicer, which divide an object into parts, name their kinds; Cura marks whole objects.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+from xml.etree.ElementTree import Element
+
+from egad.errors import RejectedError
+
+CONFIGS = tuple(
+    f"Metadata/{name}.config"
+    for name in ("SuperSlicer_model", "Slic3r_PE_model", "Slic3r_model", "model_settings")
+)
+SLIC3R = "{http://schemas.slic3r.org/3mf/2017/06}"
+MODIFIER = "ParameterModifier"
+# What a volume adds to the solid: 1: itself; 0: nothing; -1: it is cut out.
+SIGNS = {
+    **dict.fromkeys(("", "0", "ModelPart", "normal_part"), 1),
+    **dict.fromkeys(("1", MODIFIER, "modifier_part"), 0),
+    **dict.fromkeys(("SupportBlocker", "SupportEnforcer", "SeamPosition", "BrimPatch"), 0),
+    **dict.fromkeys(("BrimNegative", "support_blocker", "support_enforcer"), 0),
+    **dict.fromkeys(("infill_mesh", "cutting_mesh", "support_mesh", "anti_overhang_mesh"), 0),
+    **dict.fromkeys(("NegativeVolume", "negative_part"), -1),
+}
+
+
+class Volume(NamedTuple):
+    """A volume of an object: its kind, and its mesh object or its first and last triangle."""
+
+    kind: str
+    number: str | None
+    first: str | None
+    last: str | None
+
+
+def sign_of(kind: str) -> int:
+    """What a volume of some kind adds to the solid, as in `SIGNS`."""
+    if kind not in SIGNS:
+        raise RejectedError(
+            f"it has a volume of the kind {kind[:40]!r}, which is not supported; export the solid "
+            "as STL"
+        )
+    return SIGNS[kind]
+
+
+def configured_volumes(root: Element) -> dict[str, list[Volume]]:
+    """The volumes of each object, by its number, in one of `CONFIGS`."""
+    objects = root.iterfind("object")
+    return {str(each.get("id")): [_volume(part) for part in _volumes(each)] for each in objects}
+
+
+def _volumes(configured: Element) -> Iterator[Element]:
+    return (part for part in configured if part.tag in ("volume", "part"))
+
+
+def _volume(part: Element) -> Volume:
+    kind = part.get("subtype", "")
+    for entry in part.iterfind("metadata"):
+        key, value = entry.get("key"), entry.get("value", "")
+        if key in ("volume_type", "part_type"):
+            kind = value
+        elif key == "modifier" and value == "1":
+            kind = MODIFIER
+    return Volume(kind, part.get("id"), part.get("firstid"), part.get("lastid"))
+
+
+def marked_volumes(mesh: Element) -> list[Volume]:
+    """The volumes that Slic3r notes within a mesh."""
+    return [
+        Volume(each.get("modifier", "0"), None, each.get("ts"), each.get("te"))
+        for each in mesh.iterfind(f"{SLIC3R}volumes/{SLIC3R}volume")
+    ]
+
+
+def cura_kind(found: Element) -> str:
+    """The kind that Cura gives an object; empty for a solid."""
+    for each in found.iter():
+        kind = each.get("name", "").removeprefix("cura:")
+        if kind.endswith("_mesh") and kind in SIGNS and (each.text or "").strip() in ("True", "1"):
+            return kind
+    return ""
+
+
+def part_kind(volumes: Sequence[Volume], index: int, number: str) -> str | None:
+    """The kind of a mesh object; None if it is not mentioned.
+
+    Args:
+        volumes: Those of the object that is built.
+        index: Which of its mesh objects it is: the same one may occur as several parts.
+        number: Its number.
+    """
+    same = [each.kind for each in volumes[index : index + 1] if each.number == number]
+    same += [each.kind for each in volumes if each.number == number and each.first is None]
+    return same[0] if same else None
+
+
+def volume_sizes(volumes: Sequence[Volume], count: int) -> list[tuple[str, int]]:
+    """The kinds of the volumes of an object, and how many of its triangles, in turn, each has.
+
+    Raises:
+        RejectedError: They do not divide its triangles.
+    """
+    if not volumes:
+        return [("", count)]
+    try:
+        ranges = sorted((int(str(v.first)), int(str(v.last)) + 1, v.kind) for v in volumes)
+    except ValueError as error:
+        raise RejectedError("it is damaged: a volume has no range of triangles") from error
+    ends = [0, *(end for _, end, _ in ranges)]
+    if [*(start for start, _, _ in ranges), count] != ends or sorted({*ends}) != ends:
+        raise RejectedError(f"its volumes do not fit the {count:,} triangles of an object")
+    return [(kind, end - start) for start, end, kind in ranges]
