@@ -32,7 +32,7 @@ from egad.geometry import Material
 from egad.grasping import dataset_grasps
 from egad.grasps import LabelParameters, label_parameters
 from egad.grippers import Gripper, as_gripper
-from egad.io import write_mesh
+from egad.io import files_below, write_mesh
 from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
 from egad.objects import Dataset
 from egad.sim import (
@@ -84,7 +84,7 @@ class Exported:
     @property
     def files(self) -> list[Path]:
         """All files in the folder and below it, in alphabetical order."""
-        return sorted(path for path in self.folder.rglob("*") if path.is_file())
+        return sorted(files_below(self.folder))
 
 
 def export(

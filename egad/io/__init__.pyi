@@ -2,6 +2,7 @@ from .archives import write_zip as write_zip
 from .content import Content as Content
 from .csv_text import csv_lines as csv_lines
 from .folders import EVERY_FILE as EVERY_FILE
+from .folders import files_below as files_below
 from .folders import mesh_files as mesh_files
 from .folders import object_names as object_names
 from .folders import objects_in as objects_in

@@ -5,7 +5,8 @@ import hashlib
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from operator import attrgetter
 from pathlib import Path, PurePosixPath
 
 from egad.errors import UserError
@@ -15,13 +16,38 @@ EVERY_FILE = "*"
 _WILDCARD = re.compile(r"[*?\[]")
 
 
+def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[Path]:
+    """All files in a folder and the folders in it, except hidden folders, sorted in each of them.
+
+    Links are followed as `find -L` follows them: a file occurs at each of its paths, but a link to
+    a folder that the link itself lies in is passed over. A link to nothing counts as a file.
+
+    Args:
+        folder: Where to look.
+        above: Real paths of the folders that lead to it.
+
+    Raises:
+        UserError: A folder cannot be read.
+    """
+    try:
+        entries = sorted(os.scandir(folder), key=attrgetter("name"))
+    except OSError as error:
+        raise UserError(f"{folder}: cannot be read: {error.strerror}") from error
+    within = above | {os.path.realpath(folder)}
+    for entry in entries:
+        if not entry.is_dir():
+            yield Path(entry.path)
+        elif not entry.name.startswith(".") and os.path.realpath(entry.path) not in within:
+            yield from files_below(Path(entry.path), within)
+
+
 def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
     """The mesh files that match a pattern, sorted, except hidden ones and those in hidden folders.
 
     Args:
         folder: Where to look.
         pattern: A glob relative to the folder; `**`, at most once, stands for any number of
-            folders.
+            folders, including links to folders (see `files_below`).
 
     Raises:
         UserError: There is no such folder, it cannot be read, no mesh file is in it, or the pattern
@@ -29,15 +55,31 @@ def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
     """
     _check_folder(folder)
     try:
-        if pattern.count("**") > 1:
-            raise ValueError("`**` is allowed only once")
-        found = sorted(path for path in folder.glob(pattern) if _is_mesh(path, folder))
+        found = sorted(path for path in _matches(folder, pattern) if _is_mesh(path, folder))
     except (ValueError, IndexError, NotImplementedError) as error:
         raise UserError(f"pattern {pattern!r} is not valid: {error}") from error
     if not found:
         where = "in it" if pattern == EVERY_FILE else f"that match the pattern {pattern}"
         raise UserError(f"{folder}: no mesh files {where}; allowed endings: {' '.join(ENDINGS)}")
     return found
+
+
+def _matches(folder: Path, pattern: str) -> Iterator[Path]:
+    """What matches a pattern, on every version of Python: that of 3.11 follows no links in `**`."""
+    kinds = PurePosixPath(pattern).parts
+    if not any("**" in each for each in kinds):
+        yield from folder.glob(pattern)
+        return
+    if [each for each in kinds if "**" in each] != ["**"]:
+        raise ValueError("`**` is allowed only once, as the whole name of a folder")
+    place = kinds.index("**")
+    starts = folder.glob("/".join(kinds[:place])) if place else [folder]
+    end = "/".join(kinds[place + 1 :]) or "*"
+    for start in starts:
+        above = (os.path.realpath(each) for each in start.parents if each.is_relative_to(folder))
+        for path in files_below(start, frozenset(above)) if start.is_dir() else []:
+            if path.relative_to(start).match(end):
+                yield path
 
 
 def _check_folder(folder: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 from egad._util.files import write_text
 from egad.errors import UserError
+from egad.io.folders import files_below
 from egad.tables import origin
 
 SUMS, SUMS_ENDING = "SHA256SUMS", ".sha256"
@@ -29,14 +30,9 @@ def checksum(path: Path) -> str:
 
 
 def files_of(folder: Path) -> list[Path]:
-    """All files of a folder and its subfolders, except hidden ones and its own `SHA256SUMS`."""
-    found = (path for path in folder.rglob("*") if path.is_file() and path != folder / SUMS)
-    return sorted(path for path in found if not is_hidden(path.relative_to(folder)))
-
-
-def is_hidden(path: Path) -> bool:
-    """Whether the name of a file, or of a folder that it is in, starts with a dot."""
-    return any(part.startswith(".") for part in path.parts)
+    """All files of `files_below`, except hidden ones and the `SHA256SUMS` of the folder."""
+    files = (path for path in files_below(folder) if path.is_file() and path != folder / SUMS)
+    return sorted(path for path in files if not path.name.startswith("."))
 
 
 def sums_path(path: Path) -> Path:

@@ -1,5 +1,6 @@
 """Whether files are unchanged, by their own hashes and those recorded in files made from them."""
 
+import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -55,7 +56,12 @@ def verify(folder: Path) -> Verdict:
         raise UserError(f"{folder}: no provenance recorded for any file")
     altered = {path for path, problem in found if problem}
     sources = _sources([*(path for path in tables if path not in altered), *map(_made, records)])
-    there = {source for _, source, _ in sources if is_near(source, (folder, Path.cwd()))}
+    walked = {os.path.normpath(each) for path in files for each in (path, path.parent)}
+    there = {
+        source
+        for _, source, _ in sources
+        if str(source) in walked or is_near(source, (folder, Path.cwd()))
+    }
     chained = [
         (path, f"made from a different version of {source}")
         for path, source, value in sources

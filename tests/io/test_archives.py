@@ -40,3 +40,14 @@ def test_others_unpack_it(tmp_path):
         [sys.executable, "-m", "zipfile", "-e", "all.zip", out], cwd=tmp_path, check=True
     )
     assert (out / "A0/A0.urdf").read_text() == "A0"
+
+
+def test_linked_folders_are_packed(tmp_path):
+    folder_with(tmp_path / "kept", {"deep/a.txt": "a"}, 1e9)
+    folder = folder_with(tmp_path / "folder", {"b.txt": "b"}, 1e9)
+    (folder / "linked").symlink_to(tmp_path / "kept")
+    (folder / "round").symlink_to(folder)
+    write_zip(tmp_path / "1.zip", [folder])
+    with zipfile.ZipFile(tmp_path / "1.zip") as archive:
+        assert archive.namelist() == ["b.txt", "linked/deep/a.txt"]
+        assert archive.read("linked/deep/a.txt") == b"a"

@@ -1,3 +1,4 @@
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -93,6 +94,35 @@ def test_folders_may_be_links(tree, tmp_path):
     folder = tree("kept/scan/mesh.ply", "data/a.txt") / "data"
     (folder / "mug").symlink_to(tmp_path / "kept")
     assert objects_in(folder, "*/scan/mesh.ply") == {"mug": folder / "mug/scan/mesh.ply"}
+
+
+@pytest.mark.parametrize("pattern", ["**/*.obj", "**", "**/*", "./**/*.obj"])
+def test_two_stars_follow_links_and_cycles_end(tree, tmp_path, pattern):
+    """As `find -L` does: a file has each of its names, but no path passes a folder twice."""
+    folder = tree("real/sub/a.obj", "data/b.obj", "data/.git/c.obj", "data/in/d.obj") / "data"
+    (folder / "linked").symlink_to("../real")
+    (folder / "linked/sub/round").symlink_to(folder)
+    (folder / "in/self").symlink_to(".")
+    (folder / "in/file.obj").symlink_to("../b.obj")
+    (folder / "gone").symlink_to("nowhere")
+    found = ["b.obj", "in/d.obj", "in/file.obj", "linked/sub/a.obj"]
+    assert mesh_files(folder, pattern) == [folder / path for path in found]
+    listed = subprocess.run(
+        ["find", "-L", ".", "-name", "*.obj", "-not", "-path", "*/.*/*"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert sorted(listed.stdout.split()) == [f"./{path}" for path in found]
+    assert list(objects_in(tmp_path, "data/**/a.obj")) == ["linked-sub"]
+    assert mesh_files(tmp_path, "data/l*/**/*.obj") == [folder / "linked/sub/a.obj"]
+
+
+@pytest.mark.parametrize("pattern", ["a**/*.obj", "**.obj", "**/**"])
+def test_two_stars_are_the_whole_name_of_a_folder(tree, pattern):
+    with pytest.raises(UserError, match="only once, as the whole name"):
+        mesh_files(tree("a/b.obj"), pattern)
 
 
 def test_names_are_safe_in_paths():

@@ -79,6 +79,20 @@ def test_hidden_files_do_not_count(made):
     assert not verify(made).problems
 
 
+def test_what_lies_in_linked_folders_is_checked(made, tmp_path):
+    """Also what was made from it: wherever the link leads."""
+    (made / "meshes").rename(tmp_path / "elsewhere")
+    (made / "meshes").symlink_to(tmp_path / "elsewhere")
+    (made / "round").symlink_to(".")
+    verdict = verify(made)
+    assert (verdict.problems, verdict.unknown, verdict.gone) == ({}, [], 0)
+    assert verdict.checked == 9
+    (tmp_path / "elsewhere/a.obj").write_text("altered")
+    assert problems(made) == {"meshes/a.obj": "altered"}
+    write_sums(made / "meshes")
+    assert problems(made)["comparison.parquet"].startswith("made from a different version")
+
+
 def test_there_must_be_something_to_compare(tmp_path):
     with pytest.raises(UserError, match="no provenance recorded"):
         verify(tmp_path)

@@ -30,7 +30,7 @@ from egad.workflow.display import start_display
 from egad.workflow.params import contents, plain
 from egad.errors import UserError
 from egad.grippers import files_of
-from egad.io import missing_files
+from egad.io import files_below, missing_files
 from egad._util.kernel_cache import compile_kernels
 from egad._util.progress import MARKS
 from egad.measures import source_hash
@@ -235,13 +235,13 @@ def check_results():
         raise WorkflowError(
             f"{results.absolute()} cannot be written: read-only, or owned by another user"
         )
-    files = (Path(folder, name) for folder, _, names in os.walk(results) for name in names)
+    files = files_below(results) if results.exists() else []
     late = sorted(str(path) for path in files if _is_late(path))
     if late:
         raise WorkflowError(
             f"{late[0]} and {len(late) - 1} more are dated in the future: the clock was set back."
             " Correct it; or, if `egad verify results` reports no problem, update their times:"
-            " find results -newermt now -exec touch {} +"
+            " find -L results -newermt now -exec touch {} +"
         )
 
 
