@@ -89,6 +89,8 @@ def write_mesh(mesh: trimesh.Trimesh, path: Path) -> None:
 def read_content(path: Path) -> Content:
     """Vertices and faces of a mesh file, in its own unit; GLB files are turned to have z up.
 
+    Vertices that no face uses are left out if they are not finite.
+
     Args:
         path: A file with one of `ENDINGS`.
 
@@ -109,7 +111,14 @@ def read_content(path: Path) -> Content:
         raise  # says nothing about the file
     except Exception as error:  # parsers may raise anything on broken files
         raise RejectedError(f"{unreadable}: it is damaged") from error
-    return content
+    finite = np.isfinite(content.vertices).all(axis=1)
+    if finite.all():
+        return content
+    kept = finite
+    kept[content.faces] = True
+    return content._replace(
+        vertices=content.vertices[kept], faces=(np.cumsum(kept) - 1)[content.faces]
+    )
 
 
 def check_unit_known(paths: Iterable[Path], units: str | None) -> None:

@@ -12,11 +12,13 @@ from egad.errors import RejectedError
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 START = 1024  # bytes that say whether a file is text
 _UTF16 = re.compile(rb"\xff\xfe|\xfe\xff|(?:[^\0]\0){4}|(?:\0[^\0]){4}")
+# How C and C++ libraries write what is not finite, other than `nan` and `inf`
+_NOT_FINITE = re.compile(rb"\d\.#(?:[QS]NAN|IND|INF)\d*|(?<=nan)\([^)\s]*\)", re.IGNORECASE)
 _BLANKS = dict.fromkeys(map(ord, "\t\n\r\x1a"))
 
 
 def plain_text(data: bytes) -> bytes:
-    r"""A text without byte-order mark, and with `\n` at the ends of its lines.
+    r"""A text without byte-order mark, with `\n` at the ends of its lines, and with `nan` as such.
 
     Raises:
         RejectedError: It is UTF-16 or UTF-32, or binary.
@@ -25,8 +27,15 @@ def plain_text(data: bytes) -> bytes:
         raise RejectedError("it is UTF-16 text; save it as UTF-8")
     if 0 in data[:START]:
         raise RejectedError("it is binary, not text")
-    text = data.removeprefix(BYTE_ORDER_MARK)
+    text = with_plain_nan(data.removeprefix(BYTE_ORDER_MARK))
     return text.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in text else text
+
+
+def with_plain_nan(text: bytes) -> bytes:
+    """A text with `nan` for numbers such as `1.#QNAN` and `nan(ind)`, which are not finite."""
+    if b".#" not in text and b"(" not in text:
+        return text
+    return _NOT_FINITE.sub(lambda match: b"" if match[0][:1] == b"(" else b"nan", text)
 
 
 def is_utf16(data: bytes) -> bool:

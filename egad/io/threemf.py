@@ -37,7 +37,7 @@ from egad.io.slicers import (
     sign_of,
     volume_sizes,
 )
-from egad.io.text import integers, reals
+from egad.io.text import integers, reals, with_plain_nan
 from egad.io.units import PRESCRIBED, UNIT_OF
 
 MICROSOFT = "http://schemas.microsoft.com/3dmanufacturing"
@@ -271,7 +271,7 @@ def _parsed(data: bytes) -> tuple[Element, dict[str, str]]:
     tree = _Tree()
     parser = ElementTree.XMLParser(target=tree)  # noqa: S314 (no document type, no entities)
     try:
-        parser.feed(data)
+        parser.feed(with_plain_nan(data))
         return parser.close(), tree.namespaces
     except ElementTree.ParseError as error:
         raise RejectedError(f"it is damaged: {str(error)[:120]}") from error
