@@ -1,14 +1,19 @@
-"""Objects as MJCF, for MuJoCo: one free body with the frame of the mesh."""
+"""Objects as MJCF, for MuJoCo: one free body with the frame of the mesh.
+
+A file has no `compiler` and no `default`, which would also apply to the rest of a scene that
+includes it, and states what the defaults of that scene could change.
+"""
 
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+import numpy as np
+
 from egad.evalset import SimulationObject
 from egad.exchange.object_meshes import GREY, MeshFiles, write_object_meshes
 from egad.exchange.poses import write_poses
 from egad.exchange.xml_text import moments, number_text, xml_document
-from egad.geometry import MassProperties
 
 
 class GeomGroups(NamedTuple):
@@ -19,6 +24,20 @@ class GeomGroups(NamedTuple):
 
 
 USUAL = GeomGroups("2", "3")  # MuJoCo does not draw group 3
+# The defaults of MuJoCo
+MESH = {"scale": "1 1 1", "maxhullvert": "-1"}
+GEOM = {
+    "type": "mesh",
+    "pos": "0 0 0",
+    "quat": "1 0 0 0",
+    "condim": "3",
+    "priority": "0",
+    "margin": "0",
+    "gap": "0",
+    "solmix": "1",
+    "solref": "0.02 1",
+    "solimp": "0.9 0.95 0.001 0.5 2",
+}
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
@@ -31,24 +50,24 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
         friction: Sliding friction.
     """
     files = write_object_meshes(folder / name, made)
-    text = mjcf_text(name, files, made.physics, friction)
+    text = mjcf_text(name, files, made, friction)
     (folder / name / f"{name}.xml").write_text(text, encoding="utf-8")
     write_poses(folder / name, made)
 
 
-def mjcf_text(name: str, files: MeshFiles, physics: MassProperties, friction: float) -> str:
+def mjcf_text(name: str, files: MeshFiles, made: SimulationObject, friction: float) -> str:
     """The description of one object.
 
     Args:
         name: Name of the model and its only body.
         files: Mesh files in metres, relative to the description.
-        physics: Mass, center of mass and inertia about it.
+        made: The object.
         friction: Sliding friction.
     """
     model, assets, world = mjcf_model(name)
     body = ElementTree.SubElement(world, "body", name=name)
     ElementTree.SubElement(body, "freejoint")
-    add_solid(assets, body, name, files, physics, friction, USUAL)
+    add_solid(assets, body, name, files, made, friction, USUAL)
     return xml_document(model)
 
 
@@ -57,7 +76,6 @@ def mjcf_model(
 ) -> tuple[ElementTree.Element, ElementTree.Element, ElementTree.Element]:
     """A model with no bodies: its root, its assets and its world."""
     model = ElementTree.Element("mujoco", model=name)
-    ElementTree.SubElement(model, "compiler", angle="radian", inertiafromgeom="false")
     assets = ElementTree.SubElement(model, "asset")
     return model, assets, ElementTree.SubElement(model, "worldbody")
 
@@ -67,7 +85,7 @@ def add_solid(
     body: ElementTree.Element,
     name: str,
     files: MeshFiles,
-    physics: MassProperties,
+    made: SimulationObject,
     friction: float,
     groups: GeomGroups,
 ) -> None:
@@ -78,18 +96,26 @@ def add_solid(
         body: The body.
         name: Prefix of the names of meshes.
         files: Mesh files in metres, relative to the description.
-        physics: Mass, center of mass and inertia about it.
+        made: The object.
         friction: Sliding friction.
         groups: The groups of its geoms.
     """
+    physics = made.physics
     inertial = ElementTree.SubElement(body, "inertial", pos=number_text(*physics.com))
     inertial.set("mass", number_text(physics.mass))
     inertial.set("fullinertia", number_text(*moments(physics).values()))
+    # The visual has the mass too, for scenes with inertiafromgeom="true". MuJoCo refuses the exact
+    # inertia of a surface that touches itself along an edge.
+    edges = np.asarray(made.mesh.edges)
+    kind = "exact" if len(np.unique(edges, axis=0)) == len(edges) else "legacy"
     look = {"contype": "0", "conaffinity": "0", "group": groups.visual}
-    _geom(assets, body, f"{name}-visual", files.visual, look | {"rgba": number_text(*GREY, 1)})
-    sticks = {"group": groups.collision, "friction": number_text(friction)}
+    look |= {"mass": number_text(physics.mass), "rgba": number_text(*GREY, 1)}
+    _geom(assets, body, f"{name}-visual", files.visual, kind, look)
+    sticks = {"contype": "1", "conaffinity": "1", "group": groups.collision, "mass": "0"}
+    sticks |= {"friction": number_text(friction, 0.005, 0.0001), "rgba": "0.5 0.5 0.5 1"}
     for part in files.parts:
-        _geom(assets, body, f"{name}-{Path(part).stem}", part, sticks)
+        # As a shell, a mesh may be arbitrarily thin; its inertia is not used.
+        _geom(assets, body, f"{name}-{Path(part).stem}", part, "shell", sticks)
 
 
 def _geom(
@@ -97,8 +123,9 @@ def _geom(
     body: ElementTree.Element,
     name: str,
     file: str,
+    inertia: str,
     attributes: dict[str, str],
 ) -> None:
-    # As a shell, a mesh may be arbitrarily thin; its inertia is not used.
-    ElementTree.SubElement(assets, "mesh", name=name, file=file, inertia="shell")
-    ElementTree.SubElement(body, "geom", {"type": "mesh", "mesh": name, **attributes})
+    """Add a mesh and the geom that shows it."""
+    ElementTree.SubElement(assets, "mesh", MESH, name=name, file=file, inertia=inertia)
+    ElementTree.SubElement(body, "geom", {"mesh": name, **attributes, **GEOM})

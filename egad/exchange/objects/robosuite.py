@@ -47,7 +47,7 @@ def robosuite_text(name: str, files: MeshFiles, made: SimulationObject, friction
     model, assets, world = mjcf_model(name)
     wrapper = ElementTree.SubElement(world, "body")
     body = ElementTree.SubElement(wrapper, "body", name="object")
-    add_solid(assets, body, name, files, made.physics, friction, GROUPS)
+    add_solid(assets, body, name, files, made, friction, GROUPS)
     for site, position in _sites(made.mesh).items():
         attributes = {"name": site, "pos": number_text(*position), "rgba": "0 0 0 0"}
         ElementTree.SubElement(wrapper, "site", attributes, size=number_text(SITE_RADIUS))

@@ -43,8 +43,9 @@ def write_simulation_object(
         friction: Sliding friction.
     """
     files = write_object_meshes(folder, made)
-    for ending, describe in (("urdf", urdf_text), ("xml", mjcf_text)):
-        text = describe(name, files, made.physics, friction)
+    urdf = urdf_text(name, files, made.physics, friction)
+    mjcf = mjcf_text(name, files, made, friction)
+    for ending, text in (("urdf", urdf), ("xml", mjcf)):
         (folder / f"{name}.{ending}").write_text(text, encoding="utf-8")
     write_poses(folder, made)
 
