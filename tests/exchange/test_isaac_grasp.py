@@ -3,10 +3,13 @@
 import mujoco
 import numpy as np
 import pytest
+import trimesh
 import yaml
-from described_hands import box_urdf, jaw_gap, jaw_urdf, linkage_mjcf
+from described_hands import PANDA, box_urdf, jaw_gap, jaw_urdf, linkage_mjcf
 from scipy.spatial.transform import Rotation
+from trimesh.transformations import translation_matrix
 
+import egad
 from egad import Gripper
 from egad.config.stages import select
 from egad.errors import UserError
@@ -20,8 +23,10 @@ LABEL = "A00_0"
 
 @pytest.fixture(scope="module")
 def rows(labelled):
+    """Grasps at which the pads are the first to touch."""
     of_one = labelled[labelled["label"] == LABEL]
-    return of_one[of_one["simulated_success"].notna() | ~of_one["collision_free"]]
+    known = of_one[of_one["simulated_success"].notna() | ~of_one["collision_free"]]
+    return known.assign(needed_opening=known["width"])
 
 
 def read(path):
@@ -90,8 +95,9 @@ def test_pads_of_a_linkage_meet_the_contacts(rows, tmp_path):
     assert np.ptp(heights) > 1e-4  # they do move forward
 
 
-def test_jaws_of_which_one_is_fixed_meet_the_contacts(rows, tmp_path):
+def test_jaws_of_which_one_is_fixed_stand_beside_the_contacts(rows, tmp_path):
     """In the frame of the palm the fixed face is at -7.9 mm; the gap is that of the closed form."""
+    beside = np.array([0.001, 0, 0])
     gripper = Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"))
     narrow = rows[rows["width"].between(0.003, gripper.opening)]
     write_isaac_grasp(tmp_path / "a.yaml", LABEL, gripper, narrow)
@@ -100,10 +106,33 @@ def test_jaws_of_which_one_is_fixed_meet_the_contacts(rows, tmp_path):
     contacts = zip(contacts_of(narrow, 0), contacts_of(narrow, 1), strict=True)
     for (_, pose, joints, _), pair in zip(found, contacts, strict=True):
         first, second = ((np.linalg.inv(pose) @ [*contact, 1])[:3] for contact in pair)
-        assert first[:2] == pytest.approx([-0.0079, 0], abs=1e-6)
+        assert first[:2] == pytest.approx([-0.0079 + 0.001, 0], abs=1e-6)
         gap = jaw_gap(joints["swing"], first[2])
-        assert second - first == pytest.approx([gap, 0, 0], abs=2e-5)
+        assert second - first + 2 * beside == pytest.approx([gap, 0, 0], abs=5e-5)
     assert len(found) > 5
+
+
+def test_fingers_stop_at_what_they_touch_before_the_contacts(tmp_path):
+    """A finger of the hand is wider than the waist that it grips, and stops at the plates."""
+    plates = [trimesh.creation.box((0.05, 0.05, 0.01)) for _ in range(2)]
+    for plate, height in zip(plates, (-0.01, 0.01), strict=True):
+        plate.apply_translation((0, 0, height))
+    waist = trimesh.creation.cylinder(0.01, 0.03)
+    solid = trimesh.boolean.union([*plates, waist], engine="manifold")
+    hand = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
+    frame = egad.sample_grasps(solid, hand, n=60).to_frame()
+    free = frame[frame["collision_free"]].assign(simulated_outcome="success")
+    write_isaac_grasp(tmp_path / "a.yaml", LABEL, hand, free.assign(simulated_success=True))
+    early = free["needed_opening"] > free["width"] + 0.005
+    assert early.sum() > 5
+    thick, wide, long = PANDA["finger"]
+    inset = 1e-4
+    for _, pose, joints, _ in read(tmp_path / "a.yaml")[0]:
+        for side in (-1, 1):
+            middle = side * (joints["left_joint"] + 1e-4 + thick / 2)
+            place = pose @ translation_matrix((middle, 0, long / 2))
+            finger = trimesh.creation.box(np.array((thick, wide, long)) - 2 * inset, place)
+            assert trimesh.boolean.intersection([finger, solid], engine="manifold").is_empty
 
 
 def test_only_grasps_that_held_have_confidence(rows, tmp_path):

@@ -15,7 +15,7 @@ from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.grasps import Grasps, held_when_shaken, with_outcome
-from egad.grippers import Gripper, base_link, base_pose, joint_values
+from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values
 from egad.io import write_obj
 
 DECIMALS = 9
@@ -41,7 +41,8 @@ def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataF
 
     The confidence is 1 if both fingers still held the object after it was shaken in simulation,
     and 0 for the others and for grasps at which the open hand collides. Grasps with no known
-    outcome are left out.
+    outcome are left out. In `cspace_position`, the fingers stand beside the object, at the needed
+    opening; a fixed jaw and the jaw that faces it stand `JAW_CLEARANCE` beside the contacts.
 
     Args:
         path: A name that ends in `.yaml`.
@@ -54,20 +55,23 @@ def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataF
     """
     known = with_outcome(grasps)
     widths = Grasps(known).widths
-    bases = np.array([base_pose(gripper, width) for width in widths]).reshape(-1, 4, 4)
+    aside = hand_body(gripper).aside(widths, widths)
+    bases = np.reshape([base_pose(gripper, width) for width in widths], (-1, 4, 4))
+    bases[:, 0, 3] += aside
     poses = Grasps(known).poses @ bases
     turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True)
+    openings = known["needed_opening"] - 2 * aside
     base, opened = base_link(gripper), joint_values(gripper, gripper.opening)
     listed = {
         f"grasp_{number}": {
             "confidence": float(held),
             "position": _rounded(pose[:3, 3]),
             "orientation": {"w": _rounded(turn)[3], "xyz": _rounded(turn)[:3]},
-            "cspace_position": joint_values(gripper, width),
+            "cspace_position": joint_values(gripper, opening),
             "pregrasp_cspace_position": dict(opened),
         }
-        for number, (held, pose, turn, width) in enumerate(
-            zip(held_when_shaken(known), poses, turns, widths, strict=True)
+        for number, (held, pose, turn, opening) in enumerate(
+            zip(held_when_shaken(known), poses, turns, openings, strict=True)
         )
     }
     frames = {"object_frame": label, "gripper_frame": base}
