@@ -201,5 +201,7 @@ class Release(Parameters):
         description="date of publication, YYYY-MM-DD, stated in its card",
     )
     url: str | None = Field(
-        None, description="address where the dataset is hosted, stated in its card"
+        None,
+        description="address of the folder where it is hosted, or of the dataset on Hugging Face; "
+        "stated in its card",
     )

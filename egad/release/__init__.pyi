@@ -3,6 +3,7 @@ from .citation import citation_cff as citation_cff
 from .citation import licence_text as licence_text
 from .contents import ABSTRACT as ABSTRACT
 from .contents import OTHER_FILES as OTHER_FILES
+from .contents import RAI as RAI
 from .contents import TABLES as TABLES
 from .croissant import Files as Files
 from .croissant import croissant_json as croissant_json
@@ -11,8 +12,9 @@ from .dataset_card import PAPER as PAPER
 from .dataset_card import TAGS as TAGS
 from .dataset_card import ReleaseFacts as ReleaseFacts
 from .dataset_card import card_page as card_page
+from .tables import MAX_FILES as MAX_FILES
+from .tables import file_stems as file_stems
 from .tables import in_files as in_files
 from .tables import released_grasps as released_grasps
 from .tables import released_objects as released_objects
 from .tables import simulated_grasps as simulated_grasps
-from .tables import with_files as with_files

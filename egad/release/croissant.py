@@ -12,45 +12,26 @@ import pyarrow as pa
 
 from egad.tables.columns import meaning_of
 
-CONFORMS_TO = "http://mlcommons.org/croissant/1.0"
+CONFORMS_TO = ["http://mlcommons.org/croissant/1.0", "http://mlcommons.org/croissant/RAI/1.0"]
+OWN_WORDS = (
+    "citeAs column equivalentProperty extract field fileObject fileProperty fileSet format "
+    "includes isLiveDataset jsonPath key md5 parentField path recordSet references regex repeated "
+    "replace samplingRate separator source subField transform"
+)
 CONTEXT: dict[str, Any] = {
     "@language": "en",
     "@vocab": "https://schema.org/",
-    "citeAs": "cr:citeAs",
-    "column": "cr:column",
     "conformsTo": "dct:conformsTo",
     "cr": "http://mlcommons.org/croissant/",
     "data": {"@id": "cr:data", "@type": "@json"},
     "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
     "dct": "http://purl.org/dc/terms/",
-    "equivalentProperty": "cr:equivalentProperty",
     "examples": {"@id": "cr:examples", "@type": "@json"},
-    "extract": "cr:extract",
-    "field": "cr:field",
-    "fileObject": "cr:fileObject",
-    "fileProperty": "cr:fileProperty",
-    "fileSet": "cr:fileSet",
-    "format": "cr:format",
-    "includes": "cr:includes",
-    "isLiveDataset": "cr:isLiveDataset",
-    "jsonPath": "cr:jsonPath",
-    "key": "cr:key",
-    "md5": "cr:md5",
-    "parentField": "cr:parentField",
-    "path": "cr:path",
     "rai": "http://mlcommons.org/croissant/RAI/",
-    "recordSet": "cr:recordSet",
-    "references": "cr:references",
-    "regex": "cr:regex",
-    "repeated": "cr:repeated",
-    "replace": "cr:replace",
-    "samplingRate": "cr:samplingRate",
     "sc": "https://schema.org/",
-    "separator": "cr:separator",
-    "source": "cr:source",
-    "subField": "cr:subField",
-    "transform": "cr:transform",
+    **{name: f"cr:{name}" for name in OWN_WORDS.split()},
 }
+HUB = "https://huggingface.co/datasets/"
 
 
 @dataclass(frozen=True)
@@ -60,7 +41,8 @@ class Files:
     Attributes:
         name: What they are called.
         meaning: What each file is, or each row of a table.
-        pattern: Glob of the files, relative to the release.
+        pattern: Name of the only file, relative to the release, or a glob of them, whose `*` also
+            stands for folders.
         media_type: Media type of each.
     """
 
@@ -72,7 +54,7 @@ class Files:
 
 @dataclass(frozen=True)
 class Table(Files):
-    """A table of a release, in one file or several.
+    """A table of a release, in one file.
 
     Attributes:
         schema: Its columns.
@@ -84,36 +66,59 @@ class Table(Files):
 
 
 def croissant_json(
-    about: Mapping[str, object], tables: Sequence[Table], files: Sequence[Files]
+    about: Mapping[str, object],
+    tables: Sequence[Table],
+    files: Sequence[Files],
+    sums: Mapping[str, str] | None = None,
 ) -> str:
     """The description as JSON-LD.
 
     Args:
         about: Properties of the dataset by the names of schema.org, such as `name`, `license`,
-            `version`; those that are None are left out.
+            `version`, or by those of Croissant RAI; those that are None are left out. `url` is the
+            address of the folder of the release, or of the dataset on Hugging Face: with it, the
+            description can be read from anywhere, and without it, beside the files.
         tables: Tables, which can be iterated over.
         files: Other files.
+        sums: SHA-256 of the files without a glob, by name. Without sums, the dataset counts as one
+            that changes.
     """
+    url = str(about.get("url") or "")
     whole = {
         "@context": CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": CONFORMS_TO,
         **{name: value for name, value in about.items() if value is not None},
-        "distribution": [_file_set(each) for each in (*tables, *files)],
+        **({} if sums else {"isLiveDataset": True}),
+        "distribution": [_distribution(each, url, sums or {}) for each in (*tables, *files)],
         "recordSet": [_record_set(each) for each in tables],
     }
     return json.dumps(whole, indent=1, ensure_ascii=False) + "\n"
 
 
-def _file_set(files: Files) -> dict[str, Any]:
-    return {
-        "@type": "cr:FileSet",
+def _distribution(files: Files, url: str, sums: Mapping[str, str]) -> dict[str, Any]:
+    common = {
         "@id": f"{files.name}-files",
         "name": f"{files.name}-files",
         "description": files.meaning,
         "encodingFormat": files.media_type,
-        "includes": files.pattern,
     }
+    if "*" in files.pattern:
+        return {"@type": "cr:FileSet", **common, "includes": files.pattern}
+    known = {"sha256": sums[files.pattern]} if files.pattern in sums else {}
+    return {
+        "@type": "cr:FileObject",
+        **common,
+        "contentUrl": _folder_url(url) + files.pattern,
+        **known,
+    }
+
+
+def _folder_url(url: str) -> str:
+    """Where the files of a release are, as text to put before their names."""
+    if not url:
+        return ""
+    return url.rstrip("/") + ("/resolve/main/" if url.startswith(HUB) else "/")
 
 
 def _record_set(table: Table) -> dict[str, Any]:
@@ -135,7 +140,7 @@ def _field(table: str, field: pa.Field) -> dict[str, Any]:
         "name": field.name,
         "description": f"{meaning}, {unit}" if unit else meaning,
         "dataType": _data_type(field.type),
-        "source": {"fileSet": {"@id": f"{table}-files"}, "extract": {"column": field.name}},
+        "source": {"fileObject": {"@id": f"{table}-files"}, "extract": {"column": field.name}},
     }
 
 

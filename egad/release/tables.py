@@ -12,8 +12,19 @@ from egad.tables import parquet
 from egad.tables.grasping import SIMULATED_GRASPS
 from egad.tables.release import RELEASED_GRASPS
 
-MESH, PREVIEW = "meshes/{}.glb", "previews/{}.png"
+MAX_FILES = 10_000  # in a folder of a repository of Hugging Face
 ROWS = 50_000  # in a file of grasps, at most: about 10 MB
+
+
+def file_stems(names: Iterable[str]) -> dict[str, str]:
+    """Where the file of each object is in a folder of the release, without its ending.
+
+    It is `NAME`, or `NN/NAME` if there are more objects than a folder may have files.
+    """
+    listed = list(names)
+    if len(listed) <= MAX_FILES:
+        return dict(zip(listed, listed, strict=True))
+    return {name: f"{number // MAX_FILES:02d}/{name}" for number, name in enumerate(listed)}
 
 
 def with_files(table: pd.DataFrame, labels: Iterable[str]) -> pd.DataFrame:
@@ -21,12 +32,12 @@ def with_files(table: pd.DataFrame, labels: Iterable[str]) -> pd.DataFrame:
 
     Args:
         table: Any.
-        labels: Label of the object of each row.
+        labels: Label of the object of each row: all objects of the release.
     """
-    names = list(labels)
+    stems = file_stems(labels).values()
     return table.assign(
-        mesh=[MESH.format(name) for name in names],
-        preview=[PREVIEW.format(name) for name in names],
+        mesh=[f"meshes/{stem}.glb" for stem in stems],
+        preview=[f"previews/{stem}.png" for stem in stems],
     )
 
 

@@ -52,14 +52,14 @@ RELEASED_EVALUATION_SET = pa.schema([*EVAL49, MESH, PREVIEW])
 FILES = [
     Result("release/", "dataset that anyone can host; see docs/release.md"),
     Result(
-        "release/data/objects/SPLIT.parquet",
-        "objects of the splits train, validation and test",
+        "release/data/objects.parquet",
+        "objects; `objects/SPLIT.parquet` has those of each split",
         RELEASED_OBJECTS,
     ),
     Result(
-        "release/data/grasps/SPLIT-NNNNN-of-NNNNN.parquet",
+        "release/data/grasps.parquet",
         "grasps of the released objects, in the frame of the object scaled to the gripper of the "
-        "release",
+        "release; `grasps/SPLIT-NNNNN-of-NNNNN.parquet` has those of each split",
         RELEASED_GRASPS,
     ),
     Result(

@@ -24,6 +24,7 @@ from egad.io import read_mesh
 from egad.map_elites import Lineage, rules_of
 from egad.map_elites.evaluation import express
 from egad.measures import attainable_graspability
+from egad.release import file_stems
 from egad.report.axes import AxisPair, axis_pair
 from egad.report.gallery.dataset import GalleryData
 from egad.report.gallery.details import Download, GenomeText, ObjectPage, ancestor_data, object_data
@@ -174,8 +175,9 @@ def _links(pieces: list[Path]) -> tuple[list[Download], dict[str, list[Download]
     for piece in pieces:
         if piece.suffix == ".zip":
             whole.append(Download(piece.name, file_link(piece.parent.name, piece.name)))
-        for path in sorted(piece.glob("*.glb")):
-            own[path.stem].append(Download("Mesh (GLB)", file_link(piece.name, path.name)))
+        for path in sorted(piece.rglob("*.glb")):
+            parts = path.relative_to(piece.parent).parts
+            own[path.stem].append(Download("Mesh (GLB)", file_link(*parts)))
         for path in sorted(piece.glob("grasps/*.parquet")):
             link = Download(f"Grasps, in {path.name}", file_link(piece.name, "grasps", path.name))
             for label in parquet.read(path, pa.schema([LABEL]))["label"].unique():
@@ -184,7 +186,9 @@ def _links(pieces: list[Path]) -> tuple[list[Download], dict[str, list[Download]
 
 
 def _write(folder: Path, name: str, script: str) -> None:
-    (folder / f"{name}.js").write_text(script, encoding="utf-8")
+    path = folder / f"{name}.js"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(script, encoding="utf-8")
 
 
 def _write_objects(
@@ -193,13 +197,14 @@ def _write_objects(
     """Write the pages of the objects, and the sheets of their pictures."""
     cells = settings.space.cells
     rows = pd.DataFrame([item.page.row for item in items], columns=OBJECTS.names)
+    stems = file_stems(rows["label"])
     sheets: dict[int, dict[Place, RgbImage]] = defaultdict(dict)
     made = progress(
         mapper(partial(_object, settings=settings, axes=axes), items), "objects", len(items)
     )
     for item, rank, (script, picture) in zip(items, cell_ranks(rows), made, strict=True):
         row = item.page.row
-        _write(folder / PAGES, row["label"], script)
+        _write(folder / PAGES, stems[row["label"]], script)
         place = int(row["complexity_cell"]), cells - 1 - int(row["difficulty_cell"])
         sheets[int(rank)][place] = picture
     for rank, pictures in sheets.items():
@@ -226,10 +231,11 @@ def _write_ancestors(
     rows = parquet.records(data.ancestors)
     items = [Ancestor(i, row, data.relatives(row["id"])) for i, row in enumerate(rows)]
     work = partial(_ancestor, settings=settings, rules=rules_of(settings), axes=axes)
+    stems = file_stems(str(item.number) for item in items)
     pictures: dict[int, RgbImage] = {}
     made = progress(mapper(work, items), "ancestors", len(items))
     for number, (script, picture) in enumerate(made):
-        _write(folder / ANCESTORS, str(number), script)
+        _write(folder / ANCESTORS, stems[str(number)], script)
         if picture is not None:
             pictures[number] = picture
     for number, content in enumerate(ancestor_sheets(pictures, len(items))):

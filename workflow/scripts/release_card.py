@@ -1,5 +1,6 @@
 """release-card: files that explain a dataset release, for people and for programs."""
 
+import fnmatch
 import json
 import shutil
 from collections.abc import Iterable, Iterator
@@ -13,7 +14,7 @@ from egad.config import Release
 from egad.config.stages import ReleaseCard
 from egad.detectors import NETWORKS
 from egad.errors import UserError
-from egad.perception import SPLITS
+from egad.io import checksum, files_of
 from egad.provenance.graph import provenance_graph
 from egad.release import (
     ABSTRACT,
@@ -21,6 +22,7 @@ from egad.release import (
     LICENSE_URL,
     OTHER_FILES,
     PAPER,
+    RAI,
     TABLES,
     TAGS,
     Files,
@@ -63,16 +65,14 @@ def run(
     with atomic_output(out / "networks") as folder:
         shutil.copytree(NETWORKS, folder)
     release = settings.release
-    objects = pd.concat(
-        parquet.read(out / "data/objects" / f"{split}.parquet", RELEASED_OBJECTS)
-        for split in SPLITS
-    )
-    files = [each for each in OTHER_FILES if any(out.glob(each.pattern))]
-    page = card_page(
-        _facts(settings, objects), objects, _success(out), _contents(out, [*TABLES, *files])
-    )
+    objects = parquet.read(out / "data/objects.parquet", RELEASED_OBJECTS)
+    listed = [row for row in _contents(out, [*TABLES, *OTHER_FILES]) if row[2]]
+    page = card_page(_facts(settings, objects), objects, _success(out), listed)
     write_text(out / "README.md", page)
-    write_text(out / "croissant.json", croissant_json(_about(release), TABLES, files))
+    patterns = {row[0] for row in listed}
+    files = [each for each in OTHER_FILES if each.pattern in patterns]
+    sums = {name: checksum(out / name) for name in patterns if "*" not in name}
+    write_text(out / "croissant.json", croissant_json(_about(release), TABLES, files, sums))
     citation = citation_cff(release.title, release.version, release.date, release.url)
     write_text(out / "CITATION.cff", citation)
     write_text(out / "LICENSE", licence_text(release.title, release.version))
@@ -107,20 +107,17 @@ def _facts(settings: ReleaseCard, objects: pd.DataFrame) -> ReleaseFacts:
 
 def _success(out: Path) -> dict[str, float]:
     """The share of the grasps with an outcome that held, by split."""
-    found = {}
-    for split in SPLITS:
-        paths = sorted((out / "data/grasps").glob(f"{split}-*.parquet"))
-        rows = [each for path in paths for each in parquet.batches(path, ["simulated_success"])]
-        judged = [held for each in rows for held in each["simulated_success"].dropna()]
-        if judged:
-            found[split] = sum(judged) / len(judged)
-    return found
+    batches = parquet.batches(out / "data/grasps.parquet", ["split", "simulated_success"])
+    judged = pd.concat(batches).dropna()
+    shares = judged["simulated_success"].astype(bool).groupby(judged["split"]).mean()
+    return {str(split): float(share) for split, share in shares.items()}
 
 
 def _contents(out: Path, files: Iterable[Files]) -> Iterator[tuple[str, str, int, int]]:
     """The pattern, meaning, number and bytes of the files of a release."""
+    paths = {path.relative_to(out).as_posix(): path for path in files_of(out)}
     for each in files:
-        sizes = [path.stat().st_size for path in out.glob(each.pattern)]
+        sizes = [paths[name].stat().st_size for name in fnmatch.filter(paths, each.pattern)]
         yield each.pattern, each.meaning, len(sizes), sum(sizes)
 
 
@@ -138,6 +135,7 @@ def _about(release: Release) -> dict[str, object]:
         "keywords": TAGS,
         "datePublished": release.date,
         "url": release.url,
+        **RAI,
     }
 
 

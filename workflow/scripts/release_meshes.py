@@ -8,6 +8,7 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.io import read_mesh, write_glb
+from egad.release import file_stems
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 from egad.workflow.job import run_job
@@ -28,15 +29,16 @@ def run(
             tables is y in these files, and most programs turn it back.
         jobs: Processes; the result does not depend on it.
     """
-    labels = parquet.read(objects, OBJECTS)["label"].tolist()
+    stems = file_stems(parquet.read(objects, OBJECTS)["label"])
     with workers(jobs) as mapper, atomic_output(out) as folder:
         folder.mkdir()
-        written = mapper(partial(_write, meshes, folder), labels)
-        deque(progress(written, "writing meshes", len(labels)), maxlen=0)
+        written = mapper(partial(_write, meshes, folder), list(stems.items()))
+        deque(progress(written, "writing meshes", len(stems)), maxlen=0)
 
 
-def _write(meshes: Path, folder: Path, label: str) -> None:
-    write_glb(read_mesh(meshes / f"{label}.obj", "m"), folder / f"{label}.glb")
+def _write(meshes: Path, folder: Path, item: tuple[str, str]) -> None:
+    label, stem = item
+    write_glb(read_mesh(meshes / f"{label}.obj", "m"), folder / f"{stem}.glb")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.io import read_mesh
+from egad.release import file_stems
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
@@ -31,16 +32,19 @@ def run(
             picture.
         jobs: Processes; the result does not depend on it.
     """
-    labels = parquet.read(objects, OBJECTS)["label"].tolist()
+    stems = file_stems(parquet.read(objects, OBJECTS)["label"])
     with workers(jobs) as mapper, atomic_output(out) as folder:
         folder.mkdir()
         work = partial(_draw, meshes, folder)
-        deque(progress(mapper(work, labels), "drawing objects", len(labels)), maxlen=0)
+        drawn = mapper(work, list(stems.items()))
+        deque(progress(drawn, "drawing objects", len(stems)), maxlen=0)
 
 
-def _draw(meshes: Path, folder: Path, label: str) -> None:
-    mesh = read_mesh(meshes / f"{label}.obj", "m")
-    (folder / f"{label}.png").write_bytes(png_bytes(render(mesh, SIZE)))
+def _draw(meshes: Path, folder: Path, item: tuple[str, str]) -> None:
+    label, stem = item
+    path = folder / f"{stem}.png"
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(png_bytes(render(read_mesh(meshes / f"{label}.obj", "m"), SIZE)))
 
 
 if __name__ == "__main__":

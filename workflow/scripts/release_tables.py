@@ -13,7 +13,7 @@ from egad.evalset import families, split_by_family, with_parents_and_children
 from egad.grasps import antipodal_success_rates
 from egad.map_elites import Lineage
 from egad.perception import SPLITS
-from egad.release import in_files, released_grasps, released_objects, simulated_grasps, with_files
+from egad.release import in_files, released_grasps, released_objects, simulated_grasps
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import LINEAGE
@@ -65,15 +65,17 @@ def run(
         family=table["id"].map(family_of),
         gripper=settings.release.gripper,
     )
+    found = found.assign(split=found["id"].map(split_of))
     with atomic_output(out) as folder:
+        parquet.write(table, RELEASED_OBJECTS, folder / "objects.parquet")
+        parquet.write(found, RELEASED_GRASPS, folder / "grasps.parquet")
         for split in SPLITS:
-            rows = table[table["split"] == split]
+            rows, mine = (each[each["split"] == split] for each in (table, found))
             parquet.write(rows, RELEASED_OBJECTS, folder / "objects" / f"{split}.parquet")
-            mine = found[found["id"].isin(rows["id"])].assign(split=split)
             for name, part in in_files(mine, split):
                 parquet.write(part, RELEASED_GRASPS, folder / "grasps" / name)
             log.info("%s: %d objects, %d grasps", split, len(rows), len(mine))
-        named = with_files(chosen, chosen["object_label"])
+        named = chosen.join(table.set_index("id")[["mesh", "preview"]], on="id")
         parquet.write(named, RELEASED_EVALUATION_SET, folder / "evaluation_set.parquet")
 
 

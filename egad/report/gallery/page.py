@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from egad.release import MAX_FILES
 from egad.report.axes import AxisPair
 from egad.report.gallery.dataset import GalleryData
 from egad.report.gallery.details import Download
@@ -35,6 +36,8 @@ def gallery_page(
         labels=LABELS,
         ancestor_columns=COLUMNS,
         ancestors_per_sheet=PER_SHEET,
+        ancestors=len(data.ancestors),
+        max_files=MAX_FILES,
     )
 
 

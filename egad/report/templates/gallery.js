@@ -13,6 +13,7 @@ const COLORS = ["--unknown", "--held", "--failed", "--collision"]; // of the lab
 const ANCESTOR = "ancestor";
 const ANCESTOR_COLUMNS = {{ ancestor_columns }}, ANCESTORS_PER_SHEET = {{ ancestors_per_sheet }};
 const FOLDER = {{ folder | tojson }};
+const ANCESTORS = {{ ancestors }}, MAX_FILES = {{ max_files }}; // in a folder
 
 const find = (selector) => document.querySelector(selector);
 
@@ -27,10 +28,13 @@ function make(name, text = "", properties = {}) {
 const arrived = new Map();
 window.egadData = (name, data) => arrived.set(name, data);
 
-function load(kind, name) {
-  const key = name === undefined ? kind : `${kind}/${name}`;
+// Where the file of one of `count` things is; the same as file_stems in egad/release/tables.py.
+const stem = (name, number, count) => count > MAX_FILES ? `${String(Math.floor(number / MAX_FILES)).padStart(2, "0")}/${name}` : name;
+
+function load(kind, name, file = name) {
+  const key = name === undefined ? kind : `${kind}/${name}`, path = name === undefined ? kind : `${kind}/${file}`;
   return new Promise((resolve, reject) => {
-    const script = make("script", "", { src: `${FOLDER}/${key.split("/").map(encodeURIComponent).join("/")}.js` });
+    const script = make("script", "", { src: `${FOLDER}/${path.split("/").map(encodeURIComponent).join("/")}.js` });
     script.onload = script.onerror = () => {
       script.remove();
       if (arrived.has(key)) resolve(arrived.get(key));
@@ -49,7 +53,8 @@ function readIndex(data) {
   index = data;
   const { columns } = data;
   objects = columns.label.map((_, i) => Object.fromEntries(Object.entries(columns).map(([key, values]) => [key, values[i]])));
-  for (const object of objects) {
+  for (const [i, object] of objects.entries()) {
+    object.file = stem(object.label, i, objects.length);
     object.cell = cellName(object.column, object.row);
     byLabel.set(object.label, object);
     byId.set(object.id, object);
@@ -461,7 +466,7 @@ function about(object, id) {
 
 async function open(kind, name) {
   const object = kind === "objects" ? byLabel.get(name) : null;
-  const address = asOpened(), data = await load(kind, name);
+  const address = asOpened(), data = await load(kind, name, object?.file ?? stem(name, Number(name), ANCESTORS));
   if (asOpened() !== address) return; // another one was opened meanwhile
   const title = object ? name : data.id;
   find("#name").textContent = title;

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from functools import partial
 from pathlib import Path
 from urllib.parse import quote, unquote
 
@@ -18,6 +19,8 @@ from egad.config import Settings
 from egad.config.stages import Gallery, select
 from egad.data import released
 from egad.measures import MeasureSpace
+from egad.release import tables as release_files
+from egad.report.gallery import page as gallery_files
 from egad.report.viewer import STEPS
 from egad.tables import parquet
 from egad.tables.columns import LABEL
@@ -130,18 +133,36 @@ def test_nothing_is_written_outside_the_folder(site):
     assert not list(site.parent.glob("x*"))
 
 
+def shown_by_browser(site: Path, profile: Path, fragment: str) -> str:
+    """The page from disk after its scripts have run."""
+    options = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+    address = f"{(site / 'index.html').as_uri()}#{fragment}"
+    place = f"--user-data-dir={profile}"
+    command = ["chromium", *options, place, "--virtual-time-budget=5000", "--dump-dom"]
+    return subprocess.run(
+        [*command, address], capture_output=True, check=True, text=True, timeout=60
+    ).stdout
+
+
+@pytest.mark.skipif(not shutil.which("chromium"), reason="chromium is not installed")
+def test_a_browser_finds_the_files_of_many_objects(dataset, tmp_path, monkeypatch):
+    for module in (release_files, gallery_files):
+        monkeypatch.setattr(module, "MAX_FILES", 1)
+    site = make(dataset, tmp_path / "site", **lineage(dataset))
+    folders = [path for path in (site / "gallery/objects").iterdir() if path.is_dir()]
+    assert [len(list(path.iterdir())) for path in folders] == [1, 1]
+    (ancestor,) = (site / "gallery/ancestors/01").iterdir()
+    assert ancestor.name == "1.js"
+    second = json.loads(ancestor.read_text().split(",", 1)[1].removesuffix(");\n"))
+    for fragment, name in (("M01_0", "M01_0"), ("ancestor=1", second["id"])):
+        html = shown_by_browser(site, tmp_path / "profile", fragment)
+        assert re.search(r'<h2 id="name"[^>]*>(.*?)</h2>', html)[1] == name
+        assert re.search(r'<p id="trouble"[^>]*hidden', html)
+
+
 @pytest.mark.skipif(not shutil.which("chromium"), reason="chromium is not installed")
 def test_a_browser_shows_what_the_address_names(site, tmp_path):
-    def shown(fragment: str) -> str:
-        """The page from disk after its scripts have run."""
-        options = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]
-        profile = f"--user-data-dir={tmp_path / 'profile'}"
-        address = f"{(site / 'index.html').as_uri()}#{fragment}"
-        command = ["chromium", *options, profile, "--virtual-time-budget=5000", "--dump-dom"]
-        return subprocess.run(
-            [*command, address], capture_output=True, check=True, text=True, timeout=60
-        ).stdout
-
+    shown = partial(shown_by_browser, site, tmp_path / "profile")
     html = shown(quote(HOSTILE))
     assert "<b>&#39;" not in html
     heading = re.search(r'<h2 id="name"[^>]*>(.*?)</h2>', html)[1]

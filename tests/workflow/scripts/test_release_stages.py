@@ -26,6 +26,7 @@ from egad.errors import UserError
 from egad.evalset import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
 from egad.provenance.verify import verify
+from egad.release import tables as release_files
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.evolution import LINEAGE
@@ -214,10 +215,43 @@ def test_the_quaternion_turns_the_axes_of_the_hand(release):
 
 
 def test_every_file_that_a_table_names_is_there(release):
-    for table in (*tables(release, "objects"), *tables(release, ".")):
+    chosen = pd.read_parquet(release / "data/evaluation_set.parquet")
+    for table in (*tables(release, "objects"), chosen):
         assert all((release / path).is_file() for path in [*table["mesh"], *table["preview"]])
     mesh = trimesh.load(release / "meshes" / f"{LABELS[3]}.glb", force="mesh")
     assert np.allclose(mesh.extents, (0.1, 0.2, 0.13))  # z of the box is up, y in the file
+
+
+def test_whole_tables_have_the_rows_of_the_splits(release):
+    for name, keys in (("objects", ["id"]), ("grasps", ["id", "grasp"])):
+        frames = pd.read_parquet(release / f"data/{name}.parquet"), pd.concat(tables(release, name))
+        whole, splits = (each.sort_values(keys, ignore_index=True) for each in frames)
+        pd.testing.assert_frame_equal(whole, splits)
+
+
+def test_folders_of_a_large_release_are_cut(run, monkeypatch, tmp_path):
+    monkeypatch.setattr(release_files, "MAX_FILES", 5)
+    objects, meshes = run / "objects.parquet", run / "meshes"
+    shards = [run / f"grasps-{number}.parquet" for number in (0, 1)]
+    release_tables.run(
+        select(SETTINGS, ReleaseTables),
+        objects,
+        run / "scales.parquet",
+        run / "eval49.parquet",
+        shards,
+        tmp_path / "data",
+    )
+    release_meshes.run(objects, meshes, tmp_path / "meshes")
+    release_previews.run(objects, meshes, tmp_path / "previews")
+    table = pd.read_parquet(tmp_path / "data/objects.parquet")
+    assert table["mesh"].nunique() == COUNT
+    for column in ("mesh", "preview"):
+        assert all((tmp_path / path).is_file() for path in table[column])
+    chosen = pd.read_parquet(tmp_path / "data/evaluation_set.parquet")
+    assert set(chosen["mesh"]) <= set(table["mesh"])
+    for folder in ("meshes", "previews"):
+        sizes = [len(list(each.iterdir())) for each in (tmp_path / folder).iterdir()]
+        assert sorted(sizes) == [2, 5, 5]
 
 
 def test_a_simulator_loads_objects_of_the_archive(release, tmp_path):
