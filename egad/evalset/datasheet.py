@@ -133,9 +133,21 @@ def _gripper_section(name: str, known: ForGripper, objects: Mapping[str, str]) -
     return (
         f"\n## For {name}\n\n"
         "Sizes are those of the box as printed. Mass is that of the filament, without supports. "
-        "The best quality is that of the best labelled grasp that the hand reaches.\n\n"
-        f"{table(PRINTED, rows)}"
+        "The best quality is that of the best labelled grasp that the hand reaches. "
+        f"{_marks(known.manifest)}\n\n{table(PRINTED, rows)}"
     )
+
+
+def _marks(manifest: pd.DataFrame) -> str:
+    """How prints can be told apart."""
+    engraved = manifest["engraved"].astype(bool)
+    if not engraved.any():
+        return (
+            "The prints do not carry their labels. To tell them apart, mark each with a pen, or "
+            "set `engraving: {enabled: true}` and make them again."
+        )
+    bare = manifest.loc[~engraved & manifest["plate"].notna(), "label"]
+    return f"Each print carries its label{', except ' * bool(len(bare))}{', '.join(bare)}."
 
 
 def _number(value: float, digits: int) -> str:

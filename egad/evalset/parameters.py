@@ -1,11 +1,13 @@
 """Settings of the evaluation set, its prints and its files for simulators."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from egad._util.parameters import Length, Name, Parameters, PositiveFraction
 from egad.geometry import DEVIATION, MAX_PARTS, MAX_VERTICES, VOLUME_ERROR
+
+Side = Annotated[float, Field(ge=0, le=10)]  # metres
 
 
 class SelectEval(Parameters):
@@ -45,6 +47,11 @@ class PrintExport(Parameters):
 
     bed: tuple[Length, Length] = Field(
         (0.22, 0.22), description="print bed, metres; another common one: [0.256, 0.256]"
+    )
+    keep_out: tuple[Side, Side] = Field(
+        (0.0, 0.0),
+        description="width and depth of the front left corner of the bed where nothing may be "
+        "printed, metres; Bambu Lab X1 and P1: [0.018, 0.028]",
     )
     gap: float = Field(0.005, ge=0, description="gap between objects on a plate, metres")
     pose: Literal["stable", "overhang"] = Field(

@@ -46,7 +46,7 @@ def plan_prints(
 
     Args:
         meshes: Closed meshes in metres, by label.
-        settings: Bed, gap, pose, filament.
+        settings: Bed, corner to keep out of, gap, pose, filament.
         check: What can be printed.
         watch: Passes the meshes through while they are turned, to show progress.
 
@@ -63,7 +63,7 @@ def plan_prints(
         for label, pose in lying.items()
         if not problems[label]
     }
-    positions = pack(sizes, settings.bed, settings.gap)
+    positions = pack(sizes, settings.bed, settings.gap, settings.keep_out)
     return {
         label: _item(pose, problems[label], positions.get(label), settings)
         for label, pose in lying.items()
@@ -90,12 +90,17 @@ def _note(pose: PrintPose, problems: list[str], plate: int | None, settings: Pri
             " x ".join(f"{1000 * side:.0f}" for side in sides)
             for sides in (pose.mesh.extents[:2], settings.bed)
         )
-        return f"{size} mm plus a gap of {1000 * settings.gap:g} mm do not fit the bed of {bed} mm"
+        corner = " with its corner to keep out of" if all(settings.keep_out) else ""
+        gap = f"{1000 * settings.gap:g} mm"
+        return f"{size} mm plus a gap of {gap} do not fit the bed of {bed} mm{corner}"
     return "small contact with the bed: use a brim" if pose.contact < SMALL_CONTACT else ""
 
 
 def pack(
-    sizes: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float
+    sizes: Mapping[str, tuple[float, float]],
+    bed: tuple[float, float],
+    gap: float,
+    keep_out: tuple[float, float] = (0.0, 0.0),
 ) -> dict[str, tuple[int, float, float]]:
     """Place rectangles on shelves, deepest first, each on the first shelf with room for it.
 
@@ -103,19 +108,20 @@ def pack(
         sizes: Width and depth by label.
         bed: Width and depth of a plate.
         gap: Free space around each.
+        keep_out: Width and depth of the corner at the origin that stays free.
 
     Returns:
         Plate number from 1, and x and y of the lowest corner, for each that fits a bed.
     """
     positions = {}
     shelves: list[_Shelf] = []
-    for label, (width, depth) in sorted(sizes.items(), key=lambda item: (-item[1][1], item[0])):
-        if width + 2 * gap > bed[0] or depth + 2 * gap > bed[1]:
+    for label, size in sorted(sizes.items(), key=lambda item: (-item[1][1], item[0])):
+        fitting = (shelf for shelf in shelves if shelf.end + size[0] + gap <= bed[0])
+        shelf = next(fitting, None) or _new_shelf(shelves, size, bed, gap, keep_out)
+        if shelf is None:
             continue
-        fitting = (shelf for shelf in shelves if shelf.end + width + gap <= bed[0])
-        shelf = next(fitting, None) or _new_shelf(shelves, depth, bed, gap)
         positions[label] = (shelf.plate, shelf.end, shelf.y)
-        shelf.end += width + gap
+        shelf.end += size[0] + gap
     return positions
 
 
@@ -129,12 +135,24 @@ class _Shelf:
     end: float
 
 
-def _new_shelf(shelves: list[_Shelf], depth: float, bed: tuple[float, float], gap: float) -> _Shelf:
-    """Open a shelf on the first plate with room, or on a new one."""
+def _new_shelf(
+    shelves: list[_Shelf],
+    size: tuple[float, float],
+    bed: tuple[float, float],
+    gap: float,
+    keep_out: tuple[float, float],
+) -> _Shelf | None:
+    """Open a shelf for a rectangle on the first plate with room, or on a new one.
+
+    It begins beside the corner that stays free, or else behind it; None if no plate has room.
+    """
+    width, depth = size
     last = {shelf.plate: shelf for shelf in shelves}  # of each plate, the one furthest back
     tops = {plate: shelf.y + shelf.depth + gap for plate, shelf in last.items()}
-    room = (plate for plate, y in tops.items() if y + depth + gap <= bed[1])
-    plate = next(room, len(tops) + 1)
-    shelf = _Shelf(plate, tops.get(plate, gap), depth, gap)
-    shelves.append(shelf)
-    return shelf
+    for plate, top in (*tops.items(), (len(tops) + 1, gap)):
+        for y in (top, max(top, keep_out[1] + gap)):
+            x = gap + (keep_out[0] if y < keep_out[1] + gap else 0.0)
+            if x + width + gap <= bed[0] and y + depth + gap <= bed[1]:
+                shelves.append(_Shelf(plate, y, depth, x))
+                return shelves[-1]
+    return None

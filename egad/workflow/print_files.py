@@ -210,6 +210,8 @@ def _file(label: str, settings: PrintFiles) -> str:
 def _log_result(rows: list[Row], gripper: str, settings: PrintFiles) -> None:
     plates = {row["plate"] for row in rows} - {None}
     log.info("%d objects, %d plates", len(rows), len(plates))
+    if plates and not settings.engraving.enabled:
+        log.info("The prints do not carry their labels; engraving: {enabled: true} cuts them in")
     for row in rows:
         if row["plate"] is None:
             log.info("%s is on no plate: %s", row["label"], row["note"])

@@ -46,6 +46,55 @@ def test_nothing_overlaps_and_nothing_leaves_the_bed(bed):
     assert len(plates) <= 2 * area / (bed[0] * bed[1]) + 1
 
 
+CORNERS = [(0.018, 0.028), (0.1, 0.01), (0.05, 0.12), (0.0, 0.0), (0.03, 0.0)]
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+def test_nothing_is_in_the_corner_to_keep_out_of(corner):
+    bed, gap = (0.256, 0.256), 0.005
+    rng = np.random.default_rng(2)
+    sizes = {f"{n}": tuple(rng.uniform(0.01, 0.09, 2)) for n in range(80)}
+    sizes |= {"wide": (0.24, 0.05), "deep": (0.05, 0.24)}  # the one behind it, the other beside it
+    places = pack(sizes, bed, gap, corner)
+    assert set(places) == {
+        label
+        for label, (width, depth) in sizes.items()
+        if width + corner[0] + 2 * gap <= bed[0] or depth + corner[1] + 2 * gap <= bed[1]
+    }
+    taken = [(plate, x, y, *sizes[label]) for label, (plate, x, y) in places.items()]
+    if all(corner):
+        taken += [(plate, 0, 0, *corner) for plate in {each[0] for each in taken}]
+    for one, other in itertools.combinations(taken, 2):
+        overlaps = [
+            min(one[low] + one[low + 2], other[low] + other[low + 2]) - max(one[low], other[low])
+            for low in (1, 2)
+        ]
+        assert one[0] != other[0] or min(overlaps) <= -gap + 1e-9
+    for _, x, y, width, depth in taken:
+        assert x + width <= bed[0] + 1e-9
+        assert y + depth <= bed[1] + 1e-9
+    if not all(corner):
+        assert places == pack(sizes, bed, gap)
+
+
+def test_an_object_that_the_corner_leaves_no_room_for_has_a_note():
+    settings = PrintExport(bed=(0.1, 0.1), keep_out=(0.05, 0.05))
+    meshes = {"big": trimesh.creation.box(extents=(0.08, 0.08, 0.05)), **boxes(1)}
+    items = plan_prints(meshes, settings, CHECK)
+    assert items["big"].note.endswith("the bed of 100 x 100 mm with its corner to keep out of")
+
+
+def test_prints_of_the_released_set_keep_out_of_the_corner(released_set):
+    sizes = {}
+    for label in sorted(released_set)[:12]:
+        sizes[label] = tuple(lie_down(released_set[label], "overhang", 40).mesh.extents[:2])
+    counts = {}
+    for corner in [(0.0, 0.0), (0.018, 0.028)]:
+        lows = np.array([place for _, *place in pack(sizes, BEDS[2], 0.005, corner).values()])
+        counts[corner] = int((lows < [0.018, 0.028]).all(axis=1).sum())
+    assert counts == {(0.0, 0.0): 2, (0.018, 0.028): 0}
+
+
 def test_an_object_larger_than_the_bed_is_left_out_with_a_note():
     big = trimesh.creation.box(extents=(0.09, 0.075, 0.063))
     items = planned({"big": big, **boxes(2)}, (0.06, 0.06), gap=0)

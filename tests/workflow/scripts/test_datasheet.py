@@ -5,13 +5,16 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from partial_tables import write_rows
+from partial_tables import fill_columns, write_rows
 
 from egad.config import Settings
 from egad.config.stages import DataSheets, select
 from egad.errors import UserError
+from egad.evalset import ForGripper, PrintExport
+from egad.evalset.datasheet import page
 from egad.io import write_stl_mm
 from egad.stats.records import read
+from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS
 
@@ -81,6 +84,27 @@ def test_every_object_is_in_both_tables_and_what_is_missing_is_named(sheet):
     assert printed["A0"][3] == "7"
     assert printed["A1"][5:] == ["", NO_MESH]
     assert printed["B0"][3] == ""
+
+
+@pytest.mark.parametrize(
+    ("engraved", "expected"),
+    [
+        ([False, False], "The prints do not carry their labels."),
+        ([True, False], "Each print carries its label, except B0."),
+        ([True, True], "Each print carries its label.\n"),
+    ],
+)
+def test_it_says_which_prints_can_be_told_apart(engraved, expected):
+    rows = [
+        {"label": label, "engraved": marked, "plate": 1}
+        for label, marked in zip(["A0", "B0"], engraved, strict=True)
+    ]
+    rows.append({"label": "A1", "engraved": False, "plate": None})  # not printed
+    manifest = fill_columns(MANIFEST, pd.DataFrame(rows))
+    chosen = parquet.empty(EVAL49)
+    grippers = {"yumi": ForGripper(manifest, {})}
+    text = page("egad", chosen, ["A0"], grippers, PrintExport(), "An introduction")
+    assert expected in text
 
 
 def test_the_best_quality_is_that_of_a_grasp_that_the_hand_reaches(sheet):
