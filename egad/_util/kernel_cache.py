@@ -56,11 +56,6 @@ def compile_kernels() -> None:
     """Compile all kernels in two processes, unless that was done before."""
     if compiled_marker().exists():
         return
-    print(
-        "Compiling kernels; this happens once and takes about half a minute",
-        file=sys.stderr,
-        flush=True,
-    )
     if subprocess.run([sys.executable, "-m", "egad.workflow.precompile"], check=False).returncode:
         print(
             "Compilation failed; kernels will be compiled at their first use",

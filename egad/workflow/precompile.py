@@ -4,13 +4,13 @@ Jobs that run in parallel would each compile the kernels that they share. A kern
 compiled here is compiled at its first use.
 """
 
-import multiprocessing
-import sys
+from collections.abc import Callable
 
 import numpy as np
 import trimesh
 
 from egad._util.kernel_cache import compiled_marker
+from egad._util.workers import workers
 from egad.config import Settings
 from egad.config.stages import select
 from egad.cppn import Shape
@@ -57,12 +57,11 @@ def _example() -> trimesh.Trimesh:
     return surface(voxels, Shape())
 
 
+def _call(compile_some: Callable[[], None]) -> None:
+    compile_some()
+
+
 if __name__ == "__main__":
-    other = multiprocessing.get_context("spawn").Process(target=compile_grasps)
-    other.start()
-    compile_measures()
-    compile_fusion()
-    other.join()
-    if other.exitcode:
-        sys.exit("grasp kernels could not be compiled")
+    with workers(2) as mapper:
+        list(mapper(_call, (compile_grasps, compile_measures, compile_fusion)))
     compiled_marker().touch()
