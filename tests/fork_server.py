@@ -30,7 +30,7 @@ import smart_open  # noqa: F401 (as nbformat)
 import snakemake.benchmark
 import snakemake.executors.dryrun
 import snakemake.executors.local  # noqa: F401
-from forks import PARENT, ROOT, Forked, forked
+from forks import ROOT, Forked, forked
 from PIL import Image
 from snakemake.cli import get_argument_parser, main
 from threadpoolctl import threadpool_limits
@@ -184,8 +184,7 @@ def _run(words):
         sys.argv, sys.path[0] = ["snakemake", *words[2:]], str(Path.cwd())
         main()
     elif first == "-c":
-        parent = str(os.getppid())
-        sys.argv = ["-c", *(parent if word == PARENT else word for word in others[1:])]
+        sys.argv = ["-c", *others[1:]]
         sys.path[0] = ""
         exec(others[0], vars(program))  # noqa: S102
     else:

@@ -24,7 +24,6 @@ from egad._util import child_process
 
 ROOT = Path(__file__).parents[1]
 SERVER = Path(__file__).with_name("fork_server.py")
-PARENT = "PARENT"  # stands for the process that a fork comes from, with which it ends
 ADDRESS = "EGAD_TESTS_FORKS"  # the variable with the socket of the process that forks
 
 
@@ -114,7 +113,7 @@ def worker_process(words, *, env, stdin, stdout, stderr, pass_fds):
             if file == subprocess.DEVNULL
         }
         files = dropped | {number: number for number in pass_fds}
-        return Forked([*words[1:-1], PARENT], environment=env, files=files)
+        return Forked(words[1:], environment=env, files=files)
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """Work in a process of its own, which can die or be stopped without harm to this one."""
 
+import fcntl
 import functools
 import importlib
 import io
@@ -11,8 +12,6 @@ import pickle
 import signal
 import subprocess
 import sys
-import threading
-import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
@@ -31,7 +30,6 @@ log = logging.getLogger(__name__)
 
 MAX_ATTEMPTS = 2
 ENDING_TIME = 5.0  # seconds
-WATCHING = 1.0  # seconds
 NOT_SENT = (
     "this cannot be sent to another process, which more than one job requires; "
     "put it into a module of its own, or use 1 job"
@@ -62,14 +60,14 @@ class _RemoteError(Exception):
 # sent to it by value.
 CHILD = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from egad._util.child_process import serve; serve(int(sys.argv[2]), int(sys.argv[3]))"
+    "from egad._util.child_process import serve; serve(int(sys.argv[2]))"
 )
 
 
 class Worker:
     """Work in a process of its own, which can die or be stopped without harm to this one.
 
-    After that, the next item starts a new process. It ends when this one is killed.
+    After that, the next item starts a new process. It is killed when this one ends.
     """
 
     def __init__(
@@ -144,17 +142,18 @@ class Worker:
         """
         message = to_bytes(self._make_work)
         self._pipe, theirs = multiprocessing.Pipe()
+        end, self._lifeline = multiprocessing.Pipe(duplex=False)
         where = json.dumps([path for path in sys.path if isinstance(path, str)])
-        with theirs:
-            number = theirs.fileno()
+        with theirs, end:
             self._process = subprocess.Popen(  # noqa: S603
-                [sys.executable, "-c", CHILD, where, str(number), str(os.getpid())],
+                [sys.executable, "-c", CHILD, where, str(theirs.fileno())],
                 env={**os.environ, **self._environment},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL if self._quiet else None,
                 stderr=subprocess.DEVNULL if self._quiet else None,
-                pass_fds=[number],
+                pass_fds=[theirs.fileno(), end.fileno()],
             )
+            kill_when_closed(end, self._process.pid)
         try:
             self._pipe.send_bytes(message)
             if not self._pipe.poll(self._start_limit):
@@ -199,6 +198,8 @@ class Worker:
             process.kill()
             process.wait()
             return None
+        finally:
+            self._lifeline.close()
 
     def kill(self) -> None:
         """End the process for good, even if another thread is waiting for its answer."""
@@ -250,17 +251,29 @@ def one_thread() -> threadpool_limits:
     return threadpool_limits(1)
 
 
-def serve(number: int, parent: int) -> None:
-    """Work for the process at the other end of a pipe until it closes it or is killed.
+def kill_when_closed(end: Connection, process: int) -> None:
+    """Have Linux kill a process that has inherited the end of a pipe when the other is closed.
+
+    A process that is itself killed closes it, too.
+
+    Args:
+        end: The end for reading.
+        process: Id of the process; negative: of a process group.
+    """
+    fcntl.fcntl(end, fcntl.F_SETSIG, signal.SIGKILL)
+    fcntl.fcntl(end, fcntl.F_SETOWN, process)
+    fcntl.fcntl(end, fcntl.F_SETFL, os.O_ASYNC)
+
+
+def serve(number: int) -> None:
+    """Work for the process at the other end of a pipe until it closes it.
 
     The first message is the function that makes the work; the first answer confirms that it was
     made.
 
     Args:
         number: File descriptor of this end.
-        parent: Id of the other process.
     """
-    threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
     with Connection(number) as pipe, ExitStack() as stack, suppress(EOFError):
         first = pipe.recv_bytes()
         try:
@@ -272,13 +285,6 @@ def serve(number: int, parent: int) -> None:
         while True:
             item = pipe.recv_bytes()
             pipe.send_bytes(_answer(work, item))
-
-
-def _exit_with_parent(parent: int) -> None:
-    """End this process, whatever it does, when the one that started it has ended."""
-    while os.getppid() == parent:
-        time.sleep(WATCHING)
-    os._exit(1)
 
 
 def _answer(work: Work, item: bytes) -> bytes:

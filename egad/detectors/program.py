@@ -5,6 +5,7 @@ A message is its length in four bytes, the highest byte first, and then MessageP
 """
 
 import contextlib
+import multiprocessing
 import os
 import selectors
 import signal
@@ -16,6 +17,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from egad._util.child_process import kill_when_closed
 from egad.detectors.asking import INPUTS, more_than_a_view
 from egad.detectors.base import WHERE, DetectorError, DetectorTimeoutError, Grasp
 from egad.detectors.messages import PROTOCOL, answered, packed, question, unpacked
@@ -97,13 +99,17 @@ class Program:
         self._was_ready = True
 
     def _launch(self) -> None:
-        self._process = subprocess.Popen(  # noqa: S603 (the user's own)
-            self._command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            bufsize=0,
-            start_new_session=True,  # so that all that it starts can be stopped with it
-        )
+        end, self._lifeline = multiprocessing.Pipe(duplex=False)
+        with end:
+            self._process = subprocess.Popen(  # noqa: S603 (the user's own)
+                self._command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                bufsize=0,
+                start_new_session=True,  # so that all that it starts can be stopped with it
+                pass_fds=[end.fileno()],
+            )
+            kill_when_closed(end, -self._process.pid)
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 os.set_blocking(pipe.fileno(), False)
@@ -189,6 +195,7 @@ class Program:
             process.wait(ENDING_TIME)
         self._signal(process, signal.SIGKILL)
         process.wait()
+        self._lifeline.close()
         return status
 
     def _signal(self, process: subprocess.Popen[bytes], number: signal.Signals) -> None:

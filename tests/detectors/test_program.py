@@ -1,5 +1,7 @@
 """Detectors in programs of their own, good and bad ones."""
 
+import signal
+import subprocess
 import sys
 import textwrap
 import time
@@ -259,6 +261,34 @@ def test_what_it_started_ends_with_it(program, tmp_path):
     while psutil.pid_exists(child) and psutil.Process(child).status() != psutil.STATUS_ZOMBIE:
         assert time.monotonic() < deadline
         time.sleep(0.05)
+
+
+ABANDONS = """
+import os, signal, sys
+from egad.detectors.program import Program
+
+with Program(sys.argv[1:], 60, 60):
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_stubborn_program_and_what_it_started_end_when_egad_is_killed(program, tmp_path):
+    file = tmp_path / "pids"
+    command = program(f"""
+        import signal
+        import subprocess
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        child = subprocess.Popen(["sleep", "600"])
+        open({str(file)!r}, "w").write(f"{{os.getpid()}} {{child.pid}}")
+        send(HELLO)
+        while True:
+            pass
+    """)
+    killed = subprocess.run([sys.executable, "-c", ABANDONS, *command], check=False)
+    assert killed.returncode == -signal.SIGKILL
+    pids = map(int, file.read_text().split())
+    left = [psutil.Process(pid) for pid in pids if psutil.pid_exists(pid)]
+    assert not psutil.wait_procs(left, timeout=5)[1]
 
 
 @pytest.mark.parametrize(

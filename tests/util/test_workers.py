@@ -258,29 +258,47 @@ def test_a_number_of_processes_that_is_none_is_told(count):
 
 
 ABANDONS = """
-import os, signal, time
+import builtins, ctypes, os, signal, sys, time
+from egad._util.child_process import Worker
 from egad._util.workers import workers
 
-def pid(_):
+BUSY = sys.argv[1]
+
+def pids(number):
     time.sleep(0.3)
-    return os.getpid()
+    if not BUSY:
+        return (os.getpid(),)
+    if not hasattr(builtins, "reader"):
+        builtins.reader = Worker(HoldsTheLock)
+    return os.getpid(), builtins.reader(0)
+
+class HoldsTheLock:
+    def __enter__(self):
+        return lambda number: ctypes.PyDLL(None).sleep(600) if number else os.getpid()
+
+    def __exit__(self, *_):
+        pass
+
+def wait(number):
+    if BUSY:
+        builtins.reader(600)
 
 with workers(2) as mapper:
-    print(*set(mapper(pid, range(8))), flush=True)
-    if BUSY:
-        mapper(time.sleep, [600, 600])
-        time.sleep(1)
+    print(*{pid for some in mapper(pids, range(8)) for pid in some}, flush=True)
+    mapper(wait, [600, 600])
+    time.sleep(1)
     os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-@pytest.mark.parametrize("busy", [False, True])
-def test_workers_end_when_what_they_work_for_is_killed(tmp_path, busy):
+@pytest.mark.parametrize("busy", ["", "busy"])
+def test_workers_and_theirs_end_when_what_they_work_for_is_killed(tmp_path, busy):
+    """Also those in compiled code that lets no other thread of Python run."""
     program = tmp_path / "abandons.py"
-    program.write_text(ABANDONS.replace("BUSY", str(busy)))
-    with subprocess.Popen([sys.executable, program], stdout=subprocess.PIPE) as process:
+    program.write_text(ABANDONS)
+    with subprocess.Popen([sys.executable, program, busy], stdout=subprocess.PIPE) as process:
         pids = list(map(int, process.stdout.readline().split()))
     assert process.returncode == -signal.SIGKILL
-    assert pids
+    assert len(pids) == (4 if busy else 2)
     left = [psutil.Process(pid) for pid in pids if psutil.pid_exists(pid)]
-    assert not psutil.wait_procs(left, timeout=60)[1]
+    assert not psutil.wait_procs(left, timeout=5)[1]
