@@ -1,6 +1,7 @@
 """Progress of long work: a bar on a terminal or in a notebook, else lines that can be read back."""
 
 import importlib
+import os
 import re
 import sys
 import threading
@@ -12,11 +13,9 @@ from dataclasses import dataclass
 from itertools import repeat
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Self, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 T = TypeVar("T")
-# Seconds between two lines: a tenth of the time the work has taken so far, within these limits.
-SHORTEST, LONGEST, SHARE = 1.0, 10.0, 0.1
 RATE_UNITS = {"s": 1, "min": 60, "h": 3600}
 LINE = re.compile(
     r"(?P<what>\S.*?): (?P<done>\d+)/(?P<total>\d+)"
@@ -27,9 +26,26 @@ MARK = "! "
 MARKS = "EGAD_MARKS"  # set in the environment of the jobs of the workflow
 SLOW = 3.0  # seconds
 BAR_WIDTH, FULL, EMPTY = 20, "\N{FULL BLOCK}", "\N{LIGHT SHADE}"
-WINDOW, STEADY = 60.0, 2.0  # seconds that a rate is taken over: at most, and at least
+WINDOW, STEADY = 60.0, 5.0  # seconds that a rate is taken over: at most, and at least
+ENOUGH = 2  # items that a rate is taken over, at least
 POLLING = 0.5  # seconds between two looks at what other processes have done
 BURST = 0.05  # seconds; items that come within this time were done together
+
+
+class Pace(NamedTuple):
+    """Seconds between two lines: a share of the time the work has taken so far, within limits."""
+
+    shortest: float
+    longest: float
+    share: float
+
+    def pause(self, taken: float) -> float:
+        """Seconds until the next line, from those that the work has taken."""
+        return min(max(self.share * taken, self.shortest), self.longest)
+
+
+LOG, NOTEBOOK = Pace(1.0, 10.0, 0.1), Pace(1.0, 1.0, 0.0)
+PEOPLE = Pace(15.0, 60.0, 0.5)  # who read all lines; short work has none
 
 
 @dataclass(frozen=True)
@@ -55,13 +71,15 @@ class Status:
         """Seconds until the end at this rate; None without a rate."""
         return max(self.total - self.done, 0) / self.rate if self.rate > 0 else None
 
+    @property
+    def words(self) -> str:
+        """All but what the work is."""
+        rate = rate_text(self.rate) if self.rate > 0 else ""
+        left = f"{duration(self.left)} left" if self.left else ""
+        return ", ".join(filter(None, [f"{self.done}/{self.total}", rate, left, self.state]))
+
     def __str__(self) -> str:
-        parts = [f"{self.what}: {self.done}/{self.total}"]
-        if self.rate > 0:
-            parts.append(rate_text(self.rate))
-        if self.left:
-            parts.append(f"{duration(self.left)} left")
-        return ", ".join([*parts, self.state] if self.state else parts)
+        return f"{self.what}: {self.words}"
 
     @classmethod
     def parse(cls, line: str) -> Self | None:
@@ -113,9 +131,11 @@ def progress(
     if sys.stderr.isatty():
         yield from _bar(items, what, total, scale, state)
     elif write := _notebook_line():
-        yield from _lines(items, what, total, scale, state, write, SHORTEST)
+        yield from _lines(items, what, total, scale, state, write, NOTEBOOK)
+    elif MARKS in os.environ:
+        yield from _lines(items, what, total, scale, state, _write, LOG)
     else:
-        yield from _lines(items, what, total, scale, state, _write, LONGEST)
+        yield from _lines(items, what, total, scale, state, _write, PEOPLE)
 
 
 @contextmanager
@@ -194,27 +214,24 @@ def parse_marked(line: str) -> str | None:
 class _Meter:
     """Measures a rate over the last minute, from the end of the first item.
 
-    The time before that, such as for the compilation of kernels, says nothing about the other
-    items. It counts only until others are done.
+    The time before that, such as for the compilation of kernels, says nothing about other items.
     """
 
     def __init__(self) -> None:
-        self._start = time.monotonic()
         self._marks: deque[tuple[float, int]] = deque()  # moments, and what was done then
 
     def rate(self, now: float, done: int) -> float:
-        """Items per second, from the number that are done at a given time."""
+        """Items per second, from the number that are done at a given time; 0: not known yet."""
         marks = self._marks
         if marks and now - marks[-1][0] < BURST:
             marks[-1] = marks[-1][0], done
-        elif not marks or now - marks[-1][0] >= SHORTEST:
+        elif not marks or now - marks[-1][0] >= LOG.shortest:
             marks.append((now, done))
         while len(marks) > 1 and marks[1][0] < now - WINDOW:
             marks.popleft()
         since, before = marks[0]
-        if now - since < STEADY or done == before:
-            since, before = self._start, 0
-        return (done - before) / max(now - since, 1e-9)
+        known = now - since >= STEADY and done - before >= ENOUGH
+        return (done - before) / (now - since) if known else 0.0
 
 
 def _bar(
@@ -223,15 +240,16 @@ def _bar(
     from rich.console import Console  # noqa: PLC0415 (jobs have no terminal)
     from rich.progress import Progress, TextColumn  # noqa: PLC0415
 
-    speed = TextColumn("{task.fields[rate]}")
-    columns = (*Progress.get_default_columns(), speed, TextColumn("{task.fields[state]}"))
+    name, bar, percentage, _ = Progress.get_default_columns()
+    columns = name, bar, percentage, TextColumn("{task.fields[words]}")
     meter = _Meter()
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(what, total=total, rate="", state="")
+    with Progress(*columns, console=Console(stderr=True)) as shown:
+        task = shown.add_task(what, total=total, words="")
         for done, item in enumerate(items, 1):
             yield item
             rate = scale * meter.rate(time.monotonic(), done)
-            bar.update(task, completed=done, rate=rate_text(rate), state=state())
+            status = Status(what, scale * done, scale * total, rate, state())
+            shown.update(task, completed=done, words=status.words)
 
 
 def _lines(
@@ -241,17 +259,18 @@ def _lines(
     scale: int,
     state: Callable[[], str],
     write: Callable[[Status], None],
-    longest: float,
+    pace: Pace,
 ) -> Iterator[T]:
     start = last = time.monotonic()
     meter = _Meter()
-    write(Status(what, 0, scale * total))
+    if said := pace is not PEOPLE:
+        write(Status(what, 0, scale * total))
     for done, item in enumerate(items, 1):
         yield item
         now = time.monotonic()
         rate = scale * meter.rate(now, done)
-        if done == total or now - last >= min(max(SHARE * (now - start), SHORTEST), longest):
-            last = now
+        if (said and done == total) or now - last >= pace.pause(now - start):
+            said, last = True, now
             write(Status(what, scale * done, scale * total, rate, state()))
 
 

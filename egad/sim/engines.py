@@ -1,6 +1,8 @@
 """The physics engines, each loaded only where it is used."""
 
-from collections.abc import Sequence
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from egad.sim.model import Model
 from egad.sim.parameters import EngineName, check_engine
@@ -27,9 +29,25 @@ def open_world(
     """
     check_engine(engine)
     if engine == "pybullet":
+        with _no_stderr():
+            import pybullet  # noqa: F401, PLC0415 (it says when it was built)
+
         from egad.sim.pybullet_world import PyBulletWorld  # noqa: PLC0415 (may not be installed)
 
         return PyBulletWorld(models, robot, walls)
     from egad.sim.mujoco_world import MujocoWorld  # noqa: PLC0415 (loads the other one in vain)
 
     return MujocoWorld(models, robot, walls)
+
+
+@contextmanager
+def _no_stderr() -> Iterator[None]:
+    """Discard what compiled code writes to stderr."""
+    kept = os.dup(2)
+    try:
+        with open(os.devnull, "wb") as nothing:  # noqa: PTH123 (a device)
+            os.dup2(nothing.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)

@@ -1,6 +1,8 @@
 """The simulated table obeys the physics that can be worked out by hand."""
 
 import importlib.util
+import subprocess
+import sys
 from typing import Any
 
 import mujoco
@@ -277,3 +279,12 @@ def test_walls_hold_an_object_until_they_are_removed(engine: EngineName) -> None
             world.place(at(0, 0, SIDE / 2), velocity=(0.0, -2.0, 0.0))
             world.step(60)
             assert world.pose().position[1] > -0.1 + SIDE / 2 - 0.005
+
+
+def test_loading_an_engine_says_nothing_and_what_comes_after_is_still_said() -> None:
+    code = (
+        "import sys; from egad.sim.engines import open_world; open_world('pybullet', []);"
+        "print('later', file=sys.stderr)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert (run.stdout, run.stderr) == (b"", b"later\n")

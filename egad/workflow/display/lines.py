@@ -5,10 +5,9 @@ import time
 from collections.abc import Iterator
 from typing import TextIO
 
-from egad._util.progress import duration
+from egad._util.progress import PEOPLE, duration
 from egad.workflow.display.jobs import Job, Jobs
 
-FIRST, NEXT = 4.0, 8.0  # seconds after the start of a job, and between lines
 TICK = 0.5
 MAX_LINES = 10  # jobs with their own lines; further jobs are only counted
 
@@ -19,7 +18,7 @@ class Lines:
     def __init__(self, jobs: Jobs, stream: TextIO) -> None:
         """Start a thread that prints to the stream."""
         self.stream, self._jobs = stream, jobs
-        self._due: dict[Job, float] = {}
+        self._last: dict[Job, float] = {}  # when a line was printed
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
         self._thread.start()
@@ -41,10 +40,14 @@ class Lines:
 
     def _lines(self, now: float) -> Iterator[str]:
         running = self._jobs.running()
-        due = [job for job in running[:MAX_LINES] if now >= self._due.get(job, job.start + FIRST)]
-        self._due = {job: self._due[job] for job in running if job in self._due}
+        self._last = {job: self._last.get(job, job.start) for job in running}
+        due = [
+            job
+            for job in running[:MAX_LINES]
+            if now - self._last[job] >= PEOPLE.pause(now - job.start)
+        ]
         for job in due:
-            self._due[job] = now + NEXT
+            self._last[job] = now
             yield f"{clock()}       {job_line(job, now)}"
         if due and len(running) > MAX_LINES:
             yield f"{clock()}       and {len(running) - MAX_LINES} more jobs"

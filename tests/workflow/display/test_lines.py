@@ -3,6 +3,7 @@ import time
 
 import pytest
 
+from egad._util.progress import Pace
 from egad.workflow.display import lines as module
 from egad.workflow.display.jobs import Job, Jobs
 from egad.workflow.display.lines import Lines, job_line
@@ -11,8 +12,7 @@ from egad.workflow.display.lines import Lines, job_line
 @pytest.fixture
 def quick(monkeypatch):
     monkeypatch.setattr(module, "TICK", 0.01)
-    monkeypatch.setattr(module, "FIRST", 0.05)
-    monkeypatch.setattr(module, "NEXT", 0.2)
+    monkeypatch.setattr(module, "PEOPLE", Pace(0.05, 0.2, 1.0))
 
 
 def wait_for(condition):
@@ -57,14 +57,14 @@ def test_many_jobs_are_counted(start_run):
     assert "Job 24: starting" not in run.shown
 
 
-def test_a_job_is_told_of_within_five_seconds_and_then_every_ten():
+def test_a_short_job_has_no_line_and_a_long_one_fewer_and_fewer():
     jobs, job = Jobs(1), Job("evolve", "Evolving", None, start=0.0)
     jobs.add(1, job)
     view = Lines(jobs, None)
     view.close()
-    told = [now / 2 for now in range(100) if list(view._lines(now / 2))]
-    assert told[0] <= 5
-    assert max(after - before for before, after in itertools.pairwise(told)) <= 10
+    told = [now / 2 for now in range(2 * 3600) if list(view._lines(now / 2))]
+    assert told[:5] == [15, 30, 60, 120, 180]
+    assert {after - before for before, after in itertools.pairwise(told[3:])} == {60}
 
 
 def test_a_line_tells_how_far_a_job_is_and_what_it_does(tmp_path):

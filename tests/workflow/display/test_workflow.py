@@ -8,9 +8,13 @@ from pathlib import Path
 from forks import python
 
 SNAKEFILE = """
+import os
+
+from egad._util.progress import MARKS, Pace
 from egad.workflow.display import lines, start_display
 
-lines.FIRST = lines.NEXT = 0.2
+os.environ[MARKS] = "1"  # as the Snakefile of the workflow does
+lines.PEOPLE = Pace(0.2, 0.2, 0)
 lines.TICK = 0.1
 
 
