@@ -254,11 +254,12 @@ def _write(
     settings: Settings,
 ) -> None:
     from egad._util.files import write_text
-    from egad.evalset import cell_of_label
+    from egad.evalset import cell_of_label, in_grid
     from egad.report.axes import axis_pair
     from egad.report.trials import EvaluationSet, page
 
-    cells = [cell_of_label(label) for table in found.values() for label in table["label"].unique()]
+    labels = {label for table in found.values() for label in table["label"] if in_grid([label])}
+    cells = [cell_of_label(label) for label in labels]
     rows = max(settings.select_eval.rows, *(row + 1 for row, _ in cells))
     columns = max(settings.select_eval.columns, *(column + 1 for _, column in cells))
     tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))

@@ -72,6 +72,8 @@ def _check_dataset(dataset: DatasetSection) -> None:
         files = mesh_files(folder, dataset.pattern or EVERY_FILE)
         check_readable(files)
         check_unit_known(files, dataset.units)
+    if dataset.selection == "labels":
+        check_readable([Path(str(dataset.evaluation_set))])
     if dataset.archive not in (None, "released"):
         check_readable([Path(dataset.archive)])
         check_columns(Path(dataset.archive), ["id", *GENOME.names, "voxels"])

@@ -78,8 +78,9 @@ class DatasetSection(Parameters):
     )
     evaluation_set: UserPath | None = Field(
         None,
-        description="existing evaluation set to use: `names`: the objects named A0 to Z9; or a CSV "
-        "file with the columns id and label (source: meshes)",
+        description="objects of the evaluation set: `all`, under their own names; `cells`: one of "
+        "each cell of the grid of `select_eval`; `names`: those named A0 to Z9; or a CSV file with "
+        "the columns id and label (source: meshes); nothing: `all` for meshes, `cells` for others",
     )
     objects: int | None = Field(
         None,
@@ -88,6 +89,12 @@ class DatasetSection(Parameters):
         description="number of objects, each made of 2 to 5 boxes, cylinders and spheres (source: "
         "primitives)",
     )
+
+    @property
+    def selection(self) -> str:
+        """How the evaluation set is chosen: all, cells, names, or labels (of a file)."""
+        chosen = self.evaluation_set or ("all" if self.source == "meshes" else "cells")
+        return chosen if chosen in ("all", "cells", "names") else "labels"
 
     @model_validator(mode="after")
     def _keys_belong_to_the_source(self) -> Self:

@@ -234,7 +234,10 @@ def select(
         if "density" in stage.model_fields:
             values["density"] = settings.material.density if cup else Material().density
         if "space" in stage.model_fields:
-            values["space"] = space_of(values["gripper"], settings.space)
+            # cells of an evaluation set are those of the map, whatever it is printed for
+            values["space"] = (
+                settings.space if chooses else space_of(values["gripper"], settings.space)
+            )
     if "map_gripper" in stage.model_fields:
         values["map_gripper"] = settings.grippers[settings.graspability.gripper]
     if "camera" in stage.model_fields:

@@ -34,8 +34,11 @@ from .selection import Selection as Selection
 from .selection import best_of_random as best_of_random
 from .selection import bound as bound
 from .selection import cell_of_label as cell_of_label
+from .selection import coarse_cells as coarse_cells
 from .selection import empty_cells as empty_cells
+from .selection import in_grid as in_grid
 from .selection import label_at as label_at
 from .selection import labels_of as labels_of
 from .selection import mean_distance as mean_distance
 from .selection import select as select
+from .selection import take_all as take_all

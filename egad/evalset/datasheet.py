@@ -8,6 +8,7 @@ import pandas as pd
 from egad._util.markdown import table
 from egad.evalset.filament import print_settings
 from egad.evalset.parameters import PrintExport
+from egad.evalset.selection import in_grid
 from egad.tables import parquet
 
 ATTEMPTS = 20  # as in the paper
@@ -31,6 +32,11 @@ INTRODUCTION = """# Evaluation set of {dataset}
 {count} of {cells} cells of the grid are filled. Rows A, B, ... go from easy to hard to grasp,
 columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects on one page.
 {missing}"""
+EVERY_OBJECT = """# Evaluation set of {dataset}
+
+All {count} objects of the dataset, under their own names. `contact-sheet.pdf` shows them on one
+page.
+"""
 OBJECTS = (
     "label",
     "object",
@@ -100,6 +106,8 @@ def page(
 
 
 def _introduction(dataset: str, chosen: pd.DataFrame, empty: list[str]) -> str:
+    if not in_grid(chosen["label"]):
+        return EVERY_OBJECT.format(dataset=dataset, count=len(chosen))
     borrowed = chosen.loc[chosen["borrowed"].astype(bool), "label"]
     missing = f"\nNo printable object lies in {' '.join(empty)}.\n" if empty else ""
     if len(borrowed):

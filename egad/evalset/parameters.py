@@ -27,7 +27,8 @@ class SelectEval(Parameters):
     gripper: Name | None = Field(
         None,
         description="all chosen objects must be printable when scaled to this gripper, from the "
-        "table `grippers`; nothing: the narrowest gripper",
+        "table `grippers`; nothing: the narrowest gripper, or for meshes of your own the narrowest "
+        "of `targets.grippers`",
     )
 
 

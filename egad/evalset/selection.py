@@ -37,6 +37,11 @@ def cell_of_label(label: str) -> tuple[int, int]:
     return string.ascii_uppercase.index(label[0]), int(label[1:])
 
 
+def in_grid(labels: Iterable[str]) -> bool:
+    """Whether all labels are names of cells, rather than names that objects have anyway."""
+    return all(map(LABEL.fullmatch, labels))
+
+
 def candidates_by_cell(
     objects: pd.DataFrame, settings: SelectEval, space: MeasureSpace, left_out: Iterable[int] = ()
 ) -> dict[int, Ints]:
@@ -276,6 +281,26 @@ def nearest_distances(chosen: Ints, distances: Distances) -> NDArray[np.float64]
     among = distances[np.ix_(chosen, chosen)].copy()
     np.fill_diagonal(among, np.inf)
     return np.asarray(among.min(axis=1))
+
+
+def take_all(
+    objects: pd.DataFrame, distances: Distances, settings: SelectEval, space: MeasureSpace
+) -> pd.DataFrame:
+    """All objects as an evaluation set, under the labels that they have.
+
+    Args:
+        objects: Columns of `tables.objects.OBJECTS`.
+        distances: (n, n) distances between the objects.
+        settings: Rows and columns of the grid.
+        space: Ranges of the grid.
+
+    Returns:
+        Columns of `tables.evaluation.EVAL49`, sorted by label; several may lie in the same cell.
+    """
+    cells, everything = coarse_cells(objects, settings, space), np.arange(len(objects))
+    borrowed, nearest = np.zeros(len(objects), bool), nearest_distances(everything, distances)
+    table = selection_table(objects, cells, settings.columns, borrowed, nearest)
+    return table.assign(label=table["object_label"]).sort_values("label", ignore_index=True)
 
 
 def selection_table(

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from egad.evalset import cell_of_label
+from egad.evalset import cell_of_label, in_grid
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
@@ -32,7 +32,7 @@ class LabelledSuccess:
     Attributes:
         engine: The physics engine.
         rates: Success of the grasps that could be carried out: in each row of the evaluation set,
-            and then over all.
+            if it is a grid, and then over all.
         outcomes: Grasps of the sample by outcome.
         labelled: Labelled grasps of the objects.
         free: Labelled grasps without collision, from which the sample was drawn.
@@ -94,11 +94,13 @@ def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:
 
     Args:
         table: Columns of `tables.evaluation.AGREEMENT`, at least one row.
-        rows: Letters of the evaluation set.
+        rows: Letters of the evaluation set, if it is a grid.
     """
     tried = table[~table["outcome"].isin(NOT_TRIED)]
-    row = np.array([cell_of_label(label)[0] for label in tried["label"]], dtype=np.int64)
-    groups = [*(tried[row == each] for each in range(rows)), tried]
+    groups = [tried]
+    if in_grid(set(table["label"])):
+        row = np.array([cell_of_label(label)[0] for label in tried["label"]], dtype=np.int64)
+        groups = [*(tried[row == each] for each in range(rows)), tried]
     objects = table.drop_duplicates("label")
     return LabelledSuccess(
         engine=engine_names(table),

@@ -21,6 +21,7 @@ from egad.report.pictures import render
 from egad.report.viewer import GraspScene, viewer_data
 
 PAGE = (8.27, 11.69)  # A4, inches
+MOST_ROWS = 9  # on one A4 page; more make the page longer
 PIXELS = 220
 
 
@@ -127,7 +128,7 @@ def contact_sheet(
         A PDF page with a picture, name and size of each object, the same for the same objects.
     """
     with matplotlib.rc_context({**STYLE, "pdf.fonttype": 42}):
-        figure = Figure(figsize=PAGE)
+        figure = Figure(figsize=(PAGE[0], PAGE[1] * max(1, rows / MOST_ROWS)))
         figure.suptitle(title, fontsize=12, y=0.98)
         figure.subplots_adjust(0.03, 0.03, 0.97, 0.94, 0.05, 0.35)
         for cell in np.ndindex(rows, columns):

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from egad.evalset import LABEL, cell_of_label, label_at
+from egad.evalset import cell_of_label, in_grid, label_at
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import FAINT, INK, SOFT, ink_on, line_color
 from egad.report.drawing import new_figure, show_percent
@@ -217,7 +217,7 @@ def trial_chart(trials: pd.DataFrame) -> str:
     """
     objects = by_object(trials)
     names = [str(name) for name in objects.index]
-    if len(names) > 1 and all(map(LABEL.fullmatch, names)):
+    if len(names) > 1 and in_grid(names):
         rows, columns = (1 + max(each) for each in zip(*map(cell_of_label, names), strict=True))
         return trial_heat_map(trial_grid(trials, rows, columns), rows, columns, set(names))
     rates = (objects["successes"] / objects["attempts"]).to_numpy()

@@ -21,6 +21,7 @@ from egad.report.trial_charts import (
     outcome_chart,
     outcome_counts,
     rate_bars,
+    trial_chart,
     trial_heat_map,
 )
 from egad.stats import (
@@ -66,11 +67,12 @@ class TrialView:
         rate: Success rate over all attempts.
         objects: How many objects were tried.
         outcomes: Attempts by outcome.
-        heat_map: Success rates of objects, rows and columns.
+        heat_map: Success rates of objects, rows and columns; outcomes by object if the set is not
+            a grid.
         reliability: Quality against success.
         discrimination: How often a success had a higher quality than a failure.
         trends: Rank correlation of success with `difficulty` and `complexity`.
-        trend_figure: The same as a figure.
+        trend_figure: The same as a figure; none if the set is not a grid.
     """
 
     name: str
@@ -115,7 +117,9 @@ def section(
         lift_height: Metres above the table at which an object counts as held.
         named: Whether to write the name of each dataset.
     """
-    values = {"attempts": attempts, "lift_height": lift_height, "named": named}
+    views = [view for each in results.values() for one in each.values() for view in one.views]
+    in_grid = any(view.trend_figure for view in views)
+    values = {"attempts": attempts, "lift_height": lift_height, "named": named, "in_grid": in_grid}
     return section_of("trials.html.j2", "Trials", datasets=results, **values)
 
 
@@ -142,12 +146,13 @@ def trial_results(tables: Mapping[str, pd.DataFrame], evaluation_set: Evaluation
     rows, columns = evaluation_set.rows, evaluation_set.columns
     grids = {name: trial_grid(table, rows, columns) for name, table in tables.items()}
     several = len(tables) > 1
+    in_rows = several and all(grid.rows for grid in grids.values())
     rates = {name: [*grid.rows, grid.overall] for name, grid in grids.items()}
     return Results(
         [_view(name, table, grids[name], evaluation_set) for name, table in tables.items()],
         pairs(tables),
         svg_uri(outcome_chart(tables)) if several else "",
-        svg_uri(rate_bars(rates)) if several else "",
+        svg_uri(rate_bars(rates)) if in_rows else "",
     )
 
 
@@ -185,15 +190,17 @@ def _view(
         name=name,
         engine=simulated_in(table),
         rate=grid.overall,
-        objects=len(grid.cells),
+        objects=len(objects),
         outcomes=outcome_counts(table),
         heat_map=svg_uri(
             trial_heat_map(grid, evaluation_set.rows, evaluation_set.columns, present, axes)
+            if grid.rows
+            else trial_chart(table)
         ),
         reliability=svg_uri(reliability_chart(bins)) if bins else "",
         discrimination=discrimination(table),
         trends=trends,
-        trend_figure=svg_uri(trend_chart(objects, trends, means, axes)),
+        trend_figure=svg_uri(trend_chart(objects, trends, means, axes)) if grid.rows else "",
     )
 
 

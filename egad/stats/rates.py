@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
-from egad.evalset import cell_of_label
+from egad.evalset import cell_of_label, in_grid
 from egad.random import generator
 
 Interval = tuple[float, float]
@@ -211,10 +211,13 @@ def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
     """Success rate of every object, row and column of the evaluation set, as in the paper.
 
     Args:
-        trials: Columns `label` (such as C4) and `success`, one row per attempt.
+        trials: Columns `label` (such as C4) and `success`, one row per attempt. Objects under other
+            names have no cells, rows and columns.
         rows: Letters of the set.
         columns: Digits of the set.
     """
+    if not in_grid(set(trials["label"])):
+        return TrialGrid({}, [], [], mean_rate(trials))
     found = [cell_of_label(label) for label in trials["label"]]
     row, column = np.array(found, dtype=np.int64).reshape(-1, 2).T
     cells = {(i, j): rate(trials[(row == i) & (column == j)]) for i, j in sorted(set(found))}
@@ -247,7 +250,8 @@ def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) 
     Args:
         trials: Columns label and success.
         evalset: Columns of `tables.evaluation.EVAL49`. Without it, or where it lacks an object,
-            the row of a label is used as difficulty and its column as complexity.
+            the row of a label is used as difficulty and its column as complexity; NaN for labels
+            that are not of the grid.
 
     Returns:
         Columns rate; difficulty, which is high for hard objects: minus the graspability in the set;
@@ -257,9 +261,10 @@ def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) 
     table = pd.DataFrame({"rate": objects["successes"] / objects["attempts"]})
     known = None if evalset is None else evalset.set_index("label")
     if known is None or not table.index.isin(known.index).all():
-        rows = [cell_of_label(str(label)) for label in table.index]
-        table["difficulty"] = [float(row) for row, _ in rows]
-        table["complexity"] = [float(column) for _, column in rows]
+        inside = in_grid(table.index)
+        cells = [cell_of_label(label) if inside else (np.nan, np.nan) for label in table.index]
+        keys = ["difficulty", "complexity"]
+        table[keys] = np.array(cells, dtype=np.float64).reshape(-1, 2)
         return table
     table["difficulty"] = -known["graspability"].reindex(table.index)
     table["complexity"] = known["complexity"].reindex(table.index)

@@ -145,6 +145,8 @@ def _rows(
         UserError: A row cannot be used and the file is not a log, or the log has another version.
     """
     rows, problems, not_valid = [], [], Counter[str]()
+    labels = {row["label"] for _, row in cells}
+    grid = 2 * sum(bool(LABEL.fullmatch(label)) for label in labels) >= len(labels)
     if cells and is_log and not {row["schema"] for _, row in cells} & {"", LOG_SCHEMA}:
         line, row = cells[0]
         raise _wrong(path, line, row, "schema", f"{LOG_SCHEMA}; a newer egad may know it")
@@ -153,7 +155,7 @@ def _rows(
             if not _is_valid(path, line, row):
                 not_valid[row["reason"] or "no reason given"] += 1
             elif row["success"]:
-                rows.append(_row(path, line, row))
+                rows.append(_row(path, line, row, grid))
         except UserError as problem:
             if not is_log:
                 raise
@@ -231,14 +233,15 @@ def csv_cells(path: Path) -> list[tuple[int, list[str]]]:
     return [(line, [*row, *[""] * width][:width]) for line, row in filled]
 
 
-def _row(path: Path, line: int, row: Mapping[str, str]) -> dict[str, object]:
-    """One attempt, with the line and session that it comes from."""
+def _row(path: Path, line: int, row: Mapping[str, str], grid: bool) -> dict[str, object]:
+    """One attempt, with the line and session that it comes from; `grid`: labels are cells."""
     wrong = partial(_wrong, path, line, row)
     success = WORDS.get(row["success"].lower())
     if success is None:
         raise wrong("success", "1, 0, true, false, yes or no")
-    if not LABEL.fullmatch(row["label"]):
-        raise wrong("label", "a letter and a digit, such as C4")
+    if not row["label"] or (grid and not LABEL.fullmatch(row["label"])):
+        what = "a letter and a digit, such as C4, as in other rows" if grid else "a name"
+        raise wrong("label", what)
     if not ATTEMPT.fullmatch(row["attempt"]):
         raise wrong("attempt", "a whole number of at most 9 digits")
     outcome = row["outcome"].lower().replace(" ", "_") or (

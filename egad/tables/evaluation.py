@@ -68,7 +68,11 @@ SUCCESS = column("success", BOOL, "whether the object was still held at the end"
 
 EVAL49 = pa.schema(
     [
-        column("label", STRING, "name in the evaluation set, A0 = easiest and simplest"),
+        column(
+            "label",
+            STRING,
+            "name in the evaluation set: A0 = easiest and simplest, or the name of an own mesh",
+        ),
         ID,
         column("object_label", STRING, "label of the object in its dataset"),
         column("row", INT, "row of the coarse grid, 0 = easiest"),

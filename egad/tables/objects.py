@@ -173,7 +173,8 @@ FILES = [
     Result("D/grasps/G.rejected.parquet", "objects without grasps", REJECTED),
     Result(
         "D/eval49.rejected.parquet",
-        "candidates for the evaluation set that cannot be printed",
+        "objects that were left out of the evaluation set: those that cannot be printed, and own "
+        "meshes whose cell has another",
         REJECTED,
     ),
     Result(

@@ -1,5 +1,6 @@
 """The folder of the datasheet of an evaluation set: a page, a contact sheet, an empty table."""
 
+import math
 from pathlib import Path
 
 import pandas as pd
@@ -7,7 +8,7 @@ import pandas as pd
 from egad._util.files import atomic_output, write_text
 from egad._util.progress import phase
 from egad.config.stages import DataSheets
-from egad.evalset import ATTEMPTS, ForGripper, empty_cells
+from egad.evalset import ATTEMPTS, ForGripper, empty_cells, in_grid
 from egad.evalset.datasheet import page
 from egad.io import read_mesh
 from egad.report.evaluation import contact_sheet
@@ -45,16 +46,11 @@ def write_datasheet(
         gripper: ForGripper(parquet.read(manifest, MANIFEST), _best(labelled))
         for gripper, manifest, labelled in zip(grippers, manifests, grasps, strict=True)
     }
-    empty = empty_cells(chosen, settings.select_eval)
+    empty = empty_cells(chosen, settings.select_eval) if in_grid(chosen["label"]) else []
     text = page(dataset, chosen, empty, known, settings.print_export, introduction)
     first = grippers[0]
-    picture = _sheet(
-        settings,
-        f"{dataset}, scaled for {first}",
-        chosen,
-        known[first].manifest,
-        manifests[0].parent,
-    )
+    title = f"{dataset}, scaled for {first}"
+    picture = _sheet(settings, title, chosen, known[first].manifest, manifests[0].parent)
     write_text(out / "README.md", text)
     empty_results = template(chosen["label"].tolist(), ATTEMPTS, "")
     write_text(out / "trials.csv", empty_results.to_csv(index=False))
@@ -75,16 +71,20 @@ def _best(path: Path) -> dict[str, float]:
 def _sheet(
     settings: DataSheets, title: str, chosen: pd.DataFrame, manifest: pd.DataFrame, prints: Path
 ) -> bytes:
-    rows = manifest.set_index("label")
+    details = manifest.set_index("label")
+    rows, columns = settings.select_eval.rows, settings.select_eval.columns
+    if not (grid := in_grid(chosen["label"])):
+        columns = min(columns, math.ceil(math.sqrt(len(chosen))))
+        rows = math.ceil(len(chosen) / columns)
     meshes, captions = {}, {}
-    for each in parquet.records(chosen):
-        place, row = (each["row"], each["column"]), rows.loc[each["label"]]
+    for number, each in enumerate(parquet.records(chosen)):
+        place = (each["row"], each["column"]) if grid else divmod(number, columns)
+        row = details.loc[each["label"]]
         if not row["file"]:
             captions[place] = (each["label"], "no mesh")
             continue
         meshes[place] = read_mesh(prints / row["file"], "mm")
         sides = " x ".join(f"{row[f'extents_{axis}']:.0f}" for axis in "xyz")
         captions[place] = (each["label"], f"{sides} mm\n{row['filament']:.0f} g")
-    grid = settings.select_eval
     phase("drawing the contact sheet")
-    return contact_sheet(title, grid.rows, grid.columns, meshes, captions)
+    return contact_sheet(title, rows, columns, meshes, captions)

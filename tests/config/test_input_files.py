@@ -52,6 +52,18 @@ def test_an_archive_that_is_none_is_refused(folder, content, reason):
     assert reason in line
 
 
+@pytest.mark.usefixtures("folder")
+def test_a_file_of_labels_is_looked_for_and_words_are_not():
+    for word in (None, "all", "cells", "names"):
+        own = meshes("parts")
+        own["datasets"]["m"]["evaluation_set"] = word
+        assert problems(own) == []
+        data = check({"targets": {"datasets": []}, **own}).datasets["m"]
+        assert data.selection == (word or "all")
+    own["datasets"]["m"]["evaluation_set"] = "labels.csv"
+    assert problems(own) == ["datasets.m: labels.csv does not exist"]
+
+
 @pytest.mark.parametrize("path", ["parts", "~/parts", "./parts/", "link", "~/link"])
 def test_a_folder_may_be_relative_a_link_or_in_the_home_directory(folder, path):
     (folder / "link").symlink_to("parts")

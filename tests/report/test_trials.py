@@ -38,6 +38,21 @@ def test_every_pair_that_can_be_compared_is_once_the_better_first(tables):
     assert pair.result.difference > 0.3
 
 
+def test_own_objects_have_a_bar_each_and_no_grid(tables):
+    named = {
+        name: table.assign(label="mug " + table["label"])
+        for name, table in list(tables.items())[:2]
+    }
+    found = trial_results(named, EvaluationSet(7, 7))
+    assert [view.objects for view in found.views] == [5, 5]
+    assert not found.rows_figure
+    assert found.outcome_figure
+    assert all(view.heat_map and not view.trend_figure for view in found.views)
+    shown = page(named, EvaluationSet(7, 7))
+    assert "Success by difficulty" not in shown
+    assert "Success by row" not in shown
+
+
 def test_a_label_of_another_object_is_refused(tables):
     with pytest.raises(UserError, match="only trials of the same evaluation set can be compared"):
         pairs(tables | {"other": tables["poor"].assign(id="another")})

@@ -165,6 +165,16 @@ def test_an_empty_grid() -> None:
     assert all(part.attempts == 0 for part in (*grid.rows, *grid.columns, grid.overall))
 
 
+def test_objects_under_their_own_names_have_no_rows_and_columns() -> None:
+    named = TRIALS.assign(label="mug " + TRIALS["label"])
+    grid = trial_grid(named, 7, 7)
+    assert (grid.cells, grid.rows, grid.columns) == ({}, [], [])
+    assert (grid.overall.successes, grid.overall.attempts) == (25, 60)
+    found = object_positions(named)
+    assert found["rate"].tolist() == [1.0, 0.25, 0.0]
+    assert found[["difficulty", "complexity"]].isna().all(axis=None)
+
+
 def test_the_coefficient_is_that_of_scipy():
     rng = np.random.default_rng(0)
     values, rates = rng.random(49), rng.integers(0, 21, 49) / 20

@@ -81,9 +81,10 @@ def test_a_robots_objects_are_known_by_their_label_only(written):
             "label,attempt,success\nA0,0,1\nA0,1,maybe\n",
             "line 3: success is 'maybe'; allowed: 1, 0",
         ),
-        ("label,attempt,success\nmug,0,1\n", "line 2: label is 'mug'; allowed: a letter and a dig"),
+        ("label,attempt,success\nmug,0,1\nB0,0,1\n", "line 2: label is 'mug'; allowed: a letter "),
+        ("label,attempt,success\n,0,1\nmug,0,1\n", "line 2: label is ''; allowed: a name"),
         (
-            "label,attempt,success\nA00,0,1\n",
+            "label,attempt,success\nA00,0,1\nA1,0,1\n",
             "line 2: label is 'A00'; allowed: a letter and a digit",
         ),
         ("label,attempt,success\nA0,first,1\n", "line 2: attempt is 'first'; allowed: a whole"),
@@ -113,6 +114,11 @@ def test_what_is_no_text_is_a_mistake(tmp_path):
     path.write_bytes(b"\x89PNG\xff\xfe\x00")
     with pytest.raises(UserError, match="not a CSV file"):
         read(path)
+
+
+def test_own_objects_have_names_of_their_own(written):
+    text = "label,attempt,success\nmug,0,1\nsmall box,0,0\nA1,0,1\n"
+    assert read(written(text))["results"]["label"].tolist() == ["mug", "small box", "A1"]
 
 
 def test_a_filled_template_is_read_again(tmp_path):
@@ -251,7 +257,7 @@ def test_many_rows_that_are_wrong_are_counted(written, caplog):
 
 def test_a_log_without_a_row_that_can_be_used_is_a_mistake(written):
     with pytest.raises(UserError, match="no row says whether"):
-        read(written(log_text({"label": "mug"})))
+        read(written(log_text({"attempt": "first"})))
     with pytest.raises(UserError, match="no attempt is left"):
         read(written(log_text({}, FAILED)))
 

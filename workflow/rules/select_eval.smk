@@ -1,14 +1,14 @@
-"""Select-eval: the evaluation set, one object per cell of a coarse grid.
+"""Select-eval: the evaluation set: one object per cell of a coarse grid, or all own meshes.
 
 Inputs: results/D/objects.parquet, and the shards of postprocess for their Reeb graphs.
-Outputs: results/D/eval49.parquet, and eval49.rejected.parquet for candidates that cannot be printed.
+Outputs: results/D/eval49.parquet, and eval49.rejected.parquet for objects that were not chosen.
 """
 
 from egad.config.stages import EvalSelection
 
 
 rule select_eval:
-    """Choose the most dissimilar objects."""
+    """Choose the most dissimilar objects, or take those that the user wants."""
     input:
         objects="results/{dataset}/objects.parquet",
         solids=parts("results/{dataset}/parts/solids-{shard}.parquet"),
@@ -26,8 +26,9 @@ rule select_eval:
     resources:
         **needs(mb=2000, mb_per_thread=250, minutes=30),
     params:
-        settings=settings_of(EvalSelection),
-        by_name=named_labels,
+        settings=lambda wildcards: plain(select(SETTINGS, EvalSelection, printed_for(wildcards))),
+        selection=selection,
+        own=lambda wildcards: SETTINGS.datasets[wildcards.dataset].source == "meshes",
         code=code_of("select_eval"),
     message:
         "Choosing the evaluation set of {wildcards.dataset}"

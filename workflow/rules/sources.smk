@@ -78,15 +78,23 @@ def ancestry_of(name):
     return [str(released_ancestry())] if GIVEN.get(name) == str(released()) else []
 
 
-def named_labels(wildcards):
-    """Whether the names of the objects are their labels in the evaluation set."""
-    return SETTINGS.datasets[wildcards.dataset].evaluation_set == "names"
+def selection(wildcards):
+    """How the evaluation set is chosen."""
+    return SETTINGS.datasets[wildcards.dataset].selection
 
 
 def given_labels(wildcards):
     """The file with the labels of an evaluation set that has been chosen already."""
-    given = SETTINGS.datasets[wildcards.dataset].evaluation_set
-    return [given] if given and not named_labels(wildcards) else []
+    return only_if(
+        selection(wildcards) == "labels", SETTINGS.datasets[wildcards.dataset].evaluation_set
+    )
+
+
+def printed_for(wildcards):
+    """The gripper that chosen meshes of the user must be printable for; None for other objects."""
+    if SETTINGS.select_eval.gripper or SETTINGS.datasets[wildcards.dataset].source != "meshes":
+        return None
+    return min(SETTINGS.targets.grippers, key=lambda name: SETTINGS.grippers[name].opening)
 
 
 def dataset_of(wildcards):

@@ -16,13 +16,16 @@ from egad.evalset import (
     Selection,
     best_of_random,
     bound,
+    coarse_cells,
     empty_cells,
+    label_at,
     labels_by_name,
     mean_distance,
     print_problems,
     read_labels,
     select,
     take,
+    take_all,
 )
 from egad.geometry import rescale
 from egad.random import generator
@@ -42,23 +45,26 @@ def run(
     objects: Path,
     solids: list[Path],
     labels: list[Path],
-    by_name: bool,
+    selection: str,
+    own: bool,
     out: Path,
     rejected: Path,
     jobs: int = 1,
 ) -> None:
-    """Choose the evaluation set, or take one that has already been chosen.
+    """Choose the evaluation set, or take all objects, or those that have already been chosen.
 
-    It has one printable object per cell. The choice maximizes the dissimilarity of the set.
+    A chosen set has one printable object per cell, which maximizes the dissimilarity of the set.
 
     Args:
         settings: Settings of this stage.
         objects: Objects of the dataset.
         solids: Objects of the shards, from postprocess, for their Reeb graphs and meshes.
         labels: Labels of objects by id, if the set has already been chosen.
-        by_name: Whether the set consists of the objects whose names are labels.
+        selection: `cells`: choose; `all`: all objects; `names`: those whose names are labels;
+            `labels`: those in the file.
+        own: Whether the objects are a user's meshes: then each one that is not chosen is listed.
         out: The evaluation set.
-        rejected: The candidates that cannot be printed, with reasons.
+        rejected: The objects that were not chosen, with reasons.
         jobs: Threads; the result does not depend on it.
     """
     frame = parquet.read(objects, OBJECTS)
@@ -66,11 +72,8 @@ def run(
     graphs = [reeb.unpack(packed) for packed in rows["graph"]]
     watch = partial(progress, what="comparing objects", total=len(graphs))
     distances = 1 - similarity_matrix(graphs, settings.similarity.weight, jobs, watch)
-    if labels or by_name:
-        known = read_labels(labels[0]) if labels else labels_by_name(frame["id"])
-        taken = take(frame, known, distances, settings.select_eval)
-        if empty := empty_cells(taken, settings.select_eval):
-            log.warning("%d labels without an object: %s", len(empty), " ".join(empty))
+    if selection != "cells":
+        taken = _taken(frame, selection, labels, distances, settings)
         parquet.write(taken, EVAL49, out)
         parquet.write(parquet.empty(REJECTED), REJECTED, rejected)
         return
@@ -87,9 +90,40 @@ def run(
         rejection(frame["id"][place], "select-eval", _reason(problems, settings))
         for place, problems in sorted(found.left_out.items())
     ]
+    if own:
+        left_out += _others(frame, found, settings)
     parquet.write(found.table, EVAL49, out)
     parquet.write(pd.DataFrame(left_out), REJECTED, rejected)
     _log_result(found, distances, settings)
+
+
+def _taken(
+    frame: pd.DataFrame,
+    selection: str,
+    labels: list[Path],
+    distances: Distances,
+    settings: EvalSelection,
+) -> pd.DataFrame:
+    """The set that nothing is chosen for; a warning names labels without an object."""
+    if selection == "all":
+        return take_all(frame, distances, settings.select_eval, settings.space)
+    known = read_labels(labels[0]) if labels else labels_by_name(frame["id"])
+    taken = take(frame, known, distances, settings.select_eval)
+    if empty := empty_cells(taken, settings.select_eval):
+        log.warning("%d labels without an object: %s", len(empty), " ".join(empty))
+    return taken
+
+
+def _others(frame: pd.DataFrame, found: Selection, settings: EvalSelection) -> list[dict[str, str]]:
+    """The objects that could be printed but whose cell has another."""
+    cells = coarse_cells(frame, settings.select_eval, settings.space)
+    chosen = found.table.set_index("label")["id"]
+    left_out = []
+    for place in sorted(set(range(len(frame))) - set(found.chosen) - set(found.left_out)):
+        label = label_at(*divmod(int(cells[place]), settings.select_eval.columns))
+        reason = f"its cell {label} has another object: {chosen[label]}"
+        left_out.append(rejection(frame["id"][place], "select-eval", reason))
+    return left_out
 
 
 def _problems(row: pd.Series, settings: EvalSelection) -> list[str]:
