@@ -1,4 +1,4 @@
-"""The section Comparison: datasets side by side, with the published ones, and a map of each."""
+"""The section Comparison: datasets beside the published ones; and a small map of each."""
 
 import math
 import string
@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from egad.measures import Attainable, MeasureSpace, coverage
 from egad.report.axes import USUAL, AxisPair
-from egad.report.colors import COLOR_MAP, FAINT, LINES, SOFT
-from egad.report.drawing import new_figure, show_percent, svg_uri
+from egad.report.colors import COLOR_MAP, FAINT, SOFT
+from egad.report.drawing import new_figure
 from egad.report.page import Section, section_of
 
 COLUMNS = 3
@@ -43,20 +43,12 @@ PUBLISHED = pd.DataFrame(
 """EGAD (Morrison, Corke, Leitner 2020), Table III."""
 
 
-def section(
-    comparison: pd.DataFrame,
-    datasets: Mapping[str, pd.DataFrame],
-    space: MeasureSpace,
-    axes: AxisPair,
-    limit: Attainable,
-) -> Section:
+def section(comparison: pd.DataFrame, space: MeasureSpace, limit: Attainable) -> Section:
     """All datasets of a run, beside the published ones.
 
     Args:
         comparison: Columns of `tables.objects.COMPARISON`.
-        datasets: Columns of `tables.objects.OBJECTS`, by name.
         space: The cells.
-        axes: What the axes of the space are called.
         limit: Which rows objects are expected in.
     """
     return section_of(
@@ -64,8 +56,6 @@ def section(
         "Comparison",
         comparison=comparison.to_dict("records"),
         published=PUBLISHED.to_dict("records"),
-        figure=svg_uri(comparison_chart(comparison)),
-        maps=svg_uri(dataset_maps(datasets, space, axes, limit.rows)),
         space=space,
         limit=limit,
     )
@@ -95,43 +85,6 @@ def _comparison_line(row: Mapping[Any, Any], digits: int) -> str:
 def _columns(name: str, objects: str, covered: str, part: str, *diversity: str) -> str:
     least, most, mean = diversity
     return f"{name:20}{objects:>9}{covered:>10}{part:>12}{least:>16}{most:>6}{mean:>6}"
-
-
-def comparison_chart(comparison: pd.DataFrame) -> str:
-    """Coverage and range of diversity of datasets, with the published ones below.
-
-    Args:
-        comparison: Columns of `tables.objects.COMPARISON`.
-
-    Returns:
-        SVG text.
-    """
-    ours = comparison.to_dict("records")
-    theirs = PUBLISHED.to_dict("records")
-    with new_figure(8.6, 0.8 + 0.3 * (len(ours) + len(theirs))) as drawing:
-        left, right = drawing.figure.subplots(1, 2, sharey=True)
-        for number, row in enumerate([*ours, *theirs]):
-            _comparison_row(left, right, -number, row, number < len(ours))
-        names = [str(row["dataset"]) for row in ours]
-        names += [f"{row['dataset']} (published)" for row in theirs]
-        left.set_yticks([-number for number in range(len(names))], names)
-        left.set(xlim=(0, 1), xlabel="coverage")
-        show_percent(left.xaxis)
-        right.set(xlabel="diversity: minimum, mean, maximum")
-        right.set_xlim(left=0)
-        for axes in (left, right):
-            axes.tick_params(axis="y", length=0)
-            axes.spines["left"].set_visible(False)
-            axes.grid(axis="x")
-    return drawing.svg
-
-
-def _comparison_row(left: Axes, right: Axes, y: float, row: Mapping[Any, Any], own: bool) -> None:
-    color = LINES[0] if own else SOFT
-    left.barh(y, row["coverage"], height=0.55, color=color, alpha=1 if own else 0.55)
-    right.hlines(y, row["diversity_min"], row["diversity_max"], color=color, lw=2)
-    face = color if own else "white"
-    right.plot(row["diversity_mean"], y, "o", color=color, markerfacecolor=face, ms=6)
 
 
 def dataset_maps(

@@ -1,4 +1,4 @@
-"""The sections Summary and Rejected objects: contents of each dataset, and what was left out."""
+"""The sections Summary and Left out: the results of each dataset, and what was left out."""
 
 import math
 from collections.abc import Mapping
@@ -7,11 +7,20 @@ from typing import Any
 
 import pandas as pd
 
-from egad.measures import MeasureSpace, coverage, filled_cells
-from egad.report.axes import AxisPair
+from egad.measures import MeasureSpace, coverage
 from egad.report.evolution import re_evaluation
 from egad.report.page import Section, section_of
 from egad.report.trials import Results
+
+MOST_SHOWN = 20  # objects that were left out; more are folded
+LEFT_OUT_OF = {
+    "postprocess": "the dataset",
+    "select-eval": "the evaluation set",
+    "rescale": "scaling",
+    "grasp-label": "labelled grasps",
+    "bundle": "simulation",
+    "print-export": "printing",
+}
 
 
 @dataclass(frozen=True)
@@ -19,27 +28,23 @@ class DatasetSummary:
     """A dataset in numbers.
 
     Attributes:
-        kind: How its objects were made: `evolved`, `random` or `given`.
         objects: How many it has.
-        filled_cells: Cells of the space with at least one object.
+        listed: Whether they are shown one by one rather than on a map.
         coverage: Fraction of the archive slots that its objects fill.
         selected_coverage: The same by the graspability that evolution used for selection; NaN if
             there is none, or none from sampled grasps.
         certain: Fraction of the objects with a certain cell; NaN if it is not known.
-        diversity: Lowest, mean and highest diversity; NaN if it has no objects.
         cut: Objects that lost bodies.
         dropped_volume: The largest fraction of its volume that an object lost with them.
         selected: Objects of its evaluation set.
         results: What detectors achieved on that set, by gripper.
     """
 
-    kind: str
     objects: int
-    filled_cells: int
+    listed: bool
     coverage: float
     selected_coverage: float
     certain: float
-    diversity: tuple[float, float, float]
     cut: int
     dropped_volume: float
     selected: int
@@ -47,31 +52,30 @@ class DatasetSummary:
 
 
 def summarize(
-    kind: str,
     objects: pd.DataFrame,
     space: MeasureSpace,
     selected: int,
     results: Mapping[str, Results],
+    *,
+    listed: bool = False,
 ) -> DatasetSummary:
     """The numbers of a dataset.
 
     Args:
-        kind: `evolved`, `random` or `given`.
         objects: Columns of `tables.objects.OBJECTS`.
         space: The cells.
         selected: Objects of its evaluation set.
         results: What detectors achieved on that set, by gripper.
+        listed: Whether the objects are shown one by one rather than on a map.
     """
-    diversity, moves = objects["diversity"], re_evaluation(objects, space)
+    moves = re_evaluation(objects, space)
     confidence = objects["cell_confidence"].dropna()
     return DatasetSummary(
-        kind=kind,
         objects=len(objects),
-        filled_cells=round(filled_cells(objects, space) * space.cells**2),
+        listed=listed,
         coverage=coverage(objects, space),
         selected_coverage=moves.before if moves and len(confidence) else math.nan,
         certain=float((confidence >= space.confidence).mean()),
-        diversity=(diversity.min(), diversity.mean(), diversity.max()),
         cut=int((objects["dropped_bodies"] > 0).sum()),
         dropped_volume=float(objects["dropped_volume"].max()),
         selected=selected,
@@ -79,32 +83,43 @@ def summarize(
     )
 
 
-def section(
-    datasets: Mapping[str, DatasetSummary], space: MeasureSpace, axes: AxisPair, capacity: int
-) -> Section:
-    """The summary of a run.
+def section(datasets: Mapping[str, DatasetSummary], space: MeasureSpace, capacity: int) -> Section:
+    """The results of a run in numbers.
 
     Args:
-        datasets: From `summarize`, by name; the numbers of the first are shown large.
+        datasets: From `summarize`, by name.
         space: The cells.
-        axes: What the axes of the space are called.
         capacity: How many objects an evaluation set can have.
     """
-    values = {"space": space, "axes": axes, "capacity": capacity}
+    values = {"space": space, "capacity": capacity}
     return section_of("summary.html.j2", "Summary", datasets=datasets, **values)
 
 
-def rejected_section(rejected: Mapping[str, pd.DataFrame]) -> Section:
-    """The objects that were left out: how many for each reason, and all of them.
+def left_out_section(rejected: Mapping[str, pd.DataFrame]) -> Section:
+    """The objects that were left out: how many of what for which reason, and all of them.
 
     Args:
-        rejected: Columns of `tables.objects.REJECTED`, by dataset.
+        rejected: As from `of_what`, by dataset.
     """
     tables = {
-        name: (rejection_counts(table), table.sort_values(["stage", "id"]).to_dict("records"))
+        name: (rejection_counts(table), table.to_dict("records"))
         for name, table in rejected.items()
     }
-    return section_of("rejected.html.j2", "Rejected", tables=tables)
+    return section_of("rejected.html.j2", "Left out", tables=tables, most=MOST_SHOWN)
+
+
+def of_what(rejected: pd.DataFrame) -> pd.DataFrame:
+    """Rejected objects in order, with what they were left out of in place of the stage.
+
+    Args:
+        rejected: Columns of `tables.objects.REJECTED`; a stage may be followed by a gripper.
+    """
+    stages = [stage.partition(" ") for stage in rejected["stage"]]
+    words = [
+        LEFT_OUT_OF.get(stage, stage) + (f" for {gripper}" if gripper else "")
+        for stage, _, gripper in stages
+    ]
+    return rejected.assign(stage=words).sort_values(["id", "stage"], ignore_index=True)
 
 
 def rejection_counts(rejected: pd.DataFrame) -> list[dict[str, Any]]:

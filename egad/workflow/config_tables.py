@@ -1,12 +1,14 @@
 """The configuration as tables: every key, its value, its default and its meaning."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pydantic.fields import FieldInfo
 
 from egad._util.parameters import Parameters
 from egad.config.settings import Settings
+
+GENERAL = "general"  # the section of keys that are in none
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,27 @@ def parameter_tables(settings: Settings) -> list[ParameterTable]:
             sections.append(_section(name, value))
         elif not _is_table(value):
             single.append(_parameter(name, value, field))
-    return [ParameterTable("general", "Settings of the whole run.", single), *sections]
+    return [ParameterTable(GENERAL, "Settings of the whole run.", single), *sections]
+
+
+def changed_parameters(settings: Settings) -> list[Parameter]:
+    """The keys that differ from their defaults, with their sections; then the entries that do."""
+    keys = [
+        replace(item, name=item.name if table.name == GENERAL else f"{table.name}.{item.name}")
+        for table in parameter_tables(settings)
+        for item in table.parameters
+        if item.default
+    ]
+    for name, field in Settings.model_fields.items():
+        entries = getattr(settings, name)
+        if _is_table(entries):
+            usual = field.get_default(call_default_factory=True, validated_data={})
+            for key, entry in entries.items():
+                if entry != usual.get(key):
+                    values = entry.model_dump(exclude_defaults=True)
+                    text = ", ".join(f"{each}: {_text(value)}" for each, value in values.items())
+                    keys.append(Parameter(f"{name}.{key}", text, "", ""))
+    return keys
 
 
 def entry_tables(settings: Settings) -> list[EntryTable]:
@@ -84,7 +106,8 @@ def _section(name: str, section: Parameters) -> ParameterTable:
 def _parameter(name: str, value: object, field: FieldInfo) -> Parameter:
     default = field.get_default(call_default_factory=True, validated_data={})
     changed = not field.is_required() and default != value
-    return Parameter(name, _text(value), _text(default) if changed else "", field.description or "")
+    shown = (_text(default) or "nothing") if changed else ""
+    return Parameter(name, _text(value), shown, field.description or "")
 
 
 def _text(value: object) -> str:

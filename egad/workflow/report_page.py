@@ -3,7 +3,7 @@
 Each section is a module of `egad.report`; this module passes it tables and settings.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import pandas as pd
@@ -18,6 +18,7 @@ from egad.report import (
     evaluation,
     evolution,
     grasps,
+    objects,
     space_map,
     summary,
     trials,
@@ -25,9 +26,9 @@ from egad.report import (
 from egad.report.axes import AxisPair, axis_pair
 from egad.report.page import Section, report_page, section_of
 from egad.report.viewer import GraspScene
-from egad.workflow.config_tables import entry_tables, parameter_tables
+from egad.workflow.config_tables import changed_parameters, entry_tables, parameter_tables
 
-KINDS = {"evolved": "evolved", "primitives": "random"}
+FEW = 100  # meshes of the user: up to this many are shown one by one, more on a map
 ByGripper = Mapping[str, pd.DataFrame]
 ByDetector = Mapping[str, pd.DataFrame]
 
@@ -38,7 +39,7 @@ class DatasetReport:
 
     Attributes:
         objects: Columns of `tables.objects.OBJECTS`.
-        rejected: Columns of `tables.objects.REJECTED`.
+        rejected: Columns of `tables.objects.REJECTED`, as from `egad.report.summary.of_what`.
         pictures: PNG of each object, by its label; optional for each.
         evalset: Columns of `tables.evaluation.EVAL49`.
         evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
@@ -106,28 +107,45 @@ def _sections(report: ReportData) -> Iterator[Section]:
     axes, space = axis_pair(settings.measures), settings.space
     limit = attainable_graspability(select(settings, MeasureParameters))
     results = {name: _results(data, settings, axes) for name, data in datasets.items()}
-    objects = {name: data.objects for name, data in datasets.items()}
-    yield _summary(datasets, results, settings, axes)
-    maps = {
-        name: space_map.space_map(data.objects, data.pictures, space)
-        for name, data in datasets.items()
-    }
-    yield space_map.section(maps, space, axes, limit)
-    yield from _evolution(datasets, settings, axes, limit)
-    yield from _evaluation(datasets, settings, axes)
-    yield comparison.section(report.comparison, objects, space, axes, limit)
-    yield from _grasps(datasets, settings)
+    named = len(datasets) > 1
+    listed = {name for name, data in datasets.items() if is_listed(settings, name, data.objects)}
+    mapped = {name: data for name, data in datasets.items() if name not in listed}
+    yield _summary(datasets, results, settings, listed)
+    shown = {name: data for name, data in datasets.items() if name in listed}
+    yield from _objects(shown, settings, axes, named=named)
+    yield from _evaluation(mapped, settings, axes, named=named)
     yield from _trials(results, settings)
     yield from _clutter(datasets)
+    if mapped:
+        maps = {
+            name: space_map.space_map(data.objects, data.pictures, space)
+            for name, data in mapped.items()
+        }
+        yield space_map.section(maps, space, axes, limit)
+        yield from _evolution(mapped, settings, axes, limit, named=named)
+        yield comparison.section(report.comparison, space, limit)
+    yield from _grasps(datasets, settings, listed)
     yield from _agreement(datasets, settings)
-    yield summary.rejected_section({name: data.rejected for name, data in datasets.items()})
+    yield summary.left_out_section({name: data.rejected for name, data in datasets.items()})
     yield section_of(
         "parameters.html.j2",
         "Parameters",
+        changed=changed_parameters(settings),
         parameters=parameter_tables(settings),
         entries=entry_tables(settings),
         versions=report.versions,
     )
+
+
+def is_listed(settings: Settings, name: str, objects: pd.DataFrame) -> bool:
+    """Whether the objects of a dataset are shown one by one rather than on a map.
+
+    Args:
+        settings: The resolved configuration.
+        name: The dataset.
+        objects: Columns of `tables.objects.OBJECTS`.
+    """
+    return settings.datasets[name].source == "meshes" and len(objects) <= FEW
 
 
 def _results(data: DatasetReport, settings: Settings, axes: AxisPair) -> dict[str, trials.Results]:
@@ -145,24 +163,56 @@ def _summary(
     datasets: Mapping[str, DatasetReport],
     results: Mapping[str, Mapping[str, trials.Results]],
     settings: Settings,
-    axes: AxisPair,
+    listed: Collection[str],
 ) -> Section:
     summaries = {
         name: summary.summarize(
-            KINDS.get(settings.datasets[name].source, "given"),
             data.objects,
             settings.space,
             0 if data.evalset is None else len(data.evalset),
             results[name],
+            listed=name in listed,
         )
         for name, data in datasets.items()
     }
     capacity = settings.select_eval.rows * settings.select_eval.columns
-    return summary.section(summaries, settings.space, axes, capacity)
+    return summary.section(summaries, settings.space, capacity)
+
+
+def _objects(
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, *, named: bool
+) -> Iterator[Section]:
+    name_of_gripper = settings.targets.grippers[0]
+    views = {
+        name: objects.objects_view(
+            data.objects,
+            data.pictures,
+            axes,
+            data.evalset,
+            {
+                gripper: objects.ForGripper(
+                    scales,
+                    data.manifests[gripper],
+                    {key[1]: table for key, table in data.trials.items() if key[0] == gripper},
+                )
+                for gripper, scales in data.scales.items()
+            },
+            data.scenes,
+            settings.grippers[name_of_gripper],
+        )
+        for name, data in datasets.items()
+    }
+    if views:
+        yield objects.section(views, gripper=name_of_gripper, named=named)
 
 
 def _evolution(
-    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, limit: Attainable
+    datasets: Mapping[str, DatasetReport],
+    settings: Settings,
+    axes: AxisPair,
+    limit: Attainable,
+    *,
+    named: bool,
 ) -> Iterator[Section]:
     found = {
         name: evolution.evolution_view(data.objects, data.history, settings.space)
@@ -177,12 +227,12 @@ def _evolution(
             limit,
             sampled=not settings.measures.graspability,
             islands=settings.schedule.islands,
-            named=len(datasets) > 1,
+            named=named,
         )
 
 
 def _evaluation(
-    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, *, named: bool
 ) -> Iterator[Section]:
     layout, name_of_gripper = settings.select_eval, settings.targets.grippers[0]
     views = {
@@ -203,13 +253,19 @@ def _evaluation(
             axes,
             percentile=None if settings.measures.graspability else settings.graspability.percentile,
             gripper=name_of_gripper,
-            named=len(datasets) > 1,
+            named=named,
         )
 
 
-def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
+def _grasps(
+    datasets: Mapping[str, DatasetReport], settings: Settings, listed: Collection[str]
+) -> Iterator[Section]:
     found = {
-        name: grasps.grasp_view(data.grasps, data.size_effects, data.scales, data.manifests)
+        name: grasps.grasp_view(
+            data.grasps,
+            data.size_effects,
+            *(({}, {}) if name in listed else (data.scales, data.manifests)),
+        )
         for name, data in datasets.items()
     }
     views = {name: view for name, view in found.items() if view}

@@ -25,7 +25,7 @@ def settings() -> Settings:
         seed=11,
         datasets={
             "egad": DatasetSection(source="evolved"),
-            "mine": DatasetSection(source="meshes", folder="parts", units="mm"),
+            "mine": DatasetSection(source="primitives", objects=12),
         },
     )
 

@@ -6,7 +6,7 @@ import pytest
 from svg_text import SVG, texts
 
 from egad.measures import MeasureSpace
-from egad.report.comparison import PUBLISHED, comparison_chart, comparison_text, dataset_maps
+from egad.report.comparison import PUBLISHED, comparison_text, dataset_maps
 
 
 def colors(svg: str) -> list[list[str]]:
@@ -73,22 +73,11 @@ def test_the_same_objects_give_the_same_bytes_and_no_date(objects):
     assert "date" not in svg.lower()
 
 
-def test_the_chart_marks_what_is_published(report):
-    shown = texts(comparison_chart(report.comparison))
-    assert {"egad", "mine", "EGAD, 2020 (published)", "YCB (published)"} <= set(shown)
-
-
 @pytest.mark.parametrize("rows", [0, 2])
 def test_rows_in_which_no_object_is_expected_are_hatched(objects, rows):
     svg = dataset_maps({"egad": objects}, MeasureSpace(), unattainable=rows)
     root = ElementTree.fromstring(svg)  # noqa: S314
     assert len(list(root.iter(f"{SVG}pattern"))) == bool(rows)
-
-
-def test_the_chart_is_the_same_every_time_and_undated(report):
-    svg = comparison_chart(report.comparison)
-    assert svg == comparison_chart(report.comparison)
-    assert "date" not in svg.lower()
 
 
 def test_published_coverage_is_of_slots():

@@ -1,5 +1,6 @@
 """Meshes that users bring: what is wrong with them is said before the first job."""
 
+import pandas as pd
 import pytest
 import trimesh
 
@@ -27,7 +28,8 @@ def test_meshes_that_are_only_compared_have_a_report_and_it_stays_until_the_next
     assert clean.planned(replaced, configs=own("parts")) == {}
     report = clean.results / "report.html"
     whole = report.read_bytes()
-    assert b'id="map"' in whole
+    assert b'id="objects"' in whole
+    assert b'id="map"' not in whole
     table = clean.results / "comparison.parquet"
     compared = table.read_bytes()
     table.write_bytes(compared[:-100])
@@ -39,6 +41,26 @@ def test_meshes_that_are_only_compared_have_a_report_and_it_stays_until_the_next
     table.write_bytes(compared)
     clean.make("--cores", 1, replaced, configs=own("parts"))
     assert report.read_bytes() == whole
+
+
+@pytest.mark.slow
+def test_all_meshes_run_through_the_whole_pipeline_and_what_is_left_out_is_said(clean, own):
+    """Two boxes of one shape share a cell; a sheet is too thin to print."""
+    for name, sides in {"same box": (30, 20, 15), "sheet": (80, 60, 0.8)}.items():
+        trimesh.creation.box(sides).export(clean.folder / f"parts/{name}.stl")
+    said = clean.make("--cores", 2, configs=own("parts", datasets=["mine"]))
+    names = ["box", "same_box", "sheet"]  # a blank is not kept
+    mine = clean.results / "mine"
+    assert pd.read_parquet(mine / "eval49.parquet")["label"].tolist() == names
+    prints = pd.read_parquet(mine / "print/egad_75mm/manifest.parquet").set_index("label")
+    assert prints.index[prints["plate"].isna()].tolist() == ["sheet"]
+    assert pd.read_parquet(mine / "bundle/egad_75mm/bundle.parquet")["label"].tolist() == names
+    trials = pd.read_parquet(mine / "trials/egad_75mm/antipodal-depth.parquet")
+    assert trials.groupby("label").size().to_dict() == dict.fromkeys(names, 2)
+    assert "All 3 objects of the dataset" in (mine / "eval49/README.md").read_text()
+    reason = "not printable at this size: walls thinner than 1.2 mm"
+    assert f"mine: sheet: left out of printing for egad_75mm: {reason}" in said
+    assert f"<td>{reason}</td>" in (clean.results / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("replaced", [(), ("--replace-workflow-config",)], ids=["", "replaced"])

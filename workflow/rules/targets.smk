@@ -12,6 +12,7 @@ def published():
         "grasps/{gripper}.rejected.parquet",
         "size_effect/{gripper}.parquet",
         "print/{gripper}/manifest.parquet",
+        "bundle/{gripper}/rejected.parquet",
     ]
     if targets.graspability:
         of_gripper.append("graspability/{gripper}.parquet")

@@ -1,5 +1,6 @@
 """report: an overview of all results, in one HTML file."""
 
+import logging
 import platform
 from contextlib import suppress
 from functools import partial
@@ -22,6 +23,7 @@ from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.report.scenes import scenes
 from egad.report.space_map import shown_objects
+from egad.report.summary import MOST_SHOWN, of_what
 from egad.sim import ClutterParameters, picture_of, rounds_of
 from egad.sim.world import UnstableError
 from egad.tables import parquet
@@ -32,8 +34,9 @@ from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 from egad.workflow.bundled import model_in, rows_by_id
 from egad.workflow.job import run_job
-from egad.workflow.report_page import DatasetReport, ReportData, build
+from egad.workflow.report_page import DatasetReport, ReportData, build, is_listed
 
+log = logging.getLogger(__name__)
 PACKAGES = [
     "egad",
     "snakemake",
@@ -86,15 +89,17 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
     objects = parquet.read(folder / "objects.parquet", OBJECTS)
     evolved = settings.datasets[name].source == "evolved"
     history = parquet.read(folder / "history.parquet", HISTORY) if evolved else None
-    rejected = _rejected(
-        folder, settings.targets.grippers if name in settings.targets.datasets else []
-    )
-    pictures = _pictures(folder / "meshes", shown_objects(objects), THUMBNAIL, mapper)
+    listed = is_listed(settings, name, objects)
+    rejected = of_what(_rejected(settings, name, folder))
+    if settings.datasets[name].source == "meshes":
+        _warn(name, rejected)
+    shown = objects["label"].tolist() if listed else shown_objects(objects)
+    pictures = _pictures(folder / "meshes", shown, THUMBNAIL, mapper)
     if name not in settings.targets.datasets:
         return DatasetReport(objects, rejected, pictures, history=history)
     evalset = parquet.read(folder / "eval49.parquet", EVAL49)
-    labels = evalset["object_label"].tolist()
-    portraits = _pictures(folder / "meshes", labels, PORTRAIT, mapper)
+    names = {} if listed else dict(zip(evalset["label"], evalset["object_label"], strict=True))
+    portraits = _pictures(folder / "meshes", list(names.values()), PORTRAIT, mapper)
     grippers = settings.targets.grippers
     grasps = _each(grippers, folder / "grasps", "{}.parquet", GRASPS)
     return DatasetReport(
@@ -103,7 +108,7 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
         pictures,
         history=history,
         evalset=evalset,
-        evalset_pictures=dict(zip(evalset["label"], portraits.values(), strict=True)),
+        evalset_pictures={name: portraits[label] for name, label in names.items()},
         grasps=grasps,
         scales=_each(grippers, folder / "rescaled", "{}/scales.parquet", SCALES),
         size_effects=_each(grippers, folder / "size_effect", "{}.parquet", SIZE_EFFECT),
@@ -173,14 +178,34 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _rejected(folder: Path, grippers: list[str]) -> pd.DataFrame:
-    """What was left out of a dataset, and of the results for grippers."""
+def _rejected(settings: Settings, name: str, folder: Path) -> pd.DataFrame:
+    """What was left out of a dataset, of its evaluation set, and of the results for grippers."""
     frames = [parquet.read(folder / "rejected.parquet", REJECTED)]
-    for gripper in grippers:
-        for path in (f"rescaled/{gripper}/rejected.parquet", f"grasps/{gripper}.rejected.parquet"):
-            left_out = parquet.read(folder / path, REJECTED)
-            frames.append(left_out.assign(stage=left_out["stage"] + f" {gripper}"))
+    if name not in settings.targets.datasets:
+        return frames[0]
+    frames.append(parquet.read(folder / "eval49.rejected.parquet", REJECTED))
+    for gripper in settings.targets.grippers:
+        tables = [
+            parquet.read(folder / path, REJECTED)
+            for path in (
+                f"rescaled/{gripper}/rejected.parquet",
+                f"grasps/{gripper}.rejected.parquet",
+                f"bundle/{gripper}/rejected.parquet",
+            )
+        ]
+        manifest = parquet.read(folder / "print" / gripper / "manifest.parquet", MANIFEST)
+        unprinted = manifest[manifest["plate"].isna()]
+        tables.append(unprinted[["id"]].assign(stage="print-export", reason=unprinted["note"]))
+        frames += [table.assign(stage=table["stage"] + f" {gripper}") for table in tables]
     return pd.concat(frames, ignore_index=True)
+
+
+def _warn(name: str, rejected: pd.DataFrame) -> None:
+    """Tell the user at the terminal which meshes were left out of what, and why."""
+    for row in rejected.head(MOST_SHOWN).to_dict("records"):
+        log.warning("%s: %s: left out of %s: %s", name, row["id"], row["stage"], row["reason"])
+    if (more := len(rejected) - MOST_SHOWN) > 0:
+        log.warning("%s: %d more lines like these are in the report", name, more)
 
 
 def _pictures(meshes: Path, labels: list[str], size: int, mapper: Mapper) -> dict[str, bytes]:

@@ -1,0 +1,130 @@
+"""The section Objects: a user's own meshes one by one, with what came of each."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from egad.grippers import Gripper
+from egad.measures import cell_name
+from egad.report.axes import AxisPair
+from egad.report.drawing import data_uri
+from egad.report.page import DASH, Section, section_of
+from egad.report.viewer import GraspScene, viewer_data
+from egad.stats import by_object
+
+TIMES = "\N{MULTIPLICATION SIGN}"
+
+
+class ObjectsView(NamedTuple):
+    """The objects of a dataset.
+
+    Attributes:
+        pictures: Addresses of their pictures by label; empty for those without one.
+        names: Names in the evaluation set by label, of those that are in it.
+        values: Texts by label and title of their column.
+        viewer: Data of the 3D viewer; None if there are no grasps.
+    """
+
+    pictures: dict[str, str]
+    names: dict[str, str]
+    values: dict[str, dict[str, str]]
+    viewer: dict[str, Any] | None
+
+
+@dataclass(frozen=True)
+class ForGripper:
+    """What was made of the objects for a gripper.
+
+    Attributes:
+        scales: Columns of `tables.grasping.SCALES`.
+        manifest: Columns of `tables.evaluation.MANIFEST`.
+        trials: Columns of `tables.evaluation.TRIALS`, by detector.
+    """
+
+    scales: pd.DataFrame
+    manifest: pd.DataFrame
+    trials: Mapping[str, pd.DataFrame]
+
+
+def objects_view(
+    objects: pd.DataFrame,
+    pictures: Mapping[str, bytes],
+    axes: AxisPair,
+    evalset: pd.DataFrame | None,
+    made: Mapping[str, ForGripper],
+    scenes: Sequence[GraspScene],
+    gripper: Gripper,
+) -> ObjectsView:
+    """Collect what the section shows of a dataset.
+
+    Args:
+        objects: Columns of `tables.objects.OBJECTS`.
+        pictures: PNG by label; optional for each.
+        axes: What the axes of the space are called.
+        evalset: Columns of `tables.evaluation.EVAL49`, if there is a set.
+        made: What was made for each gripper, by its name.
+        scenes: The objects with grasps.
+        gripper: The gripper of the grasps.
+    """
+    labels: dict[str, str] = {}
+    if evalset is not None:
+        labels |= zip(evalset["label"], evalset["object_label"], strict=True)
+    parts = [_measures(objects, axes)]
+    if any(name != label for name, label in labels.items()):
+        parts.append(pd.DataFrame({"in the set": labels.keys()}, list(labels.values())))
+    for gripper_name, each in made.items():
+        parts.append(_of_gripper(each, labels, f", {gripper_name}" if len(made) > 1 else ""))
+    texts = pd.concat(parts, axis=1).fillna(DASH)
+    shown = objects["label"].tolist()
+    values = zip(shown, texts.reindex(shown, fill_value=DASH).to_dict("records"), strict=True)
+    return ObjectsView(
+        {label: data_uri(pictures.get(label, b"")) for label in shown},
+        {label: name for name, label in labels.items()},
+        {label: {str(key): text for key, text in row.items()} for label, row in values},
+        viewer_data(scenes, gripper) if scenes else None,
+    )
+
+
+def _measures(objects: pd.DataFrame, axes: AxisPair) -> pd.DataFrame:
+    """Sides, measures and cell of each object."""
+    columns = {
+        "size, mm": [
+            f" {TIMES} ".join(f"{1000 * side:.0f}" for side in sides)
+            for sides in objects[["extents_x", "extents_y", "extents_z"]].to_numpy()
+        ]
+    }
+    for axis, name in zip(axes, ("complexity", "graspability"), strict=True):
+        title = ", ".join(filter(None, (axis.value, axis.printed_unit)))
+        columns[title] = [f"{axis.factor * value:.2f}" for value in objects[name]]
+    cells = zip(objects["complexity_cell"], objects["difficulty_cell"], strict=True)
+    return pd.DataFrame(columns, objects["label"]).assign(cell=[cell_name(*each) for each in cells])
+
+
+def _of_gripper(made: ForGripper, labels: Mapping[str, str], end: str) -> pd.DataFrame:
+    """Scale, print and successes of each object; `end` is the end of the titles."""
+    scales, prints = (table.set_index("label") for table in (made.scales, made.manifest))
+    prints = prints.rename(index=labels)
+    plates = [f"plate {plate:.0f}" if plate == plate else "" for plate in prints["plate"]]
+    notes = ["; ".join(filter(None, each)) for each in zip(plates, prints["note"], strict=True)]
+    columns = {
+        f"scale{end}": scales["factor"].map("{:.3g}".format),
+        f"to print{end}": pd.Series(notes, prints.index, dtype=object),
+    }
+    for detector, table in made.trials.items():
+        rates = by_object(table).rename(index=labels).astype(str)
+        title = "successes" if len(made.trials) == 1 else f"successes of {detector}"
+        columns[f"{title}{end}"] = rates["successes"] + " of " + rates["attempts"]
+    return pd.DataFrame(columns)
+
+
+def section(views: Mapping[str, ObjectsView], *, gripper: str, named: bool) -> Section:
+    """The objects of each dataset.
+
+    Args:
+        views: From `objects_view`, by dataset.
+        gripper: Name of the gripper of the 3D viewer.
+        named: Whether to write the name of each dataset.
+    """
+    return section_of("objects.html.j2", "Objects", views=views, gripper=gripper, named=named)
