@@ -1,26 +1,19 @@
 """The section Evolution: coverage over evaluations, and how elites moved when re-evaluated."""
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
-from PIL import Image, ImageDraw
 
 from egad.measures import Attainable, MeasureSpace, coverage, difficulty_cells
 from egad.report.axes import AxisPair
 from egad.report.colors import line_color
-from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
+from egad.report.drawing import new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 
 THIN = "\N{NARROW NO-BREAK SPACE}"
-FRAMES, UNIT, LAST = 60, 12, 2500  # frames, pixels per cell, milliseconds of the last frame
-GROUND, INK = (246, 247, 249), (28, 36, 48)
-EMPTY, FULL = np.array([255, 255, 255]), np.array([11, 92, 173])
 
 
 @dataclass(frozen=True)
@@ -46,10 +39,9 @@ class ReEvaluation:
 
 @dataclass(frozen=True)
 class EvolutionView:
-    """The evolution of a dataset; figures are addresses, empty if there is none."""
+    """The evolution of a dataset; the curves are an address, empty if there are none."""
 
     curves: str
-    animation: str
     re_evaluation: ReEvaluation | None
 
 
@@ -68,9 +60,8 @@ def evolution_view(
     """
     moves = re_evaluation(objects, space)
     if history is None:
-        return None if moves is None else EvolutionView("", "", moves)
-    curves = svg_uri(coverage_curves({"": history}))
-    return EvolutionView(curves, data_uri(coverage_animation(history, space), "image/gif"), moves)
+        return None if moves is None else EvolutionView("", moves)
+    return EvolutionView(svg_uri(coverage_curves({"": history})), moves)
 
 
 def section(
@@ -176,43 +167,3 @@ def _finish(axes: Axes, title: str, *, share: bool) -> None:
     if share:
         show_percent(axes.yaxis)
     axes.grid(axis="y")
-
-
-def coverage_animation(history: pd.DataFrame, space: MeasureSpace) -> bytes:
-    """The archive during evolution; darker cells hold more elites.
-
-    Args:
-        history: Columns of `tables.evolution.HISTORY`.
-        space: The cells.
-
-    Returns:
-        An animated GIF; complexity goes to the right, difficulty up.
-    """
-    steps = coverage_history(history)
-    shown = np.unique(np.linspace(0, len(steps) - 1, min(FRAMES, len(steps))).astype(int))
-    frames = [
-        _frame(steps["cells"].iloc[index], int(steps["offspring"].iloc[index]), space)
-        for index in shown
-    ]
-    buffer = io.BytesIO()
-    times = [120] * (len(frames) - 1) + [LAST]
-    frames[0].save(
-        buffer, "gif", save_all=True, append_images=frames[1:], duration=times, loop=0, disposal=1
-    )
-    return buffer.getvalue()
-
-
-def _frame(cells: bytes, offspring: int, space: MeasureSpace) -> Image.Image:
-    counts = np.frombuffer(cells, np.uint8).reshape(space.cells, space.cells)[::-1]
-    pixels = np.kron(_colors(counts, space), np.ones((UNIT, UNIT, 1))).astype(np.uint8)
-    image = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + 2 * UNIT), GROUND)
-    image.paste(Image.fromarray(pixels))
-    text = f"{offspring} evaluations, {int(counts.sum())} objects"
-    ImageDraw.Draw(image).text((4, pixels.shape[0] + 5), text, fill=INK)
-    return image.quantize(32)
-
-
-def _colors(counts: NDArray[np.uint8], space: MeasureSpace) -> NDArray[np.float64]:
-    share = np.minimum(counts / space.elites_per_cell, 1)[..., None]
-    full = np.where(share > 0, 0.15 + 0.85 * share, 0)
-    return np.asarray(EMPTY + full * (FULL - EMPTY))

@@ -42,56 +42,23 @@ class GraspNumbers:
 
 
 @dataclass(frozen=True)
-class ScaleNumbers:
-    """How the objects were scaled to a gripper.
-
-    Attributes:
-        rule: Name of the rule.
-        opening: Opening of the gripper, metres.
-        objects: How many there are.
-        scaled: How many changed their size.
-        factor: Smallest, median and largest factor.
-    """
-
-    rule: str
-    opening: float
-    objects: int
-    scaled: int
-    factor: list[float]
-
-
-@dataclass(frozen=True)
-class PrintNumbers:
-    """What is printed: objects, plates, and labels of objects that fit on no plate."""
-
-    objects: int
-    plates: int
-    on_no_plate: list[str]
-
-
-@dataclass(frozen=True)
 class GraspView:
     """Grasps and sizes of the objects of a dataset, by gripper; figures are addresses."""
 
     grasps: dict[str, GraspNumbers]
     figure: str
     size_figures: dict[str, str]
-    sizes: dict[str, tuple[ScaleNumbers | None, PrintNumbers | None]]
 
 
 def grasp_view(
     grasps: Mapping[str, pd.DataFrame],
     size_effects: Mapping[str, pd.DataFrame],
-    scales: Mapping[str, pd.DataFrame],
-    manifests: Mapping[str, pd.DataFrame],
 ) -> GraspView | None:
     """Collect what the section shows of the grasps of a dataset.
 
     Args:
         grasps: Columns of `tables.grasping.GRASPS`, by gripper.
         size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
-        scales: Columns of `tables.grasping.SCALES`, by gripper.
-        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
 
     Returns:
         None if there is nothing at all. Tables without rows count as absent.
@@ -100,17 +67,10 @@ def grasp_view(
     charts = {
         name: svg_uri(size_chart(table)) for name, table in size_effects.items() if len(table)
     }
-    sizes = {
-        name: (
-            scale_numbers(scales[name]) if name in scales and len(scales[name]) else None,
-            print_numbers(manifests[name]) if name in manifests else None,
-        )
-        for name in dict.fromkeys([*scales, *manifests])
-    }
-    if not (known or charts or sizes):
+    if not (known or charts):
         return None
     numbers = {name: grasp_numbers(table) for name, table in known.items()}
-    return GraspView(numbers, svg_uri(grasp_chart(known)) if known else "", charts, sizes)
+    return GraspView(numbers, svg_uri(grasp_chart(known)) if known else "", charts)
 
 
 def section(
@@ -155,26 +115,6 @@ def grasp_numbers(grasps: pd.DataFrame) -> GraspNumbers:
         robust_quality=grasps["robust_quality"].quantile(QUARTILES).tolist(),
         robust_success_rate=grasps["robust_success_rate"].mean(),
         collision_free=grasps["collision_free"].mean(),
-    )
-
-
-def scale_numbers(scales: pd.DataFrame) -> ScaleNumbers:
-    """Numbers of a table with the columns of `tables.grasping.SCALES`, at least one row."""
-    return ScaleNumbers(
-        rule=", ".join(sorted(scales["rule"].unique())),
-        opening=scales["opening"].iloc[0],
-        objects=len(scales),
-        scaled=int((~np.isclose(scales["factor"], 1)).sum()),
-        factor=scales["factor"].quantile([0, 0.5, 1]).tolist(),
-    )
-
-
-def print_numbers(manifest: pd.DataFrame) -> PrintNumbers:
-    """Numbers of a table with the columns of `tables.evaluation.MANIFEST`."""
-    return PrintNumbers(
-        objects=len(manifest),
-        plates=int(manifest["plate"].nunique()),
-        on_no_plate=manifest.loc[manifest["plate"].isna(), "label"].tolist(),
     )
 
 

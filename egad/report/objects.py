@@ -1,7 +1,6 @@
 """The section Objects: a user's own meshes one by one, with what came of each."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -33,19 +32,18 @@ class ObjectsView(NamedTuple):
     viewer: dict[str, Any] | None
 
 
-@dataclass(frozen=True)
-class ForGripper:
-    """What was made of the objects for a gripper.
+class Made(NamedTuple):
+    """What was made of the objects of a dataset.
 
     Attributes:
-        scales: Columns of `tables.grasping.SCALES`.
-        manifest: Columns of `tables.evaluation.MANIFEST`.
-        trials: Columns of `tables.evaluation.TRIALS`, by detector.
+        scales: Columns of `tables.grasping.SCALES`, by gripper.
+        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
+        trials: Columns of `tables.evaluation.TRIALS`, by gripper and detector.
     """
 
-    scales: pd.DataFrame
-    manifest: pd.DataFrame
-    trials: Mapping[str, pd.DataFrame]
+    scales: Mapping[str, pd.DataFrame]
+    manifests: Mapping[str, pd.DataFrame]
+    trials: Mapping[tuple[str, str], pd.DataFrame]
 
 
 def objects_view(
@@ -53,7 +51,7 @@ def objects_view(
     pictures: Mapping[str, bytes],
     axes: AxisPair,
     evalset: pd.DataFrame | None,
-    made: Mapping[str, ForGripper],
+    made: Made,
     scenes: Sequence[GraspScene],
     gripper: Gripper,
 ) -> ObjectsView:
@@ -64,7 +62,7 @@ def objects_view(
         pictures: PNG by label; optional for each.
         axes: What the axes of the space are called.
         evalset: Columns of `tables.evaluation.EVAL49`, if there is a set.
-        made: What was made for each gripper, by its name.
+        made: What was made of them.
         scenes: The objects with grasps.
         gripper: The gripper of the grasps.
     """
@@ -74,8 +72,7 @@ def objects_view(
     parts = [_measures(objects, axes)]
     if any(name != label for name, label in labels.items()):
         parts.append(pd.DataFrame({"in the set": labels.keys()}, list(labels.values())))
-    for gripper_name, each in made.items():
-        parts.append(_of_gripper(each, labels, f", {gripper_name}" if len(made) > 1 else ""))
+    parts += [_of_gripper(name, made, labels) for name in made.scales]
     texts = pd.concat(parts, axis=1).fillna(DASH)
     shown = objects["label"].tolist()
     values = zip(shown, texts.reindex(shown, fill_value=DASH).to_dict("records"), strict=True)
@@ -102,21 +99,22 @@ def _measures(objects: pd.DataFrame, axes: AxisPair) -> pd.DataFrame:
     return pd.DataFrame(columns, objects["label"]).assign(cell=[cell_name(*each) for each in cells])
 
 
-def _of_gripper(made: ForGripper, labels: Mapping[str, str], end: str) -> pd.DataFrame:
-    """Scale, print and successes of each object; `end` is the end of the titles."""
-    scales, prints = (table.set_index("label") for table in (made.scales, made.manifest))
-    prints = prints.rename(index=labels)
+def _of_gripper(gripper: str, made: Made, labels: Mapping[str, str]) -> pd.DataFrame:
+    """Scale, print and successes of each object."""
+    scales = made.scales[gripper].set_index("label")["factor"]
+    prints = made.manifests[gripper].set_index("label").rename(index=labels)
     plates = [f"plate {plate:.0f}" if plate == plate else "" for plate in prints["plate"]]
     notes = ["; ".join(filter(None, each)) for each in zip(plates, prints["note"], strict=True)]
     columns = {
-        f"scale{end}": scales["factor"].map("{:.3g}".format),
-        f"to print{end}": pd.Series(notes, prints.index, dtype=object),
+        "scale": scales.map("{:.3g}".format),
+        "to print": pd.Series(notes, prints.index, dtype=object),
     }
-    for detector, table in made.trials.items():
+    trials = {detector: table for (name, detector), table in made.trials.items() if name == gripper}
+    for detector, table in trials.items():
         rates = by_object(table).rename(index=labels).astype(str)
-        title = "successes" if len(made.trials) == 1 else f"successes of {detector}"
-        columns[f"{title}{end}"] = rates["successes"] + " of " + rates["attempts"]
-    return pd.DataFrame(columns)
+        title = "successes" if len(trials) == 1 else f"successes of {detector}"
+        columns[title] = rates["successes"] + " of " + rates["attempts"]
+    return pd.DataFrame(columns).add_suffix(f", {gripper}" if len(made.scales) > 1 else "")
 
 
 def section(views: Mapping[str, ObjectsView], *, gripper: str, named: bool) -> Section:

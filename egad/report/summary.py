@@ -1,6 +1,5 @@
 """The sections Summary and Left out: the results of each dataset, and what was left out."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -8,7 +7,6 @@ from typing import Any
 import pandas as pd
 
 from egad.measures import MeasureSpace, coverage
-from egad.report.evolution import re_evaluation
 from egad.report.page import Section, section_of
 from egad.report.trials import Results
 
@@ -28,71 +26,55 @@ class DatasetSummary:
     """A dataset in numbers.
 
     Attributes:
-        objects: How many it has.
-        listed: Whether they are shown one by one rather than on a map.
-        coverage: Fraction of the archive slots that its objects fill.
-        selected_coverage: The same by the graspability that evolution used for selection; NaN if
-            there is none, or none from sampled grasps.
-        certain: Fraction of the objects with a certain cell; NaN if it is not known.
-        cut: Objects that lost bodies.
-        dropped_volume: The largest fraction of its volume that an object lost with them.
-        selected: Objects of its evaluation set.
-        results: What detectors achieved on that set, by gripper.
-    """
-
-    objects: int
-    listed: bool
-    coverage: float
-    selected_coverage: float
-    certain: float
-    cut: int
-    dropped_volume: float
-    selected: int
-    results: Mapping[str, Results]
-
-
-def summarize(
-    objects: pd.DataFrame,
-    space: MeasureSpace,
-    selected: int,
-    results: Mapping[str, Results],
-    *,
-    listed: bool = False,
-) -> DatasetSummary:
-    """The numbers of a dataset.
-
-    Args:
         objects: Columns of `tables.objects.OBJECTS`.
         space: The cells.
-        selected: Objects of its evaluation set.
+        evalset: Columns of `tables.evaluation.EVAL49`; None if there is no set.
         results: What detectors achieved on that set, by gripper.
         listed: Whether the objects are shown one by one rather than on a map.
     """
-    moves = re_evaluation(objects, space)
-    confidence = objects["cell_confidence"].dropna()
-    return DatasetSummary(
-        objects=len(objects),
-        listed=listed,
-        coverage=coverage(objects, space),
-        selected_coverage=moves.before if moves and len(confidence) else math.nan,
-        certain=float((confidence >= space.confidence).mean()),
-        cut=int((objects["dropped_bodies"] > 0).sum()),
-        dropped_volume=float(objects["dropped_volume"].max()),
-        selected=selected,
-        results=results,
-    )
+
+    objects: pd.DataFrame
+    space: MeasureSpace
+    evalset: pd.DataFrame | None
+    results: Mapping[str, Results]
+    listed: bool = False
+
+    @property
+    def selected(self) -> int:
+        """Objects of the evaluation set."""
+        return 0 if self.evalset is None else len(self.evalset)
+
+    @property
+    def coverage(self) -> float:
+        """Fraction of the archive slots that the objects fill."""
+        return coverage(self.objects, self.space)
+
+    @property
+    def corrected(self) -> bool:
+        """Whether evolution selected the objects by other sampled grasps."""
+        measured = self.objects["cell_confidence"].notna().any()
+        return bool(measured and self.objects["archive_graspability"].notna().any())
+
+    @property
+    def certain(self) -> float:
+        """Fraction of the objects with a certain cell; NaN if it is not known."""
+        confidence = self.objects["cell_confidence"].dropna()
+        return float((confidence >= self.space.confidence).mean())
+
+    @property
+    def cut(self) -> int:
+        """Objects that lost bodies."""
+        return int((self.objects["dropped_bodies"] > 0).sum())
 
 
-def section(datasets: Mapping[str, DatasetSummary], space: MeasureSpace, capacity: int) -> Section:
+def section(datasets: Mapping[str, DatasetSummary], capacity: int) -> Section:
     """The results of a run in numbers.
 
     Args:
-        datasets: From `summarize`, by name.
-        space: The cells.
+        datasets: By name.
         capacity: How many objects an evaluation set can have.
     """
-    values = {"space": space, "capacity": capacity}
-    return section_of("summary.html.j2", "Summary", datasets=datasets, **values)
+    return section_of("summary.html.j2", "Summary", datasets=datasets, capacity=capacity)
 
 
 def left_out_section(rejected: Mapping[str, pd.DataFrame]) -> Section:

@@ -3,7 +3,7 @@
 Each section is a module of `egad.report`; this module passes it tables and settings.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import pandas as pd
@@ -110,7 +110,13 @@ def _sections(report: ReportData) -> Iterator[Section]:
     named = len(datasets) > 1
     listed = {name for name, data in datasets.items() if is_listed(settings, name, data.objects)}
     mapped = {name: data for name, data in datasets.items() if name not in listed}
-    yield _summary(datasets, results, settings, listed)
+    summaries = {
+        name: summary.DatasetSummary(
+            data.objects, space, data.evalset, results[name], name in listed
+        )
+        for name, data in datasets.items()
+    }
+    yield summary.section(summaries, settings.select_eval.rows * settings.select_eval.columns)
     shown = {name: data for name, data in datasets.items() if name in listed}
     yield from _objects(shown, settings, axes, named=named)
     yield from _evaluation(mapped, settings, axes, named=named)
@@ -124,7 +130,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
         yield space_map.section(maps, space, axes, limit)
         yield from _evolution(mapped, settings, axes, limit, named=named)
         yield comparison.section(report.comparison, space, limit)
-    yield from _grasps(datasets, settings, listed)
+    yield from _grasps(datasets, settings)
     yield from _agreement(datasets, settings)
     yield summary.left_out_section({name: data.rejected for name, data in datasets.items()})
     yield section_of(
@@ -159,26 +165,6 @@ def _results(data: DatasetReport, settings: Settings, axes: AxisPair) -> dict[st
     return {gripper: trials.trial_results(each, tried) for gripper, each in tables.items()}
 
 
-def _summary(
-    datasets: Mapping[str, DatasetReport],
-    results: Mapping[str, Mapping[str, trials.Results]],
-    settings: Settings,
-    listed: Collection[str],
-) -> Section:
-    summaries = {
-        name: summary.summarize(
-            data.objects,
-            settings.space,
-            0 if data.evalset is None else len(data.evalset),
-            results[name],
-            listed=name in listed,
-        )
-        for name, data in datasets.items()
-    }
-    capacity = settings.select_eval.rows * settings.select_eval.columns
-    return summary.section(summaries, settings.space, capacity)
-
-
 def _objects(
     datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, *, named: bool
 ) -> Iterator[Section]:
@@ -189,14 +175,7 @@ def _objects(
             data.pictures,
             axes,
             data.evalset,
-            {
-                gripper: objects.ForGripper(
-                    scales,
-                    data.manifests[gripper],
-                    {key[1]: table for key, table in data.trials.items() if key[0] == gripper},
-                )
-                for gripper, scales in data.scales.items()
-            },
+            objects.Made(data.scales, data.manifests, data.trials),
             data.scenes,
             settings.grippers[name_of_gripper],
         )
@@ -257,16 +236,9 @@ def _evaluation(
         )
 
 
-def _grasps(
-    datasets: Mapping[str, DatasetReport], settings: Settings, listed: Collection[str]
-) -> Iterator[Section]:
+def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
     found = {
-        name: grasps.grasp_view(
-            data.grasps,
-            data.size_effects,
-            *(({}, {}) if name in listed else (data.scales, data.manifests)),
-        )
-        for name, data in datasets.items()
+        name: grasps.grasp_view(data.grasps, data.size_effects) for name, data in datasets.items()
     }
     views = {name: view for name, view in found.items() if view}
     if views:

@@ -1,13 +1,9 @@
-import io
-
 import numpy as np
 import pandas as pd
 import pytest
-from PIL import Image
 
 from egad.measures import MeasureSpace
 from egad.report.evolution import (
-    coverage_animation,
     coverage_curves,
     coverage_history,
     re_evaluation,
@@ -57,18 +53,6 @@ def test_curves_name_the_runs_and_are_the_same_again(history):
     assert "sparse" in svg
     assert svg == coverage_curves({"paper": history, "sparse": history})
     assert "paper" not in coverage_curves({"paper": history})
-
-
-def test_the_film_ends_with_the_last_map(history):
-    film = Image.open(io.BytesIO(coverage_animation(history, SPACE)))
-    assert film.n_frames == 4
-    film.seek(3)
-    last = np.asarray(film.convert("RGB"))
-    unit = last.shape[1] // 5
-    dark = last[unit // 2 : 5 * unit : unit, unit // 2 :: unit].sum(axis=2) < 700
-    assert dark.sum() == 8
-    assert dark[4].all()  # the easiest row is the lowest
-    assert dark[3, :3].all()
 
 
 def test_re_evaluation_counts_moves_and_coverage():

@@ -3,14 +3,7 @@ import pandas as pd
 import pytest
 from svg_text import texts
 
-from egad.report.grasps import (
-    grasp_chart,
-    grasp_numbers,
-    grasp_view,
-    print_numbers,
-    scale_numbers,
-    size_chart,
-)
+from egad.report.grasps import grasp_chart, grasp_numbers, grasp_view, size_chart
 
 
 def test_the_chart_names_objects_percentiles_and_axes(size_effect):
@@ -57,18 +50,5 @@ def test_grasp_numbers(grasps):
     assert found.quality[1] == pytest.approx(grasps["quality"].median())
 
 
-def test_scale_and_print_numbers(report):
-    data = report.datasets["egad"]
-    found = scale_numbers(data.scales["egad_75mm"])
-    assert (found.objects, found.scaled) == (40, 10)
-    assert found.factor == pytest.approx([0.8, 1, 1])
-    prints = print_numbers(data.manifests["egad_75mm"])
-    assert (prints.objects, prints.plates, prints.on_no_plate) == (3, 2, ["G6"])
-
-
-def test_a_gripper_with_prints_alone_has_no_scales(report):
-    view = grasp_view({}, {}, {}, {"yumi": report.datasets["egad"].manifests["egad_75mm"]})
-    scales, prints = view.sizes["yumi"]
-    assert scales is None
-    assert prints.objects == 3
-    assert grasp_view({}, {}, {}, {}) is None
+def test_nothing_has_no_section():
+    assert grasp_view({}, {}) is None

@@ -160,7 +160,6 @@ def test_key_numbers(page):
     assert "EGAD, 2020 published 2 331 93 % \N{EN DASH} \N{EN DASH} 0.07 0.27 0.19" in words
     assert "Dex-Net 2.0 published 1 497 37 % \N{EN DASH} \N{EN DASH} 0.03 0.26 0.11" in words
     assert "b postprocess no volume" in words
-    assert "on no plate: G6" in words
 
 
 def test_rows_in_which_no_object_is_expected_are_hatched_and_named(page, html, report):

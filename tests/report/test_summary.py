@@ -1,7 +1,7 @@
 import numpy as np
 import pandas as pd
 
-from egad.report.summary import of_what, rejection_counts, section, summarize
+from egad.report.summary import DatasetSummary, of_what, rejection_counts, section
 
 
 def test_rejections_are_ordered_by_frequency(report):
@@ -11,15 +11,15 @@ def test_rejections_are_ordered_by_frequency(report):
 
 
 def test_a_dataset_in_numbers(objects, settings):
-    found = summarize(objects, settings.space, 3, {})
+    found = DatasetSummary(objects, settings.space, None, {})
     cells = objects.groupby(["complexity_cell", "difficulty_cell"]).size()
-    assert found.objects == 40
+    assert len(found.objects) == 40
     assert found.coverage == cells.clip(upper=4).sum() / 2500
 
 
 def test_a_few_own_objects_have_no_coverage(objects, settings):
-    found = summarize(objects.head(7), settings.space, 7, {}, listed=True)
-    shown = section({"parts": found}, settings.space, 49).html
+    found = DatasetSummary(objects.head(7), settings.space, objects.head(7), {}, listed=True)
+    shown = section({"parts": found}, 49).html
     assert "overage" not in shown
     assert "Evolved" not in shown
     assert "of 49" not in shown
@@ -35,14 +35,14 @@ def test_it_is_said_what_an_object_is_left_out_of():
 
 
 def test_dropped_bodies_are_counted_and_said(objects, settings):
-    none = summarize(objects, settings.space, 0, {})
+    none = DatasetSummary(objects, settings.space, None, {})
     assert none.cut == 0
     bodies, volumes = np.zeros(40, int), np.zeros(40)
     bodies[:3], volumes[:3] = [1, 2, 1], [0.1, 0.48, 0.2]
     cut = objects.assign(dropped_bodies=bodies, dropped_volume=volumes)
-    found = summarize(cut, settings.space, 0, {})
-    assert (found.cut, found.dropped_volume) == (3, 0.48)
-    shown = section({"parts": found}, settings.space, 49).html
+    found = DatasetSummary(cut, settings.space, None, {})
+    assert found.cut == 3
+    shown = section({"parts": found}, 49).html
     assert "The meshes of 3 objects had several bodies" in shown
     assert "up to 48.0 % of the volume" in shown.replace("\N{NO-BREAK SPACE}", " ")
-    assert "several bodies" not in section({"parts": none}, settings.space, 49).html
+    assert "several bodies" not in section({"parts": none}, 49).html
