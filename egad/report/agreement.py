@@ -71,7 +71,6 @@ def section(
     lift_height: float,
     hold_time: float,
     friction: float,
-    named: bool,
 ) -> Section:
     """Labelled grasps of each dataset with each gripper.
 
@@ -80,10 +79,9 @@ def section(
         lift_height: Metres that the object is lifted.
         hold_time: Seconds that it is held there.
         friction: Coefficient between object and fingers.
-        named: Whether to write the name of each dataset.
     """
     values = {"lift_height": lift_height, "hold_time": hold_time, "friction": friction}
-    return section_of("agreement.html.j2", "Labels", datasets=datasets, named=named, **values)
+    return section_of("agreement.html.j2", "Labels", datasets=datasets, **values)
 
 
 def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:

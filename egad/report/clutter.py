@@ -42,14 +42,13 @@ class ClutterView:
     pictures: dict[str, list[str]]
 
 
-def section(datasets: Mapping[str, Mapping[str, ClutterView]], *, named: bool) -> Section:
+def section(datasets: Mapping[str, Mapping[str, ClutterView]]) -> Section:
     """Cleared tables of each dataset with each gripper.
 
     Args:
         datasets: From `clutter_view`, by dataset and gripper.
-        named: Whether to write the name of each dataset.
     """
-    return section_of("clutter.html.j2", "Cleared tables", datasets=datasets, named=named)
+    return section_of("clutter.html.j2", "Cleared tables", datasets=datasets)
 
 
 def clutter_view(

@@ -11,7 +11,7 @@ import pandas as pd
 import trimesh
 from matplotlib.figure import Figure
 
-from egad.evalset import label_at
+from egad.evalset import labels_of
 from egad.grippers import Gripper
 from egad.report.axes import AxisPair
 from egad.report.colors import INK, SOFT
@@ -68,22 +68,18 @@ def evaluation_view(
         gripper: The gripper of the grasps.
     """
     items = {item["label"]: item for item in evalset.to_dict("records")}
+    labels = labels_of(rows, columns)
     slots = [
-        [_slot(label_at(row, column), items, pictures) for column in range(columns)]
+        [_slot(label, items.get(label), pictures) for label in labels[row * columns :][:columns]]
         for row in reversed(range(rows))
     ]
     viewer = viewer_data(scenes, gripper) if scenes else None
     return EvaluationView(slots, len(evalset), viewer)
 
 
-def _slot(
-    label: str, items: Mapping[str, Mapping[Any, Any]], pictures: Mapping[str, bytes]
-) -> Slot:
-    item = items.get(label)
-    if item is None:
-        return Slot(label, None, "")
-    small = pictures.get(item["object_label"], b"")
-    return Slot(label, item, data_uri(pictures.get(label, small)))
+def _slot(label: str, item: Mapping[Any, Any] | None, pictures: Mapping[str, bytes]) -> Slot:
+    small = pictures.get(item["object_label"], b"") if item else b""
+    return Slot(label, item, data_uri(pictures.get(label, small)) if item else "")
 
 
 def section(
@@ -92,7 +88,6 @@ def section(
     *,
     percentile: float | None,
     gripper: str,
-    named: bool,
 ) -> Section:
     """The evaluation set of each dataset.
 
@@ -102,10 +97,9 @@ def section(
         percentile: Percentile of grasp quality that graspability is, percent; None if another
             measure is used in its place.
         gripper: Name of the gripper of the 3D viewer.
-        named: Whether to write the name of each dataset.
     """
-    values = {"axes": axes, "percentile": percentile, "gripper": gripper, "named": named}
-    return section_of("evaluation.html.j2", "Evaluation set", views=views, **values)
+    values = {"views": views, "axes": axes, "percentile": percentile, "gripper": gripper}
+    return section_of("evaluation.html.j2", "Evaluation set", **values)
 
 
 def contact_sheet(

@@ -72,7 +72,6 @@ def section(
     *,
     sampled: bool,
     islands: int,
-    named: bool,
 ) -> Section:
     """The evolution of each dataset.
 
@@ -83,10 +82,9 @@ def section(
         limit: Which rows objects are expected in.
         sampled: Whether graspability comes from sampled grasps, not from a user-defined measure.
         islands: How many islands evolved in parallel.
-        named: Whether to write the name of each dataset.
     """
     values = {"space": space, "axes": axes, "limit": limit, "sampled": sampled}
-    values |= {"islands": islands, "named": named}
+    values |= {"islands": islands}
     return section_of("evolution.html.j2", "Evolution", views=views, **values)
 
 

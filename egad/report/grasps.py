@@ -80,7 +80,6 @@ def section(
     copies: int,
     size_grasps: int,
     size_repeats: int,
-    named: bool,
 ) -> Section:
     """Grasps and sizes of each dataset.
 
@@ -90,7 +89,6 @@ def section(
         copies: Perturbed copies of a grasp that robust quality averages over.
         size_grasps: Grasps sampled at each size.
         size_repeats: How often the sampling was repeated.
-        named: Whether to write the name of each dataset.
     """
     return section_of(
         "grasps.html.j2",
@@ -100,7 +98,6 @@ def section(
         copies=copies,
         size_grasps=size_grasps,
         size_repeats=size_repeats,
-        named=named,
     )
 
 

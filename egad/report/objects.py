@@ -117,12 +117,11 @@ def _of_gripper(gripper: str, made: Made, labels: Mapping[str, str]) -> pd.DataF
     return pd.DataFrame(columns).add_suffix(f", {gripper}" if len(made.scales) > 1 else "")
 
 
-def section(views: Mapping[str, ObjectsView], *, gripper: str, named: bool) -> Section:
+def section(views: Mapping[str, ObjectsView], *, gripper: str) -> Section:
     """The objects of each dataset.
 
     Args:
         views: From `objects_view`, by dataset.
         gripper: Name of the gripper of the 3D viewer.
-        named: Whether to write the name of each dataset.
     """
-    return section_of("objects.html.j2", "Objects", views=views, gripper=gripper, named=named)
+    return section_of("objects.html.j2", "Objects", views=views, gripper=gripper)

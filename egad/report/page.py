@@ -45,9 +45,14 @@ def section_of(template: str, title: str, /, **values: Any) -> Section:  # noqa:
     return Section(template.partition(".")[0], title, Markup(html))  # noqa: S704 (templates escape what they show)
 
 
-def report_page(sections: Iterable[Section]) -> str:
-    """One HTML page of all sections, with links to each, that needs no other file."""
-    return render_template("report.html.j2", sections=list(sections))
+def report_page(sections: Iterable[Section], *, alone: bool = False) -> str:
+    """One HTML page of all sections, with links to each, that needs no other file.
+
+    Args:
+        sections: In their order.
+        alone: Whether there is only one dataset, whose name is not repeated in each section.
+    """
+    return render_template("report.html.j2", sections=list(sections), alone=alone)
 
 
 def render_template(

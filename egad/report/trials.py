@@ -107,7 +107,7 @@ class Results:
 
 
 def section(
-    results: Mapping[str, Mapping[str, Results]], *, attempts: int, lift_height: float, named: bool
+    results: Mapping[str, Mapping[str, Results]], *, attempts: int, lift_height: float
 ) -> Section:
     """The trials of each dataset with each gripper.
 
@@ -115,11 +115,10 @@ def section(
         results: From `trial_results`, by dataset and gripper.
         attempts: Attempts at each object.
         lift_height: Metres above the table at which an object counts as held.
-        named: Whether to write the name of each dataset.
     """
     views = [view for each in results.values() for one in each.values() for view in one.views]
     in_grid = any(view.trend_figure for view in views)
-    values = {"attempts": attempts, "lift_height": lift_height, "named": named, "in_grid": in_grid}
+    values = {"attempts": attempts, "lift_height": lift_height, "in_grid": in_grid}
     return section_of("trials.html.j2", "Trials", datasets=results, **values)
 
 

@@ -98,7 +98,7 @@ def build(report: ReportData) -> str:
     Returns:
         The text of the page: the same for the same report. Pictures and figures are inline.
     """
-    return report_page(_sections(report))
+    return report_page(_sections(report), alone=len(report.datasets) == 1)
 
 
 def _sections(report: ReportData) -> Iterator[Section]:
@@ -107,7 +107,6 @@ def _sections(report: ReportData) -> Iterator[Section]:
     axes, space = axis_pair(settings.measures), settings.space
     limit = attainable_graspability(select(settings, MeasureParameters))
     results = {name: _results(data, settings, axes) for name, data in datasets.items()}
-    named = len(datasets) > 1
     listed = {name for name, data in datasets.items() if is_listed(settings, name, data.objects)}
     mapped = {name: data for name, data in datasets.items() if name not in listed}
     summaries = {
@@ -118,8 +117,8 @@ def _sections(report: ReportData) -> Iterator[Section]:
     }
     yield summary.section(summaries, settings.select_eval.rows * settings.select_eval.columns)
     shown = {name: data for name, data in datasets.items() if name in listed}
-    yield from _objects(shown, settings, axes, named=named)
-    yield from _evaluation(mapped, settings, axes, named=named)
+    yield from _objects(shown, settings, axes)
+    yield from _evaluation(mapped, settings, axes)
     yield from _trials(results, settings)
     yield from _clutter(datasets)
     if mapped:
@@ -128,7 +127,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
             for name, data in mapped.items()
         }
         yield space_map.section(maps, space, axes, limit)
-        yield from _evolution(mapped, settings, axes, limit, named=named)
+        yield from _evolution(mapped, settings, axes, limit)
         yield comparison.section(report.comparison, space, limit)
     yield from _grasps(datasets, settings)
     yield from _agreement(datasets, settings)
@@ -166,9 +165,9 @@ def _results(data: DatasetReport, settings: Settings, axes: AxisPair) -> dict[st
 
 
 def _objects(
-    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, *, named: bool
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair
 ) -> Iterator[Section]:
-    name_of_gripper = settings.targets.grippers[0]
+    gripper = settings.targets.grippers[0]
     views = {
         name: objects.objects_view(
             data.objects,
@@ -177,27 +176,22 @@ def _objects(
             data.evalset,
             objects.Made(data.scales, data.manifests, data.trials),
             data.scenes,
-            settings.grippers[name_of_gripper],
+            settings.grippers[gripper],
         )
         for name, data in datasets.items()
     }
     if views:
-        yield objects.section(views, gripper=name_of_gripper, named=named)
+        yield objects.section(views, gripper=gripper)
 
 
 def _evolution(
-    datasets: Mapping[str, DatasetReport],
-    settings: Settings,
-    axes: AxisPair,
-    limit: Attainable,
-    *,
-    named: bool,
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, limit: Attainable
 ) -> Iterator[Section]:
-    found = {
-        name: evolution.evolution_view(data.objects, data.history, settings.space)
+    views = {
+        name: view
         for name, data in datasets.items()
+        if (view := evolution.evolution_view(data.objects, data.history, settings.space))
     }
-    views = {name: view for name, view in found.items() if view}
     if views:
         yield evolution.section(
             views,
@@ -206,14 +200,13 @@ def _evolution(
             limit,
             sampled=not settings.measures.graspability,
             islands=settings.schedule.islands,
-            named=named,
         )
 
 
 def _evaluation(
-    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair, *, named: bool
+    datasets: Mapping[str, DatasetReport], settings: Settings, axes: AxisPair
 ) -> Iterator[Section]:
-    layout, name_of_gripper = settings.select_eval, settings.targets.grippers[0]
+    layout, gripper = settings.select_eval, settings.targets.grippers[0]
     views = {
         name: evaluation.evaluation_view(
             data.evalset,
@@ -221,26 +214,22 @@ def _evaluation(
             layout.columns,
             {**data.pictures, **data.evalset_pictures},
             data.scenes,
-            settings.grippers[name_of_gripper],
+            settings.grippers[gripper],
         )
         for name, data in datasets.items()
         if data.evalset is not None and len(data.evalset)
     }
     if views:
-        yield evaluation.section(
-            views,
-            axes,
-            percentile=None if settings.measures.graspability else settings.graspability.percentile,
-            gripper=name_of_gripper,
-            named=named,
-        )
+        percentile = None if settings.measures.graspability else settings.graspability.percentile
+        yield evaluation.section(views, axes, percentile=percentile, gripper=gripper)
 
 
 def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
-    found = {
-        name: grasps.grasp_view(data.grasps, data.size_effects) for name, data in datasets.items()
+    views = {
+        name: view
+        for name, data in datasets.items()
+        if (view := grasps.grasp_view(data.grasps, data.size_effects))
     }
-    views = {name: view for name, view in found.items() if view}
     if views:
         yield grasps.section(
             views,
@@ -248,7 +237,6 @@ def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterat
             copies=settings.robust.samples,
             size_grasps=settings.size_effect.grasps,
             size_repeats=settings.size_effect.repeats,
-            named=len(datasets) > 1,
         )
 
 
@@ -256,12 +244,8 @@ def _trials(
     results: Mapping[str, Mapping[str, trials.Results]], settings: Settings
 ) -> Iterator[Section]:
     if any(results.values()):
-        yield trials.section(
-            results,
-            attempts=settings.trials.attempts,
-            lift_height=settings.trials.lift_height,
-            named=len(results) > 1,
-        )
+        protocol = settings.trials
+        yield trials.section(results, attempts=protocol.attempts, lift_height=protocol.lift_height)
 
 
 def _clutter(datasets: Mapping[str, DatasetReport]) -> Iterator[Section]:
@@ -276,7 +260,7 @@ def _clutter(datasets: Mapping[str, DatasetReport]) -> Iterator[Section]:
         for name, data in datasets.items()
     }
     if any(found.values()):
-        yield clutter.section(found, named=len(datasets) > 1)
+        yield clutter.section(found)
 
 
 def _agreement(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
@@ -294,5 +278,4 @@ def _agreement(datasets: Mapping[str, DatasetReport], settings: Settings) -> Ite
             lift_height=settings.trials.lift_height,
             hold_time=settings.trials.hold_time,
             friction=settings.quality.friction,
-            named=len(datasets) > 1,
         )

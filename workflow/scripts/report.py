@@ -38,19 +38,17 @@ from egad.workflow.report_page import DatasetReport, ReportData, build, is_liste
 
 log = logging.getLogger(__name__)
 PACKAGES = [
-    "egad",
-    "snakemake",
-    "numpy",
-    "numba",
-    "trimesh",
-    "scikit-image",
-    "manifold3d",
-    "neat-python",
-    "embreex",
-    "pybullet",
-    "mujoco",
-    "pandas",
-    "pyarrow",
+    *(
+        "egad",
+        "snakemake",
+        "numpy",
+        "numba",
+        "trimesh",
+        "scikit-image",
+        "manifold3d",
+        "neat-python",
+    ),
+    *("embreex", "pybullet", "mujoco", "pandas", "pyarrow"),
 ]
 THUMBNAIL, PORTRAIT = 96, 192
 SHOWN = 4  # scenes of clutter of each kind
