@@ -35,7 +35,7 @@ def read_labels(path: Path) -> dict[str, str]:
         UserError: It cannot be used; the message says where.
     """
     try:
-        rows = csv_lines(path)
+        rows = csv_lines(path, NEEDED)
     except OSError as error:
         raise UserError(f"{path}: not a CSV file: {error}") from error
     names = [name.lower() for name in rows[0][1]] if rows else []

@@ -2,33 +2,87 @@
 
 import csv
 import io
+import re
+from collections.abc import Collection
 from itertools import islice
 from pathlib import Path
 
 from egad.errors import UserError
+from egad.io.text import is_utf16
 
 MAX_BYTES, MAX_ROWS = 1 << 24, 100_000
+SAVE = "save it as CSV UTF-8"
+_WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+_SEPARATOR = re.compile(r'\s*"?sep=(.)"?[,;\t]*(?=\n)', re.IGNORECASE)
+_COMMA = re.compile(r"([-+]?\d*),(\d+(?:e[-+]?\d+)?)", re.IGNORECASE)
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}")
 
 
-def csv_lines(path: Path) -> list[tuple[int, list[str]]]:
+def csv_lines(path: Path, columns: Collection[str]) -> list[tuple[int, list[str]]]:
     """The cells of the lines of a CSV file, with line numbers; empty lines are left out.
 
-    Cells are separated by commas or, as some programs do, by semicolons.
+    Cells are separated by commas or, as spreadsheets do, by semicolons or tabs, or by what a line
+    such as `sep=;` says; then, a decimal comma becomes a point. The text is UTF-8 or UTF-16; only
+    cells that are not used may have another encoding.
+
+    Args:
+        path: The file.
+        columns: The names, in small letters, of the columns that are used.
 
     Raises:
-        UserError: It is not a CSV file, or is too large.
+        UserError: It is not a CSV file, is too large, or a cell has another encoding.
     """
     if path.stat().st_size > MAX_BYTES:
         raise UserError(f"{path}: larger than {MAX_BYTES:,} bytes; split it")
     try:
-        text = path.read_text(encoding="utf-8-sig")
-        head = text.strip().partition("\n")[0]
-        separator = ";" if head.count(";") > head.count(",") else ","
+        text, separator = _separator(_decoded(path))
         reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
-        rows = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)
+        rows = ((reader.line_num, [_cell(each, separator) for each in row]) for row in reader)
         filled = list(islice((row for row in rows if any(row[1])), MAX_ROWS + 2))
     except (UnicodeDecodeError, csv.Error) as error:
-        raise UserError(f"{path}: not a CSV file: {error}") from error
+        raise UserError(f"{path}: not a CSV file: {error}; {SAVE}") from error
     if len(filled) > MAX_ROWS + 1:
         raise UserError(f"{path}: more than {MAX_ROWS:,} rows; split it")
+    header = [name.lower() for name in filled[0][1]] if filled else []
+    used = [(place, name) for place, name in enumerate(header) if name in columns]
+    for line, row in filled:
+        for place, name in used:
+            if any("\udc80" <= letter <= "\udcff" for letter in "".join(row[place : place + 1])):
+                raise UserError(
+                    f"{path}, line {line}, column {place + 1} ({name}): a letter is not UTF-8; "
+                    f"{SAVE}"
+                )
     return filled
+
+
+def _decoded(path: Path) -> str:
+    """The text of a file, with newlines; bytes that are not UTF-8 become surrogates."""
+    data = path.read_bytes()
+    if data.startswith(_WORKBOOKS):
+        raise UserError(f"{path}: a workbook of a spreadsheet, not a CSV file; {SAVE}")
+    if not is_utf16(data):
+        if b"\0" in data:
+            raise UserError(f"{path}: not a CSV file: it is not text; {SAVE}")
+        text = data.decode("utf-8-sig", errors="surrogateescape")
+    elif data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        text = data.decode("utf-16")
+    else:
+        text = data.decode("utf-16-be" if data[0] == 0 else "utf-16-le")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _separator(text: str) -> tuple[str, str]:
+    """A text without the line that states the separator, and the separator."""
+    if stated := _SEPARATOR.match(text):
+        return text[stated.end() :], stated[1]
+    head = re.sub(r'"[^"]*"', "", text.strip().partition("\n")[0])
+    return text, max(",;\t", key=head.count)
+
+
+def _cell(text: str, separator: str) -> str:
+    """A cell without blanks around it, and with a decimal point."""
+    cell = text.strip()
+    decimal = None if separator == "," else _COMMA.fullmatch(cell)
+    if decimal is None or (separator == "\t" and _THOUSANDS.fullmatch(cell)):
+        return cell
+    return f"{decimal[1]}.{decimal[2]}"

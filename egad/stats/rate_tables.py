@@ -9,7 +9,7 @@ import pandas as pd
 
 from egad.errors import UserError
 from egad.stats.rates import by_object
-from egad.stats.records import csv_cells, read
+from egad.stats.records import TEXT, csv_cells, read
 
 ATTEMPT_COLUMNS = {"attempt", "success"}
 RATE_COLUMNS = ("label", "success_rate", "successes", "attempts", "detector")
@@ -48,9 +48,9 @@ def read_rates(path: Path) -> dict[str, pd.DataFrame]:
         UserError: The file cannot be used; the message says which row, and what is allowed.
         TableError: The file is not a Parquet file of results.
     """
-    if path.suffix.lower() != ".csv":
+    if path.suffix.lower() not in TEXT:
         return {name: object_rates(table) for name, table in read(path).items()}
-    (_, names), *lines = csv_cells(path)
+    (_, names), *lines = csv_cells(path, RATE_COLUMNS)
     names = [name.lower() for name in names]
     if ATTEMPT_COLUMNS & set(names):
         return {name: object_rates(table) for name, table in read(path).items()}

@@ -12,7 +12,7 @@ they are errors.
 import logging
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -40,10 +40,13 @@ LOG_COLUMNS = (
     *("blind", "seed", "record"),
 )
 READ = (*COLUMNS, "id", "valid", "reason", "session", "schema", "record")
-WORDS = {
-    **dict.fromkeys(("1", "true", "yes", "y", "1.0"), True),
-    **dict.fromkeys(("0", "false", "no", "n", "0.0"), False),
-}
+# Also as spreadsheets write truth values in languages of Europe
+TRUE = "1 1.0 true yes y wahr ja vrai oui verdadero vero verdadeiro waar prawda sant sand sann tosi"
+TRUE += " pravda igaz doğru adevărat cert истина істина"
+FALSE = "0 0.0 false no n falsch nein faux non falso onwaar fałsz falskt falsk usann epätosi"
+FALSE += " nepravda hamis yanliş fals ложь хибність"
+TEXT = (".csv", ".txt", ".tsv")
+WORDS = {**dict.fromkeys(TRUE.split(), True), **dict.fromkeys(FALSE.split(), False)}
 MAX_TOLD = 5  # warnings of one kind about a log
 ATTEMPT = re.compile(r"[0-9]{1,9}")
 ATTEMPT_KEY = ["detector", "label", "attempt"]
@@ -60,7 +63,8 @@ def read(path: Path) -> dict[str, pd.DataFrame]:
     """Read results.
 
     Args:
-        path: `.parquet`, written by the simulation or by `egad trials report`; or `.csv`.
+        path: `.parquet`, written by the simulation or by `egad trials report`; or text: `.csv`,
+            or `.txt` and `.tsv` of spreadsheets.
 
     Returns:
         Columns of `tables.evaluation.RESULTS`, by detector. Tables of the simulation and rows
@@ -70,7 +74,7 @@ def read(path: Path) -> dict[str, pd.DataFrame]:
         UserError: The file cannot be used; the message says which row, and what is allowed.
         TableError: The file is not a Parquet file with these columns.
     """
-    frame = _csv(path) if path.suffix.lower() == ".csv" else _parquet(path)
+    frame = _csv(path) if path.suffix.lower() in TEXT else _parquet(path)
     return {str(name): table.reset_index(drop=True) for name, table in frame.groupby("detector")}
 
 
@@ -112,7 +116,7 @@ def results(trials: pd.DataFrame, detector: str) -> pd.DataFrame:
 
 
 def _csv(path: Path) -> pd.DataFrame:
-    (_, names), *lines = csv_cells(path)
+    (_, names), *lines = csv_cells(path, READ)
     names = [name.lower() for name in names]
     if missing := [name for name in NEEDED if name not in names]:
         raise UserError(
@@ -219,9 +223,9 @@ def _tell(path: Path, problems: Sequence[str]) -> None:
         log.warning("%s: %d more like these are left out", path, len(problems) - MAX_TOLD)
 
 
-def csv_cells(path: Path) -> list[tuple[int, list[str]]]:
+def csv_cells(path: Path, columns: Collection[str]) -> list[tuple[int, list[str]]]:
     """The lines of a CSV file (`egad.io.csv_lines`), each as long as the first."""
-    filled = csv_lines(path)
+    filled = csv_lines(path, columns)
     if not filled:
         raise UserError(f"{path}: not a CSV file: it is empty")
     width = len(filled[0][1])

@@ -53,6 +53,89 @@ def test_what_spreadsheets_write_is_read(written):
     assert len(read(written(text, encoding="utf-8-sig"))["results"]) == 1
 
 
+SHEET = [
+    ["Label", "Detector", "Attempt", "Success", "Quality", "Note"],
+    ["A0", "mine", "0", "1", "0.8", "Köln, links; oben"],
+    ["A0", "mine", "1", "0", "1e-3", ""],
+    ["", "", "", "", "", ""],
+    ["C4", "mine", "0", "1", "0.125", '"so"'],
+]
+WORDS = {"1": "0", "TRUE": "FALSE", "WAHR": "FALSCH", "VRAI": "FAUX", "VERDADERO": "FALSO"}
+WORDS |= {"VERO": "FALSO", "VERDADEIRO": "FALSO", "PRAWDA": "FAŁSZ", "WAAR": "ONWAAR"}
+WORDS |= {"TOSI": "EPÄTOSI", "DOĞRU": "YANLIŞ", "PRAVDA": "NEPRAVDA", "ИСТИНА": "ЛОЖЬ"}
+SAVED = {  # encoding, separator, head, ends of lines
+    "csv": ("utf-8", ",", "", "\n"),
+    "excel utf-8": ("utf-8-sig", ";", "", "\r\n"),
+    "excel sep": ("utf-8-sig", ";", "sep=;\r\n", "\r\n"),
+    "excel ansi": ("cp1252", ";", "", "\r\n"),
+    "excel of a mac": ("mac-roman", ";", "", "\r"),
+    "unicode text": ("utf-16", "\t", "", "\r\n"),
+    "big endian": ("utf-16-be", ";", "\ufeff", "\n"),
+    "no mark": ("utf-16-le", ",", "", "\n"),
+    "sep tab": ("utf-8", "\t", '"sep=\t"\n', "\n"),
+    "sep bar": ("utf-8", "|", "sep=|\n", "\n"),
+}
+
+
+def sheet(how, rows=SHEET, more=2):
+    """What a spreadsheet saves, with empty columns and lines at the end."""
+    encoding, separator, head, end = SAVED[how]
+    text = io.StringIO()
+    writer = csv.writer(text, delimiter=separator, lineterminator=end)
+    writer.writerows([[*row, *[""] * more] for row in [*rows, *[[""] * 6] * more]])
+    return (head + text.getvalue()).encode(encoding)
+
+
+@pytest.mark.parametrize("how", SAVED)
+@pytest.mark.parametrize("comma", [False, True])
+@pytest.mark.parametrize(("true", "false"), WORDS.items())
+def test_what_spreadsheets_save_is_read(tmp_path, how, comma, true, false):
+    words = {"1": true, "0": false}
+    rows = [SHEET[0], *([*r[:3], words.get(r[3], r[3]), *r[4:]] for r in SHEET[1:])]
+    if comma and SAVED[how][1] != ",":
+        rows = [[*row[:4], row[4].replace(".", ","), row[5]] for row in rows]
+    try:
+        data = sheet(how, rows)
+    except UnicodeEncodeError:
+        pytest.skip("this encoding lacks these letters")
+    (tmp_path / "log.csv").write_bytes(data)
+    if SAVED[how][0] in ("cp1252", "mac-roman") and not (true + false).isascii():
+        with pytest.raises(UserError, match=r"line 3, column 4 \(success\): .* CSV UTF-8"):
+            read(tmp_path / "log.csv")
+        return
+    table = read(tmp_path / "log.csv")["mine"]
+    assert table["success"].tolist() == [True, False, True]
+    assert table["quality"].tolist() == [0.8, 0.001, 0.125]
+    assert table["attempt"].tolist() == [0, 1, 0]
+
+
+def test_letters_of_another_encoding_in_used_cells_are_named(tmp_path):
+    rows = [SHEET[0], ["A0", "Köln", *SHEET[1][2:]]]
+    (tmp_path / "log.csv").write_bytes(sheet("excel ansi", rows))
+    with pytest.raises(UserError, match=r"line 2, column 2 \(detector\): .* save it as CSV UTF-8"):
+        read(tmp_path / "log.csv")
+
+
+@pytest.mark.parametrize(("how", "cell"), [("csv", "0,8"), ("unicode text", "1,234")])
+def test_a_comma_that_may_separate_thousands_is_refused(tmp_path, how, cell):
+    rows = [SHEET[0], [*SHEET[1][:4], cell, ""]]
+    (tmp_path / "log.csv").write_bytes(sheet(how, rows))
+    with pytest.raises(UserError, match=r"line 2: quality is .*; allowed: a number"):
+        read(tmp_path / "log.csv")
+
+
+@pytest.mark.parametrize("start", [b"PK\x03\x04", b"\xd0\xcf\x11\xe0"])
+def test_a_workbook_is_named(tmp_path, start):
+    (tmp_path / "log.csv").write_bytes(start + bytes(100))
+    with pytest.raises(UserError, match=r"workbook .*save it as CSV UTF-8"):
+        read(tmp_path / "log.csv")
+
+
+def test_text_of_spreadsheets_has_other_endings(tmp_path):
+    (tmp_path / "log.txt").write_bytes(sheet("unicode text"))
+    assert len(read(tmp_path / "log.txt")["mine"]) == 3
+
+
 def test_cells_in_quotes_and_empty_ones_at_the_end_are_read(written):
     text = 'label,attempt,success,outcome\n"A0",0,1\nA1,0,0,"no grasp",,\n'
     assert read(written(text))["results"]["outcome"].tolist() == ["success", "no_grasp"]
