@@ -7,9 +7,9 @@ import trimesh
 from scipy.spatial import cKDTree
 from trimesh.graph import connected_component_labels
 
-from egad._util.arrays import Flags, Floats
+from egad._util.arrays import Flags, Floats, Ints
 from egad.evalset.parameters import PrintCheck
-from egad.geometry import RayCaster, nearest, rims, spread
+from egad.geometry import RayCaster, cone_volumes, is_closed, nearest, rims, spread
 
 SPACING = 0.8  # of the diameter: longest side of the pieces that triangles are cut into
 SLACK = 0.95  # of the radius: a ball that touches one facet of a curve cuts into the next
@@ -138,10 +138,11 @@ def _tree(points: Floats) -> cKDTree:
 def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
     """What keeps an object from being printed at its present size.
 
-    It must be closed, one body without a trapped void, and nowhere thinner than the nozzle
-    allows: a ball as wide as the thinnest wall, rolled inside, must come close to all of the
-    surface, and get from any place to any other. Edges and tips may become blunter by as much as
-    the settings allow; where both sides are parallel within 30 degrees, half a wall is the limit.
+    It must be closed, one body that does not touch itself, without a trapped void, and nowhere
+    thinner than the nozzle allows: a ball as wide as the thinnest wall, rolled inside, must come
+    close to all of the surface, and get from any place to any other. Edges and tips may become
+    blunter by as much as the settings allow; where both sides are parallel within 30 degrees, half
+    a wall is the limit.
 
     Args:
         mesh: Metres, scaled as it will be printed.
@@ -150,13 +151,15 @@ def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
     Returns:
         A few words for each problem; empty if it can be printed.
     """
-    if not mesh.is_watertight or not mesh.is_winding_consistent:
+    if not is_closed(mesh):
         return ["not closed"]
     volumes = shell_volumes(mesh)
     if sum(volumes) <= 0:
         return ["wound inwards"]
     problems = []
-    if (bodies := sum(volume > 0 for volume in volumes)) != 1:
+    if touching := _touching(mesh):
+        problems.append(f"touches itself {touching}")
+    elif (bodies := sum(volume > 0 for volume in volumes)) != 1:
         problems.append(f"{bodies} bodies")
     if voids := sum(volume <= 0 for volume in volumes):
         problems.append(f"{voids} trapped void{'s' if voids > 1 else ''}")
@@ -169,10 +172,32 @@ def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
     return problems
 
 
+def _touching(mesh: trimesh.Trimesh) -> str:
+    """Where edges have more than two faces, or else shells meet in a vertex; empty if nowhere."""
+    merged = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    merged.merge_vertices()
+    what = "along an edge"
+    touching = merged.edges_unique[np.bincount(merged.edges_unique_inverse) > 2]
+    if not len(touching):
+        what, shells = "in a point", np.repeat(_shells(merged)[:, None], 3, axis=1)
+        lowest = np.full(len(merged.vertices), len(merged.faces))
+        np.minimum.at(lowest, merged.faces, shells)
+        touching = merged.faces[lowest[merged.faces] < shells]
+    if not len(touching):
+        return ""
+    place = np.reshape(merged.vertices[touching[0]], (-1, 3)).mean(axis=0)
+    x, y, z = np.round(1000 * place, 2) + 0.0  # no -0
+    return f"{what} near ({x:.2f}, {y:.2f}, {z:.2f}) mm"
+
+
+def _shells(mesh: trimesh.Trimesh) -> Ints:
+    """Number of the shell of each face, (m,)."""
+    labels: Ints = connected_component_labels(mesh.face_adjacency, node_count=len(mesh.faces))
+    return labels
+
+
 def shell_volumes(mesh: trimesh.Trimesh) -> list[float]:
     """Volume within each closed shell, m3; that of a shell around a void is negative."""
-    shells = connected_component_labels(mesh.face_adjacency, node_count=len(mesh.faces))
-    corners = np.asarray(mesh.triangles) - np.asarray(mesh.bounds).mean(axis=0)
-    parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
-    volumes: list[float] = np.bincount(shells, weights=parts).tolist()
-    return volumes
+    volumes = cone_volumes(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    totals: list[float] = np.bincount(_shells(mesh), weights=volumes).tolist()
+    return totals

@@ -4,6 +4,8 @@ from .checks import check_mesh as check_mesh
 from .checks import check_solid as check_solid
 from .checks import check_surface as check_surface
 from .checks import check_units as check_units
+from .checks import cone_volumes as cone_volumes
+from .checks import is_closed as is_closed
 from .checks import units_doubt as units_doubt
 from .checks import warn_user as warn_user
 from .coacd import coacd_parts as coacd_parts

@@ -88,26 +88,30 @@ def check_solid(mesh: trimesh.Trimesh) -> None:
         RejectedError: As for `check_surface`; or it is open, inside out, or has no volume.
     """
     check_surface(mesh)
-    if not _is_closed(np.asarray(mesh.faces), len(mesh.vertices)):
+    if not is_closed(mesh):
         raise RejectedError(OPEN)
-    volume = _relative_volume(mesh)
+    faces, size = np.asarray(mesh.faces), float(mesh.extents.max())
+    volume = cone_volumes(np.asarray(mesh.vertices) / size, faces).sum()
     if abs(volume) < ROUNDING:
         raise RejectedError("no volume")
     if volume < 0:
         raise RejectedError("inside out: `egad.repair` turns the faces outwards")
 
 
-def _is_closed(faces: NDArray[np.int64], count: int) -> bool:
+def is_closed(mesh: trimesh.Trimesh) -> bool:
     """Whether every edge has as many faces in one direction as in the other."""
-    start, end = faces.astype(np.int64).ravel(), np.roll(faces, -1, axis=1).astype(np.int64).ravel()
+    faces, count = np.asarray(mesh.faces, np.int64), len(mesh.vertices)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     return bool(np.array_equal(np.sort(start * count + end), np.sort(end * count + start)))
 
 
-def _relative_volume(mesh: trimesh.Trimesh) -> float:
-    """Signed volume as a fraction of the cube of the longest side of the bounding box."""
-    low, high = np.asarray(mesh.bounds)
-    a, b, c = np.moveaxis((mesh.triangles - (low + high) / 2) / (high - low).max(), 1, 0)
-    return float(np.einsum("ij,ij", a, np.cross(b, c))) / 6
+def cone_volumes(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Signed volume between each face and the middle of the bounding box, (m,)."""
+    corners = vertices[faces]
+    middle = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2
+    a, b, c = np.moveaxis(corners - middle, 1, 0)
+    volumes: NDArray[np.float64] = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    return volumes
 
 
 def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metres") -> None:

@@ -1,21 +1,24 @@
 """Conversion to manifold3d and back: its solids are exact under union, intersection and cutting."""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import manifold3d
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
+from trimesh.graph import connected_component_labels
 
 from egad.errors import RejectedError
-from egad.geometry.checks import OPEN, ROUNDING
+from egad.geometry.checks import OPEN, ROUNDING, cone_volumes
+from egad.geometry.touching import separated
 
 Solid = Any  # manifold3d.Manifold, which has no type information
 
 
 def to_solid(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Solid:
-    """The solid within closed surfaces that wind outwards; see `is_solid`."""
+    """The solid within closed surfaces that wind outwards, and may touch; see `is_solid`."""
+    vertices, faces = separated(np.asarray(vertices), np.asarray(faces, dtype=np.int64))
     points = np.array(vertices, dtype=np.float64, order="C")  # copies: it rejects read-only ones
     triangles = np.array(faces, dtype=np.uint64, order="C")
     return manifold3d.Manifold(manifold3d.Mesh64(points, triangles))
@@ -53,6 +56,39 @@ def arrays(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     raw = solid.to_mesh64()
     vertices = np.array(np.asarray(raw.vert_properties)[:, :3], order="C")
     return vertices, np.asarray(raw.tri_verts).astype(np.int64)
+
+
+class Bodies(NamedTuple):
+    """The closed shells of a solid, as `decompose` of manifold3d finds them, but in linear time.
+
+    Attributes:
+        vertices: (n, 3).
+        faces: (m, 3) vertex indices.
+        shells: Number of the shell of each face, (m,).
+        volumes: Volume within each shell, (k,); that of a shell around a void is negative.
+        groups: Number of the body of each shell, (k,): shells that touch in a vertex, wherever
+            rounding has not moved it, are of one body.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    shells: NDArray[np.int64]
+    volumes: NDArray[np.float64]
+    groups: NDArray[np.int64]
+
+
+def bodies(solid: Solid) -> Bodies:
+    """The shells of a solid and which of them touch."""
+    vertices, faces = arrays(solid)
+    of_vertex = connected_component_labels(faces[:, [0, 1, 1, 2]].reshape(-1, 2), len(vertices))
+    shells = of_vertex[faces[:, 0]]
+    volumes = np.bincount(shells, cone_volumes(vertices, faces))
+    groups = np.zeros(len(volumes), np.int64)
+    if len(volumes) > 1:
+        places = np.unique(vertices, axis=0, return_inverse=True)[1]
+        links = np.column_stack([of_vertex, places + len(volumes)])
+        groups = connected_component_labels(links, len(volumes) + len(vertices))[: len(volumes)]
+    return Bodies(vertices, faces, shells, volumes, groups)
 
 
 def to_mesh(solid: Solid) -> trimesh.Trimesh:

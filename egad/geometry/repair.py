@@ -1,23 +1,26 @@
 """Repair any triangle mesh into one closed surface that bounds a solid, or say why it fails."""
 
+from collections.abc import Iterator
 from typing import NamedTuple, cast, get_args
 
 import manifold3d
 import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
+from trimesh.graph import connected_component_labels
 
 from egad._util.arguments import check_positive
 from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
 from egad.errors import RejectedError, check_name
-from egad.geometry.checks import check_surface
-from egad.geometry.manifold import Solid, is_solid, to_mesh, to_solid, union
+from egad.geometry.checks import check_surface, cone_volumes, is_closed
+from egad.geometry.manifold import Solid, arrays, bodies, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
 from egad.geometry.precision import in_single_precision, is_single
 from egad.geometry.rays import RayCaster
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
 from egad.geometry.shell import shell
+from egad.geometry.touching import wedge_pairs
 
 Loop = list[int]
 
@@ -141,13 +144,14 @@ def repair(
     open_surfaces: OpenSurfaces = "reject",
     thickness: float = SHELL_THICKNESS,
 ) -> Repaired:
-    """The outer surface of the largest solid part of a mesh.
+    """The outer surface of the largest solid body of a mesh.
 
     A mesh that already is one closed surface without crossings is returned with its triangles
     unchanged. Otherwise: cracks are welded; faces without area and doubled faces removed; every
     shell is wound outwards and its small holes closed; the union of the shells is taken, which
-    removes overlaps and the walls of trapped voids; its largest part by volume is kept, and regions
-    where it passes through itself are cut out and rebuilt.
+    removes overlaps and the walls of trapped voids; its largest body by volume is kept, and regions
+    where it passes through itself are cut out and rebuilt. What touches in a vertex or along an
+    edge is one body.
 
     A surface that stays open, such as the scan of a glass, can be thickened: it becomes the middle
     of a wall with round rims. A side of the box grows by at most the thickness.
@@ -158,7 +162,8 @@ def repair(
         thickness: Thickness of that wall, metres; common cups and glasses have the default, 2 mm.
 
     Returns:
-        The surface, in which every edge has exactly two faces, and what was done.
+        The surface, in which every edge has as many faces in one direction as in the other, and
+        what was done.
 
     Raises:
         RejectedError: The mesh is not finite, has no area or no volume, holes too large to close,
@@ -175,10 +180,11 @@ def repair(
         return Repaired(merged, changed=False)
     wall = thickness if open_surfaces == "thicken" else None
     solids, open_shells, thickened = _solids(_welded(merged), wall)
-    whole = union(solids)
-    untangled = untangle(_largest(whole))
-    solid = _largest(untangled)
-    dropped = _dropped([whole, untangled], open_shells, solid)
+    solid, others = _largest(union(solids))
+    if any(_crosses_itself(*arrays(each)) for each in solids):
+        solid, more = _largest(untangle(solid))
+        others += more
+    dropped = _dropped(others, open_shells, solid)
     return Repaired(to_mesh(solid), True, thickness if thickened else 0.0, *dropped)
 
 
@@ -231,44 +237,50 @@ def _check_options(open_surfaces: str, thickness: float) -> None:
 def _is_sound(mesh: trimesh.Trimesh) -> bool:
     """Whether the mesh is one closed surface, wound outwards, that does not cross itself."""
     solid = to_solid(mesh.vertices, mesh.faces)
-    if not is_solid(solid) or solid.num_tri() != len(mesh.faces) or len(solid.decompose()) != 1:
+    if not is_solid(solid) or solid.num_tri() != len(mesh.faces) or len(bodies(solid).volumes) != 1:
         return False
-    size = _size(mesh.vertices)
-    thick = solid.volume() > FLAT * size**3
-    return thick and len(crossings(mesh.vertices, mesh.faces, DEPTH * size)) == 0
+    thick = solid.volume() > FLAT * _size(mesh.vertices) ** 3
+    return thick and not _crosses_itself(mesh.vertices, mesh.faces)
 
 
-def _largest(solid: Solid) -> Solid:
-    """The part with the largest volume. The walls of voids are parts of negative volume."""
-    parts = [part for part in solid.decompose() if is_solid(part)]
-    if not parts:
+def _crosses_itself(vertices: Floats, faces: Ints) -> bool:
+    return len(crossings(vertices, faces, DEPTH * _size(vertices))) > 0
+
+
+def _largest(solid: Solid) -> tuple[Solid, list[float]]:
+    """The body with the largest volume, without trapped voids, and the volumes of the others."""
+    if not is_solid(solid):
         raise RejectedError("no volume")
-    best = max(parts, key=lambda part: part.volume())
-    low, high = np.reshape(best.bounding_box(), (2, 3))
-    if not best.volume() > FLAT * float((high - low).max()) ** 3:
+    found = bodies(solid)
+    volumes = np.bincount(found.groups, np.maximum(found.volumes, 0))
+    best = int(volumes.argmax())
+    kept = ((found.groups == best) & (found.volumes > 0))[found.shells]
+    used, corners = np.unique(found.faces[kept], return_inverse=True)
+    vertices = found.vertices[used]
+    if not kept.any() or not volumes[best] > FLAT * _size(vertices) ** 3:
         raise RejectedError(THIN)
-    return best
+    others = np.delete(volumes, best).tolist()
+    return (solid if kept.all() else to_solid(vertices, corners.reshape(-1, 3))), others
 
 
 def _dropped(
-    solids: list[Solid], open_shells: list[trimesh.Trimesh], kept: Solid
+    others: list[float], open_shells: list[trimesh.Trimesh], kept: Solid
 ) -> tuple[int, float]:
-    """Number of bodies besides the largest of each solid, and their fraction of the volume.
+    """Number of bodies that were left out, and their fraction of the volume.
 
     Args:
-        solids: Solids made of closed bodies.
+        others: Volumes of closed bodies that were left out.
         open_shells: Open shells that were left out; only what lies outside the kept solid counts.
         kept: The solid that is kept.
     """
-    volumes = [sorted(part.volume() for part in solid.decompose())[:-1] for solid in solids]
-    bodies = [each for others in volumes for each in others if each > CRUMB * kept.volume()]
+    dropped = [each for each in others if each > CRUMB * kept.volume()]
     if open_shells:
         rays, least = RayCaster(to_mesh(kept)), CRUMB ** (2 / 3) * kept.surface_area()
         for each in open_shells:
             outside = ~rays.contains(each.triangles_center)
             if each.area_faces[outside].sum() > least:
-                bodies.append(_volume_beyond(each, kept))
-    return len(bodies), float(sum(bodies) / (sum(bodies) + kept.volume()))
+                dropped.append(_volume_beyond(each, kept))
+    return len(dropped), float(sum(dropped) / (sum(dropped) + kept.volume()))
 
 
 def _volume_beyond(open_shell: trimesh.Trimesh, kept: Solid) -> float:
@@ -292,10 +304,9 @@ def _solids(
         The solids, the shells that are dropped, and whether there is such a wall.
     """
     single, doubled = _cleaned(mesh)
-    solids, failed = [], []
+    solids, failed = list[Solid](), list[trimesh.Trimesh]()
     for part in _shells(single):
-        closed = close_holes(part, MAX_HOLE)
-        solid = None if closed is None else _outward(closed)
+        solid = _solid_within(part)
         if solid is None:
             failed.append(part)
         else:
@@ -317,27 +328,30 @@ def _reason(failed: list[trimesh.Trimesh]) -> str:
     return f"open surface: {edges} open edges that could not be closed; {THICKEN}"
 
 
-def _shells(mesh: trimesh.Trimesh) -> list[trimesh.Trimesh]:
-    """Parts connected by edges with two faces, each wound consistently."""
-    if len(mesh.faces) == 0:
-        return []
-    groups = trimesh.graph.connected_components(
-        mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1
-    )
-    shells = []
-    for group in sorted(map(sorted, groups)):
-        part = trimesh.Trimesh(mesh.vertices, mesh.faces[group], process=False)
-        part.remove_unreferenced_vertices()
-        if not part.is_winding_consistent:
+def _shells(mesh: trimesh.Trimesh) -> Iterator[trimesh.Trimesh]:
+    """Parts connected by edges; each is closed or wound consistently."""
+    faces = np.asarray(mesh.faces)
+    links = np.vstack([mesh.face_adjacency, wedge_pairs(np.asarray(mesh.vertices), faces) // 3])
+    shells = connected_component_labels(links, node_count=len(mesh.faces))
+    order, ends = np.argsort(shells, kind="stable"), np.cumsum(np.bincount(shells))
+    for group in np.split(order, ends[:-1]) if len(order) else []:
+        used, corners = np.unique(mesh.faces[group], return_inverse=True)
+        part = trimesh.Trimesh(mesh.vertices[used], corners.reshape(-1, 3), process=False)
+        if not is_closed(part) and not part.is_winding_consistent:
             trimesh.repair.fix_winding(part)
-        shells.append(part)
-    return shells
+        yield part
+
+
+def _solid_within(part: trimesh.Trimesh) -> Solid | None:
+    """The solid within a shell, with small holes closed; None if it bounds nothing."""
+    closed = part if is_closed(part) else close_holes(part, MAX_HOLE)
+    return None if closed is None else _outward(closed)
 
 
 def _outward(part: trimesh.Trimesh) -> Solid | None:
-    """The solid within a shell, flipped if it is inside out; None if it bounds nothing."""
-    outward = part.faces if part.volume > 0 else part.faces[:, ::-1]
-    solid = to_solid(part.vertices, outward)
+    """The solid within a closed surface, flipped if it is inside out; None if it bounds nothing."""
+    inside_out = cone_volumes(part.vertices, part.faces).sum() < 0
+    solid = to_solid(part.vertices, part.faces[:, ::-1] if inside_out else part.faces)
     return solid if is_solid(solid) else None
 
 

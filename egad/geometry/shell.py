@@ -8,7 +8,7 @@ import trimesh
 from egad._util.arrays import Floats, Ints
 from egad._util.extras import needed_for
 from egad.errors import RejectedError
-from egad.geometry.checks import check_surface
+from egad.geometry.checks import check_surface, cone_volumes
 from egad.geometry.distance import nearest
 from egad.geometry.manifold import Solid, to_solid
 from egad.geometry.self_intersections import untangle
@@ -85,9 +85,7 @@ def _without_voids(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     """The components of a surface that bound something from outside."""
     edges = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
     group = trimesh.graph.connected_component_labels(edges, node_count=len(vertices))
-    corners = (vertices - vertices.mean(axis=0))[faces]
-    volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    outer = np.bincount(group[faces[:, 0]], weights=volumes) > 0
+    outer = np.bincount(group[faces[:, 0]], weights=cone_volumes(vertices, faces)) > 0
     return vertices, faces[outer[group[faces[:, 0]]]]
 
 

@@ -1,0 +1,82 @@
+"""Surfaces that touch themselves: which faces at an edge or a vertex belong together."""
+
+import numpy as np
+import trimesh
+from trimesh.graph import connected_component_labels
+
+from egad._util.arrays import Floats, Ints
+
+TURN = 1 << 20  # steps around an edge: faces in the same step are in one plane
+AFTER = np.array([1, 1, -2])  # from a corner of a face to the next
+
+
+def wedge_pairs(vertices: Floats, faces: Ints) -> Ints:
+    """Half-edges with the same wedge of solid between their faces, where edges have more than two.
+
+    Around such an edge, faces where a wedge begins and faces where one ends alternate. If they do
+    not, as where solids overlap, the edge has no pairs.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3) vertex indices.
+
+    Returns:
+        (k, 2) numbers of half-edges: 3 times that of a face, plus that of the corner it begins at.
+    """
+    starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    keys = np.minimum(starts, ends) * len(vertices) + np.maximum(starts, ends)
+    _, edge, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    halves = np.flatnonzero(counts[edge] > 2)
+    edge, outward = edge[halves], (starts < ends)[halves]  # the normal points out of the wedge
+    low = vertices[np.minimum(starts, ends)[halves]]
+    axes = trimesh.unitize(vertices[np.maximum(starts, ends)[halves]] - low)
+    tips = np.roll(faces, 1, axis=1).ravel()[halves]
+    across = np.cross(axes, np.eye(3)[np.abs(axes).argmin(axis=1)])
+    arms, upright = vertices[tips] - low, np.cross(axes, across)
+    angles = np.arctan2(np.einsum("ij,ij->i", arms, upright), np.einsum("ij,ij->i", arms, across))
+    turns = np.round(angles / (2 * np.pi) * TURN).astype(np.int64) % TURN
+    order = np.lexsort((~outward, turns, edge))  # one wedge ends before another begins
+    edge, outward, halves = edge[order], outward[order], halves[order]
+    following = np.arange(1, len(edge) + 1)
+    last = np.flatnonzero(np.diff(edge, append=-1))
+    following[last] = np.searchsorted(edge, edge[last])
+    mixed = np.isin(edge, edge[outward == outward[following]])
+    begins = np.flatnonzero(~outward & ~mixed)
+    return np.column_stack([halves[begins], halves[following[begins]]])
+
+
+def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Floats, Ints]:
+    """A closed surface with vertices repeated where it touches itself: each edge has two faces.
+
+    If that takes several edges between the same two vertices, all faces are divided into four.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3) vertex indices.
+        divide: Whether faces may be divided.
+    """
+    if not _has_repeated_edges(vertices, faces):
+        return vertices, faces
+    keys = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    _, edge, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
+    order, wedges = np.argsort(edge, kind="stable"), wedge_pairs(vertices, faces)
+    pairs = np.vstack([order[counts[edge[order]] == 2].reshape(-1, 2), wedges])
+    one, other = pairs.T
+    links = np.vstack([_across(one, other), _across(other, one)])
+    fans = connected_component_labels(links, node_count=faces.size)
+    first = np.unique(fans, return_index=True)[1]
+    split = vertices[faces.ravel()[first]], fans.reshape(-1, 3).astype(np.int64)
+    paired = 2 * len(wedges) == np.count_nonzero(counts[edge] > 2)
+    if divide and paired and _has_repeated_edges(*split):
+        return separated(*trimesh.remesh.subdivide(vertices, faces), divide=False)
+    return split
+
+
+def _has_repeated_edges(vertices: Floats, faces: Ints) -> bool:
+    directed = np.sort((faces * len(vertices) + np.roll(faces, -1, axis=1)).ravel())
+    return bool((directed[1:] == directed[:-1]).any())
+
+
+def _across(one: Ints, other: Ints) -> Ints:
+    """Corners where half-edges begin, and where the opposite ones end."""
+    return np.column_stack([one, other + AFTER[other % 3]])
