@@ -142,10 +142,7 @@ def _new_shelf(
     gap: float,
     keep_out: tuple[float, float],
 ) -> _Shelf | None:
-    """Open a shelf for a rectangle on the first plate with room, or on a new one.
-
-    It begins beside the corner that stays free, or else behind it; None if no plate has room.
-    """
+    """Open a shelf on the first plate with room, beside or behind the corner; None without room."""
     width, depth = size
     last = {shelf.plate: shelf for shelf in shelves}  # of each plate, the one furthest back
     tops = {plate: shelf.y + shelf.depth + gap for plate, shelf in last.items()}

@@ -2,7 +2,8 @@
 
 - `objects/NAME.py`: `write(folder, name, made, friction)` writes one object into an existing
   folder. `made` is an `egad.evalset.SimulationObject`: mesh, convex parts, mass and stable poses.
-- `images/NAME.py`: `write(pictures, gripper, folder)` writes rendered images into an empty folder.
+- `images/NAME.py`: `write(pictures, gripper, folder)` writes rendered images into an empty folder
+  and returns how many; it raises UserError if they do not fit the format.
 - `grasps/NAME.py`: `run(settings, ..., out)` writes the grasps of a run, and makes `out`. Its
   parameters name what it reads: `gripper`, the name, and files of `SOURCES`. The annotation of
   `settings` is the class of the settings that it needs; each such class has a `gripper`.

@@ -22,9 +22,9 @@ def file_stems(names: Iterable[str]) -> dict[str, str]:
     It is `NAME`, or `NN/NAME` if there are more objects than a folder may have files.
     """
     listed = list(names)
-    if len(listed) <= MAX_FILES:
-        return dict(zip(listed, listed, strict=True))
-    return {name: f"{number // MAX_FILES:02d}/{name}" for number, name in enumerate(listed)}
+    cut = len(listed) > MAX_FILES
+    folders = [f"{number // MAX_FILES:02d}/" * cut for number in range(len(listed))]
+    return {name: folder + name for folder, name in zip(folders, listed, strict=True)}
 
 
 def with_files(table: pd.DataFrame, labels: Iterable[str]) -> pd.DataFrame:

@@ -25,9 +25,9 @@ from egad._util.display import thumbnail
 from egad.evalset import Bundle, SimulationObject
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.hdf5 import check_key
+from egad.exchange.object_files import write_poses
 from egad.exchange.objects import usd
 from egad.exchange.parameters import AllObjects, NamedGripper
-from egad.exchange.poses import write_poses
 from egad.exchange.simulated import COLUMNS, check_simulated
 from egad.exchange.whole_sets import write_all
 from egad.grasps import Grasps
@@ -88,10 +88,7 @@ def write_simready(
 
 
 def _add_lines(stage: Usd.Stage, held: pd.DataFrame, hand: NamedGripper) -> None:
-    """A line for each grasp, between the middles of the pads of the open hand.
-
-    A fixed jaw stands before the first contact, so the middle of such a hand is to one side.
-    """
+    """A line for each grasp, between the pads of the open hand; a fixed jaw is at its contact."""
     if held.empty:
         return
     scope = UsdGeom.Scope.Define(stage, stage.GetDefaultPrim().GetPath().AppendChild("grasps"))
@@ -146,10 +143,7 @@ def _add_semantics(stage: Usd.Stage, label: str) -> None:
 
 
 def _add_metadata(stage: Usd.Stage, label: str, made: SimulationObject) -> None:
-    """Add the origin of the prop; profiles before 3.2 read it one level higher.
-
-    The license of a mesh is not known here.
-    """
+    """Add the origin of the prop, also where profiles before 3.2 read it."""
     about = {
         "author": f"egad {__version__}",
         "asset_name": label,

@@ -19,19 +19,7 @@ WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers rely on
 
 
 def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
-    """Write a set of images, a folder for each split.
-
-    Args:
-        pictures: The images.
-        gripper: The gripper, for the breadth of its jaws.
-        folder: An empty folder.
-
-    Returns:
-        How many images were written.
-
-    Raises:
-        UserError: The images do not fit the layout.
-    """
+    """Write a set of images, a folder for each split."""
     return write_by_split(pictures, folder, partial(write_image, gripper=gripper))
 
 

@@ -40,23 +40,12 @@ DIMENSIONS = ("height", "width", "channels")
 
 
 def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
-    """Write a row for every reachable grasp in every image.
+    """Write a row for every reachable grasp in every image, and return how many there are.
 
     The split `object` has the rows to train on and those to validate with; those of objects for
     testing are in neither, but in `test_indices.npz` beside them. Numbers of objects, and of the
     stable poses of all objects, are explained in `object_category_map.json` and
     `pose_category_map.json`.
-
-    Args:
-        pictures: The images.
-        gripper: Not needed: grasps have widths of their own.
-        folder: An empty folder.
-
-    Returns:
-        How many rows there are.
-
-    Raises:
-        UserError: There are none.
     """
     del gripper
     (folder / "tensors").mkdir()

@@ -21,19 +21,7 @@ SIDE = 1024  # pixels of the images, which readers rely on
 
 
 def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
-    """Write a set of images, a folder for each split.
-
-    Args:
-        pictures: The images.
-        gripper: The gripper, for the breadth of its jaws.
-        folder: An empty folder.
-
-    Returns:
-        How many images were written.
-
-    Raises:
-        UserError: The images do not fit the layout.
-    """
+    """Write a set of images, a folder for each split."""
     return write_by_split(pictures, folder, partial(write_image, gripper=gripper))
 
 

@@ -11,8 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from egad.evalset import SimulationObject
-from egad.exchange.object_meshes import GREY, MeshFiles, write_object_meshes
-from egad.exchange.poses import write_poses
+from egad.exchange.object_files import GREY, MeshFiles, write_object_meshes, write_poses
 from egad.exchange.xml_text import moments, number_text, xml_document
 
 
@@ -41,14 +40,7 @@ GEOM = {
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
-    """Write the folder `NAME` with `NAME.xml`, its meshes and `poses.json`.
-
-    Args:
-        folder: Where the folder is made.
-        name: Name of the object.
-        made: The object.
-        friction: Sliding friction.
-    """
+    """Write the folder `NAME` with `NAME.xml`, its meshes and `poses.json`."""
     files = write_object_meshes(folder / name, made)
     text = mjcf_text(name, files, made, friction)
     (folder / name / f"{name}.xml").write_text(text, encoding="utf-8")

@@ -11,9 +11,8 @@ import numpy as np
 import trimesh
 
 from egad.evalset import SimulationObject
-from egad.exchange.object_meshes import MeshFiles, write_object_meshes
+from egad.exchange.object_files import MeshFiles, write_object_meshes, write_poses
 from egad.exchange.objects.mjcf import GeomGroups, add_solid, mjcf_model
-from egad.exchange.poses import write_poses
 from egad.exchange.xml_text import number_text, xml_document
 
 GROUPS = GeomGroups(visual="1", collision="0")
@@ -21,29 +20,14 @@ SITE_RADIUS = 0.005  # metres; robosuite reads positions only
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
-    """Write the folder `NAME` with `NAME.xml`, its meshes and `poses.json`.
-
-    Args:
-        folder: Where the folder is made.
-        name: Name of the object.
-        made: The object.
-        friction: Sliding friction.
-    """
+    """Write the folder `NAME` with `NAME.xml`, its meshes and `poses.json`."""
     files = write_object_meshes(folder / name, made)
-    text = robosuite_text(name, files, made, friction)
+    text = _text(name, files, made, friction)
     (folder / name / f"{name}.xml").write_text(text, encoding="utf-8")
     write_poses(folder / name, made)
 
 
-def robosuite_text(name: str, files: MeshFiles, made: SimulationObject, friction: float) -> str:
-    """The description of one object.
-
-    Args:
-        name: Name of the model.
-        files: Mesh files in metres, relative to the description.
-        made: The object.
-        friction: Sliding friction.
-    """
+def _text(name: str, files: MeshFiles, made: SimulationObject, friction: float) -> str:
     model, assets, world = mjcf_model(name)
     wrapper = ElementTree.SubElement(world, "body")
     body = ElementTree.SubElement(wrapper, "body", name="object")

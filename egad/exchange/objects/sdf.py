@@ -4,8 +4,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from egad.evalset import SimulationObject
-from egad.exchange.object_meshes import GREY, MeshFiles, write_object_meshes
-from egad.exchange.poses import write_poses
+from egad.exchange.object_files import GREY, MeshFiles, write_object_meshes, write_poses
 from egad.exchange.xml_text import DRAKE, moments, number_text, xml_document
 from egad.geometry import MassProperties
 
@@ -14,17 +13,10 @@ MODEL = "model.sdf"
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
-    """Write the folder `NAME` with `model.config`, `model.sdf`, its meshes and `poses.json`.
-
-    Args:
-        folder: Where the folder is made.
-        name: Name of the object.
-        made: The object.
-        friction: Sliding friction.
-    """
+    """Write the folder `NAME` with `model.config`, `model.sdf`, its meshes and `poses.json`."""
     files = write_object_meshes(folder / name, made)
     (folder / name / "model.config").write_text(_config_text(name), encoding="utf-8")
-    text = sdf_text(name, files, made.physics, friction)
+    text = _text(name, files, made.physics, friction)
     (folder / name / MODEL).write_text(text, encoding="utf-8")
     write_poses(folder / name, made)
 
@@ -38,15 +30,7 @@ def _config_text(name: str) -> str:
     return xml_document(model)
 
 
-def sdf_text(name: str, files: MeshFiles, physics: MassProperties, friction: float) -> str:
-    """The description of one object.
-
-    Args:
-        name: Name of the model.
-        files: Mesh files in metres, relative to the description.
-        physics: Mass, center of mass and inertia about it.
-        friction: Sliding friction.
-    """
+def _text(name: str, files: MeshFiles, physics: MassProperties, friction: float) -> str:
     root = ElementTree.Element("sdf", {"version": VERSION, "xmlns:drake": DRAKE})
     link = ElementTree.SubElement(ElementTree.SubElement(root, "model", name=name), "link")
     link.set("name", name)

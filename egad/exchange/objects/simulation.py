@@ -9,10 +9,9 @@ import numpy as np
 from egad.errors import RejectedError, UserError
 from egad.evalset import SimulationObject, simulation_object, warn_of_row
 from egad.exchange.grasp_tables import by_object
-from egad.exchange.object_meshes import PARTS, VISUAL, write_object_meshes
+from egad.exchange.object_files import PARTS, VISUAL, write_object_meshes, write_poses
 from egad.exchange.objects.mjcf import mjcf_text
 from egad.exchange.objects.urdf import urdf_text
-from egad.exchange.poses import write_poses
 from egad.geometry import MassProperties
 from egad.io import read_mesh
 from egad.tables.columns import inertia_tensor
@@ -20,14 +19,7 @@ from egad.tables.evaluation import CONVEX_PARTS
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
-    """Write the folder `NAME` with `NAME.urdf`, `NAME.xml` (MJCF), its meshes and `poses.json`.
-
-    Args:
-        folder: Where the folder is made.
-        name: Name of the object.
-        made: The object.
-        friction: Sliding friction.
-    """
+    """Write the folder `NAME` with `NAME.urdf`, `NAME.xml` (MJCF), its meshes and `poses.json`."""
     write_simulation_object(folder / name, name, made, friction)
 
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from egad.evalset import SimulationObject
-from egad.exchange.object_meshes import GREY, MeshFiles, write_object_meshes
-from egad.exchange.poses import write_poses
+from egad.exchange.object_files import GREY, MeshFiles, write_object_meshes, write_poses
 from egad.exchange.xml_text import DRAKE, moments, number_text, xml_document
 from egad.geometry import MassProperties
 
@@ -21,12 +20,6 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
     """Write the folder `NAME` with `NAME.urdf`, its meshes and `poses.json`.
 
     The files of the convex parts are in millimetres, and the description scales them.
-
-    Args:
-        folder: Where the folder is made.
-        name: Name of the object.
-        made: The object.
-        friction: Sliding friction.
     """
     files = write_object_meshes(folder / name, made, MILLIMETRE)
     text = urdf_text(name, files, made.physics, friction)

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.evalset import SimulationObject
-from egad.exchange.poses import write_poses
+from egad.exchange.object_files import write_poses
 from egad.geometry import MassProperties
 from egad.io import GREY_LINEAR, ROUGHNESS
 
@@ -29,12 +29,8 @@ VISUALS, COLLISIONS = MESHES.AppendChild("visuals"), MESHES.AppendChild("collisi
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
     """Write the folder `NAME` with `NAME.usd` (binary) and `poses.json`.
 
-    Args:
-        folder: Where the folder is made.
-        name: Name of the object. Characters that a path of USD cannot have become `_` within the
-            file, and `Meshes` becomes `Meshes_`.
-        made: The object.
-        friction: Static and dynamic friction.
+    Characters that a path of USD cannot have become `_` within the file, and `Meshes` becomes
+    `Meshes_`.
     """
     (folder / name).mkdir(parents=True)
     stage = make_stage(name, made, friction)

@@ -3,19 +3,12 @@
 from pathlib import Path
 
 from egad.evalset import SimulationObject
-from egad.exchange.object_meshes import write_object_meshes
+from egad.exchange.object_files import write_object_meshes
 from egad.exchange.objects.urdf import urdf_text
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
-    """Write `NAME.urdf`, and its meshes into the folder `NAME`.
-
-    Args:
-        folder: Where the file is written and the folder is made.
-        name: Name of the object.
-        made: The object.
-        friction: Sliding friction.
-    """
+    """Write `NAME.urdf`, and its meshes into the folder `NAME`."""
     files = write_object_meshes(folder / name, made).within(name)
     text = urdf_text(name, files, made.physics, friction)
     (folder / f"{name}.urdf").write_text(text, encoding="utf-8")

@@ -1,12 +1,15 @@
-"""Mesh files of an object for simulators, which several formats refer to."""
+"""Files of an object for simulators that several formats have: meshes and stable poses."""
 
+import json
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
 
 from egad.evalset import SimulationObject
 from egad.io import write_obj
 
-VISUAL, PARTS = "visual.obj", "parts"
+VISUAL, PARTS, POSES = "visual.obj", "parts", "poses.json"
 GREY = (0.72, 0.74, 0.78)  # sRGB
 
 
@@ -47,3 +50,23 @@ def write_object_meshes(folder: Path, made: SimulationObject, part_unit: float =
         scaled = part if part_unit == 1 else part.copy().apply_scale(1 / part_unit)
         write_obj(scaled, folder / file)
     return MeshFiles(VISUAL, parts, part_unit)
+
+
+def write_poses(folder: Path, made: SimulationObject) -> None:
+    """Write `poses.json`, the most probable pose first.
+
+    Args:
+        folder: An existing folder.
+        made: The object.
+    """
+    poses = [
+        {
+            "probability": pose.probability,
+            "transform": pose.matrix.tolist(),
+            "face_normal": pose.normal.tolist(),
+            "height": pose.height,
+            "margin": float(np.degrees(pose.margin)),
+        }
+        for pose in made.poses
+    ]
+    (folder / POSES).write_text(json.dumps(poses, indent=1) + "\n", encoding="utf-8")
