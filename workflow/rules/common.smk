@@ -26,7 +26,7 @@ from egad.exchange import (
     sources,
 )
 from egad.data import released, released_ancestry
-from egad.workflow.display import start_display
+from egad.workflow.display import explain_reasons, start_display
 from egad.workflow.params import contents, plain
 from egad.errors import UserError
 from egad.grippers import files_of

@@ -5,5 +5,6 @@ the ends of these logs, and draws bars on a terminal or prints plain lines elsew
 """
 
 from egad.workflow.display.messages import start_display
+from egad.workflow.display.reasons import explain_reasons
 
-__all__ = ["start_display"]
+__all__ = ["explain_reasons", "start_display"]

@@ -1,0 +1,77 @@
+"""What a dry run says of results whose settings have changed, in real runs of Snakemake."""
+
+import os
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from forks import python
+
+from egad.workflow.display.reasons import changes
+
+SNAKEFILE = """
+from egad.workflow.display import explain_reasons
+
+explain_reasons(workflow)
+
+
+rule work:
+    output:
+        "done",
+    params:
+        settings={"trials": {"attempts": int(config["attempts"]), "depths": [1.5, None]}},
+        code=config["code"],
+    message:
+        "Working"
+    shell:
+        "touch {output}"
+"""
+
+
+@pytest.mark.parametrize(
+    ("attempts", "code", "reason"),
+    [
+        (40, "a" * 16, None),
+        (60, "a" * 16, "trials.attempts 40 -> 60"),
+        (40, "b" * 16, "the code of this stage"),
+        (60, "b" * 16, "trials.attempts 40 -> 60, the code of this stage"),
+    ],
+)
+def test_a_dry_run_names_what_has_changed(tmp_path, attempts, code, reason):
+    (tmp_path / "Snakefile").write_text(SNAKEFILE)
+    root = str(Path(__file__).parents[3])
+    environment = os.environ | {"PYTHONPATH": root, "PATH": f"{Path(sys.executable).parent}:/bin"}
+
+    def said(*config):
+        words = ["-m", "snakemake", "--cores", "1", "--config", *config]
+        done = python(words, folder=tmp_path, environment=environment)
+        assert done.returncode == 0, done.stderr
+        return done.stdout + done.stderr
+
+    said("attempts=40", f"code={'a' * 16}")
+    dry = said(f"attempts={attempts}", f"code={code}", "--dry-run")
+    reasons = re.findall(r"Reason: Changed since last execution: (.*)", dry)
+    assert reasons == ([reason] if reason else [])
+    assert "Params have changed" not in dry
+
+
+def test_few_of_many_changes_are_named():
+    before, now = ({f"number_{each}": value for each in range(10)} for value in (1, 2))
+    text = changes({repr(before)}, {"settings": now})
+    assert text.startswith("number_0 1 -> 2, number_1 1 -> 2, ")
+    assert text.endswith(", and 4 more")
+    assert text.count("->") == 6
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "expected"),
+    [
+        ({"3"}, {"shards": 4}, "shards 3 -> 4"),
+        ({"{'a': 1}"}, {"settings": {"b": 1}}, "a 1 -> None, b None -> 1"),
+        ({"[1, 2]", "[3]"}, {"measures": [4]}, "measures"),
+        ({"'x'"}, {}, "parameters that are no longer there"),
+    ],
+)
+def test_params_are_paired_as_far_as_that_is_certain(before, now, expected):
+    assert changes(before, now) == expected
