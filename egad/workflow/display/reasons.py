@@ -24,9 +24,13 @@ def _name_changes(workflow: Any, record: Any) -> bool:  # noqa: ANN401 (of Snake
         job = next(each for each in workflow.dag.jobs if each.jobid == record.jobid)
         change = workflow.dag.reason(job).params_changed
         now = {name: value for name, value in job.params.items() if repr(value) in change.only_new}
+        words = changes(change.only_old, now)
+        for kind in ("gripper", "detector"):  # stages get one of them
+            if name := job.wildcards.get(kind):
+                words = re.sub(rf"\b{kind}\.", f"{kind}s.{name}.", words)
         record.reason = record.reason.replace(
             f"Params have changed since last execution: {change}",
-            f"Changed since last execution: {changes(change.only_old, now)}",
+            f"Changed since last execution: {words}",
         )
     return True
 

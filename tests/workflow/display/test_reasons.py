@@ -18,9 +18,12 @@ explain_reasons(workflow)
 
 rule work:
     output:
-        "done",
+        "{gripper}.done",
     params:
-        settings={"trials": {"attempts": int(config["attempts"]), "depths": [1.5, None]}},
+        settings={
+            "trials": {"attempts": int(config["attempts"]), "depths": [1.5, None]},
+            "gripper": {"force": config["force"]},
+        },
         code=config["code"],
     message:
         "Working"
@@ -30,27 +33,31 @@ rule work:
 
 
 @pytest.mark.parametrize(
-    ("attempts", "code", "reason"),
+    ("attempts", "force", "code", "reason"),
     [
-        (40, "a" * 16, None),
-        (60, "a" * 16, "trials.attempts 40 -> 60"),
-        (40, "b" * 16, "the code of this stage"),
-        (60, "b" * 16, "trials.attempts 40 -> 60, the code of this stage"),
+        (40, 70, "a" * 16, None),
+        (60, 70, "a" * 16, "trials.attempts 40 -> 60"),
+        (40, 70, "b" * 16, "the code of this stage"),
+        (
+            *(60, 55, "b" * 16),
+            "grippers.panda.force 70 -> 55, trials.attempts 40 -> 60, the code of this stage",
+        ),
     ],
 )
-def test_a_dry_run_names_what_has_changed(tmp_path, attempts, code, reason):
+def test_a_dry_run_names_what_has_changed(tmp_path, attempts, force, code, reason):
     (tmp_path / "Snakefile").write_text(SNAKEFILE)
     root = str(Path(__file__).parents[3])
     environment = os.environ | {"PYTHONPATH": root, "PATH": f"{Path(sys.executable).parent}:/bin"}
 
-    def said(*config):
-        words = ["-m", "snakemake", "--cores", "1", "--config", *config]
+    def said(attempts, force, code, *options):
+        config = [f"attempts={attempts}", f"force={force}", f"code={code}"]
+        words = ["-m", "snakemake", "--cores", "1", "panda.done", *options, "--config", *config]
         done = python(words, folder=tmp_path, environment=environment)
         assert done.returncode == 0, done.stderr
         return done.stdout + done.stderr
 
-    said("attempts=40", f"code={'a' * 16}")
-    dry = said(f"attempts={attempts}", f"code={code}", "--dry-run")
+    said(40, 70, "a" * 16)
+    dry = said(attempts, force, code, "--dry-run")
     reasons = re.findall(r"Reason: Changed since last execution: (.*)", dry)
     assert reasons == ([reason] if reason else [])
     assert "Params have changed" not in dry
