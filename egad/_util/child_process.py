@@ -252,13 +252,9 @@ def one_thread() -> threadpool_limits:
 
 
 def kill_when_closed(end: Connection, process: int) -> None:
-    """Have Linux kill a process that has inherited the end of a pipe when the other is closed.
+    """Have Linux kill a process that has inherited `end`, for reading, when nobody can write to it.
 
-    A process that is itself killed closes it, too.
-
-    Args:
-        end: The end for reading.
-        process: Id of the process; negative: of a process group.
+    A process that is killed closes its pipes, too. A negative number is that of a process group.
     """
     fcntl.fcntl(end, fcntl.F_SETSIG, signal.SIGKILL)
     fcntl.fcntl(end, fcntl.F_SETOWN, process)

@@ -44,7 +44,7 @@ class Pace(NamedTuple):
         return min(max(self.share * taken, self.shortest), self.longest)
 
 
-LOG, NOTEBOOK = Pace(1.0, 10.0, 0.1), Pace(1.0, 1.0, 0.0)
+LOG, NOTEBOOK, TERMINAL = Pace(1.0, 10.0, 0.1), Pace(1.0, 1.0, 0.0), Pace(0.0, 0.0, 0.0)
 PEOPLE = Pace(15.0, 60.0, 0.5)  # who read all lines; short work has none
 
 
@@ -129,13 +129,13 @@ def progress(
         The items, unchanged and in order.
     """
     if sys.stderr.isatty():
-        yield from _bar(items, what, total, scale, state)
+        with _bar(what, scale * total) as draw:
+            yield from _lines(items, what, total, scale, state, draw, TERMINAL)
     elif write := _notebook_line():
         yield from _lines(items, what, total, scale, state, write, NOTEBOOK)
-    elif MARKS in os.environ:
-        yield from _lines(items, what, total, scale, state, _write, LOG)
     else:
-        yield from _lines(items, what, total, scale, state, _write, PEOPLE)
+        pace = LOG if MARKS in os.environ else PEOPLE
+        yield from _lines(items, what, total, scale, state, _write, pace)
 
 
 @contextmanager
@@ -234,22 +234,16 @@ class _Meter:
         return (done - before) / (now - since) if known else 0.0
 
 
-def _bar(
-    items: Iterable[T], what: str, total: int, scale: int, state: Callable[[], str]
-) -> Iterator[T]:
+@contextmanager
+def _bar(what: str, total: int) -> Iterator[Callable[[Status], None]]:
     from rich.console import Console  # noqa: PLC0415 (jobs have no terminal)
     from rich.progress import Progress, TextColumn  # noqa: PLC0415
 
     name, bar, percentage, _ = Progress.get_default_columns()
     columns = name, bar, percentage, TextColumn("{task.fields[words]}")
-    meter = _Meter()
     with Progress(*columns, console=Console(stderr=True)) as shown:
         task = shown.add_task(what, total=total, words="")
-        for done, item in enumerate(items, 1):
-            yield item
-            rate = scale * meter.rate(time.monotonic(), done)
-            status = Status(what, scale * done, scale * total, rate, state())
-            shown.update(task, completed=done, words=status.words)
+        yield lambda status: shown.update(task, completed=status.done, words=status.words)
 
 
 def _lines(

@@ -60,13 +60,7 @@ class Display(logging.Handler):
         steps: int,
         whole_logs: Collection[str] = (),
     ) -> None:
-        """Start to show jobs.
-
-        Args:
-            terminal: The handler of Snakemake that writes to the terminal.
-            steps: As in `start_display`.
-            whole_logs: As in `start_display`.
-        """
+        """Start to show jobs in place of `terminal`; the rest as in `start_display`."""
         super().__init__()
         self._jobs = Jobs(steps)
         self._done: list[Job] = []  # done, but not printed yet
