@@ -136,7 +136,7 @@ class Render(Parameters):
     hold_out: bool = Field(
         True,
         description="whether all objects of the evaluation set are in the test set, even if they "
-        "exceed its fraction",
+        "exceed its fraction; not if the set is the whole dataset",
     )
 
     @property

@@ -79,7 +79,7 @@ class TrainingScenes(Parameters):
     hold_out: bool = Field(
         True,
         description="whether the objects of the evaluation set, their parents and their children "
-        "are kept out of all scenes",
+        "are kept out of all scenes; not if the set is the whole dataset",
     )
 
     @model_validator(mode="after")

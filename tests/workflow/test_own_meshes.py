@@ -43,6 +43,17 @@ def test_meshes_that_are_only_compared_have_a_report_and_it_stays_until_the_next
     assert report.read_bytes() == whole
 
 
+@pytest.mark.parametrize("selection", ["all", "cells"])
+def test_what_is_trained_on_is_not_a_set_that_is_the_whole_dataset(clean, own, selection):
+    configs = own("parts", datasets=["mine"])
+    chosen = {"datasets": {"mine": {"evaluation_set": selection}}}
+    configs.append(clean.overlay("chosen.yaml", chosen))
+    jobs = clean.told("results/mine/images/egad_75mm/card.md", configs=configs)
+    renders = [job.params["settings"] for job in jobs if job.rule in ("render", "image_card")]
+    assert len(renders) > 1
+    assert all(f"'hold_out': {selection == 'cells'}" in settings for settings in renders)
+
+
 @pytest.mark.slow
 def test_all_meshes_run_through_the_whole_pipeline_and_what_is_left_out_is_said(clean, own):
     """Two boxes of one shape share a cell; a sheet is too thin to print."""

@@ -80,6 +80,12 @@ GIVEN = {
 }
 # Coverage of the map says nothing about a few meshes of the user.
 COMPARED = any(dataset.source != "meshes" for dataset in SETTINGS.datasets.values())
+NOTHING_HELD_OUT = SETTINGS.model_copy(
+    update={
+        name: getattr(SETTINGS, name).model_copy(update={"hold_out": False})
+        for name in ("render", "scenes")
+    }
+)
 EVOLVED_DATASET = "|".join(EVOLVED) or "(?!)"  # patterns; the latter matches no name
 ARCHIVED_DATASET = "|".join([*EVOLVED, *GIVEN]) or "(?!)"
 ENVIRONMENT = "../../envs/egad.yaml"
@@ -111,7 +117,24 @@ def settings_of_export(name=None):
 
 
 def _selected(stage, wildcards):
-    return plain(select(SETTINGS, stage, wildcards.get("gripper"), wildcards.get("detector")))
+    settings = settings_for(wildcards)
+    return plain(select(settings, stage, wildcards.get("gripper"), wildcards.get("detector")))
+
+
+def settings_for(wildcards):
+    """The settings; nothing is held out where the evaluation set is the whole dataset."""
+    dataset = SETTINGS.datasets.get(wildcards.get("dataset"))
+    return NOTHING_HELD_OUT if dataset and dataset.selection == "all" else SETTINGS
+
+
+def held_out(section):
+    """The evaluation set, if training sets of a section leave it out."""
+
+    def look(wildcards):
+        wanted = getattr(settings_for(wildcards), section).hold_out
+        return only_if(wanted, f"results/{wildcards.dataset}/eval49.parquet")
+
+    return look
 
 
 def keep_going(section):

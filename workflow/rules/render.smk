@@ -21,7 +21,7 @@ rule render:
     input:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
-        evaluation=only_if(SETTINGS.render.hold_out, "results/{dataset}/eval49.parquet"),
+        evaluation=held_out("render"),
         convex_parts=only_if(
             SETTINGS.render.needs_convex_parts, "results/{dataset}/convex_parts/{gripper}.parquet"
         ),

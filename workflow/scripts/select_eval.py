@@ -115,7 +115,7 @@ def _taken(
 
 
 def _others(frame: pd.DataFrame, found: Selection, settings: EvalSelection) -> list[dict[str, str]]:
-    """The objects that could be printed but whose cell has another."""
+    """The objects whose cell has another, with that as the reason."""
     cells = coarse_cells(frame, settings.select_eval, settings.space)
     chosen = found.table.set_index("label")["id"]
     left_out = []
