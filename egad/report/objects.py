@@ -32,8 +32,8 @@ class ObjectsView(NamedTuple):
     viewer: dict[str, Any] | None
 
 
-class Made(NamedTuple):
-    """What was made of the objects of a dataset.
+class GripperTables(NamedTuple):
+    """Tables of the objects of a dataset, for grippers.
 
     Attributes:
         scales: Columns of `tables.grasping.SCALES`, by gripper.
@@ -51,7 +51,7 @@ def objects_view(
     pictures: Mapping[str, bytes],
     axes: AxisPair,
     evalset: pd.DataFrame | None,
-    made: Made,
+    tables: GripperTables,
     scenes: Sequence[GraspScene],
     gripper: Gripper,
 ) -> ObjectsView:
@@ -62,7 +62,7 @@ def objects_view(
         pictures: PNG by label; optional for each.
         axes: What the axes of the space are called.
         evalset: Columns of `tables.evaluation.EVAL49`, if there is a set.
-        made: What was made of them.
+        tables: Scales, prints and trials.
         scenes: The objects with grasps.
         gripper: The gripper of the grasps.
     """
@@ -72,7 +72,7 @@ def objects_view(
     parts = [_measures(objects, axes)]
     if any(name != label for name, label in labels.items()):
         parts.append(pd.DataFrame({"in the set": labels.keys()}, list(labels.values())))
-    parts += [_of_gripper(name, made, labels) for name in made.scales]
+    parts += [_of_gripper(name, tables, labels) for name in tables.scales]
     texts = pd.concat(parts, axis=1).fillna(DASH)
     shown = objects["label"].tolist()
     values = zip(shown, texts.reindex(shown, fill_value=DASH).to_dict("records"), strict=True)
@@ -99,22 +99,24 @@ def _measures(objects: pd.DataFrame, axes: AxisPair) -> pd.DataFrame:
     return pd.DataFrame(columns, objects["label"]).assign(cell=[cell_name(*each) for each in cells])
 
 
-def _of_gripper(gripper: str, made: Made, labels: Mapping[str, str]) -> pd.DataFrame:
+def _of_gripper(gripper: str, tables: GripperTables, labels: Mapping[str, str]) -> pd.DataFrame:
     """Scale, print and successes of each object."""
-    scales = made.scales[gripper].set_index("label")["factor"]
-    prints = made.manifests[gripper].set_index("label").rename(index=labels)
+    scales = tables.scales[gripper].set_index("label")["factor"]
+    prints = tables.manifests[gripper].set_index("label").rename(index=labels)
     plates = [f"plate {plate:.0f}" if plate == plate else "" for plate in prints["plate"]]
     notes = ["; ".join(filter(None, each)) for each in zip(plates, prints["note"], strict=True)]
     columns = {
         "scale": scales.map("{:.3g}".format),
         "to print": pd.Series(notes, prints.index, dtype=object),
     }
-    trials = {detector: table for (name, detector), table in made.trials.items() if name == gripper}
+    trials = {
+        detector: table for (name, detector), table in tables.trials.items() if name == gripper
+    }
     for detector, table in trials.items():
         rates = by_object(table).rename(index=labels).astype(str)
         title = "successes" if len(trials) == 1 else f"successes of {detector}"
         columns[title] = rates["successes"] + " of " + rates["attempts"]
-    return pd.DataFrame(columns).add_suffix(f", {gripper}" if len(made.scales) > 1 else "")
+    return pd.DataFrame(columns).add_suffix(f", {gripper}" if len(tables.scales) > 1 else "")
 
 
 def section(views: Mapping[str, ObjectsView], *, gripper: str) -> Section:

@@ -81,7 +81,7 @@ def left_out_section(rejected: Mapping[str, pd.DataFrame]) -> Section:
     """The objects that were left out: how many of what for which reason, and all of them.
 
     Args:
-        rejected: As from `of_what`, by dataset.
+        rejected: As from `name_stages`, by dataset.
     """
     tables = {
         name: (rejection_counts(table), table.to_dict("records"))
@@ -90,7 +90,7 @@ def left_out_section(rejected: Mapping[str, pd.DataFrame]) -> Section:
     return section_of("rejected.html.j2", "Left out", tables=tables, most=MOST_SHOWN)
 
 
-def of_what(rejected: pd.DataFrame) -> pd.DataFrame:
+def name_stages(rejected: pd.DataFrame) -> pd.DataFrame:
     """Rejected objects in order, with what they were left out of in place of the stage.
 
     Args:

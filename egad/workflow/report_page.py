@@ -28,7 +28,7 @@ from egad.report.page import Section, report_page, section_of
 from egad.report.viewer import GraspScene
 from egad.workflow.config_tables import changed_parameters, entry_tables, parameter_tables
 
-FEW = 100  # meshes of the user: up to this many are shown one by one, more on a map
+MAX_LISTED = 100  # meshes of the user: up to this many are shown one by one, more on a map
 ByGripper = Mapping[str, pd.DataFrame]
 ByDetector = Mapping[str, pd.DataFrame]
 
@@ -39,7 +39,7 @@ class DatasetReport:
 
     Attributes:
         objects: Columns of `tables.objects.OBJECTS`.
-        rejected: Columns of `tables.objects.REJECTED`, as from `egad.report.summary.of_what`.
+        rejected: Columns of `tables.objects.REJECTED`, as from `egad.report.summary.name_stages`.
         pictures: PNG of each object, by its label; optional for each.
         evalset: Columns of `tables.evaluation.EVAL49`.
         evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
@@ -116,8 +116,8 @@ def _sections(report: ReportData) -> Iterator[Section]:
         for name, data in datasets.items()
     }
     yield summary.section(summaries, settings.select_eval.rows * settings.select_eval.columns)
-    shown = {name: data for name, data in datasets.items() if name in listed}
-    yield from _objects(shown, settings, axes)
+    own = {name: data for name, data in datasets.items() if name in listed}
+    yield from _objects(own, settings, axes)
     yield from _evaluation(mapped, settings, axes)
     yield from _trials(results, settings)
     yield from _clutter(datasets)
@@ -150,7 +150,7 @@ def is_listed(settings: Settings, name: str, objects: pd.DataFrame) -> bool:
         name: The dataset.
         objects: Columns of `tables.objects.OBJECTS`.
     """
-    return settings.datasets[name].source == "meshes" and len(objects) <= FEW
+    return settings.datasets[name].source == "meshes" and len(objects) <= MAX_LISTED
 
 
 def _results(data: DatasetReport, settings: Settings, axes: AxisPair) -> dict[str, trials.Results]:
@@ -174,7 +174,7 @@ def _objects(
             data.pictures,
             axes,
             data.evalset,
-            objects.Made(data.scales, data.manifests, data.trials),
+            objects.GripperTables(data.scales, data.manifests, data.trials),
             data.scenes,
             settings.grippers[gripper],
         )

@@ -1,7 +1,7 @@
 import numpy as np
 import pandas as pd
 
-from egad.report.summary import DatasetSummary, of_what, rejection_counts, section
+from egad.report.summary import DatasetSummary, name_stages, rejection_counts, section
 
 
 def test_rejections_are_ordered_by_frequency(report):
@@ -28,7 +28,7 @@ def test_a_few_own_objects_have_no_coverage(objects, settings):
 def test_it_is_said_what_an_object_is_left_out_of():
     stages = ["postprocess", "print-export panda", "bundle yumi", "other"]
     rejected = pd.DataFrame({"id": ["b", "a", "a", "c"], "stage": stages, "reason": "thin"})
-    shown = of_what(rejected)
+    shown = name_stages(rejected)
     assert shown["id"].tolist() == ["a", "a", "b", "c"]
     words = ["printing for panda", "simulation for yumi", "the dataset", "other"]
     assert shown["stage"].tolist() == words

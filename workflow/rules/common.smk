@@ -127,7 +127,7 @@ def settings_for(wildcards):
     return NOTHING_HELD_OUT if dataset and dataset.selection == "all" else SETTINGS
 
 
-def held_out(section):
+def get_held_out_input(section):
     """The evaluation set, if training sets of a section leave it out."""
 
     def look(wildcards):

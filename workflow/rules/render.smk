@@ -21,7 +21,7 @@ rule render:
     input:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
-        evaluation=held_out("render"),
+        evaluation=get_held_out_input("render"),
         convex_parts=only_if(
             SETTINGS.render.needs_convex_parts, "results/{dataset}/convex_parts/{gripper}.parquet"
         ),

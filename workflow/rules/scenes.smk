@@ -21,7 +21,7 @@ rule scenes:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
         convex_parts="results/{dataset}/convex_parts/{gripper}.parquet",
-        evaluation=held_out("scenes"),
+        evaluation=get_held_out_input("scenes"),
         ancestry=known_ancestry,
         hand=gripper_files,
     output:
@@ -56,7 +56,7 @@ rule scene_card:
         objects="results/{dataset}/objects.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
         convex_parts="results/{dataset}/convex_parts/{gripper}.parquet",
-        evaluation=held_out("scenes"),
+        evaluation=get_held_out_input("scenes"),
         ancestry=known_ancestry,
     output:
         out=ensure("results/{dataset}/scenes/{gripper}/card.md", non_empty=True),

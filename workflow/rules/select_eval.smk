@@ -26,7 +26,9 @@ rule select_eval:
     resources:
         **needs(mb=2000, mb_per_thread=250, minutes=30),
     params:
-        settings=lambda wildcards: plain(select(SETTINGS, EvalSelection, printed_for(wildcards))),
+        settings=lambda wildcards: plain(
+            select(SETTINGS, EvalSelection, gripper_of_prints(wildcards))
+        ),
         selection=selection,
         own=lambda wildcards: SETTINGS.datasets[wildcards.dataset].source == "meshes",
         code=code_of("select_eval"),

@@ -90,7 +90,7 @@ def given_labels(wildcards):
     )
 
 
-def printed_for(wildcards):
+def gripper_of_prints(wildcards):
     """The gripper that chosen meshes of the user must be printable for; None for other objects."""
     if SETTINGS.select_eval.gripper or SETTINGS.datasets[wildcards.dataset].source != "meshes":
         return None

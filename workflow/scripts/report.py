@@ -23,7 +23,7 @@ from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.report.scenes import scenes
 from egad.report.space_map import shown_objects
-from egad.report.summary import MOST_SHOWN, of_what
+from egad.report.summary import MOST_SHOWN, name_stages
 from egad.sim import ClutterParameters, picture_of, rounds_of
 from egad.sim.world import UnstableError
 from egad.tables import parquet
@@ -88,7 +88,7 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
     evolved = settings.datasets[name].source == "evolved"
     history = parquet.read(folder / "history.parquet", HISTORY) if evolved else None
     listed = is_listed(settings, name, objects)
-    rejected = of_what(_rejected(settings, name, folder))
+    rejected = name_stages(_rejected(settings, name, folder))
     if settings.datasets[name].source == "meshes":
         _warn(name, rejected)
     shown = objects["label"].tolist() if listed else shown_objects(objects)
