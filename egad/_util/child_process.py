@@ -24,6 +24,8 @@ from typing import Any, Self, TypeGuard
 import cloudpickle
 from threadpoolctl import threadpool_limits
 
+from egad._util.input_limits import MAX_MEMORY
+from egad._util.memory import memory_limit, out_of_memory
 from egad.errors import LESS_MEMORY, EgadError, RejectedError, UserError
 
 log = logging.getLogger(__name__)
@@ -172,14 +174,17 @@ class Worker:
         """How a process that no longer answers ended, in words.
 
         Raises:
-            WorkerKilledError: It was killed.
+            WorkerKilledError: It was killed, or ended under a low limit on memory.
         """
         status = self.stop()
         if status == -signal.SIGKILL:
             raise WorkerKilledError(
-                f"{self._name} was killed, probably out of memory; {LESS_MEMORY}"
+                f"{self._name} was killed, probably {out_of_memory()}; {LESS_MEMORY}"
             )
-        return f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
+        ending = f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
+        if status and (memory_limit() or MAX_MEMORY) < MAX_MEMORY:
+            raise WorkerKilledError(f"{ending}, probably {out_of_memory()}")
+        return ending
 
     def close_pipe(self) -> None:
         """Let the process end by itself, without waiting: it can receive no more requests."""

@@ -3,7 +3,9 @@
 import errno
 import fcntl
 import os
+import secrets
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -39,6 +41,9 @@ def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
         UserError: Another process is writing it, or writing failed without saying where.
     """
     path = path.absolute()
+    check_writable(path)
+    if path.is_mount():
+        raise UserError(f"{path} is the root of a disk and cannot be replaced; name a folder in it")
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary, old = (path.with_name(f".{path.name}.{kind}") for kind in ("partial", "old"))
     with _alone(path):
@@ -48,7 +53,11 @@ def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
         except BaseException as error:
             if not keep:
                 _remove(temporary)
-            if isinstance(error, OSError) and error.filename is None and error.errno in OF_DISKS:
+            if (
+                isinstance(error, OSError)
+                and error.errno in OF_DISKS
+                and (error.filename is None or str(error.filename).startswith(str(temporary)))
+            ):
                 raise UserError(f"{path} cannot be written: {error.strerror or error}") from error
             raise
         _remove(old)
@@ -58,15 +67,32 @@ def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
         _remove(old)
 
 
+def check_writable(path: Path) -> None:
+    """Check that a file can be written or a folder made, by a new file in the folder around it.
+
+    Raises:
+        UserError: It cannot; the message says why.
+    """
+    parents = path.absolute().parents
+    around = path if path.is_dir() else next(folder for folder in parents if folder.exists())
+    try:
+        tempfile.TemporaryFile(dir=around).close()
+    except OSError as error:
+        raise UserError(f"{path} cannot be written: {error.strerror or error}") from error
+
+
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
     """Keep other processes from writing a path. A lock left by a killed process does not."""
     lock = path.with_name(f".{path.name}.lock")
-    with lock.open("w") as file:
+    with lock.open("a") as file:
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # Else its owner has just removed it.
-            free = lock.stat().st_ino == os.fstat(file.fileno()).st_ino
+            # Else its owner has just removed it. Some file systems change inode numbers, and to
+            # open the lock again would end it, so it is recognised by a size of its own.
+            size = secrets.randbelow(1 << 20) + 1
+            file.truncate(size)
+            free = lock.stat().st_size == size
         except (BlockingIOError, PermissionError, FileNotFoundError):
             free = False
         except OSError:

@@ -15,9 +15,11 @@ from typing import Any, TypeVar
 
 from egad._util import input_limits
 from egad._util.child_process import Work, Worker, WorkerDiedError, WorkerTimeoutError
+from egad._util.memory import is_out_of_memory, memory_limit, out_of_memory
 from egad.errors import RejectedError, TableError, UserError
 
 T = TypeVar("T")
+NAME = "the process that reads files"
 
 # Threads and memory pools reserve far more addresses than they use.
 ENVIRONMENT = {
@@ -65,23 +67,32 @@ class LimitedProcess:
             LimitError: It took too much memory or time, or its process ended.
             FailedError: It raised an error other than `RejectedError`, `TableError` and
                 `UserError`, which are passed on.
-            UserError: The system killed the process.
+            UserError: The system killed the process, or this program may use less memory.
         """
         with self._lock:
             if self._owner != os.getpid():  # a fork of the program has no worker of its own yet
                 self._worker, self._owner = self._new_worker(), os.getpid()
+            if not self._worker.running:
+                self._start()
             try:
                 result: T = self._worker((function, arguments))
             except WorkerTimeoutError as error:
                 raise LimitError(f"it takes more than {self._seconds:g} s to read") from error
-            except (MemoryError, WorkerDiedError) as error:
-                self._worker.stop()
-                raise LimitError(self._reason(error)) from error
             except (RejectedError, TableError, UserError):
                 raise
             except Exception as error:
+                if isinstance(error, WorkerDiedError) or is_out_of_memory(error):
+                    self._worker.stop()
+                    raise self._limit_error(error) from error
                 raise FailedError(f"{type(error).__name__}: {error}") from error
         return result
+
+    def _start(self) -> None:
+        try:
+            self._worker.start()
+        except Exception as error:  # whatever it is, the file is not to blame
+            why = out_of_memory() if is_out_of_memory(error) else error
+            raise UserError(f"{NAME} cannot be started: {why}") from error
 
     def close(self) -> None:
         """End the process, whatever it does."""
@@ -92,20 +103,23 @@ class LimitedProcess:
         return Worker(
             partial(_with_limit, self._memory),
             self._seconds,
-            name="the process that reads files",
+            name=NAME,
             environment=ENVIRONMENT,
             quiet=True,
         )
 
-    def _reason(self, error: Exception) -> str:
-        if isinstance(error, MemoryError):
-            return f"it takes more than {self._memory >> 20:,} MiB of memory to read"
-        return str(error)
+    def _limit_error(self, error: Exception) -> Exception:
+        if isinstance(error, WorkerDiedError):
+            return LimitError(error)
+        if (memory_limit() or self._memory) < self._memory:
+            return UserError(out_of_memory())
+        return LimitError(f"it takes more than {self._memory >> 20:,} MiB of memory to read")
 
 
 @contextmanager
 def _with_limit(memory: int) -> Iterator[Work]:
     """Calls functions in this process, which may take at most `memory` bytes from now on."""
+    memory = min(memory, memory_limit() or memory)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
     yield _call

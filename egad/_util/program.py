@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from egad._util.extras import needed_for
+from egad._util.memory import check_memory, is_out_of_memory, out_of_memory
 from egad._util.progress import MARKS, marked
 from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
 
@@ -32,11 +33,14 @@ def start_logging() -> None:
 def readable_errors() -> Iterator[None]:
     """End the program with one sentence and no traceback for errors that the user can fix."""
     try:
+        check_memory()
         with needed_for("this"):
             yield
     except (UserError, TableError, RejectedError) as error:
         sys.exit(f"egad: {error}")
-    except MemoryError as error:
-        sys.exit(f"egad: out of memory ({error}); {LESS_MEMORY}")
-    except OSError as error:
+    except Exception as error:
+        if is_out_of_memory(error):
+            sys.exit(f"egad: {out_of_memory(error)}; {LESS_MEMORY}")
+        if not isinstance(error, OSError):
+            raise
         sys.exit(f"egad: {error.strerror or error}: {error.filename or ''}".rstrip(": "))

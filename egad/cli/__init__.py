@@ -5,8 +5,8 @@ from egad._util.program import readable_errors, start_logging
 
 def main() -> None:
     """Run the command."""
-    from egad.cli.commands import app
-
     start_logging()
     with readable_errors():
+        from egad.cli.commands import app
+
         app(prog_name="egad")

@@ -1,9 +1,10 @@
 """The commands, in the four groups that `egad --help` shows."""
 
 from collections.abc import Callable, Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from egad import __version__
 from egad.cli.benchmark import benchmark
@@ -38,7 +39,18 @@ GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
     "Files and runs": (export, check_config, provenance, verify),
 }
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+
+class _Group(TyperGroup):
+    """The commands; none reads the terminal, so a file that ends early is no reason to say so."""
+
+    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401 (of typer)
+        try:
+            return super().invoke(ctx)
+        except EOFError as error:
+            raise RuntimeError("a file ends too early") from error
+
+
+app = typer.Typer(cls=_Group, no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 def _show_version(asked: bool) -> None:

@@ -1,6 +1,5 @@
 """Options that several commands share, and how they are read."""
 
-import os
 import re
 import shlex
 from collections.abc import Mapping, Sequence
@@ -9,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from egad._util.cpus import available_cpus
+from egad._util.files import check_writable
 from egad._util.parameters import ScaleRule
 from egad.config import Settings
 from egad.errors import UserError, check_name
@@ -17,14 +18,22 @@ from egad.grippers import GRIPPERS, PACKAGED, Gripper, gripper
 if TYPE_CHECKING:
     import pandas as pd
 
-CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+CORES = available_cpus()
 RUN = Path("results/egad")  # of the default configuration
 FIRST_TARGET = "the first of targets.grippers"
 
 
 def out_option(help: str) -> Any:  # noqa: A002, ANN401 (as in typer)
     """The option for what a command writes."""
-    return typer.Option("--out", "-o", help=help)
+    return typer.Option("--out", "-o", help=help, callback=_check_writable)
+
+
+def _check_writable(out: Path | list[Path] | None) -> Path | list[Path] | None:
+    """Check before the work that its results can be written."""
+    for path in out if isinstance(out, list) else [out]:
+        if path is not None:
+            check_writable(path)
+    return out
 
 
 def grippers_like(incomplete: str) -> list[str]:

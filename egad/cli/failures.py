@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from egad._util.files import check_writable
 from egad.cli.common import (
     CORES,
     Command,
@@ -116,6 +117,7 @@ def failures(
     settings = settings.model_copy(update={"shape": chosen.shape})
     found = select(settings, DetectorFailures, gripper, name)
     folder = out or Path("failures") / name
+    check_writable(folder)
     arguments = {"objects": Path(objects).name}
     with (
         recorded("failures", settings=found, inputs=files, arguments=arguments),

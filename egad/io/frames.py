@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 
-from egad._util.files import atomic_output
+from egad._util.files import atomic_output, check_writable
 from egad.errors import UserError
 from egad.tables import parquet
 
@@ -16,7 +16,7 @@ def check_ending(path: Path | None, endings: tuple[str, ...] = ENDINGS) -> None:
     """Make sure, before any work, that a file can be written.
 
     Raises:
-        UserError: The name has none of these endings, or there is no such folder.
+        UserError: The name has none of these endings, there is no such folder, or it is read-only.
     """
     if path is None:
         return
@@ -26,6 +26,7 @@ def check_ending(path: Path | None, endings: tuple[str, ...] = ENDINGS) -> None:
         raise UserError(f"--out {path} is a folder; name a file")
     if not path.absolute().parent.is_dir():
         raise UserError(f"--out {path}: there is no folder {path.parent}")
+    check_writable(path)
 
 
 def write_frame(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:

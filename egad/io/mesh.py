@@ -8,6 +8,7 @@ import trimesh
 
 from egad._util.input_limits import MAX_DIRECT_BYTES, MAX_FACES, MAX_MESH_BYTES, check_at_most
 from egad._util.limited import LimitError, limited
+from egad._util.memory import is_out_of_memory
 from egad.errors import RejectedError, UserError
 from egad.geometry import check_surface
 from egad.io.content import Content
@@ -107,9 +108,9 @@ def read_content(path: Path) -> Content:
         content = _parsed(path)
     except (RejectedError, LimitError) as reason:
         raise RejectedError(f"{unreadable}: {reason}") from reason
-    except (MemoryError, UserError):
-        raise  # says nothing about the file
     except Exception as error:  # parsers may raise anything on broken files
+        if isinstance(error, UserError) or is_out_of_memory(error):
+            raise  # says nothing about the file
         raise RejectedError(f"{unreadable}: it is damaged") from error
     finite = np.isfinite(content.vertices).all(axis=1)
     if finite.all():

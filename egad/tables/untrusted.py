@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 
 from egad._util.input_limits import MAX_COLUMNS, MAX_FOREIGN_TABLE_BYTES, MAX_ROWS, MAX_TABLE_BYTES
 from egad._util.limited import FailedError, LimitError, limited
+from egad._util.memory import is_out_of_memory
 from egad.errors import TableError
 from egad.tables.seal import is_whole
 
@@ -22,7 +23,9 @@ DAMAGED = (OSError, pa.ArrowException, UnicodeDecodeError, FailedError, LimitErr
 
 
 def unreadable(path: Path, why: object) -> TableError:
-    """The error for a file that cannot be read as a table."""
+    """The error for a file that cannot be read as a table; raises one that says nothing of it."""
+    if isinstance(why, Exception) and is_out_of_memory(why):
+        raise why
     advice = "; if the workflow made it, delete it and run again" if path.exists() else ""
     return TableError(f"{path}: not a readable Parquet file ({why}){advice}")
 

@@ -1,11 +1,12 @@
 import errno
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from egad._util.files import atomic_output, write_text
+from egad._util.files import atomic_output, check_writable, write_text
 from egad.errors import UserError
 
 
@@ -111,3 +112,37 @@ def test_a_lock_that_was_removed_while_it_was_taken_is_none(tmp_path, monkeypatc
 def test_what_fails_otherwise_is_not_taken_for_a_full_disk(tmp_path):
     with pytest.raises(OSError, match="cannot identify"), atomic_output(tmp_path / "file.txt"):
         raise OSError("cannot identify image file")
+
+
+def test_a_lock_is_recognised_where_inode_numbers_change(tmp_path, monkeypatch):
+    """Some network file systems give a path another number than its open file."""
+    real = os.fstat
+
+    def other_number(file):
+        values = list(real(file))
+        values[1] += 1
+        return os.stat_result(values)
+
+    monkeypatch.setattr("egad._util.files.os.fstat", other_number)
+    for text in ("one", "two"):
+        write_text(tmp_path / "file.txt", text)
+        assert (tmp_path / "file.txt").read_text() == text
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file.txt"]
+
+
+@pytest.mark.parametrize("name", ["m.csv", "new/deep/m.csv"])
+def test_a_file_of_a_read_only_disk_is_named_before_the_work(name):
+    """As a file below /proc, where nobody can make one."""
+    path = Path("/proc") / name
+    for refuse in (check_writable, lambda path: atomic_output(path).__enter__()):
+        with pytest.raises(UserError, match=rf"^/proc/{name} cannot be written: "):
+            refuse(path)
+
+
+def test_an_error_names_the_file_and_not_the_temporary_one(tmp_path):
+    path = tmp_path / "m.csv"
+    with (
+        pytest.raises(UserError, match=rf"^{path} cannot be written: full"),
+        atomic_output(path) as p,
+    ):
+        raise OSError(errno.ENOSPC, "full", str(p / "deep"))

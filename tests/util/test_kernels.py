@@ -1,6 +1,9 @@
 import os
+import resource
 import subprocess
 import sys
+
+import pytest
 
 OURS = """
 from egad._util.kernels import kernel
@@ -99,3 +102,63 @@ def test_processes_of_a_command_compile_each_kernel_once_and_one_of_them_says_so
             start_new_session=new_command,
         )
         assert (b"compiling kernels" in run.stderr) == new_command
+
+
+TIMES = """
+import logging, sys
+import egad
+
+egad.__path__.append(sys.argv[1])
+from egad.ours import double
+
+print(double(2), double(1.5), sum(double.stats.cache_hits.values()))
+"""
+
+
+@pytest.fixture
+def doubled(tmp_path):
+    """What a program that calls a kernel prints, and the files in its cache."""
+    (tmp_path / "ours.py").write_text(OURS)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+
+    def run(**options):
+        return subprocess.run(
+            [sys.executable, "-c", TIMES, tmp_path],
+            capture_output=True,
+            text=True,
+            check=True,
+            env=environment,
+            **options,
+        )
+
+    return run, lambda ending: sorted((tmp_path / "cache").rglob(f"*{ending}"))
+
+
+def test_damaged_code_is_compiled_again(doubled):
+    run, files = doubled
+    assert run().stdout == "4 3.0 0\n"
+    assert run().stdout == "4 3.0 2\n"
+    for ending in (".nbi", ".nbc"):
+        whole = {path: path.read_bytes() for path in files(ending)}
+        assert whole
+        for end in (0, 20, -20, None):  # None: other bytes in the middle
+            for path, data in whole.items():
+                middle = len(data) // 2
+                path.write_bytes(
+                    data[:end]
+                    if end is not None
+                    else data.replace(data[middle : middle + 8], b"spamspam")
+                )
+            assert run().stdout.startswith("4 3.0 ")
+    assert run().stdout == "4 3.0 2\n"
+
+
+def test_code_that_cannot_be_kept_is_said_once_with_the_folder(doubled):
+    run, files = doubled
+    limits = (resource.RLIMIT_FSIZE, (100, 100))  # bytes of a file, as on a full disk
+    said = run(preexec_fn=lambda: resource.setrlimit(*limits))
+    assert said.stdout == "4 3.0 0\n"
+    warnings = [line for line in said.stderr.splitlines() if "cannot be kept" in line]
+    assert len(warnings) == 1
+    assert "cache/kernels-" in warnings[0]
+    assert files(".nbc") == []
