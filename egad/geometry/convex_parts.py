@@ -135,19 +135,7 @@ def _joined(
     touchable: Touchable,
     wanted: Tolerances,
 ) -> tuple[list[Hull], Tolerances]:
-    """Merge hulls, loosening the bounds until few enough hulls are left and meet them.
-
-    Args:
-        hulls: Hulls of the pieces of a solid.
-        are_good: Whether they meet the wanted bounds.
-        max_parts: Maximum number of hulls.
-        volume: Volume of the solid.
-        touchable: Points of its surface.
-        wanted: The initial bounds.
-
-    Returns:
-        The remaining hulls, and the bounds that they meet.
-    """
+    """Merge hulls of pieces of a solid, with looser bounds until few enough are left; and these."""
     kept = wanted
     for power in count():
         kept = wanted.loosened(STEP**power)
@@ -199,11 +187,7 @@ def _simplified(solid: Solid, deviation: float) -> Solid:
 
 
 def _split(bodies: list[Solid], touchable: Touchable, limits: _Limits) -> tuple[list[_Piece], bool]:
-    """Cut solids until their pieces are within the limits, or there are enough.
-
-    Returns:
-        The pieces, and whether they are within the limits.
-    """
+    """Pieces of solids that are within the limits, or enough; and whether they are within them."""
     crumb = SLIVER * sum(body.volume() for body in bodies)
     numbers = count()
     heap = [_piece(body, touchable, numbers, limits) for body in bodies]
@@ -236,13 +220,7 @@ def _piece(solid: Solid, touchable: Touchable, numbers: Iterator[int], limits: _
 
 
 def _worst(heap: list[_Piece], limits: _Limits, few_corners: set[int]) -> _Piece | None:
-    """Pop the piece to cut next from the heap; None if all are good.
-
-    Args:
-        heap: The pieces.
-        limits: How far they may be from the solid.
-        few_corners: Numbers of the pieces known to have few enough vertices.
-    """
+    """Pop the piece to cut next from the heap; None if all are within the limits."""
     if (
         sum(piece.excess for piece in heap) > limits.excess
         or sum(piece.buried for piece in heap) > limits.buried

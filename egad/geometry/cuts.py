@@ -98,10 +98,7 @@ def _best_cut(solid: Solid, planes_of_hull: Floats) -> _Cut:
 
 
 def _sides(vertices: Floats, faces: Ints, planes: list[Plane], least: float) -> list[list[Floats]]:
-    """Points with the same hulls as the two sides of each cut.
-
-    A cut has none if it misses, or cuts off something thinner than `least`.
-    """
+    """Points with the hulls of both sides of each cut; none if one is thinner than `least`."""
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     starts, ends = edges[edges[:, 0] < edges[:, 1]].T  # each once
     normals, offsets = (np.array(each) for each in zip(*planes, strict=True))

@@ -59,30 +59,21 @@ def arrays(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 class Bodies(NamedTuple):
-    """The closed shells of a solid, as `decompose` of manifold3d finds them, but in linear time.
+    """The closed shells of a solid; those that touch in a vertex are of one body."""
 
-    Attributes:
-        vertices: (n, 3).
-        faces: (m, 3) vertex indices.
-        shells: Number of the shell of each face, (m,).
-        volumes: Volume within each shell, (k,); that of a shell around a void is negative.
-        groups: Number of the body of each shell, (k,): shells that touch in a vertex, wherever
-            rounding has not moved it, are of one body.
-    """
-
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    shells: NDArray[np.int64]
-    volumes: NDArray[np.float64]
-    groups: NDArray[np.int64]
+    vertices: NDArray[np.float64]  # (n, 3)
+    faces: NDArray[np.int64]  # (m, 3)
+    shells: NDArray[np.int64]  # of the faces, (m,)
+    volumes: NDArray[np.float64]  # of the shells, (k,); negative around a void
+    groups: NDArray[np.int64]  # numbers of the bodies of the shells, (k,)
 
 
 def bodies(solid: Solid) -> Bodies:
-    """The shells of a solid and which of them touch."""
+    """The shells of a solid, in linear time, unlike `decompose` of manifold3d."""
     vertices, faces = arrays(solid)
     of_vertex = connected_component_labels(faces[:, [0, 1, 1, 2]].reshape(-1, 2), len(vertices))
     shells = of_vertex[faces[:, 0]]
-    volumes = np.bincount(shells, cone_volumes(vertices, faces))
+    volumes = np.bincount(shells, cone_volumes(vertices, faces)).astype(np.float64)
     groups = np.zeros(len(volumes), np.int64)
     if len(volumes) > 1:
         places = np.unique(vertices, axis=0, return_inverse=True)[1]
@@ -109,14 +100,15 @@ def difference(
     Raises:
         RejectedError: One of them is open or wound inconsistently, or has no volume.
     """
+    first, second = (union(_outward_solid(each) for each in part) for part in (meshes, others))
+    return to_mesh(first - second)
 
-    def solid(mesh: trimesh.Trimesh) -> Solid:
-        merged = mesh.copy()
-        merged.merge_vertices()
-        outwards = wind_outwards(merged)
-        return to_solid(outwards.vertices, outwards.faces)
 
-    return to_mesh(union(map(solid, meshes)) - union(map(solid, others)))
+def _outward_solid(mesh: trimesh.Trimesh) -> Solid:
+    merged = mesh.copy()
+    merged.merge_vertices()
+    outwards = wind_outwards(merged)
+    return to_solid(outwards.vertices, outwards.faces)
 
 
 def box(low: NDArray[np.float64], high: NDArray[np.float64]) -> Solid:

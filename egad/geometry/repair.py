@@ -222,7 +222,7 @@ def dropped_text(bodies: int, volume: float) -> str:
     if not bodies:
         return ""
     was = "was" if bodies == 1 else "were"
-    part = f"{100 * volume:.2g} % of the volume"
+    part = f"{100 * volume:.{2 if volume < 0.99 else 4}g} % of the volume"
     if not volume:
         part = f"at most {100 * DEBRIS:.2g} % of the area"
     return f"{bodies} of {bodies + 1} bodies {was} dropped, {part}"
@@ -259,20 +259,14 @@ def _largest(solid: Solid) -> tuple[Solid, list[float]]:
     vertices = found.vertices[used]
     if not kept.any() or not volumes[best] > FLAT * _size(vertices) ** 3:
         raise RejectedError(THIN)
-    others = np.delete(volumes, best).tolist()
+    others = [float(each) for each in np.delete(volumes, best)]
     return (solid if kept.all() else to_solid(vertices, corners.reshape(-1, 3))), others
 
 
 def _dropped(
     others: list[float], open_shells: list[trimesh.Trimesh], kept: Solid
 ) -> tuple[int, float]:
-    """Number of bodies that were left out, and their fraction of the volume.
-
-    Args:
-        others: Volumes of closed bodies that were left out.
-        open_shells: Open shells that were left out; only what lies outside the kept solid counts.
-        kept: The solid that is kept.
-    """
+    """How many closed and open bodies were left out, and their fraction of the volume."""
     dropped = [each for each in others if each > CRUMB * kept.volume()]
     if open_shells:
         rays, least = RayCaster(to_mesh(kept)), CRUMB ** (2 / 3) * kept.surface_area()

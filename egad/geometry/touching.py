@@ -46,16 +46,17 @@ def wedge_pairs(vertices: Floats, faces: Ints) -> Ints:
 
 
 def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Floats, Ints]:
-    """A closed surface with vertices repeated where it touches itself: each edge has two faces.
+    """A surface with vertices repeated where it touches itself, so that each edge has two faces.
 
     If that takes several edges between the same two vertices, all faces are divided into four.
+    A surface that is not closed, or wound inconsistently, is returned as it is.
 
     Args:
         vertices: (n, 3).
         faces: (m, 3) vertex indices.
         divide: Whether faces may be divided.
     """
-    if not _has_repeated_edges(vertices, faces):
+    if not _is_closed_and_touches(vertices, faces):
         return vertices, faces
     keys = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     _, edge, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
@@ -67,14 +68,18 @@ def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Float
     first = np.unique(fans, return_index=True)[1]
     split = vertices[faces.ravel()[first]], fans.reshape(-1, 3).astype(np.int64)
     paired = 2 * len(wedges) == np.count_nonzero(counts[edge] > 2)
-    if divide and paired and _has_repeated_edges(*split):
-        return separated(*trimesh.remesh.subdivide(vertices, faces), divide=False)
+    if divide and paired and _is_closed_and_touches(*split):
+        finer, quarters = trimesh.remesh.subdivide(vertices, faces)[:2]
+        return separated(finer, quarters, divide=False)
     return split
 
 
-def _has_repeated_edges(vertices: Floats, faces: Ints) -> bool:
-    directed = np.sort((faces * len(vertices) + np.roll(faces, -1, axis=1)).ravel())
-    return bool((directed[1:] == directed[:-1]).any())
+def _is_closed_and_touches(vertices: Floats, faces: Ints) -> bool:
+    following = np.roll(faces, -1, axis=1)
+    edges = np.sort((faces * len(vertices) + following).ravel())
+    if (edges[1:] != edges[:-1]).all():
+        return False
+    return bool(np.array_equal(edges, np.sort((following * len(vertices) + faces).ravel())))
 
 
 def _across(one: Ints, other: Ints) -> Ints:

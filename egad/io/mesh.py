@@ -112,14 +112,12 @@ def read_content(path: Path) -> Content:
         if isinstance(error, UserError) or is_out_of_memory(error):
             raise  # says nothing about the file
         raise RejectedError(f"{unreadable}: it is damaged") from error
-    finite = np.isfinite(content.vertices).all(axis=1)
-    if finite.all():
+    kept = np.asarray(np.isfinite(content.vertices).all(axis=1))
+    if kept.all():
         return content
-    kept = finite
     kept[content.faces] = True
-    return content._replace(
-        vertices=content.vertices[kept], faces=(np.cumsum(kept) - 1)[content.faces]
-    )
+    faces = (np.cumsum(kept) - 1)[content.faces]
+    return content._replace(vertices=content.vertices[kept], faces=faces)
 
 
 def check_unit_known(paths: Iterable[Path], units: str | None) -> None:

@@ -88,11 +88,7 @@ def _numbers(lines: bytes, start: bytes, also: bytes, kind: type) -> NDArray[Any
 
 
 def _decimals(lines: bytes) -> Floats:
-    """The numbers of lines of a letter and three numbers, (n, 3): several times as fast as NumPy.
-
-    Raises:
-        ValueError: Something is not a number.
-    """
+    """The numbers of lines of a letter and three numbers, (n, 3); a ValueError if one is none."""
     names = ["x", "y", "z"]
     table = csv.read_csv(
         pa.BufferReader(lines),

@@ -41,11 +41,7 @@ def count_binary_faces(path: Path) -> int | None:
 
 
 def _is_text(data: bytes) -> bool:
-    """Whether a file starts as ASCII files do, and goes on with text.
-
-    Raises:
-        RejectedError: It is text, but does not start so.
-    """
+    """Whether a file is text; refuses text that does not start as ASCII files do."""
     start = data[:START]
     if is_utf16(start):
         return True  # which is refused by name

@@ -143,11 +143,7 @@ def _csv(path: Path) -> pd.DataFrame:
 def _rows(
     path: Path, cells: Sequence[tuple[int, Mapping[str, str]]], is_log: bool
 ) -> list[dict[str, object]]:
-    """The attempts that were made and are valid, as from `_row`; a warning counts invalid ones.
-
-    Raises:
-        UserError: A row cannot be used and the file is not a log, or the log has another version.
-    """
+    """The attempts that were made and are valid, as from `_row`; a warning counts invalid ones."""
     rows, problems, not_valid = [], [], Counter[str]()
     labels = {row["label"] for _, row in cells}
     grid = 2 * sum(bool(LABEL.fullmatch(label)) for label in labels) >= len(labels)

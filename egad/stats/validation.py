@@ -190,13 +190,7 @@ def _detector_agreement(
 def _agreement(
     rates_of: Callable[[Ints], tuple[Floats, Floats]], objects: int, limit: float
 ) -> Agreement:
-    """Agreement of the rates that are compared.
-
-    Args:
-        rates_of: From (draws, objects) indices of objects to simulated and real rates, (draws, k).
-        objects: Number of objects to draw from.
-        limit: As in the result.
-    """
+    """Agreement of the simulated and real rates (draws, k) of objects that are drawn."""
 
     def estimate(statistic: Callable[[Floats, Floats], Floats]) -> Estimate:
         value = float(statistic(*rates_of(np.arange(objects)[None]))[0])

@@ -9,7 +9,7 @@ from scipy import ndimage
 
 import egad
 from egad.evalset import PrintCheck, print_problems
-from egad.geometry import to_solid
+from egad.geometry import is_solid, to_solid
 from egad.geometry.checks import is_closed
 from egad.geometry.repair import repair
 from egad.geometry.touching import separated
@@ -68,6 +68,14 @@ def test_solids_keep_their_volume():
         solid = to_solid(mesh.vertices, mesh.faces)
         assert solid.num_tri() == len(faces)
         assert solid.volume() == pytest.approx(filled.sum())
+
+
+def test_what_is_wound_inconsistently_is_no_solid():
+    for _, mesh in voxels(5):
+        torn = mesh.faces.copy()
+        torn[0] = torn[0, ::-1]
+        assert not is_solid(to_solid(mesh.vertices, torn))
+        assert separated(mesh.vertices, torn)[1] is torn
 
 
 def test_voxels_that_touch_are_one_body():
