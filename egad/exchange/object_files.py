@@ -53,12 +53,7 @@ def write_object_meshes(folder: Path, made: SimulationObject, part_unit: float =
 
 
 def write_poses(folder: Path, made: SimulationObject) -> None:
-    """Write `poses.json`, the most probable pose first.
-
-    Args:
-        folder: An existing folder.
-        made: The object.
-    """
+    """Write `poses.json` into an existing folder, the most probable pose first."""
     poses = [
         {
             "probability": pose.probability,

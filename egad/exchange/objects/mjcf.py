@@ -81,17 +81,7 @@ def add_solid(
     friction: float,
     groups: GeomGroups,
 ) -> None:
-    """Give a body its inertia, its visual mesh and its convex parts.
-
-    Args:
-        assets: The assets of the model, which the meshes are added to.
-        body: The body.
-        name: Prefix of the names of meshes.
-        files: Mesh files in metres, relative to the description.
-        made: The object.
-        friction: Sliding friction.
-        groups: The groups of its geoms.
-    """
+    """Give a body its inertia, visual mesh and convex parts; names of meshes begin with `name`."""
     physics = made.physics
     inertial = ElementTree.SubElement(body, "inertial", pos=number_text(*physics.com))
     inertial.set("mass", number_text(physics.mass))
