@@ -259,8 +259,8 @@ def _write(
     from egad.report.trials import EvaluationSet, page
 
     labels = {label for table in found.values() for label in table["label"] if in_grid([label])}
-    cells = [cell_of_label(label) for label in labels]
-    rows = max(settings.select_eval.rows, *(row + 1 for row, _ in cells))
-    columns = max(settings.select_eval.columns, *(column + 1 for _, column in cells))
+    last = settings.select_eval.rows - 1, settings.select_eval.columns - 1
+    cells = zip(last, *map(cell_of_label, labels), strict=True)
+    rows, columns = (max(numbers) + 1 for numbers in cells)
     tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))
     write_text(out, page(found, tried))

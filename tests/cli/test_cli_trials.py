@@ -41,6 +41,17 @@ def test_a_template_is_filled_in_imported_and_compared(filled):
     assert "good vs. fair" in compared.read_text()
 
 
+def test_objects_under_their_own_names_are_reported_and_compared(filled):
+    for name in ("good", "fair"):
+        frame = pd.read_csv(filled / f"{name}.csv").query("label in ['A0', 'G6', 'C4']")
+        frame.assign(label="mug " + frame["label"]).to_csv(filled / f"{name}.csv", index=False)
+    result = trials("report", filled / "good.csv", "--out", filled / "good.html")
+    assert result.returncode == 0, result.stderr
+    result = trials("compare", filled / "good.csv", filled / "fair.csv", "--out", filled / "c.html")
+    assert result.returncode == 0, result.stderr
+    assert "good vs. fair" in (filled / "c.html").read_text()
+
+
 def test_the_template_of_a_set_has_its_objects(tmp_path):
     blank = {"string": ""}
     row = {field.name: blank.get(str(field.type), 0) for field in EVAL49}

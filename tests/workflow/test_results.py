@@ -1,6 +1,5 @@
 """What the workflow makes: real runs on config/test.yaml."""
 
-import base64
 import hashlib
 import os
 import re
@@ -274,9 +273,8 @@ def test_the_comparison_counts_the_objects(load):
     assert comparison["diversity_mean"].item() == pytest.approx(objects["diversity"].mean())
 
 
-def test_the_comparison_is_drawn_as_in_the_report_and_said_on_the_terminal(copy, finished):
+def test_the_comparison_is_drawn_again_and_said_on_the_terminal(copy, finished):
     drawn = (finished.results / "comparison.svg").read_bytes()
-    assert base64.b64encode(drawn).decode() in (finished.results / "report.html").read_text()
     (copy.results / "comparison.svg").unlink()
     said = copy.make("--cores", 1, "results/comparison.svg")
     assert "\npublished\nEGAD, 2020 " in said
