@@ -15,19 +15,19 @@ from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.clearing import (
-    LABELS,
     SceneObject,
     check_detector,
     clear_rounds,
-    knows_scene,
     prepare_objects,
 )
 from egad.detectors import (
     IN_SCENES,
+    LABELS,
     SHIPPED_NETWORKS,
     Detect,
     DetectorConfig,
     FailureMonitor,
+    knows_scene,
     wanted_input,
 )
 from egad.errors import UserError, check_name

@@ -10,7 +10,14 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.detectors import Detect, DetectorConfig, FailureMonitor, check_gripper, opened
+from egad.detectors import (
+    Detect,
+    DetectorConfig,
+    FailureMonitor,
+    check_gripper,
+    knows_scene,
+    opened,
+)
 from egad.errors import RejectedError, UserError
 from egad.grasping import grasps_if_any
 from egad.grasps import GraspLabel, label_parameters
@@ -31,7 +38,6 @@ from egad.tables.parquet import empty
 
 log = logging.getLogger(__name__)
 
-LABELS = "labels"
 Cleared: TypeAlias = tuple[pd.DataFrame, list[float]]  # attempts; planning times in seconds
 
 
@@ -166,8 +172,3 @@ def _proposer(
     else:
         with opened(detect, settings.clutter.planning_time) as found:
             yield lambda *_: proposed_by(found, settings.gripper, protocol)
-
-
-def knows_scene(detect: Detect) -> bool:
-    """Whether a detector knows where the objects are."""
-    return isinstance(detect, DetectorConfig) and detect.detector == LABELS

@@ -1,7 +1,8 @@
 """Simulated grasping trials of a detector, from Python."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from functools import partial
 from typing import Any, Literal
 
@@ -14,17 +15,19 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.detectors import (
     IN_ANY_DIRECTION,
+    LABELS,
     QUICK,
     SHIPPED_NETWORKS,
+    Detect,
     Detector,
     DetectorConfig,
     FailureMonitor,
     Labels,
     check_gripper,
     check_views_will_do,
-    make_detector,
+    knows_scene,
     more_than_a_view,
-    with_checked_answers,
+    opened,
 )
 from egad.errors import RejectedError, UserError, check_name
 from egad.grasping import grasps_if_any
@@ -45,7 +48,6 @@ from egad.sim import (
 from egad.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 
 log = logging.getLogger(__name__)
-LABELS = "labels"
 BY_NAME = sorted({LABELS, *SHIPPED_NETWORKS, *QUICK} - set(IN_ANY_DIRECTION))
 
 
@@ -104,7 +106,7 @@ class Trials:
 
 
 def run_trials(
-    detect: Detector | Callable[..., Any] | str,
+    detect: Detect | str,
     objects: Dataset | Mapping[str, trimesh.Trimesh],
     gripper: Gripper | str,
     attempts: int = 20,
@@ -127,11 +129,12 @@ def run_trials(
     All attempts at an object that cannot be simulated count as failed.
 
     An error of the detector counts as a failed attempt. Its traceback is in the column `failure`;
-    that of the first error is also logged. An endless loop is not interrupted.
+    that of the first error is also logged. An endless loop of a function is not interrupted.
 
     Args:
         detect: A function or object that is called with `(view, gripper, rng)` and returns grasps
-            (`egad.detectors.Detector`); or the name of a detector that needs no file:
+            (`egad.detectors.Detector`); an `egad.detectors.DetectorConfig`, for example of a
+            command; or the name of a detector that needs no file:
             `antipodal-depth`, `random`, `ggcnn2-evolved` (a network that egad ships; it needs
             PyTorch), `ggcnn2-evolved-published` (the same, carried out as on the robot of EGAD);
             `suction-depth` for a suction cup; or `labels`, which knows where the object is and
@@ -181,18 +184,48 @@ def run_trials(
         keep_going=keep_going,
     )
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
-    targets = named_meshes(objects)
     if isinstance(detect, str):
         if detect in IN_ANY_DIRECTION:
             raise more_than_a_view(detect, "more")
-        check_gripper(check_name("detector", detect, BY_NAME), hand)
-    elif not callable(detect):
+        detect = DetectorConfig(detector=check_name("detector", detect, BY_NAME))
+    elif not callable(detect) and not isinstance(detect, DetectorConfig):
         raise UserError(f"a detector is a function or the name of one, got {detect!r}")
-    else:
+    return try_objects(detect, named_meshes(objects), parameters, rule, jobs)
+
+
+def try_objects(
+    detect: Detect,
+    targets: Sequence[NamedMesh],
+    parameters: TrialParameters,
+    rule: str,
+    jobs: int = 1,
+) -> Trials:
+    """Let a detector grasp objects; see `run_trials`.
+
+    Args:
+        detect: A function, or a detector of the settings.
+        targets: The objects.
+        parameters: Seed, gripper, and how attempts are made.
+        rule: How objects are scaled.
+        jobs: Number of processes; the result does not depend on it.
+
+    Raises:
+        UserError: As in `run_trials`.
+    """
+    if not isinstance(detect, DetectorConfig):
         check_views_will_do(detect)
-    work = partial(_attempts, detect=detect, rule=rule, parameters=parameters)
-    tables, monitor = [], FailureMonitor(len(targets), keep_going)
-    with workers(jobs) as mapper:
+    elif detect.detector in IN_ANY_DIRECTION:
+        raise more_than_a_view(detect.name, "more")
+    else:
+        check_gripper(detect.name, parameters.gripper)
+    asked = (
+        nullcontext()
+        if knows_scene(detect)
+        else opened(detect, parameters.trials.planning_time, at_once=False)
+    )
+    tables, monitor = [], FailureMonitor(len(targets), parameters.trials.keep_going)
+    with asked as ask, workers(jobs) as mapper:
+        work = partial(_attempts, ask=ask, rule=rule, parameters=parameters)
         for table in progress(mapper(work, targets), "trying", len(targets)):
             monitor.check(table)
             tables.append(table)
@@ -200,35 +233,20 @@ def run_trials(
 
 
 def _attempts(
-    target: NamedMesh,
-    detect: Callable[..., Any] | str,
-    rule: str,
-    parameters: TrialParameters,
+    target: NamedMesh, ask: Detector | None, rule: str, parameters: TrialParameters
 ) -> pd.DataFrame:
-    """All attempts at an object, columns of `tables.evaluation.TRIALS`."""
+    """All attempts at an object, columns of `tables.evaluation.TRIALS`; no detector: `labels`."""
     try:
         mesh, model = simulated(target, parameters.gripper, rule)
     except RejectedError as reason:
         log.warning("%s cannot be simulated: %s", target.label, reason)
         return failed_attempts(target.label, target.id, parameters, Outcome.FAILED)
-    ask = _detector(detect, mesh, target.id, parameters)
-    return run_attempts(model, target.label, target.id, ask, parameters)
+    return run_attempts(
+        model, target.label, target.id, ask or _labels(mesh, target.id, parameters), parameters
+    )
 
 
-def _detector(
-    detect: Callable[..., Any] | str, mesh: trimesh.Trimesh, name: str, parameters: TrialParameters
-) -> Detector | Labels:
-    """The detector that proposes grasps of an object.
-
-    Args:
-        detect: See `run_trials`.
-        mesh: The object, scaled.
-        name: Its id, which determines the grasps of `labels`.
-        parameters: The gripper and the seed.
-    """
-    if not isinstance(detect, str):
-        return with_checked_answers(detect)
-    if detect != LABELS:
-        return make_detector(DetectorConfig(detector=detect))
+def _labels(mesh: trimesh.Trimesh, name: str, parameters: TrialParameters) -> Labels:
+    """Labelled grasps of an object, scaled; its id and the seed determine them."""
     wanted = label_parameters(parameters.gripper, GraspLabel().grasps, parameters.seed)
     return Labels(grasps_if_any(mesh, name, wanted))

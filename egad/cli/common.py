@@ -3,6 +3,7 @@
 import re
 import shlex
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -17,6 +18,8 @@ from egad.grippers import GRIPPERS, PACKAGED, Gripper, gripper
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from egad.named_meshes import NamedMesh
 
 CORES = available_cpus()
 RUN = Path("results/egad")  # of the default configuration
@@ -90,18 +93,20 @@ Command = Annotated[
         help="command of a detector in its own environment, in quotes; DETECTOR is then its name",
     ),
 ]
+Objects = Annotated[
+    str,
+    typer.Option(
+        "--objects",
+        help="evaluation-set, released, the folder of a dataset, or a folder of mesh files",
+    ),
+]
+KeepGoing = Annotated[
+    bool, typer.Option("--keep-going", help="continue even if the detector fails in every attempt")
+]
 TableFile = Annotated[Path | None, out_option("table to write: .parquet or .csv")]
 Dataset = Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")]
 ArchiveFile = Annotated[Path, typer.Argument(help="archive.parquet, or `released`")]
 DatasetIn = Annotated[Path, typer.Option("--in", help="folder of the dataset")]
-SimulatedIn = Annotated[
-    Path,
-    typer.Option(
-        "--in",
-        help="folder of the dataset; or `evaluation-set`, for tables of `egad benchmark` and "
-        "`egad.run_trials`",
-    ),
-]
 MaxCandidates = Annotated[
     int | None,
     typer.Option(
@@ -247,6 +252,41 @@ def files_in(paths: Sequence[Path], units: str | None) -> list[Path]:
             files.setdefault(file.resolve(), file)
     check_unit_known(files.values(), units)
     return list(files.values())
+
+
+def objects_in(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Path]]:
+    """The objects of the option `--objects`, and the files that they come from.
+
+    Args:
+        text: Of a dataset with an evaluation set, the objects of this set, with their labels in it.
+        units: The value of `--units`.
+
+    Raises:
+        UserError: There are no such objects, or no units.
+    """
+    from egad.io import object_names, read_mesh
+    from egad.named_meshes import NamedMesh, named_meshes
+    from egad.objects import EVALUATION_SET, RELEASED, load
+    from egad.tables import parquet
+    from egad.tables.evaluation import EVAL49
+
+    folder = Path(text)
+    if text in (EVALUATION_SET, RELEASED):
+        return named_meshes(load(text)), []
+    if not folder.is_dir():
+        raise UserError(f"--objects {text} is neither {EVALUATION_SET}, {RELEASED} nor a folder")
+    table, chosen = folder / "objects.parquet", folder / "eval49.parquet"
+    if chosen.is_file():
+        rows = parquet.read(chosen, EVAL49)
+        labels = dict(zip(rows["id"], rows["label"], strict=True))
+        targets = named_meshes(load(folder).select(rows["id"]))
+        return [each._replace(label=labels[each.id]) for each in targets], [table, chosen]
+    if table.is_file():
+        return named_meshes(load(folder)), [table]
+    files = object_names(files_in([folder], units))
+    return [
+        NamedMesh(name, name, partial(read_mesh, path, units)) for name, path in files.items()
+    ], list(files.values())
 
 
 def check_spare(folder: Path, files: Sequence[Path] = (), table: str = "scales.parquet") -> None:

@@ -5,20 +5,10 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import (
-    FIRST_TARGET,
-    RUN,
-    Config,
-    SimulatedIn,
-    gripper_option,
-    named_gripper,
-    out_option,
-    settings_in,
-)
+from egad.cli.common import RUN, Config, named_gripper, out_option, settings_in
+from egad.cli.repeat import RunGripper, SimulatedIn, repeatable
 from egad.errors import UserError, check_name
 from egad.perception import NoiseName, SceneKind
-
-RunGripper = Annotated[str | None, gripper_option(FIRST_TARGET, opening=False)]
 
 
 def replay(
@@ -27,7 +17,7 @@ def replay(
     out: Annotated[
         Path | None, out_option("film to write: .gif or .mp4; default: LABEL-ATTEMPT.gif")
     ] = None,
-    dataset: SimulatedIn = RUN,
+    dataset: SimulatedIn = None,
     gripper: RunGripper = None,
     detector: Annotated[
         str | None, typer.Option(help="detector; default: the first of targets.detectors")
@@ -38,25 +28,21 @@ def replay(
     config: Config = None,
 ) -> None:
     """Repeat a simulated attempt exactly, and film it."""
-    from egad.config.stages import SimulatedTrials, select
+    from egad.config.stages import select
     from egad.io import check_ending
-    from egad.sim import ENDINGS
-    from egad.workflow.bundled import models_in
+    from egad.sim import ENDINGS, TrialParameters
     from egad.workflow.replays import film_attempt
 
     path = out or Path(f"{label}-{attempt}.gif")
     check_ending(path, ENDINGS)
-    settings, hand = named_gripper(settings_in(config), gripper)
-    detector = detector or settings.targets.detectors[0]
-    check_name("--detector", detector, settings.detectors, " in the configuration (--config)")
-    outcome = film_attempt(
-        select(settings, SimulatedTrials, hand, detector),
-        table or dataset / "trials" / hand / f"{detector}.parquet",
-        models_in(dataset, settings, hand),
-        label,
-        attempt,
-        path,
-    )
+    if table is None:
+        settings, hand = named_gripper(settings_in(config), gripper)
+        detector = detector or settings.targets.detectors[0]
+        check_name("--detector", detector, settings.detectors, " in the configuration (--config)")
+        table = (dataset or RUN) / "trials" / hand / f"{detector}.parquet"
+    settings, hand, models = repeatable(table, dataset, gripper, config)
+    parameters = select(settings, TrialParameters, hand)
+    outcome = film_attempt(parameters, table, models, label, attempt, path)
     typer.echo(f"{path}: {label}, attempt {attempt}: {outcome}, as before")
 
 
@@ -67,7 +53,7 @@ def film(
     out: Annotated[
         Path | None, out_option("film to write: .gif or .mp4; default: SCENE-NUMBER.gif")
     ] = None,
-    dataset: SimulatedIn = RUN,
+    dataset: SimulatedIn = None,
     gripper: RunGripper = None,
     detector: Annotated[
         str | None, typer.Option(help="detector; default: the first of targets.clutter")
@@ -81,20 +67,23 @@ def film(
     from egad.config.stages import select
     from egad.io import check_ending
     from egad.sim import ENDINGS, ClutterParameters
-    from egad.workflow.bundled import models_in
+    from egad.tables import parquet
     from egad.workflow.replays import film_clearing
 
     path = out or Path(f"{scene}-{number}.gif")
     check_ending(path, ENDINGS)
-    settings, hand = named_gripper(settings_in(config), gripper)
-    if table is None and detector is None and not settings.targets.clutter:
-        raise UserError("--detector is missing: the configuration has no targets.clutter")
-    detector = detector or next(iter(settings.targets.clutter), None)
-    film_clearing(
-        select(settings, ClutterParameters, hand),
-        table or dataset / "clutter" / hand / f"{detector}.parquet",
-        models_in(dataset, settings, hand),
-        (scene, noise, number),
-        path,
-    )
+    if table is None:
+        settings, hand = named_gripper(settings_in(config), gripper)
+        if detector is None and not settings.targets.clutter:
+            raise UserError("--detector is missing: the configuration has no targets.clutter")
+        detector = detector or settings.targets.clutter[0]
+        table = (dataset or RUN) / "clutter" / hand / f"{detector}.parquet"
+    if "scene" not in parquet.columns(table):
+        raise UserError(
+            f"{table} is of trials, not of cleared tables; film an attempt with "
+            f"`egad trials replay LABEL ATTEMPT --table {table}`"
+        )
+    settings, hand, models = repeatable(table, dataset, gripper, config)
+    parameters = select(settings, ClutterParameters, hand)
+    film_clearing(parameters, table, models, (scene, noise, number), path)
     typer.echo(f"{path}: round {number} of {scene}, noise {noise}, as before")

@@ -12,9 +12,11 @@ from egad.measures import cell_name
 from egad.report.axes import DIFFICULTY, AxisPair
 from egad.report.page import p_value
 from egad.stats import (
+    MIN_CORRELATED,
     Agreement,
     Clearing,
     ClearingComparison,
+    Comparison,
     Estimate,
     Mean,
     Plan,
@@ -119,6 +121,7 @@ def succeeded(rates: Mapping[str, Mean], engines: Mapping[str, str]) -> None:
             )
             for name, rate in rates.items()
         ],
+        without_empty=True,
     )
 
 
@@ -137,14 +140,17 @@ def compared(pairs: Sequence["Pair"]) -> None:
                 number(100 * pair.result.difference, 1),
                 _interval(pair.result.interval),
                 p_value(pair.result.p_objects),
-                str(pair.result.alike),
-                str(pair.result.only_first),
-                str(pair.result.only_second),
-                p_value(pair.result.p_attempts),
+                *(_alike(pair.result) if pair.result.alike else [DASH] * 4),
             )
             for pair in pairs
         ],
+        without_empty=True,
     )
+
+
+def _alike(result: Comparison) -> list[str]:
+    counts = (result.alike, result.only_first, result.only_second)
+    return [*map(str, counts), p_value(result.p_attempts)]
 
 
 def decided(tests: Mapping[tuple[str, str], SequentialTest]) -> None:
@@ -201,6 +207,10 @@ def agreements(rows: Mapping[str, Agreement], counted: str) -> None:
         counted: What is compared: objects or detectors.
     """
     limit = ["Pearson at most"] if counted == "objects" else []
+
+    def few_objects(found: Agreement) -> bool:
+        return counted == "objects" and found.count < MIN_CORRELATED
+
     show(
         [
             *("over " + counted, counted, "simulated %", "real %", "real - simulated"),
@@ -211,8 +221,11 @@ def agreements(rows: Mapping[str, Agreement], counted: str) -> None:
                 *(name, str(found.count)),
                 *(number(100 * rate, 1) for rate in (found.simulated, found.real)),
                 _estimate(found.difference, 1, 100),
-                *(_estimate(each, 2) for each in (found.spearman, found.pearson)),
-                *([number(found.limit, 2)] if limit else []),
+                *(
+                    DASH if few_objects(found) else _estimate(each, 2)
+                    for each in (found.spearman, found.pearson)
+                ),
+                *([DASH if few_objects(found) else number(found.limit, 2)] if limit else []),
                 _estimate(found.mmrv, 3),
             )
             for name, found in rows.items()
@@ -289,8 +302,20 @@ def clearing_compared(pairs: Mapping[str, Sequence[ClearingComparison]]) -> None
     )
 
 
-def show(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table on stdout."""
+def outcome_list(table: pd.DataFrame) -> str:
+    """The outcomes of attempts, most frequent first: `5 success, 2 slipped lifting`."""
+    counts = table["outcome"].value_counts()
+    return ", ".join(f"{count} {str(name).replace('_', ' ')}" for name, count in counts.items())
+
+
+def show(
+    columns: Sequence[str], rows: Iterable[Sequence[str]], *, without_empty: bool = False
+) -> None:
+    """Print a table on stdout, possibly without columns that have only dashes."""
+    rows = list(rows)
+    if without_empty:
+        kept = [n for n in range(len(columns)) if any(row[n] != DASH for row in rows)]
+        columns, rows = [columns[n] for n in kept], [[row[n] for n in kept] for row in rows]
     table = Table(box=None, pad_edge=False, header_style="bold")
     for place, column in enumerate(columns):
         left = place == 0 or column == "nearest"

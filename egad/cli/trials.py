@@ -1,8 +1,7 @@
 """Results of trials, in simulation or with a real robot: compared, reported, filmed."""
 
 import logging
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +11,7 @@ import typer
 from egad.cli.common import Config, out_option, settings_in
 from egad.cli.plan import plan
 from egad.cli.replay import film, replay
+from egad.cli.run import run
 from egad.cli.validate import validate
 from egad.cli.verify_trials import verify_trials
 from egad.config import Settings
@@ -24,8 +24,9 @@ log = logging.getLogger(__name__)
 trials = typer.Typer(
     name="trials",
     no_args_is_help=True,
-    help="Results of grasping trials: compare, plan, validate, verify, report, replay, film.",
+    help="Grasping trials: run, compare, report, plan, validate, verify, replay, film.",
 )
+trials.command()(run)
 
 Evaluation = Annotated[
     Path | None,
@@ -71,23 +72,23 @@ def compare(
     found = _of_set({} if all(is_clutter) else gather(tables), chosen)
     if len(found) < 2:
         raise UserError("compare needs the results of at least two detectors")
-    _tell(found)
+    conclusions = _tell(found)
     if sequential:
         _tell_sequential(found)
     if out is not None:
-        _write(out, found, chosen, settings_in(config))
+        _write(out, found, chosen, settings_in(config), conclusions)
 
 
 @trials.command()
 def report(
-    table: Annotated[Path, typer.Argument(help="CSV file with label, attempt, success")],
+    table: Annotated[Path, typer.Argument(help="results: .parquet, or .csv of a real robot")],
     out: Annotated[
         list[Path], out_option("file to write: .html, .parquet or .csv; may be repeated")
     ] = [Path("trials.html")],  # noqa: B006 (typer copies it)
     evaluation: Evaluation = None,
     config: Config = None,
 ) -> None:
-    """Report the results of a real robot in the same way as simulated results."""
+    """Report results of a detector, simulated or of a real robot, as a page or a table."""
     import pandas as pd
 
     from egad.io import check_ending, write_frame
@@ -98,10 +99,10 @@ def report(
         check_ending(path, (".html", ".parquet", ".csv"))
     chosen, settings = _evaluation_set(evaluation), settings_in(config)
     found = _of_set(read(table), chosen)
-    _tell(found)
+    conclusions = _tell(found)
     for path in out:
         if path.suffix.lower() == ".html":
-            _write(path, found, chosen, settings)
+            _write(path, found, chosen, settings, conclusions)
         else:
             write_frame(pd.concat(found.values()), RESULTS, path)
 
@@ -161,32 +162,34 @@ def _compare_clearing(tables: list[Path], out: Path | None) -> None:
         typer.echo(results.warning)
     if results.pairs:
         clearing_compared(results.pairs)
+        for sentence in results.conclusions:
+            typer.echo(sentence)
     else:
         typer.echo("No two tables have a round in common: same scene, noise, objects and seed")
     if out is not None:
         write_text(out, page(results))
 
 
-def _tell(found: "Mapping[str, pd.DataFrame]") -> None:
-    """Print success rates, and comparisons of pairs of detectors."""
+def _tell(found: "Mapping[str, pd.DataFrame]") -> list[str]:
+    """Print success rates, and comparisons of pairs of detectors; return what these show."""
     from egad.cli.terminal_tables import compared, succeeded
     from egad.report.trials import pairs
-    from egad.stats import mean_rate, simulated_in
+    from egad.stats import conclusion, mean_rate, simulated_in
 
     engines = {name: simulated_in(table) for name, table in found.items()}
     if len(set(filter(None, engines.values()))) > 1:
         typer.echo("Not all were simulated in the same way: see the column simulated in", err=True)
     succeeded({name: mean_rate(table) for name, table in found.items()}, engines)
-    if len(found) > 1:
-        results = pairs(found)
+    results = pairs(found)
+    if results:
         compared(results)
-        for pair in results:
-            if not math.isnan(pair.result.p_rates):
-                typer.echo(
-                    f"{pair.first} vs {pair.second}: too few objects for a test over objects; "
-                    f"Boschloo's exact test of these attempts: p = {pair.result.p_rates:.2g}, "
-                    "for these objects only"
-                )
+    conclusions = [
+        conclusion(pair.first, pair.second, pair.result, (found[pair.first], found[pair.second]))
+        for pair in results
+    ]
+    for sentence in conclusions:
+        typer.echo(sentence)
+    return conclusions
 
 
 def _tell_sequential(found: "Mapping[str, pd.DataFrame]") -> None:
@@ -252,6 +255,7 @@ def _write(
     found: "Mapping[str, pd.DataFrame]",
     chosen: "pd.DataFrame | None",
     settings: Settings,
+    conclusions: Sequence[str],
 ) -> None:
     from egad._util.files import write_text
     from egad.evalset import cell_of_label, in_grid
@@ -263,4 +267,4 @@ def _write(
     cells = zip(last, *map(cell_of_label, labels), strict=True)
     rows, columns = (max(numbers) + 1 for numbers in cells)
     tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))
-    write_text(out, page(found, tried))
+    write_text(out, page(found, tried, conclusions))

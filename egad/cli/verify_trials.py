@@ -5,16 +5,8 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    RUN,
-    Config,
-    Jobs,
-    SimulatedIn,
-    named_gripper,
-    settings_in,
-)
-from egad.cli.replay import RunGripper
+from egad.cli.common import CORES, Config, Jobs
+from egad.cli.repeat import RunGripper, SimulatedIn, repeatable
 from egad.errors import UserError
 
 SHOWN = 10  # differences
@@ -22,7 +14,7 @@ SHOWN = 10  # differences
 
 def verify_trials(
     table: Annotated[Path, typer.Argument(help="simulated attempts, or cleared tables: .parquet")],
-    dataset: SimulatedIn = RUN,
+    dataset: SimulatedIn = None,
     gripper: RunGripper = None,
     sample: Annotated[
         int | None,
@@ -41,17 +33,15 @@ def verify_trials(
     from egad.tables import parquet
     from egad.tables.clutter import CLUTTER
     from egad.tables.evaluation import TRIALS
-    from egad.workflow.bundled import models_in
     from egad.workflow.verification import gaps, groups_of, verify_groups
 
-    settings, hand = named_gripper(settings_in(config), gripper)
+    settings, hand, models = repeatable(table, dataset, gripper, config)
     is_clutter = "scene" in parquet.columns(table)
     rows = parquet.read(table, CLUTTER if is_clutter else TRIALS)
     groups = groups_of(rows, sample, settings.seed)
     attempts = sum(map(len, groups))
     if not attempts:
         raise UserError(f"{table}: no attempt to verify")
-    models = models_in(dataset, settings, hand)
     found = verify_groups(groups, models, settings, hand, tolerance, jobs)
     for each in found[:SHOWN]:
         typer.echo(f"{each.place}: {each.column} is {each.said}, simulated: {each.found}")

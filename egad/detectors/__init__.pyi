@@ -22,10 +22,12 @@ from .labels import Labels as Labels
 from .parameters import DETECTORS as DETECTORS
 from .parameters import FOR_CUPS as FOR_CUPS
 from .parameters import IN_ANY_DIRECTION as IN_ANY_DIRECTION
+from .parameters import LABELS as LABELS
 from .parameters import NETWORKS as NETWORKS
 from .parameters import SHIPPED_NETWORKS as SHIPPED_NETWORKS
 from .parameters import DetectorConfig as DetectorConfig
 from .parameters import check_gripper as check_gripper
+from .parameters import knows_scene as knows_scene
 from .poses import Detector as Detector
 from .poses import GraspPoses as GraspPoses
 from .poses import PoseGrasp as PoseGrasp

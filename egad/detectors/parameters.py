@@ -33,6 +33,7 @@ SHIPPED = (
 )
 FOR_CUPS = ("suction-cloud", "suction-depth")
 IN_ANY_DIRECTION = ("antipodal-cloud", "graspgen", "suction-cloud", "vgn", "vgn-evolved")
+LABELS = "labels"  # knows where the objects are
 GRASPGEN = "graspgen"  # shipped, but of no use without an address
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 
@@ -112,6 +113,11 @@ class DetectorConfig(Parameters):
         ):
             raise ValueError(f"the detector {self.detector} takes no `weights`")
         return self
+
+
+def knows_scene(detect: object) -> bool:
+    """Whether a detector knows where the objects are."""
+    return isinstance(detect, DetectorConfig) and detect.detector == LABELS
 
 
 def check_gripper(detector: str, gripper: Gripper) -> None:

@@ -4,7 +4,7 @@ There they can be stopped, and can break only their own process.
 """
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from typing import Any, Self, TypeAlias
 
@@ -95,12 +95,14 @@ class Child:
 
 
 @contextmanager
-def opened(detect: Detect, limit: float) -> Iterator[Detector]:
+def opened(detect: Detect, limit: float, *, at_once: bool = True) -> Iterator[Detector]:
     """A detector for as long as the block lasts, in a process of its own if it needs one.
 
     Args:
         detect: A function, or a detector of the settings; not `labels`.
         limit: Seconds that an answer may take; a function has no limit.
+        at_once: Whether that process starts now, or with the first question. Until then, the
+            detector can be sent to other processes, which start one each.
 
     Raises:
         UserError: It cannot be found or made.
@@ -109,12 +111,15 @@ def opened(detect: Detect, limit: float) -> Iterator[Detector]:
         yield with_checked_answers(detect)
     elif detect.detector in IN_SCENES:
         yield IN_SCENES[detect.detector]
-    elif detect.command:
-        with Program(detect.command, limit, STARTING_TIME) as program:
-            yield program
     else:
-        with Child(detect, limit) as child:
-            yield child
+        made = _in_own_process(detect, limit)
+        with ExitStack() as stack:
+            (stack.enter_context if at_once else stack.push)(made)
+            yield made
+
+
+def _in_own_process(config: DetectorConfig, limit: float) -> Child | Program:
+    return Program(config.command, limit, STARTING_TIME) if config.command else Child(config, limit)
 
 
 def asked_for(detect: Detector) -> str:

@@ -28,8 +28,10 @@ from egad.random import generator
 from egad.report.axes import axis_pair
 from egad.report.failures import AttemptFilm, Example, FeatureShare, SearchText, page, worst
 from egad.report.pictures import png_bytes, render
+from egad.sim import ContactRule
 from egad.tables import parquet
 
+MIN_FAILURES = 10  # for shares of the failures that shape features explain
 MAX_SOLVED = 200  # objects that failures are compared with
 EVERY = 2  # one of this many frames of the simulation is kept: 10 frames per second
 FRAME_TIME, LAST_TIME = 100, 1200  # milliseconds
@@ -47,9 +49,9 @@ def write_page(
 ) -> None:
     """Write an HTML page that explains the failures of a detector; it needs no other file.
 
-    It shows the map of the regret next to that of the dataset, why the detector fails, the
-    outcomes, the shape features that distinguish failures from solved objects, and the worst
-    failures with films of the detector and of the reference at the same drop.
+    It shows the worst failures, with films of the detector and of the reference at the same drop;
+    why the detector fails; the outcomes; from ten failures on, the shape features that distinguish
+    them from solved objects; and the map of the failures next to that of the dataset.
 
     Args:
         atlas: An atlas from `egad.find_failures` or `FailureAtlas.load`.
@@ -73,13 +75,14 @@ def write_page(
     solved = solved_objects(atlas.examined, settings.seed)
     show = partial(_example, attempts=attempts, settings=settings)
     measure = partial(_features, attempts=attempts, settings=settings)
+    compared = {"failures": atlas.table, "solved objects": solved}
     with workers(jobs) as mapper:
         measured = [
             pd.DataFrame(
                 progress(mapper(measure, parquet.records(table)), f"measuring {what}", len(table)),
                 columns=list(SHAPE_FEATURES),
             )
-            for what, table in (("failures", atlas.table), ("solved objects", solved))
+            for what, table in (compared.items() if len(atlas) >= MIN_FAILURES else ())
         ]
         filmed = [(row, number < films) for number, row in enumerate(chosen)]
         examples = list(progress(mapper(show, filmed), "filming", len(filmed)))
@@ -89,7 +92,7 @@ def write_page(
         atlas.attempts,
         search=_search_text(atlas.detector, settings),
         dataset=_dataset(atlas.examined, objects),
-        features=_feature_shares(*measured),
+        features=_feature_shares(*measured) if measured else [],
         examples={row["id"]: each for row, each in zip(chosen, examples, strict=True)},
         space=settings.breeding.space,
         axes=axis_pair(settings.breeding.measures),
@@ -226,12 +229,16 @@ def _dataset(examined: pd.DataFrame, objects: Dataset | None) -> pd.DataFrame:
 
 
 def _search_text(detector: str, settings: FailureParameters) -> SearchText:
-    hand, search = settings.gripper, settings.failures
+    hand, search, rule = settings.gripper, settings.failures, settings.trials
+    closes = rule.contact == "close" or search.approach == "any"
+    force = ContactRule().stopping_force if search.approach == "any" else rule.stopping_force
+    contact = "the hand stops and closes there" if closes else "the attempt fails"
     size = f"{1000 * hand.opening:g} mm"
     return SearchText(
         detector,
         f"jaws that open {size}" if hand.cup is None else f"a suction cup, objects as for {size}",
         search.approach or "",
+        f"A contact of more than {force:g} N on the way: {contact}",
         search.engines,
         search.least_reference,
         search.least_regret,

@@ -35,6 +35,7 @@ from egad.sim import (
     ARMS,
     Clutter,
     ClutterRunner,
+    ContactRule,
     EngineName,
     Model,
     Pose,
@@ -243,6 +244,7 @@ def open_bench(
     *,
     from_above: bool,
     depth_noise: float,
+    contact: ContactRule | None = None,
 ) -> Iterator[Bench]:
     """A bench, for the duration of the `with` block.
 
@@ -254,11 +256,19 @@ def open_bench(
         from_above: Whether grasps come straight from above, or from any direction.
         depth_noise: Noise of the depth images, pixels; from any direction, any nonzero value means
             0.1.
+        contact: What a contact on the way down means; by default the attempt fails. From any
+            direction, the hand always closes where it was stopped, as in the protocol `egad`.
     """
     if from_above:
         arm = ARMS["axis"](gripper)
         with open_world(engine, [model], arm.robot) as world:
-            trials = TrialProtocol(engine=engine, depth_noise=depth_noise)
+            rule = contact or ContactRule()
+            trials = TrialProtocol(
+                engine=engine,
+                depth_noise=depth_noise,
+                contact=rule.contact,
+                stopping_force=rule.stopping_force,
+            )
             yield BenchFromAbove(TrialRunner(world, arm, trials), grasps)
         return
     with open_world(engine, [model], free_hand(gripper)) as world:

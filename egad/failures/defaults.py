@@ -8,12 +8,14 @@ from egad.geometry import Material, Rescale
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper
 from egad.map_elites import evolution_parameters
+from egad.sim import ContactRule
 
 
 def failure_parameters(
     gripper: Gripper,
     search: FailureSearch,
     *,
+    contact: ContactRule | None = None,
     seed: int = 0,
     rule: str = "paper",
     shape: Shape | None = None,
@@ -23,6 +25,7 @@ def failure_parameters(
     Args:
         gripper: The gripper that objects are scaled to and grasped with.
         search: The search.
+        contact: What a contact on the way down means; by default the attempt fails.
         seed: Seed of everything random.
         rule: How objects are scaled, see `egad.rescale`.
         shape: How voxels become meshes.
@@ -35,6 +38,7 @@ def failure_parameters(
         gripper=gripper,
         rescale=from_arguments(Rescale, rule=rule),
         failures=search,
+        trials=contact or ContactRule(),
         material=Material(),
         bundle=Bundle(),
         print_check=PrintCheck(),

@@ -217,6 +217,7 @@ class Examination:
                         self._settings.gripper,
                         from_above=self._from_above,
                         depth_noise=self._search.depth_noise,
+                        contact=self._settings.trials,
                     )
                 )
                 for engine in self._search.engines

@@ -30,7 +30,7 @@ from egad.failures.search import NOTHING, Found, Search, joined, scaled_surface
 from egad.failures.store import Store
 from egad.grippers import Gripper, as_gripper
 from egad.objects import Dataset, load
-from egad.sim import ENGINES, EngineName, check_engine
+from egad.sim import ENGINES, ContactRule, EngineName, check_engine
 from egad.tables import parquet
 from egad.tables.failures import FAILURES
 
@@ -48,6 +48,8 @@ def find_failures(
     depth_noise: float = 0.1,
     least_regret: float = 0.5,
     engines: Sequence[EngineName] | None = None,
+    contact: Literal["collided", "close"] = "collided",
+    stopping_force: float = 20.0,
     seed: int = 0,
     rule: str = "paper",
     shards: int = 2,
@@ -79,6 +81,9 @@ def find_failures(
             failure, 0 to 1; use a lower value for a detector that rarely fails.
         engines: Physics engines; an object must be a failure in all of them. By default those that
             are installed.
+        contact: What a contact on the way down means, as in `egad.run_trials`; with the approach
+            `any`, the hand always closes where it was stopped.
+        stopping_force: Contact force that stops the hand on its way down, newtons.
         seed: The same arguments give the same atlas.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
         shards: Independent searches that share the attempts; at most this many run at once.
@@ -108,7 +113,14 @@ def find_failures(
     chosen = load() if objects is None else objects
     if not isinstance(chosen, Dataset):
         raise UserError("a search begins with a dataset of objects with genomes, not with meshes")
-    settings = failure_parameters(hand, search, seed=seed, rule=rule, shape=chosen.shape)
+    settings = failure_parameters(
+        hand,
+        search,
+        contact=from_arguments(ContactRule, contact=contact, stopping_force=stopping_force),
+        seed=seed,
+        rule=rule,
+        shape=chosen.shape,
+    )
     folder = None if out is None else as_path("out", out)
     return search_failures(chosen.archive, detect, settings, jobs, folder)
 

@@ -18,7 +18,7 @@ from egad.geometry import Material, Rescale
 from egad.grasps import LabelParameters
 from egad.grippers import Gripper
 from egad.map_elites import EvolutionParameters
-from egad.sim import ENGINES, EngineName
+from egad.sim import ENGINES, ContactRule, EngineName
 
 Strategy = Literal["evolution", "screening", "mutation", "random"]
 
@@ -100,6 +100,7 @@ class FailureParameters(ParameterGroup):
         gripper: What objects are scaled to and grasped with.
         rescale: How they are scaled.
         failures: The search.
+        trials: What a contact on the way down means, for grasps from above.
         material: Of the objects.
         bundle: Their convex parts in the simulation.
         print_check: A failure can be printed.
@@ -111,6 +112,7 @@ class FailureParameters(ParameterGroup):
     gripper: Gripper
     rescale: Rescale
     failures: FailureSearch
+    trials: ContactRule = ContactRule()
     material: Material
     bundle: Bundle
     print_check: PrintCheck

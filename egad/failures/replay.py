@@ -56,6 +56,7 @@ def repeat_attempts(
             settings.gripper,
             from_above=settings.failures.approach == "above",
             depth_noise=settings.failures.depth_noise,
+            contact=settings.trials,
         ) as bench:
             for number in numbers:
                 watch(number, bench)

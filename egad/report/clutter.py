@@ -16,6 +16,7 @@ from egad.stats import (
     NothingInCommonError,
     Rate,
     by_difficulty,
+    clearing_conclusion,
     clearing_rates,
     compare_clearing,
     engine_names,
@@ -80,12 +81,14 @@ class ClearingResults:
         rates: Success rates in each kind of scene and noise, by detector.
         pairs: Comparisons of every two detectors that cleared the same tables, by `A vs B`.
         protocols: Rules by which the tables were cleared, and errors if any, by detector.
+        conclusions: What the comparisons show, a sentence each.
     """
 
     engines: dict[str, str]
     rates: dict[str, list[Clearing]]
     pairs: dict[str, list[ClearingComparison]]
     protocols: dict[str, str]
+    conclusions: list[str]
 
     @property
     def warning(self) -> str:
@@ -109,17 +112,19 @@ def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
     Args:
         tables: Columns of `tables.clutter.CLUTTER`, by detector.
     """
-    pairs = {}
+    pairs, conclusions = {}, []
     for one, other in combinations(tables, 2):
         with suppress(NothingInCommonError):
-            pairs[f"{one} vs {other}"] = compare_clearing(tables[one], tables[other])
+            compared = compare_clearing(tables[one], tables[other])
+            pairs[f"{one} vs {other}"] = compared
+            conclusions += [clearing_conclusion(one, other, each) for each in compared]
     engines = {name: engine_names(table) for name, table in tables.items()}
     rates = {name: clearing_rates(table) for name, table in tables.items()}
     rules = {
         name: ", ".join([*table["protocol"].unique(), *unusual(table, {"errors": "none"})])
         for name, table in tables.items()
     }
-    return ClearingResults(engines, rates, pairs, rules)
+    return ClearingResults(engines, rates, pairs, rules, conclusions)
 
 
 def page(results: ClearingResults) -> str:

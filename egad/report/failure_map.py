@@ -1,4 +1,4 @@
-"""Maps of a search for failures: the regret of the detector, and the dataset beside it."""
+"""Maps of a search for failures: reference minus detector, and the dataset beside it."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -79,18 +79,20 @@ def failure_map(
     }
     for name, rows in _by_cell(table.assign(regret=lowest_regret(table))):
         worst = rows.iloc[int(rows["regret"].to_numpy().argmax())]
+        text = f"{counted(len(rows), 'failure')}, difference {100 * worst['regret']:.0f} points"
         cells[name] = MapCell(
             _color(worst["regret"], REGRET_STEPS, REGRET_COLORS),
-            f"{name}: {counted(len(rows), 'failure')}, regret {worst['regret']:.2f}",
+            f"{name}: {text}",
             _picture(worst["voxels"]),
             len(rows),
         )
     words = ["< 60", *(f"{a}{DASH}{a + 10}" for a in (60, 70, 80)), f"{AT_LEAST} 90"]
     legend = [LegendEntry(*each) for each in zip(REGRET_COLORS, words, strict=True)]
     found = len(table[["complexity_cell", "difficulty_cell"]].drop_duplicates())
+    where = f"{counted(len(table), 'failure')} in {counted(found, 'cell')}"
     return _draw(
         cells,
-        f"Regret, points: {counted(len(table), 'failure')} in {counted(found, 'cell')}",
+        f"Reference minus detector, points: {where}",
         [*legend, LegendEntry(NO_FAILURE, "no failure")],
         space,
         axes,

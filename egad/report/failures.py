@@ -119,6 +119,7 @@ class SearchText:
         detector: Its name; empty if unknown.
         hand: The hand, in words.
         approach: above or any.
+        contact: What a contact on the way down means, in words.
         engines: Physics engines.
         reference: Minimum success rate of the reference at a failure.
         regret: Minimum difference from the success rate of the detector.
@@ -128,6 +129,7 @@ class SearchText:
     detector: str
     hand: str
     approach: str
+    contact: str
     engines: Sequence[str]
     reference: float
     regret: float

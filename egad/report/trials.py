@@ -25,6 +25,7 @@ from egad.report.trial_charts import (
     trial_heat_map,
 )
 from egad.stats import (
+    MIN_CORRELATED,
     Bin,
     Comparison,
     Mean,
@@ -122,17 +123,23 @@ def section(
     return section_of("trials.html.j2", "Trials", datasets=results, **values)
 
 
-def page(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> str:
+def page(
+    tables: Mapping[str, pd.DataFrame],
+    evaluation_set: EvaluationSet,
+    conclusions: Sequence[str] = (),
+) -> str:
     """Show what detectors achieved, in the simulation or on a real robot.
 
     Args:
         tables: Columns of `tables.evaluation.RESULTS`, by detector.
         evaluation_set: What was tried.
+        conclusions: A sentence on each pair of detectors.
 
     Returns:
         An HTML page that needs no other file.
     """
-    return render_template("trials_page.html.j2", results=trial_results(tables, evaluation_set))
+    results = trial_results(tables, evaluation_set)
+    return render_template("trials_page.html.j2", results=results, conclusions=conclusions)
 
 
 def trial_results(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> Results:
@@ -185,6 +192,7 @@ def _view(
     means = {"difficulty": grid.rows, "complexity": grid.columns}
     present = set((table if known is None else known)["label"])
     bins = reliability(table)
+    several = len(bins) > 1  # qualities
     return TrialView(
         name=name,
         engine=simulated_in(table),
@@ -196,8 +204,8 @@ def _view(
             if grid.rows
             else trial_chart(table)
         ),
-        reliability=svg_uri(reliability_chart(bins)) if bins else "",
-        discrimination=discrimination(table),
+        reliability=svg_uri(reliability_chart(bins)) if several else "",
+        discrimination=discrimination(table) if several else np.nan,
         trends=trends,
         trend_figure=svg_uri(trend_chart(objects, trends, means, axes)) if grid.rows else "",
     )
@@ -250,7 +258,7 @@ def trend_chart(
         for axes, (key, axis) in zip(panels, keys.items(), strict=True):
             _draw_trend(axes, objects, key, means[key], letters=key == "difficulty")
             axes.set_xlabel(axis.label)
-            axes.set_title(_trend_text(trends[key]), fontsize=9, color=SOFT)
+            axes.set_title(_trend_text(trends[key], len(objects)), fontsize=9, color=SOFT)
             axes.grid(axis="y")
         panels[0].set(ylim=(-0.04, 1.04), ylabel="success rate")
         show_percent(panels[0].yaxis)
@@ -274,7 +282,9 @@ def _draw_trend(
     axes.tick_params(axis="x", length=0)
 
 
-def _trend_text(trend: Trend) -> str:
+def _trend_text(trend: Trend, objects: int) -> str:
+    if objects < MIN_CORRELATED:
+        return f"too few objects for a rank correlation (at least {MIN_CORRELATED})"
     if np.isnan(trend.rho):
         return "no rank correlation: all values are equal"
     rho, low, high = (

@@ -37,6 +37,7 @@ from .parameters import NAMED_ERRORS as NAMED_ERRORS
 from .parameters import CellErrors as CellErrors
 from .parameters import Clutter as Clutter
 from .parameters import ClutterParameters as ClutterParameters
+from .parameters import ContactRule as ContactRule
 from .parameters import EngineName as EngineName
 from .parameters import LabelAgreement as LabelAgreement
 from .parameters import LabelTrialParameters as LabelTrialParameters

@@ -135,7 +135,24 @@ NAMED_ERRORS = {
 Errors = Annotated[CellErrors, BeforeValidator(partial(by_name, "errors", NAMED_ERRORS))]
 
 
-class TrialProtocol(Lifting):
+class ContactRule(Parameters):
+    """What a contact of the hand on its way down means."""
+
+    contact: Literal["collided", "close"] = Field(
+        "collided",
+        description="what a contact on the way down means: collided: the attempt fails; close: the "
+        "fingers close where the hand was stopped, as on the robot of EGAD",
+    )
+    stopping_force: float = Field(
+        COLLISION_FORCE,
+        gt=0,
+        le=1000,
+        description="contact force that stops the hand on its way down, newtons; the robot of EGAD "
+        "closed its fingers at 10 and gave up at 20",
+    )
+
+
+class TrialProtocol(ContactRule, Lifting):
     """Simulated grasping trials."""
 
     attempts: int = Field(10, ge=1, description="attempts per object")
@@ -166,18 +183,6 @@ class TrialProtocol(Lifting):
         le=10,
         description="standard deviation of the disparity, as in a stereo camera, pixels; about 0.1 "
         "for a D435; if not 0, the image also has holes beside edges and on steep surfaces",
-    )
-    contact: Literal["collided", "close"] = Field(
-        "collided",
-        description="what a contact on the way down means: collided: the attempt fails; close: the "
-        "fingers close where the hand was stopped, as on the robot of EGAD",
-    )
-    stopping_force: float = Field(
-        COLLISION_FORCE,
-        gt=0,
-        le=1000,
-        description="contact force that stops the hand on its way down, newtons; the robot of EGAD "
-        "closed its fingers at 10 and gave up at 20",
     )
     errors: Errors = Field(
         NAMED_ERRORS["none"],

@@ -4,6 +4,8 @@ from .clearing import by_difficulty as by_difficulty
 from .clearing import cleared_shares as cleared_shares
 from .clearing import clearing_rates as clearing_rates
 from .clearing import compare_clearing as compare_clearing
+from .conclusions import clearing_conclusion as clearing_conclusion
+from .conclusions import conclusion as conclusion
 from .paired import Comparison as Comparison
 from .paired import NothingInCommonError as NothingInCommonError
 from .paired import boschloo as boschloo
@@ -19,6 +21,7 @@ from .ranking import Ranks as Ranks
 from .ranking import leads as leads
 from .ranking import ranks as ranks
 from .rate_tables import read_rates as read_rates
+from .rates import MIN_CORRELATED as MIN_CORRELATED
 from .rates import Interval as Interval
 from .rates import Mean as Mean
 from .rates import Rate as Rate

@@ -16,6 +16,9 @@ from egad.random import generator
 
 Interval = tuple[float, float]
 DRAWS = 10_000
+# With fewer, intervals of rank correlations cover more than 3/4 of all values, from -1 to 1, and
+# without any correlation, 2 to 9 % of the samples have one beyond 0.8 (simulated, 4 to 8 objects).
+MIN_CORRELATED = 10
 
 
 def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:

@@ -10,7 +10,7 @@ import pandas as pd
 from egad._util.arrays import Floats, Ints
 from egad.stats.paired import NothingInCommonError
 from egad.stats.prediction_powered import MIN_OBJECTS, PredictedRate, prediction_powered_rate
-from egad.stats.rates import bootstrap, correlation, rank_correlation
+from egad.stats.rates import MIN_CORRELATED, bootstrap, correlation, rank_correlation
 
 CHUNK = 4_000_000  # pairs of rates compared at once
 FEW_DETECTORS = 5  # correlations of fewer say almost nothing
@@ -90,6 +90,11 @@ def validate(simulated: Mapping[str, pd.DataFrame], real: Mapping[str, pd.DataFr
     for name, (sim, rob) in matched.items():
         both = sim.index.intersection(rob.index)
         more = sim["rate"].drop(both).to_numpy()
+        if len(both) < MIN_CORRELATED:
+            notes.append(
+                f"{name}: {len(both)} common objects are too few for correlations (at least "
+                f"{MIN_CORRELATED})"
+            )
         if len(both) < MIN_OBJECTS:
             notes.append(
                 f"{name}: {len(both)} common objects are too few to predict the real success rate "

@@ -1,7 +1,7 @@
 """Objects to simulate, from a bundle or as shipped, and work that may crash the physics engine."""
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -84,7 +84,11 @@ def bundle_models(bundle: Path) -> Models:
 
 def evaluation_set_models(gripper: Gripper, rule: str) -> Models:
     """The objects of the released evaluation set, scaled to a gripper."""
-    targets = named_meshes(load(EVALUATION_SET))
+    return lazy_models(named_meshes(load(EVALUATION_SET)), gripper, rule)
+
+
+def lazy_models(targets: Sequence[NamedMesh], gripper: Gripper, rule: str) -> Models:
+    """Objects scaled to a gripper, as `egad benchmark` and `egad.run_trials` simulate them."""
     return LazyModels({each.id: partial(_simulated, each, gripper, rule) for each in targets})
 
 

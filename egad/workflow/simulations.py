@@ -10,9 +10,9 @@ from typing import Any
 import pandas as pd
 import trimesh
 
-from egad.clearing import LABELS, Cleared, open_table
+from egad.clearing import Cleared, open_table
 from egad.config.stages import ClearedTables, NaiveGrasps, SimulatedLabels, SimulatedTrials
-from egad.detectors import IN_SCENES, Detector, Labels, check_views_will_do, opened
+from egad.detectors import IN_SCENES, LABELS, Detector, Labels, check_views_will_do, opened
 from egad.errors import RejectedError, UserError
 from egad.evalset import simulation_object
 from egad.geometry import Material

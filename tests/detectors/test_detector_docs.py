@@ -22,9 +22,9 @@ HAND = GRIPPERS["egad_75mm"]
 @pytest.fixture(scope="module")
 def example(tmp_path_factory):
     path = tmp_path_factory.mktemp("docs") / "across.py"
-    (code,) = re.findall(r"```python\n(.*?)```", GUIDE, flags=re.DOTALL)
+    code, *_ = re.findall(r"```python\n(.*?)```", GUIDE, flags=re.DOTALL)
     path.write_text(code)
-    return make_detector(DetectorConfig(detector=f"{path}:Across"))
+    return make_detector(DetectorConfig(detector=f"{path}:across"))
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.6, -1.3])

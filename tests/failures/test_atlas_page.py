@@ -94,12 +94,19 @@ def test_a_page_needs_no_other_file(atlas, tmp_path, monkeypatch):
     atlas.page(path, films=1)
     text = path.read_text(encoding="utf-8")
     addresses = re.findall(r'(?:src|href)="([^"]{1,30})', text)
-    assert len(addresses) >= 8
+    assert len(addresses) >= 6
     assert all(address.startswith("data:image/") for address in addresses)
     assert text.count("data:image/webp") == 2
     assert "The search found 1 failure in 1 cell of the map" in " ".join(text.split())
+    heads = ["The worst failures", "Why the detector fails", "By outcome", "Where on the map"]
+    places = [text.index(f"<h2>{head}") for head in heads]
+    assert places == sorted(places)
+    assert "By shape" not in text  # one failure says nothing about shapes
+    monkeypatch.setattr("egad.failures.atlas_page.MIN_FAILURES", 1)
     write_page(atlas, path, films=0)
-    assert "data:image/webp" not in path.read_text(encoding="utf-8")
+    text = path.read_text(encoding="utf-8")
+    assert "data:image/webp" not in text
+    assert "<h2>By shape" in text
 
 
 def test_films_that_end_differently_are_left_out_with_a_note(atlas, tmp_path, monkeypatch):

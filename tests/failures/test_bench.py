@@ -10,16 +10,24 @@ from egad.failures.bench import BenchFromAbove, open_bench
 from egad.geometry import Material
 from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
-from egad.outcomes import Outcome
-from egad.sim import ARMS, TrialProtocol, TrialRunner, build, open_world
+from egad.outcomes import EXECUTION, Outcome
+from egad.sim import ARMS, ContactRule, TrialProtocol, TrialRunner, build, open_world
 
 MODEL = build(CUBE, Material().density, Bundle())
 LABELLED = dataset_grasps(CUBE, "cube", label_parameters(PANDA, 50, 0))
 EACH_WAY = pytest.mark.parametrize("from_above", [True, False])
 
 
-def bench(engine, from_above):
-    return open_bench(engine, MODEL, LABELLED, PANDA, from_above=from_above, depth_noise=0.1)
+def bench(engine, from_above, contact=None):
+    return open_bench(
+        engine,
+        MODEL,
+        LABELLED,
+        PANDA,
+        from_above=from_above,
+        depth_noise=0.1,
+        contact=contact,
+    )
 
 
 @EACH_WAY
@@ -70,6 +78,19 @@ def test_the_noise_and_the_chance_of_a_detector_come_from_its_generator():
     np.testing.assert_array_equal(first, again)
     assert one == same != two
     assert not np.array_equal(first, other, equal_nan=True)
+
+
+@EACH_ENGINE
+def test_a_contact_on_the_way_down_means_what_the_rule_says(engine):
+    outcomes = {}
+    for contact in ("collided", "close"):
+        with bench(engine, True, ContactRule(contact=contact)) as table:
+            rest = table.drop(rng())
+            grasp = table.labelled(rest)[0]
+            narrow = grasp._replace(width=grasp.width / 2)  # both fingers land on the cube
+            outcomes[contact] = table.execute(rest, narrow)
+    assert outcomes["collided"] == Outcome.COLLIDED
+    assert outcomes["close"] in set(EXECUTION) - {Outcome.COLLIDED}
 
 
 @EACH_ENGINE

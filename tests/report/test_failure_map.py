@@ -52,11 +52,11 @@ def test_a_cell_has_the_color_of_the_highest_of_the_lowest_regrets():
         "D00": REGRET_COLORS[0],
         "C02": NO_FAILURE,
     }
-    assert "A01: 2 failures, regret 0.72" in svg
+    assert "A01: 2 failures, difference 72 points" in svg
     assert "C02: 1 object tried, no failure" in svg
     assert svg.count("<image") == 3
     words = texts(svg)
-    assert "Regret, points: 4 failures in 3 cells" in words
+    assert "Reference minus detector, points: 4 failures in 3 cells" in words
     assert words.count("2") == 1
 
 
@@ -68,7 +68,7 @@ def test_an_engine_without_drops_does_not_count():
 def test_a_search_without_failures_has_a_map():
     svg = failure_map(failures(), examined((1, 0, 9)), SPACE)
     assert colors(svg) == {"A01": NO_FAILURE}
-    assert "Regret, points: 0 failures in 0 cells" in texts(svg)
+    assert "Reference minus detector, points: 0 failures in 0 cells" in texts(svg)
 
 
 def test_the_map_of_the_dataset_counts_objects():

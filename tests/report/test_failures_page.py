@@ -27,7 +27,8 @@ from egad.report.failures import (
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS, FAILURES
 
 VOXELS = pack(np.ones((25, 25, 25), bool))
-SEARCH = SearchText("mine", "jaws", "above", ("mujoco", "pybullet"), 0.8, 0.5, 0.95)
+CONTACT = "A contact of more than 20 N on the way: the attempt fails"
+SEARCH = SearchText("mine", "jaws", "above", CONTACT, ("mujoco", "pybullet"), 0.8, 0.5, 0.95)
 FILMS = {"detector": AttemptFilm("missed", b"webp"), "reference": AttemptFilm("success")}
 COUNTS = {"n_explained": 6, "n_nothing": 1, "n_not_chosen": 2, "n_none_good": 3}
 

@@ -208,7 +208,8 @@ def test_blocks_and_commands_are_found():
     detector = blocks(ROOT / "docs/guides/own-detector.md")
     assert [block.file for block in detector if block.file] == ["across.py", "mine.yaml"]
     joined = [line for block in detector if not block.language for line in commands(block.text)]
-    assert joined[0].endswith("egad_75mm/antipodal-depth.parquet")
+    assert joined[0] == "egad trials run antipodal-depth --out antipodal-depth.parquet"
+    assert joined[-1].endswith("results/mine/trials/egad_75mm/{antipodal-depth,across}.parquet")
 
 
 def test_every_reason_to_skip_a_command_is_needed():

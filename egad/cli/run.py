@@ -1,0 +1,101 @@
+"""Simulated trials of a detector."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from egad.cli.common import (
+    CORES,
+    Command,
+    Config,
+    DetectorName,
+    Jobs,
+    KeepGoing,
+    Objects,
+    Rule,
+    Units,
+    Weights,
+    detector_in,
+    gripper_in,
+    gripper_option,
+    objects_in,
+    out_option,
+    settings_in,
+    with_option,
+)
+from egad.cli.log_sheet import ATTEMPTS
+from egad.cli.repeat import note_of_run
+
+FOLDER = Path("trials")
+
+
+def run(
+    detector: DetectorName,
+    weights: Weights = None,
+    command: Command = None,
+    objects: Objects = "evaluation-set",
+    units: Units = None,
+    gripper: Annotated[str, gripper_option()] = "egad_75mm",
+    attempts: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            help=f"attempts at each object; default: {ATTEMPTS}, or trials.attempts of --config",
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="seed of everything random; default: seed")
+    ] = None,
+    keep_going: KeepGoing = False,
+    rule: Rule = None,
+    out: Annotated[
+        Path | None, out_option(f"table to write; default: {FOLDER}/DETECTOR.parquet")
+    ] = None,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Let a grasp detector grasp objects in simulation, one at a time, as `egad.run_trials` does.
+
+    Other settings, such as the engine, depth noise and errors of a real cell, are in the section
+    `trials` of --config.
+    """
+    from egad.cli.terminal_tables import outcome_list, succeeded
+    from egad.config.stages import SimulatedTrials, select
+    from egad.detectors import keep_failure
+    from egad.io import check_ending
+    from egad.provenance.record import recorded
+    from egad.sim import check_engine
+    from egad.stats import simulated_in
+    from egad.tables import parquet
+    from egad.tables.evaluation import TRIALS
+    from egad.trials import try_objects
+
+    settings = settings_in(config)
+    for option, key, value in (
+        ("--attempts", "trials.attempts", attempts or (ATTEMPTS if config is None else None)),
+        ("--seed", "seed", seed),
+        ("--keep-going", "trials.keep_going", keep_going or None),
+        ("--rule", "rescale.rule", rule),
+    ):
+        settings = with_option(settings, option, key, value)
+    settings, gripper = gripper_in(settings, gripper)
+    check_engine(settings.trials.engine)
+    settings, name = detector_in(settings, detector, weights, command)
+    path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
+    if out is None:
+        FOLDER.mkdir(exist_ok=True)
+    check_ending(path, (".parquet",))
+    targets, files = objects_in(objects, units)
+    chosen = select(settings, SimulatedTrials, gripper, name)
+    arguments = {"objects": Path(objects).name, "rule": scaling}
+    with (
+        recorded("trials run", settings=chosen, inputs=files, arguments=arguments),
+        keep_failure(path),
+    ):
+        result = try_objects(chosen.detector, targets, chosen, scaling, jobs)
+        noted = note_of_run(chosen, scaling, gripper, objects, units)
+        parquet.write(result.table, TRIALS, path, noted)
+    succeeded({path.stem: result.success_rate()}, {path.stem: simulated_in(result.table)})
+    typer.echo(f"outcomes: {outcome_list(result.table)}")
+    typer.echo(f"attempts: {path}")
