@@ -4,12 +4,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import trimesh
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
 from egad._util.arrays import Flags, Floats, Singles
 from egad._util.kernels import kernel
+from egad.geometry.embree import embree_scene
 
 MISS = 1e30  # Embree gives 1e37 where a ray meets nothing
 GRAZING = 1e-4  # of the mesh's size: if the distances differ by more, Embree's is the better one
@@ -45,9 +44,7 @@ class TriangleScene:
             vertices: (n, 3).
             faces: (m, 3).
         """
-        self._scene = EmbreeScene(robust=True)
-        TriangleMesh(
-            self._scene,
+        self._scene = embree_scene(
             np.array(vertices, dtype=np.float32, order="C"),
             np.array(faces, dtype=np.int32, order="C"),
         )
