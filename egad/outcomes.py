@@ -63,6 +63,9 @@ EXECUTION = (
 SUCTION_FAILURES = (Outcome.NO_SEAL,)
 """Only for a suction cup."""
 
+JAW_FAILURES = (Outcome.MISSED, Outcome.SLIPPED_CLOSING)
+"""Only for jaws."""
+
 SHAKEN = (*EXECUTION[:4], Outcome.SLIPPED_SHAKING, *EXECUTION[4:])
 """A labelled grasp was closed in free space, shaken and lifted."""
 
@@ -94,6 +97,12 @@ OBSERVABLE = (
     Outcome.TIMEOUT,
 )
 """The outcomes that a person beside a robot can tell apart."""
+
+
+def observable(*, cup: bool) -> tuple[Outcome, ...]:
+    """Those of `OBSERVABLE` that jaws, or a suction cup, can have."""
+    others = JAW_FAILURES if cup else SUCTION_FAILURES
+    return tuple(each for each in OBSERVABLE if each not in others)
 
 
 def listed(outcomes: Iterable[Outcome]) -> str:

@@ -130,11 +130,7 @@ def failures(
 
 
 def _objects(text: str) -> tuple["Dataset", list[Path]]:
-    """The objects named on a command line, and the files that they come from.
-
-    Raises:
-        UserError: There are no such objects, or they come from meshes.
-    """
+    """The objects named on a command line, and the files that they come from."""
     from egad.objects import EVALUATION_SET, RELEASED, load
 
     try:

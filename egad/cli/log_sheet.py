@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad.cli.common import out_option
+from egad.cli.common import Config, gripper_in, gripper_option, out_option, settings_in
 from egad.errors import UserError, check_name
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ def log_sheet(
         ),
     ],
     detectors: Annotated[str, typer.Option(help="names of the detectors, separated by commas")],
+    gripper: Annotated[str, gripper_option()] = "egad_75mm",
     attempts: Annotated[
         int, typer.Option(min=1, help="attempts of each detector at each object")
     ] = ATTEMPTS,
@@ -46,14 +47,17 @@ def log_sheet(
         str | None,
         typer.Option(help="labels of the objects, separated by commas; default: all"),
     ] = None,
+    config: Config = None,
 ) -> None:
     """Write a page for a phone or a computer to log attempts with a real robot; works offline.
 
+    The gripper decides which outcomes it offers: those of jaws or of a suction cup.
     `egad trials report` and `compare` read the CSV file that the page exports.
     """
     from egad._util.files import atomic_output, write_text
     from egad._util.progress import progress
     from egad.io import check_ending
+    from egad.outcomes import observable
     from egad.report.log_sheet import LogObject, order_table, page, plan
     from egad.report.pictures import png_bytes, render
 
@@ -61,6 +65,8 @@ def log_sheet(
         check_ending(path, (".html", ".csv"))
         if path.suffix.lower() == ".csv" and path.exists():
             raise UserError(f"--out {path} exists and may already be filled in; give another file")
+    settings, hand = gripper_in(settings_in(config), gripper)
+    outcomes = observable(cup=settings.grippers[hand].cup is not None)
     found = evaluation_objects(dataset, None if objects is None else _words(objects))
     planned = plan(found, attempts, _words(detectors), seed, blind=blind, rounds=rounds)
     tried = [
@@ -69,7 +75,7 @@ def log_sheet(
     ]
     for path in out:
         if path.suffix.lower() == ".html":
-            write_text(path, page(planned, tried, str(dataset)))
+            write_text(path, page(planned, tried, str(dataset), outcomes))
         else:
             with atomic_output(path) as temporary:
                 order_table(planned, tried).to_csv(temporary, index=False)

@@ -89,7 +89,8 @@ def matched_set(
     if len(found) < pairs:
         typer.echo(f"fewer pairs than {pairs}: {found.unmatched} failures have no partner")
     typer.echo(f"the chosen objects, and how often each is held: {out / 'eval49/README.md'}")
-    log_sheet(out, name, out=[out / "log.html"], seed=settings.seed, rounds=True)
+    page = [out / "log.html"]
+    log_sheet(out, name, gripper, out=page, seed=settings.seed, rounds=True, config=config)
 
 
 def _of_atlas(
@@ -100,11 +101,7 @@ def _of_atlas(
     weights: Path | None,
     command: str | None,
 ) -> tuple["Settings", str, str]:
-    """The settings that the search of an atlas had, and the names of its hand and detector.
-
-    Raises:
-        UserError: The gripper is not that of the search.
-    """
+    """The settings that the search of an atlas had, and the names of its hand and detector."""
     settings, hand = gripper_in(settings, gripper)
     settings, name = detector_in(settings, detector, weights, command)
     searched = atlas.searched_with()

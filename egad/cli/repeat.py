@@ -41,15 +41,7 @@ def note_of_run(
     objects: str,
     units: str | None,
 ) -> dict[str, Any]:
-    """The note of a table from which its attempts can be repeated.
-
-    Args:
-        settings: Settings of the attempts.
-        rule: How objects were scaled.
-        gripper: Name of the gripper.
-        objects: The value of `--objects`.
-        units: The value of `--units`.
-    """
+    """The note of a table from which its attempts can be repeated; see `repeatable`."""
     values = settings.model_dump(mode="json", exclude={"detector", "gripper"})
     hand = settings.gripper.model_dump(mode="json")
     named = {"objects": objects, "units": units, "gripper": gripper, "hand": hand}
@@ -61,16 +53,7 @@ def repeatable(
 ) -> tuple[Settings, str, "Models"]:
     """Settings, name of the gripper and objects of the attempts in a table.
 
-    They are those noted in the table, unless one of the options is given.
-
-    Args:
-        table: A table of attempts, or of cleared tables.
-        dataset: The value of `--in`.
-        gripper: The value of `--gripper`.
-        config: The value of `--config`.
-
-    Raises:
-        UserError: They cannot be found.
+    They are those noted in the table, unless `--in`, `--gripper` or `--config` is given.
     """
     from egad.config.check import check
     from egad.config.files import defaults, merged

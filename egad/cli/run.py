@@ -45,7 +45,8 @@ def run(
         ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(min=0, help="seed of everything random; default: seed")
+        int | None,
+        typer.Option(min=0, help="seed of everything random; default: that of the configuration"),
     ] = None,
     keep_going: KeepGoing = False,
     rule: Rule = None,

@@ -233,11 +233,7 @@ def _evaluation_set(path: Path | None) -> "pd.DataFrame | None":
 def _of_set(
     found: "Mapping[str, pd.DataFrame]", chosen: "pd.DataFrame | None"
 ) -> "Mapping[str, pd.DataFrame]":
-    """The attempts at objects of the evaluation set; a warning names the others.
-
-    Raises:
-        UserError: A detector has tried none of its objects.
-    """
+    """The attempts at objects of the evaluation set; a warning names the others."""
     if chosen is None:
         return found
     kept = {name: table[table["label"].isin(chosen["label"])] for name, table in found.items()}

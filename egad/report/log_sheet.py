@@ -183,13 +183,19 @@ def order_table(planned: LogPlan, objects: Iterable[LogObject]) -> pd.DataFrame:
     return table.assign(success="", outcome="", note="")
 
 
-def page(planned: LogPlan, objects: Sequence[LogObject], title: str) -> str:
+def page(
+    planned: LogPlan,
+    objects: Sequence[LogObject],
+    title: str,
+    outcomes: Sequence[Outcome] = OBSERVABLE,
+) -> str:
     """The HTML page.
 
     Args:
         planned: The plan.
         objects: Objects of the plan.
         title: What the objects are, such as the name of the dataset.
+        outcomes: Those that the page offers.
     """
     labels = [item.label for item in objects]
     names = list(planned.shown)
@@ -209,7 +215,7 @@ def page(planned: LogPlan, objects: Sequence[LogObject], title: str) -> str:
         "sheet": hashlib.sha256(json.dumps(agreed).encode()).hexdigest()[:12],
         "attempts": planned.attempts,
         "columns": LOG_COLUMNS,
-        "outcomes": OBSERVABLE,
+        "outcomes": outcomes,
         "fields": list(FIELDS),
     }
     return render_template(
@@ -218,7 +224,7 @@ def page(planned: LogPlan, objects: Sequence[LogObject], title: str) -> str:
         pictures=[base64.b64encode(item.picture).decode() for item in objects],
         planned=planned,
         title=title,
-        outcomes=[_outcome(each) for each in OBSERVABLE],
+        outcomes=[_outcome(each) for each in outcomes],
         reasons=REASONS,
         fields=FIELDS,
         required=REQUIRED,
@@ -241,11 +247,7 @@ def _shuffled(names: Sequence[str], seed: int, *index: int | str) -> list[str]:
 
 
 def _check_detectors(names: Sequence[str]) -> None:
-    """Check that names of detectors can be used in the order and in a CSV file.
-
-    Raises:
-        UserError: A name cannot be used.
-    """
+    """Check that names of detectors can be used in the order and in a CSV file."""
     for name in names:
         if not name[:1].isalnum() or len(name) > MAX_NAME or not name.isprintable():
             raise UserError(

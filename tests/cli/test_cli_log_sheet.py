@@ -56,6 +56,10 @@ def test_the_released_objects_have_an_evaluation_set(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "2 attempts at 1 objects" in done.stdout
     assert '"label": "C4"' in out.read_text()
+    assert "suction cup" not in out.read_text()
+    one = ("--objects", "C4", "--attempts", 1, "--out", out, "--gripper", "cup_30mm")
+    assert log_sheet("evaluation-set", *one).returncode == 0
+    assert "the suction cup did not seal" in out.read_text()
 
 
 def test_twenty_attempts_are_usual(dataset, tmp_path):

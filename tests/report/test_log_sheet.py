@@ -8,7 +8,7 @@ from itertools import groupby
 import pytest
 
 from egad.errors import UserError
-from egad.outcomes import DETECTOR_FAILURES, EXECUTION, OBSERVABLE
+from egad.outcomes import DETECTOR_FAILURES, EXECUTION, OBSERVABLE, observable
 from egad.report.log_sheet import MEANINGS, LogObject, attempt_order, order_table, page, plan
 from egad.stats import LOG_COLUMNS
 
@@ -160,6 +160,17 @@ def test_names_do_not_break_the_page():
     assert data_of(text)["detectors"][0]["name"] == "a</script><b>&"
     assert "<b>&" not in text
     assert "<i>title" not in text
+
+
+def test_the_outcomes_are_those_of_the_gripper():
+    jaws, cup = (set(observable(cup=cup)) for cup in (False, True))
+    assert jaws ^ cup == {"no_seal", "missed", "slipped_closing"}
+    assert "no_seal" in cup
+    planned = plan(LABELS, 1, ["mine"], 0, blind=False)
+    text = page(planned, OBJECTS, "objects", observable(cup=False))
+    assert data_of(text)["outcomes"] == list(observable(cup=False))
+    assert 'data-outcome="missed"' in text
+    assert 'data-outcome="no_seal"' not in text
 
 
 def test_a_person_notes_what_a_person_sees():
