@@ -11,11 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
+from scipy.spatial import Delaunay, QhullError
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Flags, Floats
 from egad.errors import RejectedError, UserError
 from egad.geometry import RayCaster, decompose, is_solid, joined, to_mesh, to_solid
-from egad.grippers.jaw_faces import Facing, find_facing, solids_of
+from egad.grippers.jaw_faces import FACING, Facing, find_facing, solids_of
 from egad.grippers.links import joint_at
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink
@@ -23,14 +24,16 @@ from egad.grippers.stroke import LEVELS, MAX_OPENING, MIN_OPENING
 from egad.grippers.tree import body_name
 
 GRID = 5e-4  # metres, between points of a jaw's face
-BREADTH = (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)  # metres from the middle of a jaw's breadth
+BREADTH = np.arange(-4, 5) / 9  # of the breadth of the pads, from their middle
 DEPTH_STEP = 0.01  # metres, between places along a jaw
 MARGIN = 5  # grid points around those that were found on it
+LINE, LINES = 401, 11  # points on a line over the pads, and how many lines
+AHEAD = 2e-3  # metres between the foremost known point of the fixed jaw's face and that grid
 SKIN = 1e-5  # metres in front of a face, where rays start; thinner slices are left where they are
 PAD_DEPTH = 1e-3  # metres that a pad may lie behind the foremost point of its jaw
+CLOSED = 2e-3  # metres that a pad may be further from the other jaw than its foremost point
+FLAT = 1e-4  # metres by which the points of a flat face may differ
 FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
-# Offsets from the middle of a pad, which comes first, along its breadth and its length, metres
-PATCH = [(0.0, 0.0), *((y, z) for y in (-1e-3, 0.0, 1e-3) for z in (-1e-3, -5e-4, 5e-4, 1e-3))]
 STEEPEST = np.cos(np.radians(75.0))  # how far the face of a jaw may turn away from the other one
 CONVEX = 0.02  # of a hull: with less excess a shape counts as convex
 # How much convex parts may add: depth in hollows, metres, and fraction of the volume
@@ -57,6 +60,22 @@ class JawFrame(NamedTuple):
         return np.stack(self, axis=1)
 
 
+class JawPads(NamedTuple):
+    """The pads of both jaws.
+
+    Attributes:
+        middle: (3,) middle of the fixed pad, in the frame of the palm, metres.
+        extent: Breadth and length of both, metres.
+        bridge: (3,) middle of the moving pad, along its `axes`, metres.
+        axes: (3, 3) closing, across and approach in the frame of the moving link, in rows.
+    """
+
+    middle: Floats
+    extent: Floats
+    bridge: Floats
+    axes: Floats
+
+
 class JawStroke(NamedTuple):
     """The way of a jaw from closed to open.
 
@@ -64,15 +83,13 @@ class JawStroke(NamedTuple):
         positions: (k, q) positions of all joints.
         openings: (k,) gap of the inner faces at the pads, ascending, metres.
         angles: (k,) angles between them, radians; positive if they are farther apart at the tips.
-        fixed_pad: (3,) middle of the fixed pad, in the frame of the palm, metres.
-        extent: Breadth and length of the pads, metres.
+        pads: Where they are measured.
     """
 
     positions: Floats
     openings: Floats
     angles: Floats
-    fixed_pad: Floats
-    extent: Floats
+    pads: JawPads
 
 
 class JawSolids:
@@ -81,7 +98,7 @@ class JawSolids:
     Attributes:
         mechanism: The joints.
         body: Number of the link that moves.
-        moving: Its surface, in its frame.
+        moving_solids: Its solids, in its frame.
         solids: The solids that do not move, in the frame of the palm.
         middle: The middle of their volume.
         facing: How they face each other.
@@ -101,7 +118,6 @@ class JawSolids:
         model = mechanism.model
         self.mechanism, self.body = mechanism, body
         self.moving_solids = solids_of(model, body)
-        self.moving = joined(self.moving_solids)
         turns, places = mechanism.placement(mechanism.middle())
         self.solids = [
             _placed(solid, turns[each], places[each])
@@ -118,8 +134,8 @@ class JawSolids:
             [solid.center_mass for solid in self.solids], axis=0, weights=volumes
         )
         self._fixed = RayCaster(joined(self.solids))
-        self._moving = RayCaster(self.moving)
-        self.facing: Facing = find_facing(mechanism, body, self.moving, self._fixed)
+        self._moving = RayCaster(joined(self.moving_solids))
+        self.facing: Facing = find_facing(mechanism, body, self._moving, self._fixed)
 
     def positions(self, joint: float) -> Floats:
         """Positions of all joints at a position of the driven joint."""
@@ -140,39 +156,61 @@ class JawSolids:
             frame: The directions of the hand.
 
         Returns:
-            (n,) metres; NaN where a ray meets nothing, or another side of the jaw.
+            (n,) metres; infinite where a ray meets nothing, or another side of the jaw, and
+            negative infinity within the jaw.
         """
         turns, places = self.mechanism.placement(self.positions(joint))
         turn, place = turns[self.body], places[self.body]
         ahead = np.tile(frame.closing @ turn, (len(starts), 1))
-        hits = self._moving.first_hits((starts - place) @ turn, ahead)
-        looks = -np.einsum("nk,nk->n", hits.normals, ahead)
-        return np.where(hits.entering & (looks > STEEPEST), hits.distances, np.nan)
+        behind = starts - SKIN * frame.closing  # so that a ray meets a face that it starts on
+        return _distances(self._moving, (behind - place) @ turn, ahead) - SKIN
 
-    def gap(self, pad: Floats, joint: float, frame: JawFrame) -> float:
+    def gap(self, pads: JawPads, joint: float, frame: JawFrame) -> float:
         """Gap of the inner faces at the pads, metres; NaN where the moving jaw is not there.
 
-        If a groove hides the face at the pad, the median gap around it counts, if most points there
-        have one.
+        It is that of what protrudes most across their breadth. Holes and grooves in the moving
+        pad are bridged.
         """
-        offsets = np.array(PATCH) @ np.stack([frame.across, frame.approach])
-        gaps = self.gaps(pad + offsets, joint, frame)
-        if np.isfinite(gaps[0]) or np.isnan(gaps).sum() > len(gaps) / 2:
-            return float(gaps[0])
-        return float(np.nanmedian(gaps))
+        starts = pads.middle + pads.extent[0] * BREADTH[:, None] * frame.across
+        gap = foremost(self.gaps(starts, joint, frame))
+        turns, places = self.mechanism.placement(self.positions(joint))
+        ahead = pads.axes @ turns[self.body].T @ frame.closing
+        start = pads.axes @ ((pads.middle - places[self.body]) @ turns[self.body]) - pads.bridge
+        if ahead[0] > STEEPEST and gap > -np.inf:
+            distance = -start[0] / ahead[0]
+            if abs(start[2] + distance * ahead[2]) <= pads.extent[1] / 2:
+                gap = min(gap, distance)
+        return gap if np.isfinite(gap) else np.nan
 
     def fixed_face(self, points: Floats, frame: JawFrame) -> Floats:
         """Distances of points from the fixed jaw, back along the closing axis.
 
         Returns:
-            (n,) metres; NaN where there is no face, and negative infinity within the link.
+            (n,) metres; infinite where there is no face, and negative infinity within the link.
         """
         back = np.tile(-frame.closing, (len(points), 1))
-        hits = self._fixed.first_hits(points, back)
-        inside = np.isfinite(hits.distances) & ~hits.entering
-        looks = -np.einsum("nk,nk->n", hits.normals, back)
-        found = np.where(hits.entering & (looks > STEEPEST), hits.distances, np.nan)
-        return np.where(inside, -np.inf, found)
+        return _distances(self._fixed, points, back)
+
+
+def foremost(depths: Floats) -> float:
+    """The depth of what protrudes most; if most of what does so lies in a plane, that of the plane.
+
+    So a few bumps on a flat face do not count, but the edges of a groove do.
+    """
+    least = depths.min()
+    if not np.isfinite(least):
+        return float(least)
+    near = depths[depths <= least + PAD_DEPTH]
+    middle = float(np.median(near))
+    return middle if (np.abs(near - middle) < FLAT).mean() > 0.5 else float(near.min())
+
+
+def _distances(caster: RayCaster, starts: Floats, ahead: Floats) -> Floats:
+    """Distances to faces that look back; infinite without one, negative infinity within a solid."""
+    hits = caster.first_hits(starts, ahead)
+    looks = -np.einsum("nk,nk->n", hits.normals, ahead)
+    found = np.where(looks > STEEPEST, hits.distances, np.inf)
+    return np.where(np.isfinite(hits.distances) & ~hits.entering, -np.inf, found)
 
 
 def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None) -> JawStroke:
@@ -191,10 +229,11 @@ def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None)
     joints = np.linspace(closed, wide, FINE)
     angles = np.array([jaws.angle(joint, frame) for joint in joints])
     parallel = int(np.abs(angles).argmin())
-    pad, extent = _find_pad(jaws, frame, float(joints[parallel]))
+    way = np.argsort(angles)
+    pads = _find_pads(jaws, frame, joints, float(np.interp(0.0, angles[way], joints[way])))
     if tcp is not None:
-        pad = _on_fixed_face(jaws, frame, tcp, pad)
-    gaps = np.array([jaws.gap(pad, float(joint), frame) for joint in joints])
+        pads = pads._replace(middle=_on_fixed_face(jaws, frame, tcp, pads.middle))
+    gaps = np.array([jaws.gap(pads, float(joint), frame) for joint in joints])
     first, last = _useful(gaps, parallel)
     names = f"{body_name(jaws.mechanism.model, jaws.body)} and the fixed jaw"
     if last - first < 1 or gaps[last] < MIN_OPENING:
@@ -204,13 +243,12 @@ def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None)
             f"its links {names} open {gaps[last]:.3g} m; limits of sliding joints are in metres"
         )
     levels = np.linspace(joints[first], joints[last], LEVELS)
-    openings = np.array([jaws.gap(pad, float(joint), frame) for joint in levels])
+    openings = np.array([jaws.gap(pads, float(joint), frame) for joint in levels])
     return JawStroke(
         np.array([jaws.positions(float(joint)) for joint in levels]),
         np.maximum.accumulate(openings),
         np.array([jaws.angle(float(joint), frame) for joint in levels]),
-        pad,
-        extent,
+        pads,
     )
 
 
@@ -228,25 +266,106 @@ def _useful(gaps: Floats, start: int) -> tuple[int, int]:
     return first, last
 
 
-def _find_pad(jaws: JawSolids, frame: JawFrame, joint: float) -> tuple[Floats, Floats]:
-    """Middle of the fixed pad, and breadth and length of both, with the jaws nearly parallel."""
-    points = _grid(jaws, frame)
-    behind = jaws.fixed_face(points, frame)
-    here = np.flatnonzero(np.isfinite(behind))
-    faces = points[here] - behind[here, None] * frame.closing
-    gaps = jaws.gaps(faces, joint, frame)
-    meet = np.isfinite(gaps)
-    if not meet.any():
+def _find_pads(jaws: JawSolids, frame: JawFrame, joints: Floats, parallel: float) -> JawPads:
+    """Where the jaws meet first when they close, and what protrudes as far, once parallel.
+
+    Args:
+        jaws: The jaws.
+        frame: The directions of the hand.
+        joints: Positions of the joint, from closed to open.
+        parallel: That at which their faces are parallel, or nearly so.
+    """
+    points, gaps = _opposite(jaws, frame, parallel, _grid(jaws, frame))
+    if not len(points):
         raise UserError("its jaws never face each other where their faces are parallel")
-    faces, gaps = faces[meet], gaps[meet]
-    heights = faces @ frame.closing
-    fixed = heights > heights.max() - PAD_DEPTH
+    cells = points + GRID / 2 * frame.approach  # their ends that are nearest to the tips
+    moved = _squeezes(jaws, frame, parallel, cells + gaps[:, None] * frame.closing)
+    if moved.any():
+        points, gaps = points[moved], gaps[moved]
+    apart = _gaps_before_contact(jaws, frame, joints, points)
+    first = int(apart.argmin())
+    heights = points @ frame.closing
     ends = heights + gaps
-    both = fixed & (ends < ends[fixed].min() + PAD_DEPTH)
-    chosen = faces[both] @ frame.matrix
-    middle = chosen.mean(axis=0)
-    middle[0] = chosen[np.abs(chosen[:, 1:] - middle[1:]).sum(axis=1).argmin(), 0]
-    return frame.matrix @ middle, np.ptp(chosen[:, 1:], axis=0) + GRID
+    beside = np.abs((points - points[first]) @ frame.approach) < GRID
+    level, end = heights[beside].max(), ends[beside].min()
+    both = (np.abs(heights - level) < PAD_DEPTH) & (np.abs(ends - end) < PAD_DEPTH)
+    both &= (apart <= apart[first] + CLOSED) | np.isinf(apart)
+    both[first] = True
+    chosen = points[both] @ frame.matrix
+    middle, extent = _middle(chosen[:, 1:]), np.ptp(chosen[:, 1:], axis=0) + GRID
+    lines = _lines(chosen[:, 0].max() + AHEAD, middle, extent) @ frame.matrix.T
+    points, gaps = _opposite(jaws, frame, parallel, lines)
+    heights = points @ frame.closing
+    placement = jaws.mechanism.placement(jaws.positions(parallel))
+    turn, place = placement.turns[jaws.body], placement.places[jaws.body]
+    bridge = np.array([foremost(heights + gaps), *middle]) - place @ frame.matrix
+    pad = frame.matrix @ np.array([-foremost(-heights), *middle])
+    return JawPads(pad, extent, bridge, frame.matrix.T @ turn)
+
+
+def _opposite(
+    jaws: JawSolids, frame: JawFrame, joint: float, points: Floats
+) -> tuple[Floats, Floats]:
+    """The points of the fixed jaw's face behind others that have a moving face before them.
+
+    Returns:
+        (k, 3) in the frame of the palm, and (k,) gaps there, metres.
+    """
+    behind = jaws.fixed_face(points, frame)
+    here = np.isfinite(behind)
+    points = points[here] - behind[here, None] * frame.closing
+    gaps = jaws.gaps(points, joint, frame)
+    return points[np.isfinite(gaps)], gaps[np.isfinite(gaps)]
+
+
+def _lines(height: float, middle: Floats, extent: Floats) -> Floats:
+    """Points on lines along and across the pads, (n, 3): close enough to meet their sharp edges."""
+    close, few = np.linspace(-0.5, 0.5, LINE), np.linspace(-0.4, 0.4, LINES)
+    y, z = (
+        np.concatenate([a.ravel(), b.ravel()])
+        for a, b in zip(np.meshgrid(close, few), np.meshgrid(few, close), strict=True)
+    )
+    return np.stack(
+        [np.full_like(y, height), middle[0] + y * extent[0], middle[1] + z * extent[1]], axis=1
+    )
+
+
+def _squeezes(jaws: JawSolids, frame: JawFrame, joint: float, points: Floats) -> Flags:
+    """Which points of the moving jaw move mostly along the closing axis."""
+    velocities, _ = jaws.mechanism.velocities(jaws.positions(joint), jaws.body, points)
+    speeds = np.abs(velocities @ frame.closing)
+    return np.asarray(speeds > FACING * np.linalg.norm(velocities, axis=1))
+
+
+def _gaps_before_contact(
+    jaws: JawSolids, frame: JawFrame, joints: Floats, points: Floats
+) -> Floats:
+    """Distances from points of the fixed jaw's face to the other jaw, just before it touches any.
+
+    Args:
+        jaws: The jaws.
+        frame: The directions of the hand.
+        joints: Positions of the joint, from closed to open.
+        points: (n, 3) on the fixed jaw's face, in the frame of the palm, metres.
+    """
+    nearest = np.full(len(points), np.inf)
+    for joint in joints[::-8]:
+        gaps = jaws.gaps(points, float(joint), frame)
+        if np.isneginf(gaps).any():
+            break
+        if np.isfinite(gaps).any():
+            nearest = gaps
+    return nearest
+
+
+def _middle(outline: Floats) -> Floats:
+    """Middle of the area that points on a grid span, (2,): holes in it do not shift it."""
+    try:
+        triangles = outline[Delaunay(outline).simplices]
+    except QhullError:  # they are on a line
+        return np.asarray(outline.mean(axis=0))
+    areas = np.abs(np.linalg.det(triangles[:, 1:] - triangles[:, :1]))
+    return np.asarray(np.average(triangles.mean(axis=1), axis=0, weights=areas))
 
 
 def _on_fixed_face(jaws: JawSolids, frame: JawFrame, tcp: Floats, pad: Floats) -> Floats:
@@ -268,7 +387,7 @@ def _grid(jaws: JawSolids, frame: JawFrame) -> Floats:
         for axis in (1, 2)
     )
     y, z = np.meshgrid(across, along, indexing="ij")
-    points = np.stack([np.full_like(y, high[0] + SKIN), y, z], axis=2)
+    points = np.stack([np.full_like(y, high[0] + AHEAD), y, z], axis=2)
     return np.asarray(points.reshape(-1, 3) @ frame.matrix.T)
 
 
@@ -287,18 +406,18 @@ def gaps_along(
         (d,) depths beyond the pads and (k, d) gaps between what protrudes most near the middle of
         their breadth, metres; NaN where one of the faces is missing.
     """
-    length = float(stroke.fixed_pad @ frame.approach) - root
+    length = float(stroke.pads.middle @ frame.approach) - root
     depths = -DEPTH_STEP * np.arange(max(int(length / DEPTH_STEP), 0) + 1)
-    middles = stroke.fixed_pad + SKIN * frame.closing + depths[:, None] * frame.approach
-    points = middles + np.array(BREADTH)[:, None, None] * frame.across
+    middles = stroke.pads.middle + SKIN * frame.closing + depths[:, None] * frame.approach
+    points = middles + stroke.pads.extent[0] * BREADTH[:, None, None] * frame.across
     shape = points.shape[:2]
     behind = jaws.fixed_face(points.reshape(-1, 3), frame).reshape(shape)
-    foremost = np.nanmin(np.where(np.isfinite(behind), behind, np.inf), axis=0)
+    foremost = np.where(np.isfinite(behind), behind, np.inf).min(axis=0)
     known = np.isfinite(foremost)
     faces = (points - np.where(known, foremost, 0.0)[:, None] * frame.closing).reshape(-1, 3)
     joint = jaws.mechanism.model.jnt_qposadr[jaws.mechanism.driven[0]]
     gaps = np.array([jaws.gaps(faces, float(each[joint]), frame) for each in stroke.positions])
-    nearest = np.where(np.isnan(gaps), np.inf, gaps).reshape(-1, *shape).min(axis=1)
+    nearest = gaps.reshape(-1, *shape).min(axis=1)
     return np.asarray(depths), np.where(known & np.isfinite(nearest), nearest, np.nan)
 
 
@@ -309,16 +428,16 @@ def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
     """
     surfaces = np.concatenate([np.asarray(solid.vertices) for solid in jaws.solids])
     lowest = float((surfaces @ frame.approach).min())
-    start = float(stroke.fixed_pad @ frame.approach)
+    start = float(stroke.pads.middle @ frame.approach)
     depths = np.arange(0.0, start - lowest, GRID)
-    line = stroke.fixed_pad + PAD_DEPTH * frame.closing - depths[:, None] * frame.approach
+    line = stroke.pads.middle + PAD_DEPTH * frame.closing - depths[:, None] * frame.approach
     inside = np.isneginf(jaws.fixed_face(line, frame))
     if not inside.any():
         return lowest
     ahead, behind = (float(depths[inside.argmax() - before]) for before in (1, 0))
     while behind - ahead > SKIN / 10:
         middle = (ahead + behind) / 2
-        point = stroke.fixed_pad + PAD_DEPTH * frame.closing - middle * frame.approach
+        point = stroke.pads.middle + PAD_DEPTH * frame.closing - middle * frame.approach
         if np.isneginf(jaws.fixed_face(point[None], frame)[0]):
             behind = middle
         else:
@@ -389,7 +508,7 @@ def lever_of(jaws: JawSolids, stroke: JawStroke, frame: JawFrame) -> float:
 
     The pads stay at one depth, so it is the same at all openings.
     """
-    contact = stroke.fixed_pad + stroke.openings[-1] * frame.closing
+    contact = stroke.pads.middle + stroke.openings[-1] * frame.closing
     velocities, _ = jaws.mechanism.velocities(stroke.positions[-1], jaws.body, contact[None])
     return float(abs(velocities[0] @ frame.closing))
 

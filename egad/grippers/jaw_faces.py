@@ -19,11 +19,16 @@ from egad.grippers.tree import body_name
 POSITIONS = 17  # of the joint, at which faces are compared
 SKIN = 1e-6  # metres in front of a face, where rays start
 SPACING = 0.002  # metres between the points on a jaw that look out
+SAMPLES = 8000  # of these points at most, each for the same area
 FACING = np.cos(np.radians(30.0))  # how far two faces may turn away from each other
+ONWARDS = np.cos(np.radians(50.0))  # how far a face may turn away from the way it moves
+TILT = np.cos(np.radians(60.0))  # how far faces may tilt along the hinge
 ALIKE = np.cos(np.radians(5.0))  # faces that turn less belong to one face, apart from steps
+NEAR = 1e-3  # metres: the nearer two faces come to each other, the more they count
 DISTAL = 0.4  # of the longest lever: whatever is nearer to the hinge is its bearing
 ROUNDING = 0.04  # of directions that are compared
 MIN_AREA = 2e-6  # square metres that face each other
+SLIDE = mujoco.mjtJoint.mjJNT_SLIDE
 
 
 class Facing(NamedTuple):
@@ -56,10 +61,12 @@ def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
     return solids
 
 
-def find_facing(
-    mechanism: Mechanism, body: int, moving: trimesh.Trimesh, fixed: RayCaster
-) -> Facing:
+def find_facing(mechanism: Mechanism, body: int, moving: RayCaster, fixed: RayCaster) -> Facing:
     """The faces with which a jaw that moves closes against one that does not.
+
+    Faces that the jaw itself hides from the other one, such as those of its ribs and cavities, do
+    not count. A face is taken as if it did not tilt along a hinge, or from the way that a jaw
+    slides: so the sides of a groove have the direction of its edges.
 
     Args:
         mechanism: The joints, of which one is driven.
@@ -70,33 +77,28 @@ def find_facing(
     Raises:
         UserError: They never face each other.
     """
-    samples = spread(moving, SPACING)
-    counts = np.bincount(samples.faces, minlength=len(moving.faces))
-    areas = (np.asarray(moving.area_faces) / np.maximum(counts, 1))[samples.faces]
+    samples = spread(moving.mesh, SPACING)
+    counts = np.bincount(samples.faces, minlength=len(moving.areas))
+    sums = np.cumsum((moving.areas / np.maximum(counts, 1))[samples.faces])
+    n = min(SAMPLES, len(sums))
+    rows = np.minimum(np.searchsorted(sums, sums[-1] * (np.arange(n) + 0.5) / n), len(sums) - 1)
+    area, points = float(sums[-1]) / n, (samples.points[rows], samples.normals[rows])
     low, high = mechanism.ranges()[0]
     looks = [
-        _looks(mechanism, body, float(position), samples.points, samples.normals, fixed)
+        _looks(mechanism, body, position, *points, moving, fixed)
         for position in np.linspace(low, high, POSITIONS)
     ]
-    sums = [
-        sum(float(areas[look.seen & (look.ways == way)].sum()) for look in looks) for way in (-1, 1)
-    ]
-    closing = float(np.sign(sums[1] - sums[0]))
-    if max(sums) < MIN_AREA or closing == 0:
+    ways, faces, met, own, gaps = map(np.concatenate, zip(*looks, strict=True))
+    closing = float(np.sign(ways.sum()))
+    if area * (ways == closing).sum() < MIN_AREA or closing == 0:
         raise UserError(
             f"its jaws never face each other: no face of the moving link "
             f"{body_name(mechanism.model, body)} closes against a fixed one"
         )
-    chosen = [look.seen & (look.ways == closing) for look in looks]
-    weights = np.concatenate([areas[rows] for rows in chosen])
-    faces, points = (
-        np.concatenate([each[rows] for each, rows in zip(column, chosen, strict=True)])
-        for column in ([look.faces for look in looks], [look.points for look in looks])
-    )
-    own = np.concatenate([samples.normals[rows] for rows in chosen])
-    axis, alike = _prevailing(faces, weights)
-    normal, _ = _prevailing(own[alike], weights[alike])
-    return Facing(axis, normal, closing, points[alike])
+    faces, met, own, gaps = (each[ways == closing] for each in (faces, met, own, gaps))
+    axis, alike = _prevailing(faces, 1 / (gaps + NEAR))
+    normal, _ = _prevailing(own[alike], 1 / (gaps[alike] + NEAR))
+    return Facing(axis, normal, closing, met[alike])
 
 
 def _hull(points: Floats) -> trimesh.Trimesh:
@@ -105,12 +107,13 @@ def _hull(points: Floats) -> trimesh.Trimesh:
 
 
 class _Looks(NamedTuple):
-    """What points of a moving jaw see along their normals, (n,) each, and (n, 3)."""
+    """What k points of a moving jaw see: which way the joint moves them there, and how far away."""
 
-    seen: Flags
     ways: Floats
     faces: Floats
     points: Floats
+    own: Floats
+    gaps: Floats
 
 
 def _looks(
@@ -119,31 +122,50 @@ def _looks(
     position: float,
     points: Floats,
     normals: Floats,
+    moving: RayCaster,
     fixed: RayCaster,
 ) -> _Looks:
-    """Which points look at a face that looks back, and which way the joint moves them there."""
+    """What the points see that look at a face that looks back, with nothing in between."""
     positions = mechanism.follow(np.array([position]), mechanism.model.qpos0)
-    turns, places = mechanism.placement(positions)
-    there, ahead = points @ turns[body].T + places[body], normals @ turns[body].T
+    placement = mechanism.placement(positions)
+    turn, place = placement.turns[body], placement.places[body]
+    joint = int(mechanism.model.body_jntadr[body])
+    axis, slides = mechanism.axis(joint, positions), mechanism.model.jnt_type[joint] == SLIDE
+    there, ahead = points @ turn.T + place, _upright(normals @ turn.T, axis, slides)
     velocities, levers = mechanism.velocities(positions, body, there)
     speeds = np.einsum("nk,nk->n", velocities, ahead)
-    seen = np.abs(speeds) > FACING * np.linalg.norm(velocities, axis=1)
-    seen &= levers >= DISTAL * levers.max()
-    rows = np.flatnonzero(seen)
-    hits = fixed.first_hits(there[rows] + SKIN * ahead[rows], np.ascontiguousarray(ahead[rows]))
-    looks = np.einsum("nk,nk->n", hits.normals, ahead[rows])
-    seen[rows] = hits.entering & (looks < -FACING)
-    faces, met = np.zeros_like(points), there.copy()
-    faces[rows] = hits.normals
-    met[rows] += np.where(hits.entering, hits.distances, 0.0)[:, None] * ahead[rows]
-    return _Looks(seen, np.sign(speeds), faces, met)
+    rows = np.flatnonzero(
+        (np.abs(speeds) > ONWARDS * np.linalg.norm(velocities, axis=1))
+        & (np.einsum("nk,nk->n", normals @ turn.T, ahead) > TILT)
+        & (levers >= DISTAL * levers.max())
+    )
+    there, ahead = there[rows], np.ascontiguousarray(ahead[rows])
+    starts = there + SKIN * normals[rows] @ turn.T
+    hits = fixed.first_hits(starts, ahead)
+    faces = _upright(hits.normals, axis, slides)
+    seen = hits.entering & (np.einsum("nk,nk->n", faces, ahead) < -FACING)
+    seen &= np.einsum("nk,nk->n", faces, hits.normals) > TILT
+    own = moving.first_hits((starts[seen] - place) @ turn, ahead[seen] @ turn)
+    inside = np.isfinite(own.distances) & ~own.entering
+    seen[seen] = ~inside & (own.distances > hits.distances[seen])
+    met = there[seen] + hits.distances[seen, None] * ahead[seen]
+    return _Looks(
+        np.sign(speeds[rows[seen]]), faces[seen], met, ahead[seen] @ turn, hits.distances[seen]
+    )
+
+
+def _upright(normals: Floats, axis: Floats, slides: bool) -> Floats:
+    """Unit vectors without their part along a hinge, or only with that along a sliding joint."""
+    along = (normals @ axis)[:, None] * axis
+    across = along if slides else normals - along
+    return np.asarray(across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), SKIN))
 
 
 def _prevailing(normals: Floats, weights: Floats) -> tuple[Floats, Flags]:
-    """The most common direction of some unit vectors, and which of them have it."""
+    """The direction that most of some unit vectors have, and which."""
     candidates = np.unique(np.round(normals / ROUNDING), axis=0)
     candidates /= np.linalg.norm(candidates, axis=1, keepdims=True)
-    votes = [float(weights[normals @ each > ALIKE].sum()) for each in candidates]
-    alike = normals @ candidates[int(np.argmax(votes))] > ALIKE
+    near = (normals @ candidates.T > ALIKE).T
+    alike = near[int(np.argmax(near @ weights))]
     mean = np.average(normals[alike], axis=0, weights=weights[alike])
     return snapped(mean / np.linalg.norm(mean)), alike

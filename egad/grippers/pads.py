@@ -7,6 +7,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
+from trimesh.intersections import slice_faces_plane
 
 from egad._util.arrays import Floats
 from egad.errors import UserError
@@ -66,31 +67,51 @@ def find_pads(
         raise UserError(f"no face of the links {names[0]} is opposite one of the links {names[1]}")
     pads = min(facing, key=lambda pair: _gap(pair[0][1], pair[1][1], sides.axis))
     centers, corners = [], []
-    for body, faces in pads:
-        first, second = faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]
-        areas = np.linalg.norm(np.cross(first, second), axis=1)
-        center = np.average(faces.mean(axis=1), axis=0, weights=areas)
+    for (body, faces), ahead in zip(pads, (sides.axis, -sides.axis), strict=True):
         turn, place = placement.turns[body], placement.places[body]
-        centers.append((center - place) @ turn)
+        centers.append((_foremost_middle(faces, ahead) - place) @ turn)
         corners.append((faces.reshape(-1, 3) - place) @ turn)
     return Pads((pads[0][0], pads[1][0]), np.array(centers), (corners[0], corners[1]))
 
 
 def _front(model: mujoco.MjModel, placement: Placement, body: int, ahead: Floats) -> Floats:
-    """The foremost faces of a link that face ahead, (n, 3, 3)."""
-    found = [np.empty((0, 3, 3))]
-    for shape in shapes_of(model, body):
-        points = shape @ placement.turns[body].T + placement.places[body]
-        try:
-            hull = ConvexHull(points)
-        except QhullError:  # it is flat
-            continue
-        found.append(points[hull.simplices[hull.equations[:, :3] @ ahead > FACING]])
-    faces = np.concatenate(found)
+    """What of the convex hull of a link protrudes most ahead, as triangles (n, 3, 3).
+
+    The hull bridges what lies between its foremost points, such as a groove or a window.
+    """
+    shapes = shapes_of(model, body)
+    if not shapes:
+        return np.empty((0, 3, 3))
+    points = np.concatenate(shapes) @ placement.turns[body].T + placement.places[body]
+    try:
+        hull = ConvexHull(points)
+    except QhullError:  # it is flat
+        return np.empty((0, 3, 3))
+    looks, heights = hull.equations[:, :3] @ ahead, points @ ahead
+    faces = points[hull.simplices[looks > FACING]]
     ends = np.sort(faces @ ahead, axis=1)
     foremost = ends[:, 0].max(initial=-np.inf)
     near = (ends[:, 2] > foremost - PAD_DEPTH) & (ends[:, 0] > foremost - PAD_TILT)
-    return np.asarray(faces[near])
+    if ends[near].max(initial=-np.inf) > heights.max() - PAD_DEPTH:
+        return np.asarray(faces[near])
+    return _clipped(points[hull.simplices[looks > 0]], ahead, heights.max() - PAD_DEPTH)
+
+
+def _foremost_middle(faces: Floats, ahead: Floats) -> Floats:
+    """The middle of triangles, where what protrudes most along their mean normal is."""
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    normals *= np.sign(normals @ ahead)[:, None]
+    areas = np.linalg.norm(normals, axis=1)
+    middle = np.average(faces.mean(axis=1), axis=0, weights=areas)
+    mean = normals.sum(axis=0) / np.linalg.norm(normals.sum(axis=0))
+    return np.asarray(middle + (faces @ mean - middle @ mean).max() * mean)
+
+
+def _clipped(faces: Floats, ahead: Floats, height: float) -> Floats:
+    """The parts of triangles that lie ahead of a plane, as triangles (n, 3, 3)."""
+    numbers = np.arange(3 * len(faces)).reshape(-1, 3)
+    points, kept, _ = slice_faces_plane(faces.reshape(-1, 3), numbers, ahead, height * ahead)
+    return np.asarray(points[kept])
 
 
 def _gap(first: Floats, second: Floats, axis: Floats) -> float:

@@ -187,14 +187,14 @@ def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperM
     )
     half = stroke.openings / 2
     pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = frame.matrix, stroke.fixed_pad + half[0] * closing
+    pose[:3, :3], pose[:3, 3] = frame.matrix, stroke.pads.middle + half[0] * closing
     root = jaw_root(jaws, frame, stroke)
     links = jaw_links(jaws, frame, root, static)
     depths, gaps = gaps_along(jaws, frame, stroke, root)
     poses = [mechanism.placement(each) for each in stroke.positions]
     turns = np.array([[np.eye(3), np.eye(3), each.turns[body]] for each in poses])
     places = np.array([[np.zeros(3), np.zeros(3), each.places[body]] for each in poses])
-    corner = np.array([half[0], *(stroke.extent / 2)])
+    corner = np.array([half[0], *(stroke.pads.extent / 2)])
     return GripperModel(
         links=links,
         openings=stroke.openings,
