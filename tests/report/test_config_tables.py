@@ -1,6 +1,6 @@
 from egad.config import Settings
 from egad.sim import TrialProtocol
-from egad.workflow.config_tables import entry_tables, parameter_tables
+from egad.workflow.config_tables import changed_parameters, entry_tables, parameter_tables
 
 
 def test_only_changed_values_show_their_default():
@@ -13,6 +13,23 @@ def test_only_changed_values_show_their_default():
     assert shown["trials", "attempts"].value == "3"
     assert shown["trials", "attempts"].default == str(TrialProtocol().attempts)
     assert [item.name for item in shown.values() if item.default] == ["attempts"]
+
+
+def test_changed_keys_and_entries_are_named_in_full():
+    settings = Settings.model_validate(
+        {
+            "seed": 3,
+            "select_eval": {"gripper": "yumi"},
+            "datasets": {"parts": {"source": "meshes", "folder": "parts", "units": "mm"}},
+        }
+    )
+    shown = {item.name: (item.value, item.default) for item in changed_parameters(settings)}
+    assert shown == {
+        "seed": ("3", "0"),
+        "select_eval.gripper": ("yumi", "nothing"),
+        "datasets.parts": ("source: meshes, folder: parts, units: mm", ""),
+    }
+    assert changed_parameters(Settings()) == []
 
 
 def test_values_keep_all_their_digits():

@@ -195,7 +195,7 @@ def test_every_setting_is_listed_with_its_meaning(page, report):
 
 def test_settings_are_folded_except_those_that_were_changed(html):
     section = html[html.index('id="parameters"') :]
-    before, _, folded = section.partition("<details>")
+    before, _, folded = section.partition('<details class="settings">')
     assert "<code>seed</code>" in before
     assert "<code>datasets.mine</code>" in before
     assert "source: primitives, objects: 12" in before

@@ -5,18 +5,21 @@ from chromium import CHROMIUM, IN_CHROMIUM
 
 from egad.config import Settings
 from egad.report.page import report_page, section_of
-from egad.workflow.config_tables import entry_tables, parameter_tables
+from egad.workflow.config_tables import changed_parameters, entry_tables, parameter_tables
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = IN_CHROMIUM
+PARTS = {"source": "meshes", "folder": "parts/" + "long" * 20, "units": "mm"}
 
 
 @pytest.fixture(scope="module")
 def settings_page(tmp_path_factory):
     """The section with the widest tables."""
+    changed = Settings(trials={"attempts": 3}, datasets={"own": PARTS})
     section = section_of(
         "parameters.html.j2",
         "Parameters",
+        changed=changed_parameters(changed),
         parameters=parameter_tables(Settings()),
         entries=entry_tables(Settings()),
         versions={},
@@ -32,6 +35,7 @@ def test_the_report_does_not_scroll_sideways(settings_page, width):
         browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": width, "height": 900})
         page.goto(settings_page.as_uri())
+        page.locator("details > summary").click()
         reach = page.evaluate("document.documentElement.scrollWidth")
         cells = page.locator("table.entries td").count()
         browser.close()

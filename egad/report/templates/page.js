@@ -89,5 +89,5 @@ function startMap(figure) {
 
 document.querySelectorAll(".map").forEach(startMap);
 window.addEventListener("beforeprint", () => {
-  document.querySelectorAll("details").forEach((list) => { list.open = true; });
+  document.querySelectorAll("details:not(.settings)").forEach((list) => { list.open = true; });
 });
