@@ -13,10 +13,12 @@ from egad._util.arrays import Floats, Ints
 from egad.errors import UserError
 from egad.grippers.shape_files import Packages, find_file, list_packages, read_shape
 from egad.grippers.tree import body_name
-from egad.grippers.urdf import read_urdf
+from egad.grippers.urdf import read_urdf, without_faults
 
 log = logging.getLogger(__name__)
 
+USD = (".usd", ".usda", ".usdc", ".usdz")
+NOT_READ = "it is not URDF or MJCF that MuJoCo can read: "
 MIN_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 MAX_LINK = 1.0  # metres
 ROUND = 32  # corners of a circle
@@ -31,13 +33,37 @@ def read_description(path: Path) -> mujoco.MjSpec:
     """
     if not path.is_file():
         raise UserError("there is no such file")
+    if path.suffix.lower() in USD:
+        raise UserError(
+            "USD is not read; export URDF or MJCF, such as with the URDF exporter of Isaac Sim, or "
+            "take the URDF or MJCF that the USD file was made from"
+        )
     text = read_urdf(path)
+    spec = _read_mjcf(path) if text is None else _parsed(lambda: mujoco.MjSpec.from_string(text))
+    for shape in spec.geoms:
+        if shape.type == mujoco.mjtGeom.mjGEOM_HFIELD:
+            _replace(shape)
+    for each in (*spec.skins, *spec.hfields):
+        spec.delete(each)
+    return spec
+
+
+def _read_mjcf(path: Path) -> mujoco.MjSpec:
+    """A MJCF file, without what MuJoCo refuses but other programs allow in parts of a model."""
     try:
-        if text is None:
-            return mujoco.MjSpec.from_file(str(path.resolve()))
-        return mujoco.MjSpec.from_string(text)
+        return mujoco.MjSpec.from_file(str(path.resolve()))
     except ValueError as error:
-        raise UserError(f"it is not URDF or MJCF that MuJoCo can read: {_line(error)}") from error
+        repaired = without_faults(path.read_bytes())
+        if repaired is None:
+            raise UserError(NOT_READ + _line(error)) from error
+    return _parsed(lambda: mujoco.MjSpec.from_string(repaired))
+
+
+def _parsed(read: Callable[[], mujoco.MjSpec]) -> mujoco.MjSpec:
+    try:
+        return read()
+    except ValueError as error:
+        raise UserError(NOT_READ + _line(error)) from error
 
 
 def compile_skeleton(spec: mujoco.MjSpec) -> mujoco.MjModel:
@@ -117,6 +143,7 @@ def name_file_in_messages(path: Path) -> Iterator[None]:
 def _replace(shape: mujoco.MjsGeom) -> None:
     """Replace a shape by a small ball that touches nothing."""
     shape.type, shape.meshname = mujoco.mjtGeom.mjGEOM_SPHERE, ""
+    shape.hfieldname = ""
     shape.size[:], shape.fromto[:] = MIN_INERTIA, np.nan
     shape.contype = shape.conaffinity = 0
 
@@ -230,10 +257,14 @@ def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
         try:
             file = _mesh_file(spec, mesh, path, packages)
         except UserError as error:
+            if _drop_unless_it_collides(spec, mesh):
+                continue
             raise UserError(f"{link} is missing: {error}") from error
         try:
             corners = read_shape(file)
         except UserError as error:
+            if _drop_unless_it_collides(spec, mesh):
+                continue
             raise UserError(f"{link} cannot be used: {error}") from error
         mesh.file = ""
         if corners is not None:
@@ -242,6 +273,17 @@ def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
         # As bytes, because MuJoCo caches files by the second in which they were changed
         mesh.file = f"{len(spec.assets)}{file.suffix}"
         spec.assets = {**spec.assets, str(Path(spec.meshdir) / mesh.file): file.read_bytes()}
+
+
+def _drop_unless_it_collides(spec: mujoco.MjSpec, mesh: mujoco.MjsMesh) -> bool:
+    """Leave out a mesh that is only seen; False if a collision shape has it."""
+    users = [shape for shape in spec.geoms if shape.meshname == mesh.name]
+    if any(shape.contype or shape.conaffinity for shape in users):
+        return False
+    for shape in users:
+        _replace(shape)
+    spec.delete(mesh)
+    return True
 
 
 def _mesh_file(

@@ -40,7 +40,9 @@ from egad.grippers.tree import find_palm, hand_bodies, joint_name, moving_joints
 log = logging.getLogger(__name__)
 
 SHORT = 5e-4  # metres or of a unit vector: shorter vectors have no direction
-UPRIGHT = 20.0  # degrees; an approach this close to an axis of the palm is taken to be that axis
+# Degrees: an approach this close to an axis of the palm is taken to be that axis, or if the fingers
+# are longest along it, since what is mounted on a palm shifts its middle
+UPRIGHT, LEANING = 20.0, 40.0
 
 
 class Choices(NamedTuple):
@@ -270,7 +272,18 @@ def _approach(mechanism: Mechanism, positions: Floats, closing: Floats, ahead: F
         raise UserError(
             "its approach direction cannot be determined; give it: approach_axis: [x, y, z]"
         )
-    largest = int(np.abs(ahead).argmax())
-    if abs(ahead[largest]) > np.cos(np.radians(UPRIGHT)) * length:
-        return np.asarray(np.sign(ahead[largest]) * np.eye(3)[largest])
+    axis = np.eye(3)[int(np.abs(ahead).argmax())]
+    axis *= np.sign(axis @ ahead)
+    turns, places = mechanism.placement(positions)
+    moving = set().union(*(subtree(model, int(model.jnt_bodyid[joint])) for joint in joints))
+    fingers = np.concatenate(
+        [
+            shape @ turns[body].T + places[body]
+            for body in moving
+            for shape in shapes_of(model, body)
+        ]
+    )
+    beside, along = np.ptp(fingers @ np.stack([np.cross(closing, axis), axis], axis=1), axis=0)
+    if axis @ ahead > np.cos(np.radians(LEANING if along > beside else UPRIGHT)) * length:
+        return np.asarray(axis)
     return np.asarray(ahead / length)

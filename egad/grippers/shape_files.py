@@ -110,8 +110,8 @@ def read_shape(path: Path) -> Floats | None:
     """Corners of the convex hull of a shape that MuJoCo does not read; None if it does.
 
     MuJoCo reads OBJ, its own MSH, and binary STL of up to 200,000 faces. Text STL, larger
-    STL, PLY, OFF and Collada are read here. The unit of a Collada file counts, but its up axis does
-    not, as in RViz and MoveIt.
+    STL, PLY, OFF, glTF and Collada are read here. The unit of a Collada file counts, but the up
+    axis of Collada and glTF does not, as in RViz, MoveIt and SAPIEN.
 
     Args:
         path: The file.
@@ -125,8 +125,10 @@ def read_shape(path: Path) -> Floats | None:
     ending = path.suffix[1:].lower()
     if ending in ("obj", "msh") or (ending == "stl" and _is_regular_stl(path)):
         return None
-    if ending not in ("stl", "ply", "off", "dae"):
-        raise UserError(f"{path} is not STL, OBJ, PLY, OFF or Collada (DAE); convert it to STL")
+    if ending not in ("stl", "ply", "off", "dae", "glb", "gltf"):
+        raise UserError(
+            f"{path} is not STL, OBJ, PLY, OFF, glTF or Collada (DAE); convert it to STL"
+        )
     points = _collada_points(path) if ending == "dae" else _points(path)
     try:
         return points[ConvexHull(points).vertices]
@@ -144,6 +146,8 @@ def _points(path: Path) -> Floats:
         points = read_content(path).vertices
     except RejectedError as reason:
         raise UserError(f"{path}: {reason}") from reason
+    if path.suffix.lower() in (".glb", ".gltf"):  # y is up in these files, and was made z
+        points = points[:, [0, 2, 1]] * [1, 1, -1]
     return np.unique(points, axis=0)
 
 

@@ -56,6 +56,27 @@ def read_urdf(path: Path) -> str | None:
     return ElementTree.tostring(clean, encoding="unicode")
 
 
+def without_faults(data: bytes) -> str | None:
+    """MJCF without assets that repeat the name of an earlier one, and attributes of defaults.
+
+    Programs that put hands onto robots allow both. None if there are none, or it is not XML.
+    """
+    root, faulty = _root(data), False
+    for element in [] if root is None else [*root.iter()]:
+        names = set[tuple[str, str]]()
+        for child in list(element):
+            key = (child.tag, child.get("name", ""))
+            if element.tag == "asset" and key[1]:
+                if key in names:
+                    element.remove(child)
+                    faulty = True
+                names.add(key)
+        if element.tag == "default" and set(element.attrib) - {"class"}:
+            element.attrib = {key: element.attrib[key] for key in element.attrib if key == "class"}
+            faulty = True
+    return ElementTree.tostring(root, encoding="unicode") if faulty and root is not None else None
+
+
 def _root(data: bytes) -> Element | None:
     """The outermost element; None if it is not XML. Prefixes of names need not be declared."""
     builder, parser = TreeBuilder(), expat.ParserCreate()
