@@ -116,9 +116,8 @@ def _distribution(files: Files, url: str, sums: Mapping[str, str]) -> dict[str, 
 
 def _folder_url(url: str) -> str:
     """Where the files of a release are, as text to put before their names."""
-    if not url:
-        return ""
-    return url.rstrip("/") + ("/resolve/main/" if url.startswith(HUB) else "/")
+    folder = url.removesuffix("index.html").rstrip("/")
+    return folder and folder + ("/resolve/main/" if url.startswith(HUB) else "/")
 
 
 def _record_set(table: Table) -> dict[str, Any]:

@@ -63,7 +63,7 @@ def table_files(whole):
     return {name: by_id[found] for name, (found,) in sources.items()}
 
 
-@pytest.mark.parametrize("end", ["", "/"])
+@pytest.mark.parametrize("end", ["", "/", "/index.html"])
 def test_tables_of_a_hosted_release_are_at_their_addresses(release, url, end):
     files = table_files(write(release, url + end))
     assert files.keys() == {"objects", "grasps", "evaluation_set"}

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pandas as pd
+import pyarrow as pa
 
 from egad import __version__
 from egad._util.files import atomic_output, write_text
@@ -33,7 +34,7 @@ from egad.release import (
     licence_text,
 )
 from egad.tables import parquet
-from egad.tables.release import RELEASED_OBJECTS
+from egad.tables.release import RELEASED_GRASPS, RELEASED_OBJECTS
 from egad.workflow.job import run_job
 
 PROGRAM = f"egad {__version__}"
@@ -107,8 +108,8 @@ def _facts(settings: ReleaseCard, objects: pd.DataFrame) -> ReleaseFacts:
 
 def _success(out: Path) -> dict[str, float]:
     """The share of the grasps with an outcome that held, by split."""
-    batches = parquet.batches(out / "data/grasps.parquet", ["split", "simulated_success"])
-    judged = pd.concat(batches).dropna()
+    schema = pa.schema([RELEASED_GRASPS.field(name) for name in ("split", "simulated_success")])
+    judged = parquet.read(out / "data/grasps.parquet", schema).dropna()
     shares = judged["simulated_success"].astype(bool).groupby(judged["split"]).mean()
     return {str(split): float(share) for split, share in shares.items()}
 

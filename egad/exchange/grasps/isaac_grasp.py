@@ -42,7 +42,7 @@ def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataF
     The confidence is 1 if both fingers still held the object after it was shaken in simulation,
     and 0 for the others and for grasps at which the open hand collides. Grasps with no known
     outcome are left out. In `cspace_position`, the fingers stand beside the object, at the needed
-    opening; a fixed jaw and the jaw that faces it stand `JAW_CLEARANCE` beside the contacts.
+    opening; a fixed jaw and the jaw that faces it stand `JAW_CLEARANCE` farther out.
 
     Args:
         path: A name that ends in `.yaml`.
