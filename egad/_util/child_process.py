@@ -217,12 +217,7 @@ class RestartingWorker(Worker):
     """Work in one thread of a process of its own, restarted when it dies or takes too long."""
 
     def __init__(self, make_work: MakeWork, limit: float | None = None) -> None:
-        """Prepare; the process starts with the `with` block.
-
-        Args:
-            make_work: See `Worker`.
-            limit: Seconds for one item; a process that takes longer counts as dead.
-        """
+        """Prepare as a `Worker`; a process that takes longer than `limit` counts as dead."""
         super().__init__(partial(_in_one_thread, make_work), limit)
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
@@ -268,13 +263,9 @@ def kill_when_closed(end: Connection, process: int) -> None:
 
 
 def serve(number: int) -> None:
-    """Work for the process at the other end of a pipe until it closes it.
+    """Work for the process at the other end of a pipe, a file descriptor, until it closes it.
 
-    The first message is the function that makes the work; the first answer confirms that it was
-    made.
-
-    Args:
-        number: File descriptor of this end.
+    The first message makes the work; the first answer confirms that it was made.
     """
     with Connection(number) as pipe, ExitStack() as stack, suppress(EOFError):
         first = pipe.recv_bytes()

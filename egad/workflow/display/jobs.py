@@ -60,11 +60,7 @@ class Jobs:
     """
 
     def __init__(self, steps: int) -> None:
-        """Start with no job running or done.
-
-        Args:
-            steps: How many jobs there are.
-        """
+        """Start with no job running or done, of `steps`."""
         self.steps = 0, steps
         self._jobs: dict[int, Job] = {}
         self._lock = threading.Lock()
