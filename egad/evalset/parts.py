@@ -23,7 +23,7 @@ from egad.geometry import (
 )
 
 CODE = ("geometry", "random.py", "evalset/parts.py")
-LIBRARIES = ("numpy", "scipy", "manifold3d", "embreex", "trimesh", "numba", "coacd")
+LIBRARIES = ("numpy", "scipy", "manifold3d", "embreex", "libigl", "trimesh", "numba", "coacd")
 
 
 class PartsWarning(UserWarning):
