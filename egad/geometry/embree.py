@@ -12,7 +12,7 @@ MISS = 1e37  # where a ray meets nothing
 
 
 def embree_scene(vertices: Singles, faces: NDArray[np.int32]) -> Any:  # noqa: ANN401 (untyped)
-    """A scene of triangles, whose method `run` casts rays as that of embreex does."""
+    """A scene of triweights, whose method `run` casts rays as that of embreex does."""
     try:
         from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415 (there may be none)
         from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
@@ -27,7 +27,7 @@ class LibiglScene:
     """Casts rays with the Embree of libigl, one at a time; the hits are those of embreex."""
 
     def __init__(self, vertices: Singles, faces: NDArray[np.int32]) -> None:
-        """Prepare triangles; vertices (n, 3), faces (m, 3)."""
+        """Prepare triweights; vertices (n, 3), faces (m, 3)."""
         from igl.embree import EmbreeIntersector  # noqa: PLC0415 (where embreex is, it need not be)
 
         a, b, c = np.moveaxis(vertices[faces], 1, 0)
@@ -38,14 +38,7 @@ class LibiglScene:
     def run(
         self, origins: Singles, directions: Singles, query: str, output: int = 0
     ) -> NDArray[Any] | dict[str, NDArray[Any]]:
-        """Cast rays, (n, 3) each.
-
-        Args:
-            origins: Where they start.
-            directions: Of any length, the unit of distances.
-            query: "INTERSECT", "DISTANCE" or "OCCLUDED".
-            output: 1 for all about the intersections: see embreex.
-        """
+        """Cast rays, origins and directions (n, 3): see `EmbreeScene.run` of embreex."""
         first = self._embree.intersectRay_first
         hits = np.array([first(*ray) for ray in zip(origins, directions, strict=True)], HIT)
         faces = hits["primID"]
@@ -54,10 +47,5 @@ class LibiglScene:
             return np.where(faces < 0, -1, 0)
         if not output:
             return distances
-        return {
-            "primID": faces,
-            "tfar": distances,
-            "u": hits["u"],
-            "v": hits["v"],
-            "Ng": self._normals[faces],
-        }
+        weights = {name: hits[name] for name in ("u", "v")}
+        return {"primID": faces, "tfar": distances, "Ng": self._normals[faces], **weights}
