@@ -62,6 +62,7 @@ def run(
     `trials` of --config.
     """
     from egad.cli.terminal_tables import outcome_list, succeeded
+    from egad.config.files import read_values
     from egad.config.stages import SimulatedTrials, select
     from egad.detectors import keep_failure
     from egad.io import check_ending
@@ -73,8 +74,9 @@ def run(
     from egad.trials import try_objects
 
     settings = settings_in(config)
+    configured = {} if config is None else read_values(config).get("trials") or {}
     for option, key, value in (
-        ("--attempts", "trials.attempts", attempts or (ATTEMPTS if config is None else None)),
+        ("--attempts", "trials.attempts", attempts or configured.get("attempts", ATTEMPTS)),
         ("--seed", "seed", seed),
         ("--keep-going", "trials.keep_going", keep_going or None),
         ("--rule", "rescale.rule", rule),

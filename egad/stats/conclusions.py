@@ -66,6 +66,8 @@ def _more_attempts(result: Comparison, tables: Sequence[pd.DataFrame]) -> str:
         return f"{truth}, more attempts may show it"
     if needed is None:
         return f"{truth}, even {MOST} attempts at each object would not show it; try more objects"
+    if needed * result.objects <= result.attempts:
+        return f"{truth}, a few more attempts may show it"
     return (
         f"{truth}, about {needed} attempts by each at each object ({needed * result.objects} in "
         f"all) would show it with a probability of {POWER:g}"
@@ -86,7 +88,8 @@ def clearing_conclusion(first: str, second: str, result: ClearingComparison) -> 
     if not size or not error > 0:
         return shown
     needed = math.ceil(result.rounds * (FAR * error / size) ** 2)
-    return f"{shown}; if it is really {_points(size)}, about {needed} rounds would show it"
+    many = f"about {needed}" if needed > result.rounds else "a few more"
+    return f"{shown}; if it is really {_points(size)}, {many} rounds would show it"
 
 
 def _points(difference: float) -> str:

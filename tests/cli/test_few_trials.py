@@ -128,6 +128,26 @@ def test_few_objects_get_an_exact_test():
 
 
 @pytest.mark.usefixtures("tables")
+def test_four_objects_have_no_correlation():
+    rates = pd.DataFrame({"label": ["A0", "A1", "A2", "A3"], "success_rate": [0.1, 0.5, 0.6, 0.9]})
+    rates.to_csv("paper.csv", index=False)
+    result = egad("trials", "validate", "good.parquet", "paper.csv")
+    assert lines(result)[1].count("-") == 3  # Spearman, Pearson and its limit
+    assert "good: 4 common objects are too few for correlations (at least 10)" in result.stderr
+
+
+@pytest.mark.usefixtures("tables")
+def test_a_comparison_of_a_robot_has_no_empty_columns_and_ends_with_a_sentence():
+    result = egad("trials", "compare", "real.csv")
+    assert "same start" not in result.stdout
+    assert "simulated in" not in result.stdout
+    assert (
+        " is better than " in result.stdout.splitlines()[-1]
+        or "no difference is shown" in (result.stdout.splitlines()[-1])
+    )
+
+
+@pytest.mark.usefixtures("tables")
 def test_attempts_are_planned():
     given = ["--difference", 30, "--spread", 20, "--correlation", 0.9, "--most", 30]
     head, _, first, second = lines(egad("trials", "plan", *given, "--objects", 5, "--objects", 15))

@@ -68,4 +68,6 @@ def test_rounds_of_cleared_tables():
     # an interval this wide has a standard error of 5 points over 40 rounds
     unsure = shown._replace(cleared=0.04, cleared_interval=(-0.0624, 0.1424), p_cleared=0.4)
     needed = int(re.search(r"about (\d+) rounds", clearing_conclusion("a", "b", unsure))[1])
+    few = unsure._replace(rounds=6, cleared=0.5, cleared_interval=(0, 1))
+    assert "a few more rounds" in clearing_conclusion("a", "b", few)
     assert needed == pytest.approx(40 * (2.8 * 0.05 / 0.04) ** 2, rel=0.1)
