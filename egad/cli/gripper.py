@@ -1,7 +1,7 @@
 """Tools for grippers."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -40,11 +40,12 @@ def inspect(
     from egad.grippers import Gripper, model_of
     from egad.io import check_ending
     from egad.report.cup import cup_entry, cup_facts, cup_page
-    from egad.report.hand import hand_entry, hand_facts, hand_page, jaw_table
+    from egad.report.hand import hand_doubts, hand_entry, hand_facts, hand_page, jaw_table
 
     check_ending(out, (".html",))
     if Path(hand).is_file():
-        name, found = _name_of(Path(hand)), Gripper.from_file(hand)
+        name = _name_of(Path(hand), settings_in(config).grippers)
+        found = Gripper.from_file(hand)
     else:
         known = with_packaged(settings_in(config), hand).grippers
         name = check_name("gripper or file", hand, known)
@@ -61,7 +62,8 @@ def inspect(
         cells = (row[key] for key in ("opening", "angle", "friction", "gaps"))
         text = "opening {}, angle {}, friction {}; gaps {} mm".format(*cells)
         facts[f"joint at {row['joint']}"] = text
-    _write(out, name, facts, hand_entry(name, found), hand_page(name, found, model))
+    entry = hand_entry(name, found, bool(hand_doubts(found, model)))
+    _write(out, name, facts, entry, hand_page(name, found, model))
 
 
 def _write(out: Path | None, name: str, facts: Mapping[str, str], entry: str, page: str) -> None:
@@ -76,6 +78,9 @@ def _write(out: Path | None, name: str, facts: Mapping[str, str], entry: str, pa
     typer.echo(f"see {path}")
 
 
-def _name_of(path: Path) -> str:
-    """A name for the gripper of a file."""
-    return re.sub(r"[^a-z0-9_-]+", "_", path.stem.lower()).strip("_-") or "hand"
+def _name_of(path: Path, taken: Collection[str]) -> str:
+    """A name for the gripper of a file, which no other gripper has."""
+    from egad.grippers import GRIPPERS, PACKAGED
+
+    name = re.sub(r"[^a-z0-9_-]+", "_", path.stem.lower()).strip("_-") or "hand"
+    return f"my_{name}" if name in {*GRIPPERS, *PACKAGED, *taken} else name

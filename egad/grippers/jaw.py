@@ -20,6 +20,7 @@ from egad.grippers.jaw_faces import FACING, Facing, find_facing, solids_of
 from egad.grippers.links import joint_at
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink
+from egad.grippers.pads import UNEVEN
 from egad.grippers.stroke import LEVELS, MAX_OPENING, MIN_OPENING
 from egad.grippers.tree import body_name
 
@@ -68,12 +69,14 @@ class JawPads(NamedTuple):
         extent: Breadth and length of both, metres.
         bridge: (3,) middle of the moving pad, along its `axes`, metres.
         axes: (3, 3) closing, across and approach in the frame of the moving link, in rows.
+        recess: As in `GripperModel`.
     """
 
     middle: Floats
     extent: Floats
     bridge: Floats
     axes: Floats
+    recess: tuple[float, float]
 
 
 class JawStroke(NamedTuple):
@@ -298,9 +301,11 @@ def _find_pads(jaws: JawSolids, frame: JawFrame, joints: Floats, parallel: float
     heights = points @ frame.closing
     placement = jaws.mechanism.placement(jaws.positions(parallel))
     turn, place = placement.turns[jaws.body], placement.places[jaws.body]
-    bridge = np.array([foremost(heights + gaps), *middle]) - place @ frame.matrix
-    pad = frame.matrix @ np.array([-foremost(-heights), *middle])
-    return JawPads(pad, extent, bridge, frame.matrix.T @ turn)
+    face, opposite = -foremost(-heights), foremost(heights + gaps)
+    bridge = np.array([opposite, *middle]) - place @ frame.matrix
+    pad, further = frame.matrix @ np.array([face, *middle]), gaps - (opposite - face)
+    recess = (float((further > 2 * UNEVEN).mean()), float(further.max()))
+    return JawPads(pad, extent, bridge, frame.matrix.T @ turn, recess)
 
 
 def _opposite(

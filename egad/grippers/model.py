@@ -71,6 +71,8 @@ class GripperModel:
         positions: (k, j) their positions, metres or radians.
         palm_to_hand: (4, 4) pose of the frame of the hand in that of the palm.
         pad: Low and high corner of both pads, when closed, in the frame of the hand, (2, 3).
+        recess: Openings are between the foremost points of the pads. The fraction of their faces
+            that lies further back, and how much farther apart their rearmost points are, metres.
         lever: For a hand with one moving jaw, the torque of its joint per newton between the pads,
             metres; 1 if it slides. None if both fingers move.
         depths: (d,) depths along its fixed jaw, beyond the pads along z, metres.
@@ -90,6 +92,7 @@ class GripperModel:
     positions: Floats
     palm_to_hand: Floats
     pad: Floats
+    recess: tuple[float, float] = (0.0, 0.0)
     lever: float | None = None
     depths: Floats = field(default_factory=lambda: np.empty(0))
     gaps: Floats = field(default_factory=lambda: np.empty((0, 0)))

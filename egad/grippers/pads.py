@@ -6,13 +6,16 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
+import trimesh
 from scipy.spatial import ConvexHull, QhullError
 from trimesh.intersections import slice_faces_plane
 
 from egad._util.arrays import Floats
 from egad.errors import UserError
+from egad.geometry import RayCaster, joined, spread
 from egad.grippers.description import shapes_of
 from egad.grippers.fingers import Sides
+from egad.grippers.jaw_faces import solids_of
 from egad.grippers.mechanism import Mechanism, Placement
 from egad.grippers.tree import body_name, link_number
 
@@ -20,6 +23,8 @@ FACING = np.cos(np.radians(25.0))  # how far a face of a pad may turn away from 
 # metres that the foremost and the rearmost corner of a pad's face may lie behind the link's
 PAD_DEPTH, PAD_TILT = 1e-3, 1.3e-3
 MIN_OVERLAP = 5e-4  # metres of the pads
+SPACING = 2e-3  # metres between points of a pad
+UNEVEN = 5e-4  # metres by which the face of a pad may lie behind its foremost points
 
 
 class Pads(NamedTuple):
@@ -29,11 +34,13 @@ class Pads(NamedTuple):
         links: Which link each is on.
         centers: (2, 3) their middles, in the frames of these links.
         corners: (2, n, 3) arrays of corners of their faces, in the frames of these links.
+        recess: As in `GripperModel`.
     """
 
     links: tuple[int, int]
     centers: Floats
     corners: tuple[Floats, Floats]
+    recess: tuple[float, float]
 
 
 def find_pads(
@@ -66,12 +73,17 @@ def find_pads(
         names = [", ".join(body_name(model, body) for body in each) or "(none)" for each in bodies]
         raise UserError(f"no face of the links {names[0]} is opposite one of the links {names[1]}")
     pads = min(facing, key=lambda pair: _gap(pair[0][1], pair[1][1], sides.axis))
-    centers, corners = [], []
+    centers, corners, depths = [], [], []
     for (body, faces), ahead in zip(pads, (sides.axis, -sides.axis), strict=True):
         turn, place = placement.turns[body], placement.places[body]
         centers.append((_foremost_middle(faces, ahead) - place) @ turn)
         corners.append((faces.reshape(-1, 3) - place) @ turn)
-    return Pads((pads[0][0], pads[1][0]), np.array(centers), (corners[0], corners[1]))
+        depths.append(_depths(model, body, (faces - place) @ turn, ahead @ turn))
+    recess = (
+        float((np.concatenate(depths) > UNEVEN).mean()),
+        sum(float(each[np.isfinite(each)].max(initial=0.0)) for each in depths),
+    )
+    return Pads((pads[0][0], pads[1][0]), np.array(centers), (corners[0], corners[1]), recess)
 
 
 def _front(model: mujoco.MjModel, placement: Placement, body: int, ahead: Floats) -> Floats:
@@ -105,6 +117,17 @@ def _foremost_middle(faces: Floats, ahead: Floats) -> Floats:
     middle = np.average(faces.mean(axis=1), axis=0, weights=areas)
     mean = normals.sum(axis=0) / np.linalg.norm(normals.sum(axis=0))
     return np.asarray(middle + (faces @ mean - middle @ mean).max() * mean)
+
+
+def _depths(model: mujoco.MjModel, body: int, faces: Floats, ahead: Floats) -> Floats:
+    """How far a link lies behind points on triangles of its hull, metres; infinite in holes."""
+    numbers = np.arange(3 * len(faces)).reshape(-1, 3)
+    samples = spread(trimesh.Trimesh(faces.reshape(-1, 3), numbers), SPACING)
+    outward = samples.normals * np.sign(samples.normals @ ahead)[:, None]
+    link = RayCaster(joined(solids_of(model, body)))
+    return np.asarray(
+        link.first_hits(samples.points + UNEVEN * outward, -outward).distances - UNEVEN
+    )
 
 
 def _clipped(faces: Floats, ahead: Floats, height: float) -> Floats:

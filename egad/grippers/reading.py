@@ -160,6 +160,7 @@ def _tabulated(
         positions=stroke.positions[:, description.jnt_qposadr[order]],
         palm_to_hand=palm_to_hand,
         pad=np.stack([pad.min(axis=0), pad.max(axis=0)]),
+        recess=pads.recess,
     )
 
 
@@ -210,6 +211,7 @@ def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperM
         positions=stroke.positions[:, description.jnt_qposadr[mechanism.driven]],
         palm_to_hand=pose,
         pad=np.stack([-corner, corner]),
+        recess=stroke.pads.recess,
         lever=lever_of(jaws, stroke, frame),
         depths=depths,
         gaps=gaps,

@@ -1,5 +1,7 @@
 """A page about a hand from a file: what was found in the file, and its shape in 3D."""
 
+from textwrap import indent
+
 import numpy as np
 import trimesh
 import yaml
@@ -16,6 +18,10 @@ from egad.tables.parquet import empty
 PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in scene3d.js
 PAD_THICKNESS = 4e-4  # metres, of the plate that shows a pad
 ARROW = (0.03, 0.001)  # metres: length and radius of the bar that shows the approach
+UNEVEN = 0.1  # of the faces of pads: with less behind their foremost points they are flat
+# What is doubtful: pads that stay this part of the opening apart, an opening below this, pads that
+# end this far before the fingertips, all in mm, and a tilt of the approach, degrees
+MAX_CLOSED, MIN_WIDE, MAX_BEHIND, MAX_OFF = 0.25, 5.0, 25.0, 5.0
 JAW_ROWS = 9  # of the table of a hand with one moving jaw
 CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approach_axis")
 
@@ -43,7 +49,7 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
             for name, (closed, wide) in zip(driven, ends, strict=False)
         ),
         "joints that follow": ", ".join(followers) or "none",
-        "opening": f"{_mm(model.openings[[0, -1]], ' to ')} mm",
+        "opening": f"{_mm(model.openings[[0, -1]], ' to ')} mm{_recess(model)}",
         "pads": f"{_mm(pad[1:] / 1000, ' x ')} mm, {1000 * (gripper.fingertip or 0):.1f} mm from "
         "their middle to the fingertips",
         "travel of the pads along the approach": f"{bow:.1f} mm" if bow > 0.01 else "none",
@@ -54,7 +60,45 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
         "convex parts": str(sum(len(link.shapes) for link in model.links)),
         "boxes, where boxes will do": f"fingers {_mm(boxes, ' x ')} mm, palm "
         f"{_mm(gripper.palm, ' x ')} mm",
+        **{f"doubtful ({n})": text for n, text in enumerate(hand_doubts(gripper, model), 1)},
     }
+
+
+def _recess(model: GripperModel) -> str:
+    """Between which points the opening is, if the pads are not flat."""
+    share, depth = model.recess
+    if share < UNEVEN:
+        return ""
+    return (
+        f" between the foremost points of the pads; {100 * share:.0f} % of their faces lies "
+        f"further back, and their rearmost points are {1000 * depth:.1f} mm farther apart"
+    )
+
+
+def hand_doubts(gripper: Gripper, model: GripperModel) -> list[str]:
+    """Why what was found in the file of a hand may be wrong, in sentences.
+
+    Args:
+        gripper: Its settings.
+        model: Its model.
+    """
+    closed, wide = 1000 * model.openings[[0, -1]]
+    behind = 1000 * ((gripper.fingertip or 0.0) - float(np.ptp(model.pad[:, 2])) / 2)
+    off = float(np.degrees(np.arccos(min(np.abs(model.palm_to_hand[:3, 2]).max(), 1.0))))
+    guessed = model.lever is None and model.joint_kind == "prismatic" and not gripper.approach_axis
+    doubts = {
+        f"The closed pads are still {closed:.1f} mm apart: check the limits of the joint, and "
+        "pad_links.": closed > MAX_CLOSED * wide,
+        f'The hand opens only {wide:.1f} mm: without angle="radian", angles in MJCF are '
+        "degrees.": wide < MIN_WIDE,
+        f"The pads end {behind:.0f} mm before the fingertips: check pad_links or tcp.": (
+            behind > MAX_BEHIND
+        ),
+        f"The approach is {off:.0f} degrees off the axes of the palm: check approach_axis.": (
+            guessed and off > MAX_OFF
+        ),
+    }
+    return [text for text, doubtful in doubts.items() if doubtful]
 
 
 def _jaw_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
@@ -103,12 +147,17 @@ def jaw_table(model: GripperModel) -> list[dict[str, str]]:
     return rows
 
 
-def hand_entry(name: str, gripper: Gripper) -> str:
-    """The entry of a configuration for a gripper with a file, as YAML."""
+def hand_entry(name: str, gripper: Gripper, doubtful: bool = False) -> str:
+    """The entry of a configuration for a gripper with a file, as YAML; a comment if doubtful."""
     settings = gripper.model_dump(mode="json", include={"file", *CHOICES, "force"})
     settings |= gripper.model_dump(mode="json", include={"pads"}, exclude_defaults=True)
     entry = {key: value for key, value in settings.items() if value is not None}
-    return yaml.safe_dump({"grippers": {name: entry}}, sort_keys=False)
+    text: str = yaml.safe_dump({"grippers": {name: entry}}, sort_keys=False)
+    return (
+        indent(f"Doubtful, as said above: check it, then remove these marks.\n{text}", "# ")
+        if doubtful
+        else text
+    )
 
 
 def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
@@ -127,7 +176,7 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
         name=name,
         facts=hand_facts(gripper, model),
         jaw=jaw_table(model),
-        entry=hand_entry(name, gripper),
+        entry=hand_entry(name, gripper, bool(hand_doubts(gripper, model))),
         viewer=viewer_data(scenes, gripper),
     )
 

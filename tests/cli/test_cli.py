@@ -431,5 +431,7 @@ def test_the_file_of_a_hand_is_inspected(tmp_path, monkeypatch):
     named = egad("gripper", "inspect", "my_hand", "--config", "hand.yaml", "--out", "again.html")
     assert named.returncode == 0
     assert (tmp_path / "again.html").read_bytes() == page
+    box_urdf(tmp_path / "panda.urdf")  # as a gripper that is shipped
+    assert "\n  my_panda:\n" in egad("gripper", "inspect", "panda.urdf").stdout
     assert "no `file`" in egad("gripper", "inspect", "panda").stderr
     assert "gripper or file 'nothing'" in egad("gripper", "inspect", "nothing").stderr

@@ -9,7 +9,14 @@ import yaml
 from described_hands import PANDA, box_urdf, jaw_urdf, linkage_mjcf
 
 from egad.grippers import Gripper, model_of
-from egad.report.hand import hand_entry, hand_facts, hand_page, hand_scene, jaw_table
+from egad.report.hand import (
+    hand_doubts,
+    hand_entry,
+    hand_facts,
+    hand_page,
+    hand_scene,
+    jaw_table,
+)
 from egad.report.viewer import viewer_data
 
 
@@ -38,6 +45,47 @@ def test_facts_are_in_millimetres(boxes, tmp_path):
     assert (
         hand_facts(linkage, model_of(linkage))["travel of the pads along the approach"] == "15.9 mm"
     )
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [
+        ('lower="0.01" upper="0.02"', "The closed pads are still 20.2 mm apart"),
+        ('lower="0" upper="0.002"', "The hand opens only 4.2 mm"),
+    ],
+)
+def test_a_doubtful_reading_is_said_and_not_ready_to_paste(tmp_path, limits, words):
+    file = box_urdf(tmp_path / "odd.urdf", changes={'lower="0" upper="0.04"': limits})
+    hand = Gripper.from_file(file)
+    (doubt,) = hand_doubts(hand, model_of(hand))
+    assert doubt.startswith(words)
+    assert hand_facts(hand, model_of(hand))["doubtful (1)"] == doubt
+    assert yaml.safe_load(hand_entry("odd", hand, doubtful=True)) is None
+    assert "# grippers:" in hand_page("odd", hand, model_of(hand))
+
+
+def test_a_good_reading_is_not_doubtful(boxes):
+    assert hand_doubts(boxes, model_of(boxes)) == []
+
+
+def test_pads_that_are_not_flat_are_said_to_be_measured_between_their_foremost_points(tmp_path):
+    """A step of 3 mm on half of each finger: 6 mm more between what lies behind."""
+    thick, wide, long = PANDA["finger"]
+    old = f'<geometry><box size="{thick} {wide} {long}"/></geometry>\n  </collision>'
+    step = f"""<geometry><box size="{thick - 0.006} {wide} {long}"/></geometry></collision>
+      <collision><origin xyz="{{}} 0 {long / 4}"/>
+      <geometry><box size="{thick} {wide} {long / 4}"/></geometry></collision><collision>
+      <origin xyz="{{}} 0 {3 * long / 4 + long / 8}"/>
+      <geometry><box size="{thick} {wide} {long / 4}"/></geometry></collision>"""
+    path = box_urdf(tmp_path / "steps.urdf")
+    first, left, right = path.read_text().split(old)
+    ends = (-(thick / 2 + 1e-4), thick / 2 + 1e-4)
+    text = first + step.format(ends[0], ends[0]) + left + step.format(ends[1], ends[1]) + right
+    path.write_text(text)
+    hand = Gripper.from_file(path)
+    said = hand_facts(hand, model_of(hand))["opening"]
+    assert said.startswith("0.2 to 80.2 mm between the foremost points of the pads; ")
+    assert said.endswith("their rearmost points are 6.0 mm farther apart")
 
 
 def test_the_page_has_the_hand_at_three_openings(boxes):
