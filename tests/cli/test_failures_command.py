@@ -8,6 +8,7 @@ from commands import egad
 from failure_searches import FEW, QUICK, SHAPE, coarse_objects, parts_kept
 from partial_tables import write_rows
 
+from egad._util.progress import MARKS
 from egad.failures import FailureAtlas
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
@@ -46,7 +47,8 @@ def search(detector, *more):
     return egad("failures", detector, *common, *more)
 
 
-def test_a_search_tells_what_it_found_and_where_and_its_progress_in_attempts(folder):
+def test_a_search_tells_what_it_found_and_where_and_its_progress_in_attempts(folder, monkeypatch):
+    monkeypatch.setenv(MARKS, "1")  # progress of short work too
     done = search("beside.py", "--attempts", 12, "--films", 0)
     assert done.returncode == 0, done.stderr
     atlas = FailureAtlas.load(folder / "failures/beside")

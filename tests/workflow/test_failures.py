@@ -115,7 +115,7 @@ def test_a_clock_that_was_set_back_stops_a_run_with_the_remedy(copy):
     (copy.results / TRIALS).unlink()
     said = refused(copy)
     assert f"results/{PART} and 0 more are dated in the future: the clock was set back" in said
-    remedy = "find results -newermt now -exec touch {} +"
+    remedy = "find -L results -newermt now -exec touch {} +"
     assert remedy in said
     subprocess.run(remedy.split(), cwd=copy.folder, check=True)
     make_trials(copy)
