@@ -152,12 +152,16 @@ def balls():
 
 @pytest.mark.parametrize(
     ("diameter", "friction", "held"),
-    [(0.024, 0.1, True), (0.045, 0.1, False), (0.045, 0.3, True)],
+    [(0.024, 0.1, True), (0.045, 0.05, False), (0.045, 0.3, True)],
 )
 def test_balls_are_squeezed_out_where_half_the_angle_exceeds_friction(
     swinging, balls, engine, diameter, friction, held
 ):
-    """At 24 mm the jaws are at 6 degrees, at 45 mm at 22; friction of 0.1 holds up to 11."""
+    """At 24 mm the jaws are at 6 degrees, at 45 mm at 22.
+
+    Friction of 0.1 holds up to 11 degrees, 0.05 up to 6. At 0.1 and 22 degrees the edges of a mesh
+    catch in PyBullet, in 1 of 9 positions that differ by 25 micrometres.
+    """
     gripper = swinging.model_copy(update={"friction": friction})
     with open_world(engine, [balls[diameter]], on_axis(gripper)) as world:
         height = 0.1
