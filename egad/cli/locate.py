@@ -26,12 +26,10 @@ from egad.cli.common import (
 from egad.cli.measure import SIZE, measure_row, sizes, warn_of_measures
 from egad.config.stages import MeasureMeshes, select
 from egad.errors import RejectedError, UserError
-from egad.reeb import Similarity
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from egad.named_meshes import NamedMesh
     from egad.objects import Dataset
     from egad.reeb import Neighborhood
     from egad.report.locations import Located
@@ -124,18 +122,17 @@ def locate_files(
     """
     import pandas as pd
 
-    from egad.named_meshes import named_meshes
     from egad.reeb import Neighborhood
     from egad.reeb import graph as reeb
     from egad.tables.objects import LOCATED, MEASURED
     from egad.workflow.mesh_files import warn_of_units
+    from egad.workflow.released_graphs import dataset_graphs
 
     similarity = settings.similarity
     with workers(worker_count) as mapper:
         work = partial(_mine, units=units, settings=settings)
         mine = list(progress(mapper(work, files.items()), "measuring", len(files)))
-        graphs = mapper(partial(_graph, settings=similarity), named_meshes(among))
-        packed = list(progress(graphs, "Reeb graphs", len(among)))
+        packed = dataset_graphs(among, similarity, mapper)
     hood = Neighborhood(similarity.weight, settings.space.neighbors)
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
     rows = [_placed(item, hood, among.table) for item in mine]
@@ -169,12 +166,6 @@ def _mine(item: tuple[str, Path], units: str | None, settings: MeasureMeshes) ->
     except RejectedError as reason:
         return _Mine({**found, "reason": str(reason)})
     return _Mine({**found, **row}, graph, png_bytes(render(solid, PORTRAIT)))
-
-
-def _graph(item: "NamedMesh", settings: Similarity) -> bytes:
-    from egad.reeb import graph as reeb
-
-    return reeb.pack(reeb.extract(item.mesh(), settings))
 
 
 def _placed(item: _Mine, hood: "Neighborhood", objects: "pd.DataFrame") -> dict[str, Any]:

@@ -21,6 +21,11 @@ def released_simulated() -> Path:
     return Path(__file__).with_name("simulated.parquet")
 
 
+def released_graphs() -> Path:
+    """Reeb graphs of the released objects; `python -m egad.workflow.released_graphs` makes them."""
+    return Path(__file__).with_name("graphs.parquet")
+
+
 def evaluation_set() -> Path:
     """The evaluation set of the released objects: columns label and id."""
     return Path(__file__).with_name("evaluation_set.csv")

@@ -37,6 +37,7 @@ _DROPPED = [
         "out have no volume",
     ),
 ]
+_GRAPH = column("graph", BINARY, "packed Reeb graph of the object")
 _GRASPS = column("grasps", INT, "number of grasps that the graspability was computed from")
 SOLIDS = pa.schema(
     [
@@ -69,9 +70,10 @@ SOLIDS = pa.schema(
         ),
         column("vertices", pa.list_(FLOAT), "vertex coordinates, flat", "m"),
         column("faces", pa.list_(INT), "vertex indices of the triangles, flat"),
-        column("graph", BINARY, "packed Reeb graph of the object"),
+        _GRAPH,
     ]
 )
+GRAPHS = pa.schema([ID, _GRAPH])
 
 _INTERNAL = {"vertices", "faces", "graph"}
 OBJECTS = pa.schema(

@@ -4,7 +4,7 @@ import pytest
 import trimesh
 from postprocess import solid_row
 
-from egad.cli.measure import incomparable, measure_files
+from egad.cli.measure import incomparable, measure_files, warn_of_measures
 from egad.config import Settings
 from egad.config.stages import MeasureMeshes, PostprocessSolids, select
 from egad.cppn.surface import surface
@@ -174,13 +174,17 @@ def test_the_size_is_that_of_the_rule(bad, table, caplog):
     assert large["factor"] == pytest.approx(table.loc["good", "factor"] / 100)
     files = {"small": bad["good"].with_name("small.ply")}
     potato().apply_scale(0.5).export(files["small"])
-    (scaled,) = measure_files(SETTINGS, files, "m", 1).to_dict("records")
+    measured = measure_files(SETTINGS, files, "m", 1)
+    warn_of_measures(measured)
+    (scaled,) = measured.to_dict("records")
     assert scaled["factor"] == pytest.approx(2 * table.loc["good", "factor"], rel=1e-3)
     assert (
         "1 of 1 meshes are enlarged before they are measured, for example small by" in caplog.text
     )
     caplog.clear()
-    (real,) = measure_files(SETTINGS, files, "m", 1, "none").to_dict("records")
+    measured = measure_files(SETTINGS, files, "m", 1, "none")
+    warn_of_measures(measured)
+    (real,) = measured.to_dict("records")
     assert (real["rule"], real["factor"]) == ("none", 1)
     assert real["grasped_3"] == pytest.approx(0.03, rel=0.05)
     assert caplog.text == ""
@@ -192,7 +196,7 @@ def test_bodies_that_are_left_out_are_said_with_their_part_of_the_volume(bad, ta
     row = table.loc["several_bodies"]
     assert (row["dropped_bodies"], row["dropped_volume"]) == (1, pytest.approx(part, rel=1e-4))
     assert (table.loc["good", ["dropped_bodies", "dropped_volume"]] == 0).all()
-    measure_files(SETTINGS, {"crumbs": bad["several_bodies"]}, "m", 1)
+    warn_of_measures(measure_files(SETTINGS, {"crumbs": bad["several_bodies"]}, "m", 1))
     assert f"crumbs: 1 of 2 bodies was dropped, {100 * part:.2g} % of the volume" in caplog.text
 
 
