@@ -19,7 +19,7 @@ from egad.geometry import (
     warn_user,
 )
 from egad.geometry.repair import Repaired, dropped_text, repair_for_files
-from egad.grippers import Gripper, as_gripper
+from egad.grippers import SUCTION, Gripper, as_gripper
 from egad.measures import (
     MAP_RULE,
     MAX_CANDIDATES,
@@ -53,9 +53,9 @@ class Measures(NamedTuple):
         graspability: Percentile of the quality of its sampled grasps: high is easy to grasp.
         graspability_std: Its standard error.
         cell: Cell of the grid: (column by complexity, row by difficulty), from 0 = simplest and
-            0 = easiest.
+            0 = easiest; None for a suction cup, which has no place on the map.
         label: Name of the cell, such as `M14`: row M in difficulty, column 14 in complexity.
-        cell_confidence: Probability that the percentile of all grasps lies in the same cell.
+        cell_confidence: Probability that the percentile of all grasps lies in the same row.
         fine_complexity: Complexity after long edges are split, bits. If it differs from the
             complexity by more than a cell, the triangles are too large for either to mean much.
         rule: The scale rule. The cells of the map are by `exact`.
@@ -70,7 +70,7 @@ class Measures(NamedTuple):
     complexity: float
     graspability: float
     graspability_std: float
-    cell: Cell
+    cell: Cell | None
     label: str
     cell_confidence: float
     fine_complexity: float
@@ -94,41 +94,35 @@ class Measures(NamedTuple):
         value, std = 1000 * self.graspability, 1000 * self.graspability_std
         return f"{value:.3f} ± {std:.3f} 1e-3"
 
-    def __repr__(self) -> str:
+    @property
+    def _facts(self) -> dict[str, str]:
         """The measures, then the conditions under which they hold."""
-        hand = f"{self.gripper}, " if self.gripper else ""
-        parts = [
-            f"{self.label}: complexity {self.complexity:.3f} bit",
-            f"graspability {self._graspability_text}",
-            f"cell confidence {100 * self.cell_confidence:.0f} %",
-            f"grasped by a gripper ({hand}opening {1000 * self.opening:g} mm)",
-            f"at {size_text(self.sides, self.factor)} by the rule {self.rule}",
-        ]
-        if is_coarse(self.complexity, self.fine_complexity):
-            parts.append(f"too coarse: {self.fine_complexity:.3f} bit after long edges are split")
-        if self.dropped_bodies:
-            parts.append(dropped_text(self.dropped_bodies, self.dropped_volume))
-        if not self.comparable:
-            parts.append(f"not comparable with the map ({MAP_RULE}, {MAP_GRIPPER})")
-        return f"Measures({', '.join(parts)})"
-
-    def _repr_html_(self) -> str:
-        """The measures as a table, for notebooks."""
         hand = f"{self.gripper}, " if self.gripper else ""
         facts = {
             "complexity": f"{self.complexity:.3f} bit",
             "graspability": self._graspability_text,
             "cell confidence": f"{100 * self.cell_confidence:.0f} %",
-            "gripper": f"{hand}opening {1000 * self.opening:g} mm",
-            "measured": f"at {size_text(self.sides, self.factor)} by the rule {self.rule}",
+            "grasped by": f"a gripper ({hand}opening {1000 * self.opening:g} mm)",
+            "at": f"{size_text(self.sides, self.factor)} by the rule {self.rule}",
         }
+        if self.cell is None:
+            del facts["cell confidence"]
         if is_coarse(self.complexity, self.fine_complexity):
-            facts["too coarse"] = f"{self.fine_complexity:.3f} bit after long edges are split"
+            facts["too coarse:"] = f"{self.fine_complexity:.3f} bit after long edges are split"
         if self.dropped_bodies:
-            facts["left out"] = dropped_text(self.dropped_bodies, self.dropped_volume)
+            facts["left out:"] = dropped_text(self.dropped_bodies, self.dropped_volume)
         if not self.comparable:
-            facts["not comparable"] = f"the map is for {MAP_RULE}, {MAP_GRIPPER}"
-        return facts_html(self.label, facts)
+            facts["not comparable with the map"] = f"({MAP_RULE}, {MAP_GRIPPER})"
+        return facts
+
+    def __repr__(self) -> str:
+        """All of it on one line."""
+        facts = ", ".join(f"{name} {text}" for name, text in self._facts.items())
+        return f"Measures({self.label or 'no cell'}: {facts})"
+
+    def _repr_html_(self) -> str:
+        """The measures as a table, for notebooks."""
+        return facts_html(self.label or "no cell", self._facts)
 
 
 @phase_if_slow("measuring a mesh")
@@ -183,14 +177,15 @@ def measure(
     found = measure_repeatably(repaired.mesh, settings, max_candidates, size.factor)
     if is_coarse(found.complexity, found.fine_complexity):
         warn_user(coarse_advice(found.fine_complexity), CoarseMeshWarning)
-    cell = cell_of(found.complexity, found.graspability, settings.space)
+    cup = hand.grasps_with == SUCTION
+    cell = None if cup else cell_of(found.complexity, found.graspability, settings.space)
     first, second, third = map(float, size.sides)
     return Measures(
         complexity=found.complexity,
         graspability=found.graspability,
         graspability_std=found.graspability_std,
         cell=cell,
-        label=cell_name(*cell),
+        label=cell_name(*cell) if cell else "",
         cell_confidence=found.cell_confidence,
         fine_complexity=found.fine_complexity,
         rule=rule,

@@ -64,6 +64,13 @@ def test_a_mesh_that_is_too_coarse_is_measured_with_a_warning():
     assert found.fine_complexity < found.complexity - 0.16
 
 
+def test_a_suction_cup_has_no_cell(mug):
+    found = egad.measure(mug, "cup_30mm", max_candidates=512)
+    assert (found.cell, found.label, found.comparable) == (None, "", False)
+    assert repr(found).startswith("Measures(no cell: complexity")
+    assert "confidence" not in repr(found)
+
+
 def test_measures_do_not_depend_on_the_unit_and_repeat(mug):
     """By a power of two nothing is rounded; elsewhere, other grasps may be sampled."""
     first = egad.measure(mug, max_candidates=512)

@@ -30,6 +30,7 @@ from egad.cli.common import (
 from egad.config import Settings
 from egad.config.stages import MeasureMeshes, select
 from egad.errors import RejectedError
+from egad.grippers import SUCTION
 from egad.measures import MAP_RULE
 
 if TYPE_CHECKING:
@@ -53,7 +54,11 @@ def measure(
     config: Config = None,
     jobs: Jobs = CORES,
 ) -> None:
-    """Measure complexity and graspability of meshes, and print their cells."""
+    """Measure complexity and graspability of meshes, and print their cells.
+
+    `--out` also has the number of grasps, the size at which they were sampled, and how certain a
+    cell is.
+    """
     from egad.cli.terminal_tables import measured
     from egad.io import check_ending, object_names, write_frame
     from egad.report.axes import axis_pair
@@ -64,10 +69,14 @@ def measure(
     whole = with_option(settings_in(config), *option)
     whole, name = gripper_in(whole, gripper or whole.graspability.gripper)
     files = object_names(files_in(meshes, units))
-    table = measure_files(select(whole, MeasureMeshes, name), files, units, jobs, rule)
+    settings = select(whole, MeasureMeshes, name)
+    table = measure_files(settings, files, units, jobs, rule)
+    if settings.gripper.grasps_with == SUCTION:
+        table[["complexity_cell", "difficulty_cell"]] = None  # the map has no meaning for cups
     if out is not None:
         write_frame(table, MEASURED, out)
-    measured(table, axis_pair(whole.measures), name)
+    measured(table, axis_pair(whole.measures))
+    warn_of_measures(table)
     if note := incomparable(whole, name, rule):
         typer.echo(note)
     complain(reasons_in(table), len(table))
@@ -103,7 +112,6 @@ def measure_files(
         rows = list(progress(mapper(work, files.items()), "measuring", len(files)))
     table = pd.DataFrame(rows, columns=MEASURED.names)
     warn_of_units(sizes(rows), units)
-    warn_of_measures(table)
     return table
 
 

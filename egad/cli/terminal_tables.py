@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from egad.measures import cell_name
-from egad.report.axes import DIFFICULTY, AxisPair
+from egad.report.axes import AxisPair
 from egad.report.page import p_value
 from egad.stats import (
     MIN_CORRELATED,
@@ -32,43 +32,18 @@ WIDE = 200  # columns of a table that goes into a file
 MAX_COLUMNS = 12  # columns of a matrix that still can be read
 
 
-def measured(table: pd.DataFrame, axes: AxisPair, gripper: str) -> None:
-    """Print columns of `tables.objects.MEASURED`, with the size and gripper of sampled grasps."""
-    sampled = axes.upwards == DIFFICULTY
-    size = ["grasped at, mm", "times its size", "gripper"] if sampled else []
-    show(
-        ["name", *_titles(axes), "cell", "certain %", "grasps", *size],
-        [
-            (
-                *_place(row, axes),
-                number(100 * row["cell_confidence"], 0),
-                number(row["grasps"], 0),
-                *(_size(row, gripper) if sampled else ()),
-            )
-            for row in _rows(table)
-        ],
-    )
-
-
-def _size(row: pd.Series, gripper: str) -> tuple[str, str, str]:
-    """Sides of the box when grasps were sampled, their ratio to the real ones, and the gripper.
-
-    Dashes if no grasps were sampled.
-    """
-    if pd.isna(row["factor"]):
-        return DASH, DASH, DASH
-    sides = " x ".join(number(1000 * row[f"grasped_{side}"], 1) for side in (1, 2, 3))
-    return sides, number(row["factor"], 3), gripper
+def measured(table: pd.DataFrame, axes: AxisPair) -> None:
+    """Print name, measures and cell of meshes: columns of `tables.objects.MEASURED`."""
+    show(["name", *_titles(axes), "cell"], [_place(row, axes) for row in _rows(table)])
 
 
 def located(table: pd.DataFrame, axes: AxisPair) -> None:
     """Print columns of `tables.objects.LOCATED`."""
     show(
-        ["name", *_titles(axes), "cell", "certain %", *_orders(axes), "diversity", "nearest"],
+        ["name", *_titles(axes), "cell", *_orders(axes), "diversity", "nearest"],
         [
             (
                 *_place(row, axes),
-                number(100 * row["cell_confidence"], 0),
                 number(row["complexity_percentile"], 0),
                 number(row["difficulty_percentile"], 0),
                 number(row["diversity"], 3),

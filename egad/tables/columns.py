@@ -112,7 +112,7 @@ FINE_COMPLEXITY = column(
 GRASPABILITY = column("graspability", FLOAT, "percentile of grasp quality, high for easy objects")
 GRASPABILITY_STD = column("graspability_std", FLOAT, "standard error of the graspability")
 CELL_CONFIDENCE = column(
-    "cell_confidence", FLOAT, "probability that the exact graspability lies in the same cell"
+    "cell_confidence", FLOAT, "probability that the exact graspability lies in the same row"
 )
 CELLS = [
     column("complexity_cell", INT, "cell along complexity, 0 = simplest"),

@@ -202,13 +202,15 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
 
 def test_measure_says_at_which_size_and_what_cannot_be_compared(tmp_path):
     (tmp_path / "cube.obj").write_text(CUBE)
-    given = ["measure", tmp_path / "cube.obj", "--units", "cm", "--jobs", 1]
+    out = tmp_path / "sizes.csv"
+    given = ["measure", tmp_path / "cube.obj", "--units", "cm", "--jobs", 1, "--out", out]
     result = egad(*given)
-    assert "40.0 x " in result.stdout
-    assert "yumi" in result.stdout
+    titles = ["name", "complexity, bit", "graspability, 1e-3", "cell"]
+    assert re.split("  +", result.stdout.splitlines()[0].strip()) == titles
+    assert pd.read_csv(out)["grasped_1"].tolist() == [pytest.approx(0.04)]
     assert "cannot be compared" not in result.stdout
     result = egad(*given, "--rule", "none")
-    assert "10.0 x 10.0 x 10.0" in result.stdout
+    assert pd.read_csv(out)["grasped_3"].tolist() == [pytest.approx(0.01)]
     assert "Cells by the rule none for yumi cannot be compared with the map" in result.stdout
     assert "'papr' is not one of 'paper'" in egad(*given, "--rule", "papr").stderr
 
