@@ -2,6 +2,7 @@
 
 import difflib
 import hashlib
+import logging
 import os
 import re
 from collections import Counter
@@ -12,6 +13,8 @@ from pathlib import Path, PurePosixPath
 from egad.errors import UserError
 from egad.io.mesh import ENDINGS
 
+log = logging.getLogger(__name__)
+
 EVERY_FILE = "*"
 _WILDCARD = re.compile(r"[*?\[]")
 
@@ -20,22 +23,26 @@ def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[P
     """All files in a folder and the folders in it, except hidden folders, sorted in each of them.
 
     Links are followed as `find -L` follows them: a file occurs at each of its paths, but a link to
-    a folder that the link itself lies in is passed over. A link to nothing counts as a file.
+    a folder that the link itself lies in is passed over. A link to nothing counts as a file. A
+    warning names each folder in it that cannot be read.
 
     Args:
         folder: Where to look.
         above: Real paths of the folders that lead to it.
 
     Raises:
-        UserError: A folder cannot be read.
+        UserError: The folder itself cannot be read.
     """
     try:
         entries = sorted(os.scandir(folder), key=attrgetter("name"))
     except OSError as error:
-        raise UserError(f"{folder}: cannot be read: {error.strerror}") from error
+        if not above:
+            raise UserError(f"{folder}: cannot be read: {error.strerror}") from error
+        log.warning("%s is left out: it cannot be read: %s", folder, error.strerror)
+        return
     within = above | {os.path.realpath(folder)}
     for entry in entries:
-        if not entry.is_dir():
+        if not os.path.isdir(entry.path):  # noqa: PTH112 (False where `Path.is_dir` raises)
             yield Path(entry.path)
         elif not entry.name.startswith(".") and os.path.realpath(entry.path) not in within:
             yield from files_below(Path(entry.path), within)

@@ -1,4 +1,6 @@
+import os
 import subprocess
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -105,6 +107,7 @@ def test_two_stars_follow_links_and_cycles_end(tree, tmp_path, pattern):
     (folder / "in/self").symlink_to(".")
     (folder / "in/file.obj").symlink_to("../b.obj")
     (folder / "gone").symlink_to("nowhere")
+    (folder / "loop").symlink_to("loop")
     found = ["b.obj", "in/d.obj", "in/file.obj", "linked/sub/a.obj"]
     assert mesh_files(folder, pattern) == [folder / path for path in found]
     listed = subprocess.run(
@@ -117,6 +120,28 @@ def test_two_stars_follow_links_and_cycles_end(tree, tmp_path, pattern):
     assert sorted(listed.stdout.split()) == [f"./{path}" for path in found]
     assert list(objects_in(tmp_path, "data/**/a.obj")) == ["linked-sub"]
     assert mesh_files(tmp_path, "data/l*/**/*.obj") == [folder / "linked/sub/a.obj"]
+
+
+@pytest.fixture
+def folder_of_a_person():
+    """A folder of a user whom permissions bind, as they do not bind root."""
+    person = os.geteuid()
+    os.seteuid(person or 65534)
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+    os.seteuid(person)
+
+
+def test_a_folder_that_cannot_be_read_is_left_out_with_a_warning(folder_of_a_person, caplog):
+    folder = folder_of_a_person
+    (folder / "a.obj").touch()
+    (folder / "lost+found").mkdir(mode=0)
+    for pattern in ("**/*.obj", "*.obj"):
+        assert mesh_files(folder, pattern) == [folder / "a.obj"]
+    (warning,) = caplog.messages
+    assert warning.startswith(f"{folder / 'lost+found'} is left out: it cannot be read")
+    with pytest.raises(UserError, match=r"lost\+found: cannot be read"):
+        mesh_files(folder / "lost+found", "**/*.obj")
 
 
 @pytest.mark.parametrize("pattern", ["a**/*.obj", "**.obj", "**/**"])
