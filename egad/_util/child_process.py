@@ -174,7 +174,7 @@ class Worker:
         """How a process that no longer answers ended, in words.
 
         Raises:
-            WorkerKilledError: It was killed, or ended under a low limit on memory.
+            WorkerKilledError: It was killed.
         """
         status = self.stop()
         if status == -signal.SIGKILL:
@@ -183,7 +183,7 @@ class Worker:
             )
         ending = f"{self._name} {'hung up' if status is None else f'ended with status {status}'}"
         if status and (memory_limit() or MAX_MEMORY) < MAX_MEMORY:
-            raise WorkerKilledError(f"{ending}, probably {out_of_memory()}")
+            return f"{ending}, perhaps {out_of_memory()}"
         return ending
 
     def close_pipe(self) -> None:

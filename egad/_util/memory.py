@@ -6,34 +6,36 @@ import resource
 
 from egad.errors import UserError
 
-# Names in the shell, and bytes that loading and compiling everything takes.
-LIMITS = {resource.RLIMIT_AS: ("v", 1_400_000_000), resource.RLIMIT_DATA: ("d", 700_000_000)}
+NEEDED = 1_400_000_000  # bytes of addresses that loading and compiling everything takes
 
 
 def memory_limit() -> int | None:
-    """Bytes of addresses or of data that this process may have, the lower of both; None for any."""
-    return min((limit for limit, *_ in _limits()), default=None)
+    """Bytes of addresses that this process may have; None for any number."""
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return None if limit == resource.RLIM_INFINITY else limit
 
 
 def check_memory() -> None:
-    """Check that the limit lets egad be loaded: in less memory, libraries crash.
+    """Check that the limit lets egad be loaded, with one thread: in less memory, libraries crash.
 
     Raises:
         UserError: It does not.
     """
-    for limit, option, needed in _limits():
+    if limit := memory_limit():
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # each takes up to 80 MB of addresses
-        if limit < needed:
-            raise UserError(
-                f"out of memory: {needed >> 20:,} MB are needed at least; {_named(limit, option)}"
-            )
+        if limit < NEEDED:
+            raise UserError(out_of_memory(f"{NEEDED >> 20:,} MB are needed at least"))
 
 
 def out_of_memory(details: object = "") -> str:
     """A message with the limit if there is one."""
     what = f"out of memory ({details})" if details else "out of memory"
-    limits = sorted(_limits())
-    return f"{what}; {_named(*limits[0][:2])}" if limits else what
+    if not (limit := memory_limit()):
+        return what
+    return (
+        f"{what}; the limit is {limit >> 20:,} MB (ulimit -v {limit >> 10}; on a cluster, the "
+        "memory that the job requests)"
+    )
 
 
 def is_out_of_memory(error: Exception) -> bool:
@@ -44,16 +46,3 @@ def is_out_of_memory(error: Exception) -> bool:
         case RuntimeError():
             return "can't start new thread" in str(error)
     return False
-
-
-def _limits() -> list[tuple[int, str, int]]:
-    """The limits that hold, each with its name in the shell and what egad needs."""
-    found = [(resource.getrlimit(kind)[0], *about) for kind, about in LIMITS.items()]
-    return [limit for limit in found if limit[0] != resource.RLIM_INFINITY]
-
-
-def _named(limit: int, option: str) -> str:
-    return (
-        f"the limit is {limit >> 20:,} MB (ulimit -{option} {limit >> 10}; on a cluster, the "
-        "memory that the job requests)"
-    )

@@ -5,7 +5,7 @@ import sys
 import pytest
 import trimesh
 
-from egad._util.memory import LIMITS, is_out_of_memory, memory_limit
+from egad._util.memory import is_out_of_memory
 
 MIB = 1 << 20
 READS = """
@@ -20,11 +20,11 @@ with readable_errors():
 """
 
 
-def run_under(kind, soft, hard, *command):
-    """Run Python under a limit on memory."""
+def run_under(soft, hard, *command):
+    """Run Python under a limit on addresses."""
     return subprocess.run(
         [sys.executable, "-c", *command],
-        preexec_fn=lambda: resource.setrlimit(kind, (soft, hard)),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (soft, hard)),
         capture_output=True,
         text=True,
         check=False,
@@ -39,24 +39,19 @@ def ball(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("kind", "soft", "hard"),
-    [
-        (resource.RLIMIT_AS, 3_800 * MIB, 3_800 * MIB),
-        (resource.RLIMIT_AS, 1_500 * MIB, resource.RLIM_INFINITY),
-        (resource.RLIMIT_DATA, 800 * MIB, 800 * MIB),
-    ],
+    ("soft", "hard"),
+    [(3_800 * MIB, 3_800 * MIB), (1_500 * MIB, resource.RLIM_INFINITY)],
 )
-def test_a_file_is_read_under_a_limit_below_that_of_its_reader(ball, kind, soft, hard):
-    assert run_under(kind, soft, hard, READS, ball).stdout == "80\n"
+def test_a_file_is_read_under_a_limit_below_that_of_its_reader(ball, soft, hard):
+    assert run_under(soft, hard, READS, ball).stdout == "80\n"
 
 
-@pytest.mark.parametrize(("kind", "option"), [(kind, LIMITS[kind][0]) for kind in LIMITS])
 @pytest.mark.parametrize("mib", [100, 500])
-def test_too_low_a_limit_is_a_sentence_before_libraries_crash(ball, kind, option, mib):
-    run = run_under(kind, mib * MIB, mib * MIB, READS, ball)
+def test_too_low_a_limit_is_a_sentence_before_libraries_crash(ball, mib):
+    run = run_under(mib * MIB, mib * MIB, READS, ball)
     assert run.returncode == 1
-    assert run.stderr.startswith("egad: out of memory: ")
-    assert f"the limit is {mib} MB (ulimit -{option} {mib << 10};" in run.stderr
+    assert run.stderr.startswith("egad: out of memory (1,335 MB are needed at least); ")
+    assert f"the limit is {mib} MB (ulimit -v {mib << 10};" in run.stderr
     assert len(run.stderr.splitlines()) == 1
 
 
@@ -87,11 +82,11 @@ for function in (fill, die):
 
 
 def test_a_file_that_the_limit_is_too_low_for_is_not_called_damaged(ball):
-    run = run_under(resource.RLIMIT_AS, 2_000 * MIB, 2_000 * MIB, BLAMES, ball)
+    run = run_under(2_000 * MIB, 2_000 * MIB, BLAMES, ball)
     lines = run.stdout.splitlines()
     assert len(lines) == 2, run.stderr
     assert lines[0].startswith("egad: out of memory; the limit is 2,000 MB (ulimit -v 2048000;")
-    assert "ended with status -6, probably out of memory; the limit is 2,000 MB" in lines[1]
+    assert "ended with status -6, perhaps out of memory; the limit is 2,000 MB" in lines[1]
 
 
 def test_what_says_that_memory_ran_out():
@@ -102,6 +97,30 @@ def test_what_says_that_memory_ran_out():
     assert not is_out_of_memory(RuntimeError("no"))
 
 
-def test_without_a_limit_there_is_none():
-    if all(resource.getrlimit(kind)[0] == resource.RLIM_INFINITY for kind in LIMITS):
-        assert memory_limit() is None
+@pytest.mark.parametrize(
+    ("limit", "said"), [(resource.RLIM_INFINITY, "None"), (1 << 30, str(1 << 30))]
+)
+def test_the_limit_is_that_of_the_process(limit, said):
+    program = "from egad._util.memory import memory_limit; print(memory_limit())"
+    assert run_under(limit, resource.RLIM_INFINITY, program).stdout == f"{said}\n"
+
+
+CRASHES = """
+import contextlib
+import os
+from pathlib import Path
+from egad._util.child_process import RestartingWorker
+
+@contextlib.contextmanager
+def work():
+    yield lambda number: number or os.abort()
+
+with RestartingWorker(work) as worker:
+    print(worker(0), worker(2))
+"""
+
+
+def test_a_crash_under_a_limit_does_not_end_a_run():
+    run = run_under(2_500 * MIB, 2_500 * MIB, CRASHES)
+    assert run.stdout == "None 2\n", run.stderr
+    assert run.stderr.count("ended with status -6, perhaps out of memory; the limit is 2,500") == 2
