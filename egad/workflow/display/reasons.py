@@ -3,13 +3,15 @@
 import ast
 import re
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any
+
+import pandas as pd
 
 from egad.workflow.display.messages import LOGGER
 
 MOST = 6  # changes of a job that are shown
-VERSION = re.compile(r"[0-9a-f]{16}")
 NAMES = {"code": "the code of this stage", "contents": "the contents of a file"}
 
 
@@ -20,18 +22,19 @@ def explain_reasons(workflow: Any) -> None:  # noqa: ANN401 (of Snakemake)
 
 
 def _name_changes(workflow: Any, record: Any) -> bool:  # noqa: ANN401 (of Snakemake)
-    if "Params have changed" in (getattr(record, "reason", None) or ""):
-        job = next(each for each in workflow.dag.jobs if each.jobid == record.jobid)
-        change = workflow.dag.reason(job).params_changed
-        now = {name: value for name, value in job.params.items() if repr(value) in change.only_new}
-        words = changes(change.only_old, now)
-        for kind in ("gripper", "detector"):  # stages get one of them
-            if name := job.wildcards.get(kind):
-                words = re.sub(rf"\b{kind}\.", f"{kind}s.{name}.", words)
-        record.reason = record.reason.replace(
-            f"Params have changed since last execution: {change}",
-            f"Changed since last execution: {words}",
-        )
+    with suppress(Exception):  # whatever another version of Snakemake says stays as it is
+        if "Params have changed" in record.reason:
+            (job,) = (each for each in workflow.dag.jobs if each.jobid == record.jobid)
+            change = workflow.dag.reason(job).params_changed
+            now = {key: each for key, each in job.params.items() if repr(each) in change.only_new}
+            words = changes(change.only_old, now)
+            for kind in ("gripper", "detector"):  # stages get one of them
+                if name := job.wildcards.get(kind):
+                    words = re.sub(rf"\b{kind}\.", f"{kind}s.{name}.", words)
+            record.reason = record.reason.replace(
+                f"Params have changed since last execution: {change}",
+                f"Changed since last execution: {words}",
+            )
     return True
 
 
@@ -42,7 +45,7 @@ def changes(before: Collection[str], now: Mapping[str, Any]) -> str:
         before: Former values of those that have changed, as Snakemake keeps them: without names.
         now: Their new values.
     """
-    former = [_value(text) for text in before]
+    former = list(map(_value, before))
     found = [each for name, value in now.items() for each in _changes_of(name, value, former)]
     rest = [f"and {len(found) - MOST} more"] if len(found) > MOST else []
     return ", ".join([*found[:MOST], *rest]) or "parameters that are no longer there"
@@ -50,26 +53,17 @@ def changes(before: Collection[str], now: Mapping[str, Any]) -> str:
 
 def _changes_of(name: str, value: Any, former: list[Any]) -> Iterator[str]:  # noqa: ANN401
     same_kind = [each for each in former if type(each) is type(value)]
-    if (not isinstance(value, dict) and VERSION.search(repr(value))) or len(same_kind) != 1:
+    if isinstance(value, str | list) or len(same_kind) != 1:  # most texts are versions
         yield NAMES.get(name, name)
         return
-    old, new = (dict(_flat(each, name)) for each in (same_kind[0], value))
+    tables = ({name.removeprefix("settings"): each} for each in (same_kind[0], value))
+    old, new = (pd.json_normalize(each, sep=".").to_dict("records")[0] for each in tables)
     for key in sorted(old.keys() | new.keys()):
         if old.get(key) != new.get(key):
-            yield f"{key.removeprefix('settings.')} {old.get(key)} -> {new.get(key)}"
-
-
-def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:  # noqa: ANN401 (plain values)
-    """The entries of nested tables by the names that the configuration gives them."""
-    if not isinstance(value, dict):
-        yield name, value
-        return
-    for key, each in value.items():
-        yield from _flat(each, f"{name}.{key}")
+            yield f"{key.removeprefix('.')} {old.get(key)} -> {new.get(key)}"
 
 
 def _value(text: str) -> Any:  # noqa: ANN401 (plain values)
-    try:
+    with suppress(ValueError, SyntaxError):  # `inf`, `<object at ...>`
         return ast.literal_eval(text)
-    except ValueError:  # `inf`
-        return text
+    return text

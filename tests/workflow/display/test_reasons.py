@@ -3,12 +3,15 @@
 import os
 import re
 import sys
+from logging import Handler, LogRecord
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from forks import python
 
-from egad.workflow.display.reasons import changes
+from egad.workflow.display.messages import LOGGER
+from egad.workflow.display.reasons import changes, explain_reasons
 
 SNAKEFILE = """
 from egad.workflow.display import explain_reasons
@@ -77,8 +80,23 @@ def test_few_of_many_changes_are_named():
         ({"3"}, {"shards": 4}, "shards 3 -> 4"),
         ({"{'a': 1}"}, {"settings": {"b": 1}}, "a 1 -> None, b None -> 1"),
         ({"[1, 2]", "[3]"}, {"measures": [4]}, "measures"),
+        ({"['0123456789abcdef']"}, {"sampler": ["fedcba9876543210"]}, "sampler"),
+        ({"<object at 0x7f>", "inf"}, {"limit": 2}, "limit"),
         ({"'x'"}, {}, "parameters that are no longer there"),
     ],
 )
 def test_params_are_paired_as_far_as_that_is_certain(before, now, expected):
     assert changes(before, now) == expected
+
+
+@pytest.mark.parametrize(
+    "workflow", [SimpleNamespace(), SimpleNamespace(dag=SimpleNamespace(jobs=[]))]
+)
+def test_a_reason_that_is_not_understood_stays_as_it_is(workflow, monkeypatch):
+    handler, record = Handler(), LogRecord("snakemake", 20, "", 0, "", (), None)
+    monkeypatch.setattr(LOGGER, "handlers", [handler])
+    explain_reasons(workflow)
+    assert handler.filter(record)
+    record.reason, record.jobid = "Params have changed since last execution: 3", 1
+    assert handler.filter(record)
+    assert record.reason == "Params have changed since last execution: 3"
