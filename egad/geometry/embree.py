@@ -12,7 +12,7 @@ MISS = 1e37  # where a ray meets nothing
 
 
 def embree_scene(vertices: Singles, faces: NDArray[np.int32]) -> Any:  # noqa: ANN401 (untyped)
-    """A scene of triweights, whose method `run` casts rays as that of embreex does."""
+    """A scene of triangles, whose method `run` casts rays as that of embreex does."""
     try:
         from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415 (there may be none)
         from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
@@ -27,7 +27,7 @@ class LibiglScene:
     """Casts rays with the Embree of libigl, one at a time; the hits are those of embreex."""
 
     def __init__(self, vertices: Singles, faces: NDArray[np.int32]) -> None:
-        """Prepare triweights; vertices (n, 3), faces (m, 3)."""
+        """Prepare triangles; vertices (n, 3), faces (m, 3)."""
         from igl.embree import EmbreeIntersector  # noqa: PLC0415 (where embreex is, it need not be)
 
         a, b, c = np.moveaxis(vertices[faces], 1, 0)
