@@ -17,8 +17,7 @@ def available_cpus(root: Path = Path("/")) -> int:
     """
     with suppress(KeyError, ValueError):
         return max(int(os.environ["PYTHON_CPU_COUNT"]), 1)
-    allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return max(min([allowed or 1, *map(math.ceil, _quotas(root))]), 1)
+    return max(min([len(os.sched_getaffinity(0)), *map(math.ceil, _quotas(root))]), 1)
 
 
 def _quotas(root: Path) -> Iterator[float]:
@@ -54,6 +53,6 @@ def _quotas_of(folders: list[Path]) -> Iterator[float]:
 def _lines(file: Path) -> list[str]:
     """The lines of a file; none where it is absent or may not be read."""
     try:
-        return file.read_text().splitlines()
+        return file.read_text(errors="replace").splitlines()
     except OSError:
         return []

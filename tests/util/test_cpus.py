@@ -10,7 +10,7 @@ MOUNT = "32 31 0:29 {top} {place} rw,relatime shared:9 - {kind} {kind} rw{option
 @pytest.fixture(autouse=True)
 def many(monkeypatch):
     monkeypatch.delenv("PYTHON_CPU_COUNT", raising=False)
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)), raising=False)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)))
 
 
 def machine(root, groups, mounts, files):
@@ -78,6 +78,13 @@ GROUP = "sys/fs/cgroup/cpu,cpuacct"
 )
 def test_the_processors_that_a_container_grants(tmp_path, groups, mounts, files, count):
     assert machine(tmp_path, groups, mounts, files) == count
+
+
+def test_a_disk_whose_name_is_not_utf8_does_not_matter(tmp_path):
+    machine(tmp_path, "0::/\n", "", {"sys/fs/cgroup/cpu.max": "200000 100000\n"})
+    usb = MOUNT.format(kind="vfat", place="/media/M\xfcsli", top="/", options="")
+    (tmp_path / "proc/self/mountinfo").write_bytes((usb + v2()).encode("latin-1"))
+    assert available_cpus(tmp_path) == 2
 
 
 @pytest.mark.parametrize(("text", "count"), [("3", 3), ("0", 1), ("default", 8), ("64", 64)])
