@@ -78,9 +78,10 @@ class DatasetSection(Parameters):
     )
     evaluation_set: UserPath | None = Field(
         None,
-        description="objects of the evaluation set: `all`, under their own names; `cells`: one of "
-        "each cell of the grid of `select_eval`; `names`: those named A0 to Z9; or a CSV file with "
-        "the columns id and label (source: meshes); nothing: `all` for meshes, `cells` for others",
+        description="objects of the evaluation set: `all`, under their own names (as `names` if "
+        "all have such names); `cells`: one of each cell of the grid of `select_eval`; `names`: "
+        "those named A0 to Z9; or a CSV file with the columns id and label (source: meshes); "
+        "nothing: `all` for meshes, `cells` for others",
     )
     objects: int | None = Field(
         None,

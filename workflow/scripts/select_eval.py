@@ -18,6 +18,7 @@ from egad.evalset import (
     bound,
     coarse_cells,
     empty_cells,
+    in_grid,
     label_at,
     labels_by_name,
     mean_distance,
@@ -60,8 +61,8 @@ def run(
         objects: Objects of the dataset.
         solids: Objects of the shards, from postprocess, for their Reeb graphs and meshes.
         labels: Labels of objects by id, if the set has already been chosen.
-        selection: `cells`: choose; `all`: all objects; `names`: those whose names are labels;
-            `labels`: those in the file.
+        selection: `cells`: choose; `all`: all objects, in the cells that they are named after if
+            all of them are; `names`: those that are; `labels`: those in the file.
         own: Whether the objects are a user's meshes: then each one that is not chosen is listed.
         out: The evaluation set.
         rejected: The objects that were not chosen, with reasons.
@@ -105,7 +106,7 @@ def _taken(
     settings: EvalSelection,
 ) -> pd.DataFrame:
     """The set that nothing is chosen for; a warning names labels without an object."""
-    if selection == "all":
+    if selection == "all" and (frame.empty or not in_grid(frame["id"])):
         return take_all(frame, distances, settings.select_eval, settings.space)
     known = read_labels(labels[0]) if labels else labels_by_name(frame["id"])
     taken = take(frame, known, distances, settings.select_eval)

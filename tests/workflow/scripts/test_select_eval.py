@@ -70,6 +70,20 @@ def test_all_meshes_are_in_the_set_under_their_names_however_their_cells_fall(ch
     assert (table["nearest"] > 0).all()
 
 
+@pytest.mark.parametrize(
+    ("last", "places"), [("B1", [(0, 1), (0, 2), (1, 0), (1, 1)]), ("b", None)]
+)
+def test_a_set_whose_names_are_all_cells_lies_in_these_cells(chosen, monkeypatch, last, places):
+    for old, new in zip(list(PLACES), ["B0", "A1", "A2", last], strict=True):
+        monkeypatch.setitem(SIDES, new, SIDES["box" if old == "mug" else old])
+        monkeypatch.setitem(PLACES, new, 0.002)
+        monkeypatch.delitem(PLACES, old)
+    table = chosen("all")[0]
+    assert table["label"].tolist() == sorted(["B0", "A1", "A2", last])
+    found = list(zip(table["row"], table["column"], strict=True))
+    assert found == places if places else len(set(found)) == 1
+
+
 def test_where_one_of_each_cell_is_wanted_the_others_are_named_with_reasons(chosen):
     table, left_out = chosen("cells")
     taken = table.set_index("id")["label"]
