@@ -11,19 +11,18 @@ from xml.etree.ElementTree import Element
 from egad.errors import RejectedError
 
 CONFIGS = tuple(
-    f"Metadata/{name}.config"
-    for name in ("SuperSlicer_model", "Slic3r_PE_model", "Slic3r_model", "model_settings")
+    f"metadata/{name}.config"
+    for name in ("superslicer_model", "slic3r_pe_model", "slic3r_model", "model_settings")
 )
 SLIC3R = "{http://schemas.slic3r.org/3mf/2017/06}"
 MODIFIER = "ParameterModifier"
-# What a volume adds to the solid: 1: itself; 0: nothing; -1: it is cut out.
-SIGNS = {
-    **dict.fromkeys(("", "0", "ModelPart", "normal_part"), 1),
-    **dict.fromkeys(("1", MODIFIER, "modifier_part"), 0),
-    **dict.fromkeys(("SupportBlocker", "SupportEnforcer", "SeamPosition", "BrimPatch"), 0),
-    **dict.fromkeys(("BrimNegative", "support_blocker", "support_enforcer"), 0),
-    **dict.fromkeys(("infill_mesh", "cutting_mesh", "support_mesh", "anti_overhang_mesh"), 0),
-    **dict.fromkeys(("NegativeVolume", "negative_part"), -1),
+OF_CURA = frozenset({"infill_mesh", "cutting_mesh", "support_mesh", "anti_overhang_mesh"})
+SOLID = frozenset({"", "0", "ModelPart", "normal_part"})
+CUT_OUT = frozenset({"NegativeVolume", "negative_part"})
+LEFT_OUT = OF_CURA | {
+    *("1", MODIFIER, "modifier_part"),
+    *("SupportBlocker", "SupportEnforcer", "support_blocker", "support_enforcer"),
+    *("SeamPosition", "BrimPatch", "BrimNegative"),
 }
 
 
@@ -37,13 +36,13 @@ class Volume(NamedTuple):
 
 
 def sign_of(kind: str) -> int:
-    """What a volume of some kind adds to the solid, as in `SIGNS`."""
-    if kind not in SIGNS:
+    """What a volume of some kind adds to the solid: 1: itself; 0: nothing; -1: it is cut out."""
+    if kind not in SOLID | LEFT_OUT | CUT_OUT:
         raise RejectedError(
             f"it has a volume of the kind {kind[:40]!r}, which is not supported; export the solid "
             "as STL"
         )
-    return SIGNS[kind]
+    return (kind in SOLID) - (kind in CUT_OUT)
 
 
 def configured_volumes(root: Element) -> dict[str, list[Volume]]:
@@ -79,7 +78,7 @@ def cura_kind(found: Element) -> str:
     """The kind that Cura gives an object; empty for a solid."""
     for each in found.iter():
         kind = each.get("name", "").removeprefix("cura:")
-        if kind.endswith("_mesh") and kind in SIGNS and (each.text or "").strip() in ("True", "1"):
+        if kind in OF_CURA and (each.text or "").strip().lower() in ("true", "1"):
             return kind
     return ""
 
@@ -101,9 +100,9 @@ def volume_sizes(volumes: Sequence[Volume], count: int) -> list[tuple[str, int]]
     """The kinds of the volumes of an object, and how many of its triangles, in turn, each has.
 
     Raises:
-        RejectedError: They do not divide its triangles.
+        RejectedError: They do not divide its triangles, and not all are solid.
     """
-    if not volumes:
+    if all(sign_of(each.kind) == 1 for each in volumes):
         return [("", count)]
     try:
         ranges = sorted((int(str(v.first)), int(str(v.last)) + 1, v.kind) for v in volumes)

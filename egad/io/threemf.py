@@ -45,7 +45,7 @@ CORE, PRODUCTION = f"{MICROSOFT}/core/2015/02", f"{MICROSOFT}/production/2015/06
 TAG, PATH = f"{{{CORE}}}", f"{{{PRODUCTION}}}path"
 KNOWN = (CORE, PRODUCTION, f"{MICROSOFT}/material/2015/02")  # the last has no shapes
 MODEL_KIND = f"{MICROSOFT}/2013/01/3dmodel"
-USUAL_MODEL = "3D/3dmodel.model"
+USUAL_MODEL = "3d/3dmodel.model"
 UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
 SAME = np.eye(4)[:, :3]  # a transform (4, 3) of rows that are multiplied from the left
 
@@ -53,7 +53,7 @@ SAME = np.eye(4)[:, :3]  # a transform (4, 3) of rows that are multiplied from t
 class _Placed(NamedTuple):
     vertices: Floats
     faces: Ints
-    sign: int = 1  # see `egad.io.slicers.SIGNS`
+    sign: int = 1  # see `egad.io.slicers.sign_of`
 
 
 class _Leaf(NamedTuple):
@@ -87,10 +87,12 @@ def parse_3mf(data: bytes) -> Content:
 
 
 class _Package:
-    """The parts of a 3MF file, each parsed once."""
+    """The parts of a 3MF file, each parsed once; the case of their names does not matter."""
 
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self._archive = archive
+        self._names = {name.lower(): name for name in archive.namelist()}
+        self._start = self._start_path()
         self._models = dict[str, Element]()
         self._objects = dict[str, dict[str, Element]]()
         self._volumes = dict[str, list[Volume]]()  # of objects in the part that it starts with
@@ -99,10 +101,10 @@ class _Package:
 
     def content(self) -> Content:
         """All that is built."""
-        root = self._model(path := self._start())
-        for name in (each for each in CONFIGS if each in self._archive.namelist()):
-            self._volumes = configured_volumes(_parsed(self._archive.read(name))[0]) | self._volumes
-        parts = list(self._built(path, root))
+        root = self._model(self._start)
+        for name in (each for each in CONFIGS if each in self._names):
+            self._volumes = configured_volumes(self._parsed(name)[0]) | self._volumes
+        parts = list(self._built(root))
         if not parts and self._left_out:
             raise RejectedError(f"no faces: its objects are {', '.join(sorted(self._left_out))}")
         if not parts:
@@ -113,23 +115,24 @@ class _Package:
         stated = [unit for each in self._models.values() if (unit := _unit(each))]
         return Content(vertices, np.concatenate(faces), stated[0] if stated else None)
 
-    def _start(self) -> str:
-        """The path of the model part that the package is about."""
-        names = self._archive.namelist()
-        if "_rels/.rels" in names:
-            relations, _ = _parsed(self._archive.read("_rels/.rels"))
-            for each in relations:
+    def _start_path(self) -> str:
+        """The path of the model part that the package is about, in small letters."""
+        if "_rels/.rels" in self._names:
+            for each in self._parsed("_rels/.rels")[0]:
                 if each.get("Type") == MODEL_KIND and each.get("Target"):
-                    return str(each.get("Target")).lstrip("/")
-        if USUAL_MODEL not in names:
+                    return str(each.get("Target")).lstrip("/").lower()
+        if USUAL_MODEL not in self._names:
             raise RejectedError("it has no model part")
         return USUAL_MODEL
 
+    def _parsed(self, path: str) -> tuple[Element, dict[str, str]]:
+        return _parsed(self._archive.read(self._names[path]))
+
     def _model(self, path: str) -> Element:
         if path not in self._models:
-            if path not in self._archive.namelist():
+            if path not in self._names:
                 raise RejectedError(f"its part {path} is missing")
-            root, namespaces = _parsed(self._archive.read(path))
+            root, namespaces = self._parsed(path)
             if root.tag != f"{TAG}model":
                 raise RejectedError(f"its part {path} is not a model")
             for prefix in root.get("requiredextensions", "").split():
@@ -141,7 +144,7 @@ class _Package:
             self._objects[path] = {str(each.get("id")): each for each in found}
         return self._models[path]
 
-    def _built(self, path: str, root: Element) -> Iterator[_Placed]:
+    def _built(self, root: Element) -> Iterator[_Placed]:
         unit = _unit(root)
         for item in root.iterfind(f"{TAG}build/{TAG}item"):
             if item.get("printable") == "0":
@@ -150,7 +153,7 @@ class _Package:
             volumes = self._volumes.get(str(item.get("objectid")), [])
             pieces = [
                 piece
-                for index, leaf in enumerate(self._leaves(path, unit, item, SAME, ()))
+                for index, leaf in enumerate(self._leaves(self._start, unit, item, SAME, ()))
                 for piece in self._pieces(leaf, part_kind(volumes, index, leaf.number))
             ]
             yield from _cut(pieces)
@@ -164,7 +167,7 @@ class _Package:
         parents: tuple[tuple[str, str], ...],
     ) -> Iterator[_Leaf]:
         """The mesh objects of the object that an item or a component refers to."""
-        path = reference.get(PATH, path).lstrip("/")
+        path = reference.get(PATH, path).lstrip("/").lower()
         if (_unit(self._model(path)) or PRESCRIBED["3mf"]) != (unit or PRESCRIBED["3mf"]):
             raise RejectedError(f"its parts have different units: {path}")
         number = str(reference.get("objectid"))
@@ -176,7 +179,7 @@ class _Package:
         matrix = _compose(_transform(reference), above)
         components = found.find(f"{TAG}components")
         if components is None:
-            volumes = self._volumes.get(number, []) if path == next(iter(self._models)) else []
+            volumes = self._volumes.get(number, []) if path == self._start else []
             yield _Leaf(found, number, matrix, [each for each in volumes if each.first])
             return
         for each in components.iterfind(f"{TAG}component"):

@@ -1,5 +1,8 @@
 """Volumes that slicers do not print: project files as these programs write them."""
 
+import io
+import zipfile
+
 import numpy as np
 import pytest
 import trimesh
@@ -145,10 +148,14 @@ def test_nothing_is_cut_out_of_an_open_surface(tmp_path):
         ("SupportBlocker", "WipeTower", "'WipeTower', which is not supported"),
     ],
 )
-def test_volumes_that_do_not_fit_are_refused(tmp_path, old, new, reason):
+def test_volumes_that_do_not_fit_are_refused_unless_all_are_solid(tmp_path, old, new, reason):
     settings = config(prusa(kind("ModelPart"), kind("SupportBlocker"))).replace(old, new)
+    text = model(joined_xml(1, CUBE, box(20, (40, 0, 0))))
     with pytest.raises(RejectedError, match=reason):
-        read(tmp_path, model(joined_xml(1, CUBE, LARGE)), settings)
+        read(tmp_path, text, settings)
+    if old != "SupportBlocker":
+        solid = settings.replace("SupportBlocker", "ModelPart")
+        assert_size(read(tmp_path, text, solid), (60, 20, 20), 16_000)
 
 
 def bambu(number, *parts):
@@ -196,6 +203,25 @@ def test_parts_of_bambu_studio(tmp_path, usual, name, volume):
     assert_size(mesh, 20, volume)
 
 
+@pytest.mark.parametrize("change", [str.lower, str.upper])
+def test_the_case_of_the_names_of_parts_does_not_matter(tmp_path, change):
+    """As in the Open Packaging Conventions."""
+    data = package(
+        model(assembly(4, *components(1, 2)), ['objectid="4"']),
+        others={
+            BAMBU: config(bambu(4, (1, "normal_part"), (2, "modifier_part"))),
+            OBJECTS: in_parts(CUBE, LARGE, kinds=("model", "model")),
+        },
+    )
+    with (
+        zipfile.ZipFile(io.BytesIO(data)) as old,
+        zipfile.ZipFile(tmp_path / "cased.3mf", "w") as new,
+    ):
+        for name in old.namelist():
+            new.writestr(change(name), old.read(name))
+    assert_size(read_mesh(tmp_path / "cased.3mf", None), 20, 8000)
+
+
 def test_parts_that_share_a_mesh(tmp_path):
     """The same mesh twice: the first solid, the second cut out of it, moved by half a side."""
     moved = components(1, more=' transform="1 0 0 0 1 0 0 0 1 10 0 0"')
@@ -223,15 +249,15 @@ def test_parts_in_the_order_of_another_program_are_known_by_number(tmp_path):
 @pytest.mark.parametrize(
     "name", ["infill_mesh", "cutting_mesh", "support_mesh", "anti_overhang_mesh"]
 )
-@pytest.mark.parametrize("prefix", ["cura:", ""])
-def test_objects_that_cura_does_not_print(tmp_path, name, prefix):
+@pytest.mark.parametrize(("prefix", "yes"), [("cura:", "True"), ("", "True"), ("cura:", "true")])
+def test_objects_that_cura_does_not_print(tmp_path, name, prefix, yes):
     def noted(value):
         entry = f'<metadata name="{prefix}{name}" type="xs:string">{value}</metadata>'
         return f'<metadatagroup xmlns="{CORE}">{entry}</metadatagroup><mesh>'
 
     text = model(
         joined_xml(1, CUBE).replace("<mesh>", noted("False"))
-        + joined_xml(2, LARGE).replace("<mesh>", noted("True")),
+        + joined_xml(2, LARGE).replace("<mesh>", noted(yes)),
         ['objectid="1"', 'objectid="2"'],
     )
     assert_size(read(tmp_path, text), 20, 8000)
