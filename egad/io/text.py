@@ -13,7 +13,10 @@ BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 START = 1024  # bytes that say whether a file is text
 _UTF16 = re.compile(rb"\xff\xfe|\xfe\xff|(?:[^\0]\0){4}|(?:\0[^\0]){4}")
 # How C and C++ libraries write what is not finite, other than `nan` and `inf`
-_NOT_FINITE = re.compile(rb"\d\.#(?:[QS]NAN|IND|INF)\d*|(?<=nan)\([^)\s]*\)", re.IGNORECASE)
+_MICROSOFT = re.compile(  # rounded to few digits as if the letters were digits
+    rb"\d\.#(?:[QS](?:NAN|NB|O)|R|T|IN[DF]|IO|J)\d*\b", re.IGNORECASE
+)
+_PAYLOAD = re.compile(rb"\((?<=nan\()\w*\)", re.IGNORECASE)
 _BLANKS = dict.fromkeys(map(ord, "\t\n\r\x1a"))
 
 
@@ -33,9 +36,9 @@ def plain_text(data: bytes) -> bytes:
 
 def with_plain_nan(text: bytes) -> bytes:
     """A text with `nan` for numbers such as `1.#QNAN` and `nan(ind)`, which are not finite."""
-    if b".#" not in text and b"(" not in text:
-        return text
-    return _NOT_FINITE.sub(lambda match: b"" if match[0][:1] == b"(" else b"nan", text)
+    if b".#" in text:
+        text = _MICROSOFT.sub(b"nan", text)
+    return _PAYLOAD.sub(b"", text) if b"(" in text else text
 
 
 def is_utf16(data: bytes) -> bool:

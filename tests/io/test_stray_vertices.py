@@ -1,14 +1,18 @@
 """Vertices that are not finite: passed over where no face uses them, otherwise refused."""
 
+import time
+
 import numpy as np
 import pytest
 from mesh_files import BOX_SIZE, BOX_VOLUME, CORNERS, POINTS, F, V, gltf, model, package, solid_xml
 
 from egad.errors import RejectedError
 from egad.io import read_mesh
+from egad.io.text import with_plain_nan
 
 SPELLINGS = ["nan", "NaN", "-nan", "nan(ind)", "-nan(ind)", "nan(snan)", "-NAN(IND)", "nan(0x8000)"]
 SPELLINGS += ["1.#QNAN", "1.#QNAN0", "-1.#IND", "-1.#IND00", "1.#SNAN", "1.#INF", "-1.#INF00"]
+SPELLINGS += ["1.#J", "-1.#J", "1.#R", "1.#QO", "-1.#IO", "1.#QNB", "1.#T"]  # with few digits
 SPELLINGS += ["inf", "-inf", "Infinity", "1e999"]
 
 
@@ -108,3 +112,17 @@ def test_every_vertex_of_stl_is_used(tmp_path, word):
     text = f"solid a\nfacet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\nendsolid a\n"
     with pytest.raises(RejectedError, match="not finite"):
         read(tmp_path, "stl", text)
+
+
+def test_what_only_looks_like_such_a_number_stays():
+    text = b"v 1.#Just a comment\n# nan (of) f(x) nan(a b) 1.#5\n"
+    assert with_plain_nan(text) == text
+
+
+@pytest.mark.parametrize(
+    "text", [b"# (a) nan(\n" + b"v 0.12 0.23 0.34\n" * 2_000_000, b"nan(" * 10**6]
+)
+def test_a_bracket_costs_no_time(text):
+    before = time.process_time()
+    assert with_plain_nan(text) == text
+    assert time.process_time() - before < 0.5  # seconds
