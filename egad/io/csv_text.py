@@ -14,20 +14,23 @@ MAX_BYTES, MAX_ROWS = 1 << 24, 100_000
 SAVE = "save it as CSV UTF-8"
 _WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 _SEPARATOR = re.compile(r'\s*"?sep=(.)"?[,;\t]*(?=\n)', re.IGNORECASE)
-_COMMA = re.compile(r"([-+]?\d*),(\d+(?:e[-+]?\d+)?)", re.IGNORECASE)
+_COMMA = re.compile(r"^([-+]?\d*),(\d+(?:e[-+]?\d+)?(?:\s*%)?)$", re.IGNORECASE)
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}")
 
 
-def csv_lines(path: Path, columns: Collection[str]) -> list[tuple[int, list[str]]]:
+def csv_lines(
+    path: Path, columns: Collection[str], numbers: Collection[str] = ()
+) -> list[tuple[int, list[str]]]:
     """The cells of the lines of a CSV file, with line numbers; empty lines are left out.
 
     Cells are separated by commas or, as spreadsheets do, by semicolons or tabs, or by what a line
-    such as `sep=;` says; then, a decimal comma becomes a point. The text is UTF-8 or UTF-16; only
-    cells that are not used may have another encoding.
+    such as `sep=;` says; then, the decimal comma of a number becomes a point. The text is UTF-8 or
+    UTF-16; only cells that are not used may have another encoding.
 
     Args:
         path: The file.
         columns: The names, in small letters, of the columns that are used.
+        numbers: Those of them that may have decimal numbers.
 
     Raises:
         UserError: It is not a CSV file, is too large, or a cell has another encoding.
@@ -37,7 +40,7 @@ def csv_lines(path: Path, columns: Collection[str]) -> list[tuple[int, list[str]
     try:
         text, separator = _separator(_decoded(path))
         reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
-        rows = ((reader.line_num, [_cell(each, separator) for each in row]) for row in reader)
+        rows = ((reader.line_num, [each.strip() for each in row]) for row in reader)
         filled = list(islice((row for row in rows if any(row[1])), MAX_ROWS + 2))
     except (UnicodeDecodeError, csv.Error) as error:
         raise UserError(f"{path}: not a CSV file: {error}; {SAVE}") from error
@@ -52,6 +55,8 @@ def csv_lines(path: Path, columns: Collection[str]) -> list[tuple[int, list[str]
                     f"{path}, line {line}, column {place + 1} ({name}): a letter is not UTF-8; "
                     f"{SAVE}"
                 )
+            if name in numbers and separator != "," and place < len(row):
+                row[place] = _with_point(row[place], separator)
     return filled
 
 
@@ -79,10 +84,8 @@ def _separator(text: str) -> tuple[str, str]:
     return text, max(",;\t", key=head.count)
 
 
-def _cell(text: str, separator: str) -> str:
-    """A cell without blanks around it, and with a decimal point."""
-    cell = text.strip()
-    decimal = None if separator == "," else _COMMA.fullmatch(cell)
-    if decimal is None or (separator == "\t" and _THOUSANDS.fullmatch(cell)):
+def _with_point(cell: str, separator: str) -> str:
+    """A number with a decimal point, unless its comma may separate thousands."""
+    if separator == "\t" and _THOUSANDS.fullmatch(cell):
         return cell
-    return f"{decimal[1]}.{decimal[2]}"
+    return _COMMA.sub(r"\1.\2", cell)

@@ -50,7 +50,7 @@ def read_rates(path: Path) -> dict[str, pd.DataFrame]:
     """
     if path.suffix.lower() not in TEXT:
         return {name: object_rates(table) for name, table in read(path).items()}
-    (_, names), *lines = csv_cells(path, RATE_COLUMNS)
+    (_, names), *lines = csv_cells(path, RATE_COLUMNS, ["success_rate"])
     names = [name.lower() for name in names]
     if ATTEMPT_COLUMNS & set(names):
         return {name: object_rates(table) for name, table in read(path).items()}

@@ -116,7 +116,7 @@ def results(trials: pd.DataFrame, detector: str) -> pd.DataFrame:
 
 
 def _csv(path: Path) -> pd.DataFrame:
-    (_, names), *lines = csv_cells(path, READ)
+    (_, names), *lines = csv_cells(path, READ, ["quality"])
     names = [name.lower() for name in names]
     if missing := [name for name in NEEDED if name not in names]:
         raise UserError(
@@ -219,9 +219,11 @@ def _tell(path: Path, problems: Sequence[str]) -> None:
         log.warning("%s: %d more like these are left out", path, len(problems) - MAX_TOLD)
 
 
-def csv_cells(path: Path, columns: Collection[str]) -> list[tuple[int, list[str]]]:
+def csv_cells(
+    path: Path, columns: Collection[str], numbers: Collection[str]
+) -> list[tuple[int, list[str]]]:
     """The lines of a CSV file (`egad.io.csv_lines`), each as long as the first."""
-    filled = csv_lines(path, columns)
+    filled = csv_lines(path, columns, numbers)
     if not filled:
         raise UserError(f"{path}: not a CSV file: it is empty")
     width = len(filled[0][1])

@@ -103,3 +103,11 @@ def test_rates_of_attempts_are_successes_over_attempts():
     found = object_rates(table)
     assert found.to_numpy().tolist() == [[0, 1], [0.5, 2]]
     assert list(found.index) == ["A0", "C2"]
+
+
+def test_percentages_with_decimal_commas(tmp_path):
+    (tmp_path / "rates.csv").write_text("label;success_rate\n1,5;87,5 %\nB0;0,25\n")
+    assert read_rates(tmp_path / "rates.csv")["rates"]["rate"].to_dict() == {
+        "1,5": 0.875,
+        "B0": 0.25,
+    }

@@ -146,6 +146,12 @@ def test_semicolons_separate_what_has_commas_in_it(written):
     assert list(read(written(text))) == ["mine, the new one"]
 
 
+def test_a_name_with_a_comma_is_no_number(written):
+    text = "label;attempt;success;detector;quality\n1,5;0;1;2,5;0,5\n"
+    ((detector, table),) = read(written(text)).items()
+    assert (detector, *table.loc[0, ["label", "quality"]]) == ("2,5", "1,5", 0.5)
+
+
 def test_a_robots_objects_are_known_by_their_label_only(written):
     table = read(written(GOOD))["mine"]
     assert set(table["id"]) == set(table["initial_pose"]) == {""}
