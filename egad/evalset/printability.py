@@ -173,7 +173,10 @@ def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
 
 
 def _touching(mesh: trimesh.Trimesh) -> str:
-    """Where edges have more than two faces, or else shells meet in a vertex; empty if nowhere."""
+    """Where edges have more than two faces, or else shells meet in a vertex; empty if nowhere.
+
+    A shell that meets itself in a vertex, or along a part of an edge, is not noticed.
+    """
     merged = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     merged.merge_vertices()
     what = "along an edge"

@@ -150,8 +150,8 @@ def repair(
     unchanged. Otherwise: cracks are welded; faces without area and doubled faces removed; every
     shell is wound outwards and its small holes closed; the union of the shells is taken, which
     removes overlaps and the walls of trapped voids; its largest body by volume is kept, and regions
-    where it passes through itself are cut out and rebuilt. What touches in a vertex or along an
-    edge is one body.
+    where it passes through itself are cut out and rebuilt. Parts that share a vertex or an edge are
+    one body; that they touch elsewhere, as along a part of an edge, is not noticed.
 
     A surface that stays open, such as the scan of a glass, can be thickened: it becomes the middle
     of a wall with round rims. A side of the box grows by at most the thickness.

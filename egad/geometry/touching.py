@@ -5,6 +5,7 @@ import trimesh
 from trimesh.graph import connected_component_labels
 
 from egad._util.arrays import Floats, Ints
+from egad.geometry.checks import is_closed
 
 TURN = 1 << 20  # steps around an edge: faces in the same step are in one plane
 AFTER = np.array([1, 1, -2])  # from a corner of a face to the next
@@ -56,7 +57,8 @@ def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Float
         faces: (m, 3) vertex indices.
         divide: Whether faces may be divided.
     """
-    if not _is_closed_and_touches(vertices, faces):
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    if not (_has_doubled_edges(vertices, faces) and is_closed(mesh)):
         return vertices, faces
     keys = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     _, edge, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
@@ -68,18 +70,16 @@ def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Float
     first = np.unique(fans, return_index=True)[1]
     split = vertices[faces.ravel()[first]], fans.reshape(-1, 3).astype(np.int64)
     paired = 2 * len(wedges) == np.count_nonzero(counts[edge] > 2)
-    if divide and paired and _is_closed_and_touches(*split):
+    if divide and paired and _has_doubled_edges(*split):
         finer, quarters = trimesh.remesh.subdivide(vertices, faces)[:2]
         return separated(finer, quarters, divide=False)
     return split
 
 
-def _is_closed_and_touches(vertices: Floats, faces: Ints) -> bool:
-    following = np.roll(faces, -1, axis=1)
-    edges = np.sort((faces * len(vertices) + following).ravel())
-    if (edges[1:] != edges[:-1]).all():
-        return False
-    return bool(np.array_equal(edges, np.sort((following * len(vertices) + faces).ravel())))
+def _has_doubled_edges(vertices: Floats, faces: Ints) -> bool:
+    """Whether several faces pass the same edge in the same direction."""
+    edges = np.sort((faces * len(vertices) + np.roll(faces, -1, axis=1)).ravel())
+    return bool((edges[1:] == edges[:-1]).any())
 
 
 def _across(one: Ints, other: Ints) -> Ints:
