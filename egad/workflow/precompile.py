@@ -4,7 +4,7 @@ Jobs that run in parallel would each compile the kernels that they share. A kern
 compiled here is compiled at its first use.
 """
 
-from collections.abc import Callable
+from operator import call
 
 import numpy as np
 import trimesh
@@ -57,11 +57,7 @@ def _example() -> trimesh.Trimesh:
     return surface(voxels, Shape())
 
 
-def _call(compile_some: Callable[[], None]) -> None:
-    compile_some()
-
-
 if __name__ == "__main__":
     with workers(2) as mapper:
-        list(mapper(_call, (compile_grasps, compile_measures, compile_fusion)))
+        list(mapper(call, (compile_grasps, compile_measures, compile_fusion)))
     compiled_marker().touch()

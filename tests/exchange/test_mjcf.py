@@ -30,14 +30,15 @@ DEFAULTS = """<default>
   <mesh scale="0.001 0.001 0.001" inertia="convex" maxhullvert="4"/>
   <geom type="box" contype="0" conaffinity="4" condim="1" group="5" friction="2 2 2" density="9"
     rgba="1 0 0 1" solref="0.1 1" solimp="0 0 0 1 1" solmix="2" margin="0.01" gap="0.01"
-    priority="3" pos="1 2 3" quat="0 1 0 0"/>
+    priority="3" pos="1 2 3" quat="0 1 0 0" fluidshape="ellipsoid"
+    fluidcoef="1 1 1 1 1" shellinertia="true" fitscale="2"/>
   <joint damping="3" armature="2" stiffness="5"/><site rgba="1 1 1 1" size="9"/>
 </default>"""
 OF_BODIES = ("body_mass", "body_inertia", "body_ipos")
 LOOK = ("group", "rgba")
 SHAPE = ("type", "rbound", "pos", "quat")
 CONTACT = ("contype", "conaffinity", "condim", "priority", "margin", "gap")
-SOLVER = ("solref", "solimp", "solmix")
+SOLVER = ("solref", "solimp", "solmix", "fluid")
 OF_GEOMS = [f"geom_{name}" for name in (*LOOK, *SHAPE, *CONTACT, *SOLVER)]
 OF_DOFS = ("dof_damping", "dof_armature")
 

@@ -1,7 +1,8 @@
 """Objects as MJCF, for MuJoCo: one free body with the frame of the mesh.
 
 A file has no `compiler` and no `default`, which would also apply to the rest of a scene that
-includes it, and states what the defaults of that scene could change.
+includes it. It states what the defaults of that scene could change, except `material` and `fromto`,
+which have no neutral value that all readers know.
 """
 
 from pathlib import Path
@@ -36,6 +37,8 @@ GEOM = {
     "solmix": "1",
     "solref": "0.02 1",
     "solimp": "0.9 0.95 0.001 0.5 2",
+    "fluidshape": "none",
+    "shellinertia": "false",
 }
 
 
