@@ -146,3 +146,8 @@ def test_an_error_names_the_file_and_not_the_temporary_one(tmp_path):
         atomic_output(path) as p,
     ):
         raise OSError(errno.ENOSPC, "full", str(p / "deep"))
+
+
+def test_the_root_of_a_disk_is_not_replaced():
+    with pytest.raises(UserError, match="shm is the root of a disk"):
+        write_text(Path("/dev/shm"), "words")  # noqa: S108 (nothing is written)

@@ -58,7 +58,7 @@ def _changes_of(name: str, value: Any, former: list[Any]) -> Iterator[str]:  # n
         return
     tables = ({name.removeprefix("settings"): each} for each in (same_kind[0], value))
     old, new = (pd.json_normalize(each, sep=".").to_dict("records")[0] for each in tables)
-    for key in sorted(old.keys() | new.keys()):
+    for key in sorted(map(str, old.keys() | new.keys())):
         if old.get(key) != new.get(key):
             yield f"{key.removeprefix('.')} {old.get(key)} -> {new.get(key)}"
 
