@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from scipy.spatial import Delaunay, QhullError
 
 from egad._util.arrays import Flags, Floats
 from egad.errors import RejectedError, UserError
@@ -28,12 +27,11 @@ GRID = 5e-4  # metres, between points of a jaw's face
 BREADTH = np.arange(-4, 5) / 9  # of the breadth of the pads, from their middle
 DEPTH_STEP = 0.01  # metres, between places along a jaw
 MARGIN = 5  # grid points around those that were found on it
-LINE, LINES = 401, 11  # points on a line over the pads, and how many lines
+FINEST = 201  # points along and across the pads
 AHEAD = 2e-3  # metres between the foremost known point of the fixed jaw's face and that grid
 SKIN = 1e-5  # metres in front of a face, where rays start; thinner slices are left where they are
 PAD_DEPTH = 1e-3  # metres that a pad may lie behind the foremost point of its jaw
 CLOSED = 2e-3  # metres that a pad may be further from the other jaw than its foremost point
-FLAT = 1e-4  # metres by which the points of a flat face may differ
 FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
 STEEPEST = np.cos(np.radians(75.0))  # how far the face of a jaw may turn away from the other one
 CONVEX = 0.02  # of a hull: with less excess a shape counts as convex
@@ -175,7 +173,7 @@ class JawSolids:
         pad are bridged.
         """
         starts = pads.middle + pads.extent[0] * BREADTH[:, None] * frame.across
-        gap = foremost(self.gaps(starts, joint, frame))
+        gap = float(self.gaps(starts, joint, frame).min())
         turns, places = self.mechanism.placement(self.positions(joint))
         ahead = pads.axes @ turns[self.body].T @ frame.closing
         start = pads.axes @ ((pads.middle - places[self.body]) @ turns[self.body]) - pads.bridge
@@ -193,19 +191,6 @@ class JawSolids:
         """
         back = np.tile(-frame.closing, (len(points), 1))
         return _distances(self._fixed, points, back)
-
-
-def foremost(depths: Floats) -> float:
-    """The depth of what protrudes most; if most of what does so lies in a plane, that of the plane.
-
-    So a few bumps on a flat face do not count, but the edges of a groove do.
-    """
-    least = depths.min()
-    if not np.isfinite(least):
-        return float(least)
-    near = depths[depths <= least + PAD_DEPTH]
-    middle = float(np.median(near))
-    return middle if (np.abs(near - middle) < FLAT).mean() > 0.5 else float(near.min())
 
 
 def _distances(caster: RayCaster, starts: Floats, ahead: Floats) -> Floats:
@@ -295,13 +280,14 @@ def _find_pads(jaws: JawSolids, frame: JawFrame, joints: Floats, parallel: float
     both &= (apart <= apart[first] + CLOSED) | np.isinf(apart)
     both[first] = True
     chosen = points[both] @ frame.matrix
-    middle, extent = _middle(chosen[:, 1:]), np.ptp(chosen[:, 1:], axis=0) + GRID
-    lines = _lines(chosen[:, 0].max() + AHEAD, middle, extent) @ frame.matrix.T
-    points, gaps = _opposite(jaws, frame, parallel, lines)
+    low, high = chosen[:, 1:].min(axis=0), chosen[:, 1:].max(axis=0)
+    middle, extent = (low + high) / 2, high - low + GRID
+    fine = _raster(chosen[:, 0].max() + AHEAD, middle, extent) @ frame.matrix.T
+    points, gaps = _opposite(jaws, frame, parallel, fine)
     heights = points @ frame.closing
     placement = jaws.mechanism.placement(jaws.positions(parallel))
     turn, place = placement.turns[jaws.body], placement.places[jaws.body]
-    face, opposite = -foremost(-heights), foremost(heights + gaps)
+    face, opposite = float(heights.max()), float((heights + gaps).min())
     bridge = np.array([opposite, *middle]) - place @ frame.matrix
     pad, further = frame.matrix @ np.array([face, *middle]), gaps - (opposite - face)
     recess = (float((further > 2 * UNEVEN).mean()), float(further.max()))
@@ -323,16 +309,10 @@ def _opposite(
     return points[np.isfinite(gaps)], gaps[np.isfinite(gaps)]
 
 
-def _lines(height: float, middle: Floats, extent: Floats) -> Floats:
-    """Points on lines along and across the pads, (n, 3): close enough to meet their sharp edges."""
-    close, few = np.linspace(-0.5, 0.5, LINE), np.linspace(-0.4, 0.4, LINES)
-    y, z = (
-        np.concatenate([a.ravel(), b.ravel()])
-        for a, b in zip(np.meshgrid(close, few), np.meshgrid(few, close), strict=True)
-    )
-    return np.stack(
-        [np.full_like(y, height), middle[0] + y * extent[0], middle[1] + z * extent[1]], axis=1
-    )
+def _raster(height: float, middle: Floats, extent: Floats) -> Floats:
+    """Points all over the pads, (n, 3): close enough to meet their sharp edges."""
+    y, z = np.meshgrid(*(middle[:, None] + np.linspace(-0.5, 0.5, FINEST) * extent[:, None]))
+    return np.stack([np.full(y.size, height), y.ravel(), z.ravel()], axis=1)
 
 
 def _squeezes(jaws: JawSolids, frame: JawFrame, joint: float, points: Floats) -> Flags:
@@ -361,16 +341,6 @@ def _gaps_before_contact(
         if np.isfinite(gaps).any():
             nearest = gaps
     return nearest
-
-
-def _middle(outline: Floats) -> Floats:
-    """Middle of the area that points on a grid span, (2,): holes in it do not shift it."""
-    try:
-        triangles = outline[Delaunay(outline).simplices]
-    except QhullError:  # they are on a line
-        return np.asarray(outline.mean(axis=0))
-    areas = np.abs(np.linalg.det(triangles[:, 1:] - triangles[:, :1]))
-    return np.asarray(np.average(triangles.mean(axis=1), axis=0, weights=areas))
 
 
 def _on_fixed_face(jaws: JawSolids, frame: JawFrame, tcp: Floats, pad: Floats) -> Floats:
