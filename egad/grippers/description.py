@@ -53,7 +53,7 @@ def _read_mjcf(path: Path) -> mujoco.MjSpec:
     try:
         return mujoco.MjSpec.from_file(str(path.resolve()))
     except ValueError as error:
-        repaired = without_faults(path.read_bytes())
+        repaired = without_faults(path)
         if repaired is None:
             raise UserError(NOT_READ + _line(error)) from error
     return _parsed(lambda: mujoco.MjSpec.from_string(repaired))
@@ -254,18 +254,15 @@ def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
         if not mesh.file:
             continue
         link = f"a mesh of the link {users[mesh.name]}" if mesh.name in users else "a mesh"
+        trouble = "is missing"
         try:
             file = _mesh_file(spec, mesh, path, packages)
-        except UserError as error:
-            if _drop_unless_it_collides(spec, mesh):
-                continue
-            raise UserError(f"{link} is missing: {error}") from error
-        try:
+            trouble = "cannot be used"
             corners = read_shape(file)
         except UserError as error:
             if _drop_unless_it_collides(spec, mesh):
                 continue
-            raise UserError(f"{link} cannot be used: {error}") from error
+            raise UserError(f"{link} {trouble}: {error}") from error
         mesh.file = ""
         if corners is not None:
             mesh.uservert = corners.ravel()

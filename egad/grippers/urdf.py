@@ -56,25 +56,32 @@ def read_urdf(path: Path) -> str | None:
     return ElementTree.tostring(clean, encoding="unicode")
 
 
-def without_faults(data: bytes) -> str | None:
-    """MJCF without assets that repeat the name of an earlier one, and attributes of defaults.
+def without_faults(path: Path) -> str | None:
+    """MJCF without assets that repeat an earlier one, and attributes of defaults.
 
     Programs that put hands onto robots allow both. None if there are none, or it is not XML.
+
+    Raises:
+        UserError: It has different assets of one name.
     """
-    root, faulty = _root(data), False
-    for element in [] if root is None else [*root.iter()]:
-        names = set[tuple[str, str]]()
-        for child in list(element):
-            key = (child.tag, child.get("name", ""))
-            if element.tag == "asset" and key[1]:
-                if key in names:
-                    element.remove(child)
-                    faulty = True
-                names.add(key)
+    root, faulty = _root(path.read_bytes()), False
+    if root is None:
+        return None
+    assets: dict[tuple[str, str], dict[str, str]] = {}
+    for element in [*root.iter()]:
+        for child in list(element) if element.tag == "asset" else []:
+            name = child.get("name") or Path(child.get("file", "")).stem
+            if name and assets.setdefault((child.tag, name), child.attrib) is not child.attrib:
+                if assets[child.tag, name] != child.attrib:
+                    raise UserError(f"it has two different assets <{child.tag}> named {name}")
+                element.remove(child)
+                faulty = True
         if element.tag == "default" and set(element.attrib) - {"class"}:
             element.attrib = {key: element.attrib[key] for key in element.attrib if key == "class"}
             faulty = True
-    return ElementTree.tostring(root, encoding="unicode") if faulty and root is not None else None
+        if element.tag == "include":
+            element.set("file", str(path.resolve().parent / element.get("file", "")))
+    return ElementTree.tostring(root, encoding="unicode") if faulty else None
 
 
 def _root(data: bytes) -> Element | None:

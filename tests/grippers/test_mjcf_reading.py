@@ -42,6 +42,7 @@ HARMLESS = {
         "<worldbody>": '<deformable><skin file="no.skn"/></deformable><worldbody>'
     },
     "an asset twice": {TEXTURE: 2 * TEXTURE},
+    "an asset again in another block": {"<worldbody>": f"<asset>{TEXTURE}</asset><worldbody>"},
     "an attribute of defaults": {"<default>": '<default><default class="a" group="1"/>'},
 }
 
@@ -69,6 +70,26 @@ def test_a_collision_mesh_that_is_missing_is_named(tmp_path):
     collides = {old: new.replace('contype="0"', "") for old, new in changes.items()}
     with pytest.raises(UserError, match=r"a mesh of the link left is missing: no\.obj"):
         read_model(hand(tmp_path, collides))
+
+
+def test_two_meshes_of_a_name_are_refused_unless_they_are_the_same(tmp_path):
+    """In any of the asset blocks, and also if their name is only that of their file."""
+    for first, second in (
+        ('name="pad" file="a.obj"', 'name="pad" file="b.obj"'),
+        ('file="a/pad.obj"', 'file="b/pad.obj"'),
+    ):
+        later = f"<asset><mesh {second}/></asset><worldbody>"
+        with pytest.raises(UserError, match="two different assets <mesh> named pad"):
+            read_model(hand(tmp_path, {ASSET: f"{ASSET}<mesh {first}/>", "<worldbody>": later}))
+
+
+def test_what_a_file_with_a_fault_includes_is_relative_to_it(tmp_path):
+    changes = {TEXTURE: 2 * TEXTURE, "<worldbody>": '<include file="parts/more.xml"/><worldbody>'}
+    (tmp_path / "parts").mkdir()
+    part = tmp_path / "parts/more.xml"
+    part.write_text('<mujoco><worldbody><body name="camera"/></worldbody></mujoco>')
+    found = read_model(hand(tmp_path, changes))
+    assert found.openings[[0, -1]] == pytest.approx([0, 0.07], abs=1e-9)
 
 
 @pytest.mark.parametrize("ending", ["usd", "usda", "usdc", "USDZ"])
