@@ -10,71 +10,26 @@ half the opening, and faces of a jaw that turns are parallel at one opening only
 from typing import NamedTuple
 
 import numpy as np
-import trimesh
+from scipy.spatial import Delaunay, QhullError
 
 from egad._util.arrays import Flags, Floats
-from egad.errors import RejectedError, UserError
-from egad.geometry import RayCaster, decompose, is_solid, joined, to_mesh, to_solid
-from egad.grippers.jaw_faces import FACING, Facing, find_facing, solids_of
-from egad.grippers.links import joint_at
-from egad.grippers.mechanism import Mechanism
-from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink
+from egad.errors import UserError
+from egad.grippers.jaw_faces import FACING
+from egad.grippers.jaw_solids import JawFrame, JawPads, JawSolids
 from egad.grippers.pads import UNEVEN
 from egad.grippers.stroke import LEVELS, MAX_OPENING, MIN_OPENING
 from egad.grippers.tree import body_name
 
 GRID = 5e-4  # metres, between points of a jaw's face
-BREADTH = np.arange(-4, 5) / 9  # of the breadth of the pads, from their middle
-DEPTH_STEP = 0.01  # metres, between places along a jaw
 MARGIN = 5  # grid points around those that were found on it
-FINEST = 201  # points along and across the pads
+LINE, LINES = 401, 11  # points on a line over the pads, and how many lines
 AHEAD = 2e-3  # metres between the foremost known point of the fixed jaw's face and that grid
-SKIN = 1e-5  # metres in front of a face, where rays start; thinner slices are left where they are
+TOUCH = 1e-4  # metres by which jaws may overlap when they are closed
 PAD_DEPTH = 1e-3  # metres that a pad may lie behind the foremost point of its jaw
+# Fraction of the points of a plane that counts, and metres by which they may differ
+LAND, FLAT = 0.1, 1e-4
 CLOSED = 2e-3  # metres that a pad may be further from the other jaw than its foremost point
 FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
-STEEPEST = np.cos(np.radians(75.0))  # how far the face of a jaw may turn away from the other one
-CONVEX = 0.02  # of a hull: with less excess a shape counts as convex
-# How much convex parts may add: depth in hollows, metres, and fraction of the volume
-JAW, PALM = (5e-4, 0.1), (2e-3, 0.5)
-MAX_PARTS = 64
-
-
-class JawFrame(NamedTuple):
-    """The directions of a hand with one jaw, in the frame of its palm; unit vectors.
-
-    Attributes:
-        closing: From the fixed jaw to the moving one.
-        across: Along the breadth of the jaws.
-        approach: Along the jaws, towards their tips.
-    """
-
-    closing: Floats
-    across: Floats
-    approach: Floats
-
-    @property
-    def matrix(self) -> Floats:
-        """(3, 3) with the directions in its columns."""
-        return np.stack(self, axis=1)
-
-
-class JawPads(NamedTuple):
-    """The pads of both jaws.
-
-    Attributes:
-        middle: (3,) middle of the fixed pad, in the frame of the palm, metres.
-        extent: Breadth and length of both, metres.
-        bridge: (3,) middle of the moving pad, along its `axes`, metres.
-        axes: (3, 3) closing, across and approach in the frame of the moving link, in rows.
-        recess: As in `GripperModel`.
-    """
-
-    middle: Floats
-    extent: Floats
-    bridge: Floats
-    axes: Floats
-    recess: tuple[float, float]
 
 
 class JawStroke(NamedTuple):
@@ -91,114 +46,6 @@ class JawStroke(NamedTuple):
     openings: Floats
     angles: Floats
     pads: JawPads
-
-
-class JawSolids:
-    """The solids of both jaws of a hand.
-
-    Attributes:
-        mechanism: The joints.
-        body: Number of the link that moves.
-        moving_solids: Its solids, in its frame.
-        solids: The solids that do not move, in the frame of the palm.
-        middle: The middle of their volume.
-        facing: How they face each other.
-    """
-
-    def __init__(self, mechanism: Mechanism, body: int, static: list[int]) -> None:
-        """Read the shapes of a hand.
-
-        Args:
-            mechanism: The joints, of which one is driven.
-            body: Number of the link that moves.
-            static: Numbers of the links that do not move.
-
-        Raises:
-            UserError: The jaws never face each other.
-        """
-        model = mechanism.model
-        self.mechanism, self.body = mechanism, body
-        self.moving_solids = solids_of(model, body)
-        turns, places = mechanism.placement(mechanism.middle())
-        self.solids = [
-            _placed(solid, turns[each], places[each])
-            for each in static
-            for solid in solids_of(model, each)
-        ]
-        if not self.solids:
-            raise UserError(
-                f"its jaws never face each other: only the link {body_name(model, body)} has "
-                "collision shapes"
-            )
-        volumes = [solid.volume for solid in self.solids]
-        self.middle: Floats = np.average(
-            [solid.center_mass for solid in self.solids], axis=0, weights=volumes
-        )
-        self._fixed = RayCaster(joined(self.solids))
-        self._moving = RayCaster(joined(self.moving_solids))
-        self.facing: Facing = find_facing(mechanism, body, self._moving, self._fixed)
-
-    def positions(self, joint: float) -> Floats:
-        """Positions of all joints at a position of the driven joint."""
-        return self.mechanism.follow(np.array([joint]), self.mechanism.model.qpos0)
-
-    def angle(self, joint: float, frame: JawFrame) -> float:
-        """Angle between the inner faces, radians; positive if they open towards the tips."""
-        turn = self.mechanism.placement(self.positions(joint)).turns[self.body]
-        normal = turn @ self.facing.normal
-        return float(np.arctan2(normal @ frame.approach, -normal @ frame.closing))
-
-    def gaps(self, starts: Floats, joint: float, frame: JawFrame) -> Floats:
-        """Distances from points along the closing axis to the moving jaw's inner face.
-
-        Args:
-            starts: (n, 3) on the fixed jaw's face, in the frame of the palm, metres.
-            joint: Position of the driven joint.
-            frame: The directions of the hand.
-
-        Returns:
-            (n,) metres; infinite where a ray meets nothing, or another side of the jaw, and
-            negative infinity within the jaw.
-        """
-        turns, places = self.mechanism.placement(self.positions(joint))
-        turn, place = turns[self.body], places[self.body]
-        ahead = np.tile(frame.closing @ turn, (len(starts), 1))
-        behind = starts - SKIN * frame.closing  # so that a ray meets a face that it starts on
-        return _distances(self._moving, (behind - place) @ turn, ahead) - SKIN
-
-    def gap(self, pads: JawPads, joint: float, frame: JawFrame) -> float:
-        """Gap of the inner faces at the pads, metres; NaN where the moving jaw is not there.
-
-        It is that of what protrudes most across their breadth. Holes and grooves in the moving
-        pad are bridged.
-        """
-        starts = pads.middle + pads.extent[0] * BREADTH[:, None] * frame.across
-        gap = float(self.gaps(starts, joint, frame).min())
-        turns, places = self.mechanism.placement(self.positions(joint))
-        ahead = pads.axes @ turns[self.body].T @ frame.closing
-        start = pads.axes @ ((pads.middle - places[self.body]) @ turns[self.body]) - pads.bridge
-        if ahead[0] > STEEPEST and gap > -np.inf:
-            distance = -start[0] / ahead[0]
-            if abs(start[2] + distance * ahead[2]) <= pads.extent[1] / 2:
-                gap = min(gap, distance)
-        return gap if np.isfinite(gap) else np.nan
-
-    def fixed_face(self, points: Floats, frame: JawFrame) -> Floats:
-        """Distances of points from the fixed jaw, back along the closing axis.
-
-        Returns:
-            (n,) metres; infinite where there is no face, and negative infinity within the link.
-        """
-        back = np.tile(-frame.closing, (len(points), 1))
-        return _distances(self._fixed, points, back)
-
-
-def _distances(caster: RayCaster, starts: Floats, ahead: Floats) -> Floats:
-    """Distances to faces that look back; infinite without one, negative infinity within a solid."""
-    hits = caster.first_hits(starts, ahead)
-    looks = -np.einsum("nk,nk->n", hits.normals, ahead)
-    found = np.where(looks > STEEPEST, hits.distances, np.inf)
-    return np.where(np.isfinite(hits.distances) & ~hits.entering, -np.inf, found)
 
 
 def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None) -> JawStroke:
@@ -242,6 +89,7 @@ def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None)
 
 def _useful(gaps: Floats, start: int) -> tuple[int, int]:
     """Range of positions around one where the gap is known and grows, except for small steps."""
+    gaps = np.where(gaps >= -TOUCH, gaps, np.nan)
     known = np.isfinite(gaps)
     if not known.any():
         raise UserError("its jaws never face each other where they are nearest")
@@ -280,18 +128,24 @@ def _find_pads(jaws: JawSolids, frame: JawFrame, joints: Floats, parallel: float
     both &= (apart <= apart[first] + CLOSED) | np.isinf(apart)
     both[first] = True
     chosen = points[both] @ frame.matrix
-    low, high = chosen[:, 1:].min(axis=0), chosen[:, 1:].max(axis=0)
-    middle, extent = (low + high) / 2, high - low + GRID
-    fine = _raster(chosen[:, 0].max() + AHEAD, middle, extent) @ frame.matrix.T
-    points, gaps = _opposite(jaws, frame, parallel, fine)
+    middle, extent = _middle(chosen[:, 1:]), np.ptp(chosen[:, 1:], axis=0) + GRID
+    lines = _lines(chosen[:, 0].max() + AHEAD, middle, extent) @ frame.matrix.T
+    points, gaps = _opposite(jaws, frame, parallel, lines)
     heights = points @ frame.closing
     placement = jaws.mechanism.placement(jaws.positions(parallel))
     turn, place = placement.turns[jaws.body], placement.places[jaws.body]
-    face, opposite = float(heights.max()), float((heights + gaps).min())
+    face, opposite = -_foremost(-heights), _foremost(heights + gaps)
     bridge = np.array([opposite, *middle]) - place @ frame.matrix
     pad, further = frame.matrix @ np.array([face, *middle]), gaps - (opposite - face)
     recess = (float((further > 2 * UNEVEN).mean()), float(further.max()))
     return JawPads(pad, extent, bridge, frame.matrix.T @ turn, recess)
+
+
+def _foremost(depths: Floats) -> float:
+    """The depth of the foremost plane with a fair share of some points, or of the first point."""
+    near = np.sort(depths[depths < depths.min() + PAD_DEPTH])
+    share = max(int(LAND * len(near)), 1)
+    return float(near[int((near[share:] - near[:-share] < FLAT).argmax())])
 
 
 def _opposite(
@@ -309,10 +163,16 @@ def _opposite(
     return points[np.isfinite(gaps)], gaps[np.isfinite(gaps)]
 
 
-def _raster(height: float, middle: Floats, extent: Floats) -> Floats:
-    """Points all over the pads, (n, 3): close enough to meet their sharp edges."""
-    y, z = np.meshgrid(*(middle[:, None] + np.linspace(-0.5, 0.5, FINEST) * extent[:, None]))
-    return np.stack([np.full(y.size, height), y.ravel(), z.ravel()], axis=1)
+def _lines(height: float, middle: Floats, extent: Floats) -> Floats:
+    """Points on lines along and across the pads, (n, 3): close enough to meet their sharp edges."""
+    close, few = np.linspace(-0.5, 0.5, LINE), np.linspace(-0.4, 0.4, LINES)
+    y, z = (
+        np.concatenate([a.ravel(), b.ravel()])
+        for a, b in zip(np.meshgrid(close, few), np.meshgrid(few, close), strict=True)
+    )
+    return np.stack(
+        [np.full_like(y, height), middle[0] + y * extent[0], middle[1] + z * extent[1]], axis=1
+    )
 
 
 def _squeezes(jaws: JawSolids, frame: JawFrame, joint: float, points: Floats) -> Flags:
@@ -343,6 +203,16 @@ def _gaps_before_contact(
     return nearest
 
 
+def _middle(outline: Floats) -> Floats:
+    """Middle of the area that points on a grid span, (2,): holes in it do not shift it."""
+    try:
+        triangles = outline[Delaunay(outline).simplices]
+    except QhullError:  # they are on a line
+        return np.asarray(outline.mean(axis=0))
+    areas = np.abs(np.linalg.det(triangles[:, 1:] - triangles[:, :1]))
+    return np.asarray(np.average(triangles.mean(axis=1), axis=0, weights=areas))
+
+
 def _on_fixed_face(jaws: JawSolids, frame: JawFrame, tcp: Floats, pad: Floats) -> Floats:
     """The point of the fixed jaw's face at the depth and breadth of another point."""
     off = frame.matrix.T @ (tcp - pad)
@@ -364,163 +234,3 @@ def _grid(jaws: JawSolids, frame: JawFrame) -> Floats:
     y, z = np.meshgrid(across, along, indexing="ij")
     points = np.stack([np.full_like(y, high[0] + AHEAD), y, z], axis=2)
     return np.asarray(points.reshape(-1, 3) @ frame.matrix.T)
-
-
-def gaps_along(
-    jaws: JawSolids, frame: JawFrame, stroke: JawStroke, root: float
-) -> tuple[Floats, Floats]:
-    """Gaps of the inner faces along the fixed jaw.
-
-    Args:
-        jaws: The jaws.
-        frame: The directions of the hand.
-        stroke: Its pads and the positions of its joint.
-        root: Where the fixed jaw begins, along the approach, metres.
-
-    Returns:
-        (d,) depths beyond the pads and (k, d) gaps between what protrudes most near the middle of
-        their breadth, metres; NaN where one of the faces is missing.
-    """
-    length = float(stroke.pads.middle @ frame.approach) - root
-    depths = -DEPTH_STEP * np.arange(max(int(length / DEPTH_STEP), 0) + 1)
-    middles = stroke.pads.middle + SKIN * frame.closing + depths[:, None] * frame.approach
-    points = middles + stroke.pads.extent[0] * BREADTH[:, None, None] * frame.across
-    shape = points.shape[:2]
-    behind = jaws.fixed_face(points.reshape(-1, 3), frame).reshape(shape)
-    foremost = np.where(np.isfinite(behind), behind, np.inf).min(axis=0)
-    known = np.isfinite(foremost)
-    faces = (points - np.where(known, foremost, 0.0)[:, None] * frame.closing).reshape(-1, 3)
-    joint = jaws.mechanism.model.jnt_qposadr[jaws.mechanism.driven[0]]
-    gaps = np.array([jaws.gaps(faces, float(each[joint]), frame) for each in stroke.positions])
-    nearest = gaps.reshape(-1, *shape).min(axis=1)
-    return np.asarray(depths), np.where(known & np.isfinite(nearest), nearest, np.nan)
-
-
-def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
-    """Where the fixed jaw begins, along the approach: the palm is what protrudes from its face.
-
-    If nothing protrudes, the jaw begins where the hand begins.
-    """
-    surfaces = np.concatenate([np.asarray(solid.vertices) for solid in jaws.solids])
-    lowest = float((surfaces @ frame.approach).min())
-    start = float(stroke.pads.middle @ frame.approach)
-    depths = np.arange(0.0, start - lowest, GRID)
-    line = stroke.pads.middle + PAD_DEPTH * frame.closing - depths[:, None] * frame.approach
-    inside = np.isneginf(jaws.fixed_face(line, frame))
-    if not inside.any():
-        return lowest
-    ahead, behind = (float(depths[inside.argmax() - before]) for before in (1, 0))
-    while behind - ahead > SKIN / 10:
-        middle = (ahead + behind) / 2
-        point = stroke.pads.middle + PAD_DEPTH * frame.closing - middle * frame.approach
-        if np.isneginf(jaws.fixed_face(point[None], frame)[0]):
-            behind = middle
-        else:
-            ahead = middle
-    return start - ahead
-
-
-def jaw_links(
-    jaws: JawSolids, frame: JawFrame, root: float, static: list[int]
-) -> tuple[HandLink, HandLink, HandLink]:
-    """The palm, the fixed jaw and the moving one, with the convex parts of their shapes.
-
-    Args:
-        jaws: The jaws.
-        frame: The directions of the hand.
-        root: Where the fixed jaw begins, along the approach, metres.
-        static: Numbers of the links that do not move; the first one is the palm.
-    """
-    model = jaws.mechanism.model
-    palm: list[trimesh.Trimesh] = []
-    finger: list[trimesh.Trimesh] = []
-    for solid in jaws.solids:
-        for mesh, ahead in _cut(solid, frame.approach, root):
-            (finger if ahead else palm).append(mesh)
-    name = body_name(model, static[0])
-    return (
-        HandLink(
-            name=name,
-            body=PALM_BODY,
-            shapes=_parts(palm, *PALM),
-            mass=sum(float(model.body_mass[each]) for each in static),
-            carrier=-1,
-            place=np.eye(4),
-            joint=None,
-        ),
-        HandLink(
-            name=f"{name}-fixed-jaw",
-            body=FIRST_FINGER,
-            shapes=_parts(finger, *JAW),
-            mass=0.0,
-            carrier=0,
-            place=np.eye(4),
-            joint=None,
-        ),
-        _moving_link(jaws),
-    )
-
-
-def _moving_link(jaws: JawSolids) -> HandLink:
-    model, body = jaws.mechanism.model, jaws.body
-    joint = joint_at(model, int(model.body_jntadr[body]))
-    turns, places = jaws.mechanism.placement(jaws.positions(joint.zero))
-    place = np.eye(4)
-    place[:3, :3], place[:3, 3] = turns[body], places[body]
-    return HandLink(
-        name=body_name(model, body),
-        body=SECOND_FINGER,
-        shapes=_parts(jaws.moving_solids, *JAW),
-        mass=float(model.body_mass[body]),
-        carrier=0,
-        place=place,
-        joint=joint,
-    )
-
-
-def lever_of(jaws: JawSolids, stroke: JawStroke, frame: JawFrame) -> float:
-    """Torque of the joint for a newton along the closing axis at the pads: metres; 1 if it slides.
-
-    The pads stay at one depth, so it is the same at all openings.
-    """
-    contact = stroke.pads.middle + stroke.openings[-1] * frame.closing
-    velocities, _ = jaws.mechanism.velocities(stroke.positions[-1], jaws.body, contact[None])
-    return float(abs(velocities[0] @ frame.closing))
-
-
-def _placed(solid: trimesh.Trimesh, turn: Floats, place: Floats) -> trimesh.Trimesh:
-    vertices = np.asarray(solid.vertices) @ turn.T + place
-    return trimesh.Trimesh(vertices, solid.faces, process=False)
-
-
-def _cut(
-    mesh: trimesh.Trimesh, normal: Floats, height: float
-) -> list[tuple[trimesh.Trimesh, bool]]:
-    """The pieces ahead of a plane and behind it, each with whether it lies ahead."""
-    heights = np.asarray(mesh.vertices) @ normal
-    solid = to_solid(mesh.vertices, mesh.faces)
-    one_side = heights.min() >= height - SKIN or heights.max() <= height + SKIN
-    if one_side or not is_solid(solid):
-        return [(mesh, bool(heights.mean() >= height))]
-    halves = solid.split_by_plane(tuple(normal), height)
-    return [
-        (to_mesh(half), ahead)
-        for half, ahead in zip(halves, (True, False), strict=True)
-        if is_solid(half)
-    ]
-
-
-def _parts(meshes: list[trimesh.Trimesh], deviation: float, excess: float) -> tuple[Floats, ...]:
-    """Corners of convex parts of solids."""
-    return tuple(points for mesh in meshes for points in _convex(mesh, deviation, excess))
-
-
-def _convex(mesh: trimesh.Trimesh, deviation: float, excess: float) -> list[Floats]:
-    hull = trimesh.convex.convex_hull(mesh.vertices)
-    if hull.volume <= (1 + CONVEX) * abs(mesh.volume):
-        return [np.asarray(hull.vertices)]
-    try:
-        parts = decompose(mesh, MAX_PARTS, excess, deviation).parts
-    except RejectedError:
-        return [np.asarray(hull.vertices)]
-    return [np.asarray(part.vertices) for part in parts]

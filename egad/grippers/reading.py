@@ -22,15 +22,9 @@ from egad.grippers.description import (
     shapes_of,
 )
 from egad.grippers.fingers import Sides, find_driven, find_moving_jaw, find_sides, snapped
-from egad.grippers.jaw import (
-    JawFrame,
-    JawSolids,
-    find_jaw_stroke,
-    gaps_along,
-    jaw_links,
-    jaw_root,
-    lever_of,
-)
+from egad.grippers.jaw import find_jaw_stroke
+from egad.grippers.jaw_links import gaps_along, jaw_links, jaw_root, lever_of
+from egad.grippers.jaw_solids import JawFrame, JawSolids
 from egad.grippers.links import hand_link
 from egad.grippers.mechanism import Mechanism
 from egad.grippers.model import GripperModel

@@ -91,6 +91,10 @@ FINGERS = {
     "V of 30 degrees": [vee(30)],
     "V of 45 degrees": [vee(45)],
     "teeth": [teeth()],
+    "flutes": [SOLID - union(box((-1, y, -1), (0.9, y + 2, 91)) for y in range(-9, 9, 3))],
+    "cross grooves": [
+        SOLID - union(box((-1, -30, z), (0.9, 30, z + 1.9)) for z in range(1, 90, 3))
+    ],
     "ridge": [ridge(30)],
     "round": [SOLID ^ manifold3d.Manifold.cylinder(200, 15, 15, 64).translate((15, 0, -10))],
 }
@@ -134,7 +138,15 @@ def one_jaw(folder, bodies, kind, limit, axis):
     return read_model(hand(folder, bodies, fingers + joints))
 
 
-@pytest.mark.parametrize("kind", FINGERS)
+QUICK = ("fin-ray", "window", "V of 30 degrees", "screw hole", "flutes")
+
+
+def marked(kinds):
+    slow = pytest.mark.slow
+    return [kind if kind in QUICK else pytest.param(kind, marks=slow) for kind in sorted(kinds)]
+
+
+@pytest.mark.parametrize("kind", marked(FINGERS))
 def test_parallel_fingers_open_as_far_as_they_slide(tmp_path, kind):
     found = parallel(tmp_path, FINGERS[kind])
     tolerance = 5e-4 if kind in ("ridge", "fin-ray") else 1e-4
@@ -146,7 +158,7 @@ def test_parallel_fingers_open_as_far_as_they_slide(tmp_path, kind):
     assert pad[2] == pytest.approx(LENGTH, abs=0.5)
 
 
-@pytest.mark.parametrize("kind", FINGERS)
+@pytest.mark.parametrize("kind", marked(FINGERS))
 def test_a_jaw_that_slides_opens_as_far_as_it_slides(tmp_path, kind):
     found = one_jaw(tmp_path, FINGERS[kind], "prismatic", STROKE, "1 0 0")
     assert found.openings[[0, -1]] == pytest.approx([0, STROKE], abs=1e-4)
@@ -154,7 +166,7 @@ def test_a_jaw_that_slides_opens_as_far_as_it_slides(tmp_path, kind):
     assert 1000 * np.ptp(found.pad, axis=0)[2] == pytest.approx(LENGTH, abs=1)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in FINGERS if kind != "teeth"])
+@pytest.mark.parametrize("kind", marked(set(FINGERS) - {"teeth", "cross grooves"}))
 def test_a_jaw_that_turns_opens_by_the_angle_at_its_pads(tmp_path, kind):
     """The plane of its foremost points turns about the hinge, and is closed at 0."""
     found = one_jaw(tmp_path, FINGERS[kind], "revolute", TURN, "0 1 0")
@@ -166,3 +178,12 @@ def test_a_jaw_that_turns_opens_by_the_angle_at_its_pads(tmp_path, kind):
     if kind in ("screw hole", "holes", "window", "slot along", "hollow", "fin-ray"):
         assert 1000 * found.openings[-1] == pytest.approx(84.7, abs=0.5)
         assert 1000 * np.ptp(found.pad, axis=0)[2] == pytest.approx(38.5, abs=0.5)
+
+
+def test_opposite_pins_end_the_range_where_they_meet(tmp_path):
+    """Three of 4 mm on each jaw: not closer than 8 mm, and nothing overlaps."""
+    pins = [box((-4, -2, z), (1, 2, z + 4)) for z in (66, 74, 82)]
+    found = one_jaw(tmp_path, [SOLID, *pins], "prismatic", STROKE, "1 0 0")
+    assert found.openings[0] >= -1e-4
+    assert found.openings[[0, -1]] == pytest.approx([0, STROKE - 0.008], abs=2e-4)
+    assert found.positions[0, 0] == pytest.approx(0.008, abs=2e-4)
