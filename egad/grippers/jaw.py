@@ -26,8 +26,7 @@ LINE, LINES = 401, 11  # points on a line over the pads, and how many lines
 AHEAD = 2e-3  # metres between the foremost known point of the fixed jaw's face and that grid
 TOUCH = 1e-4  # metres by which jaws may overlap when they are closed
 PAD_DEPTH = 1e-3  # metres that a pad may lie behind the foremost point of its jaw
-# Fraction of the points of a plane that counts, and metres by which they may differ
-LAND, FLAT = 0.1, 1e-4
+FLAT, BUMPS = 1e-4, 0.1  # metres by which points of a plane differ, and fraction of bumps on it
 CLOSED = 2e-3  # metres that a pad may be further from the other jaw than its foremost point
 FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
 
@@ -142,10 +141,11 @@ def _find_pads(jaws: JawSolids, frame: JawFrame, joints: Floats, parallel: float
 
 
 def _foremost(depths: Floats) -> float:
-    """The depth of the foremost plane with a fair share of some points, or of the first point."""
-    near = np.sort(depths[depths < depths.min() + PAD_DEPTH])
-    share = max(int(LAND * len(near)), 1)
-    return float(near[int((near[share:] - near[:-share] < FLAT).argmax())])
+    """The depth of the first of some points, or of the plane of most with few bumps before it."""
+    near = depths[depths <= depths.min() + PAD_DEPTH]
+    middle = float(np.median(near))
+    flat = (np.abs(near - middle) < FLAT).mean() > 0.5 and (near < middle - FLAT).mean() < BUMPS
+    return middle if flat else float(near.min())
 
 
 def _opposite(
