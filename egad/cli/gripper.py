@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection, Mapping
+from itertools import chain, count
 from pathlib import Path
 from typing import Annotated
 
@@ -40,7 +41,7 @@ def inspect(
     from egad.grippers import Gripper, model_of
     from egad.io import check_ending
     from egad.report.cup import cup_entry, cup_facts, cup_page
-    from egad.report.hand import hand_doubts, hand_entry, hand_facts, hand_page, jaw_table
+    from egad.report.hand import hand_entry, hand_facts, hand_page, jaw_table
 
     check_ending(out, (".html",))
     if Path(hand).is_file():
@@ -62,7 +63,7 @@ def inspect(
         cells = (row[key] for key in ("opening", "angle", "friction", "gaps"))
         text = "opening {}, angle {}, friction {}; gaps {} mm".format(*cells)
         facts[f"joint at {row['joint']}"] = text
-    entry = hand_entry(name, found, bool(hand_doubts(found, model)))
+    entry = hand_entry(name, found, model)
     _write(out, name, facts, entry, hand_page(name, found, model))
 
 
@@ -83,4 +84,5 @@ def _name_of(path: Path, taken: Collection[str]) -> str:
     from egad.grippers import GRIPPERS, PACKAGED
 
     name = re.sub(r"[^a-z0-9_-]+", "_", path.stem.lower()).strip("_-") or "hand"
-    return f"my_{name}" if name in {*GRIPPERS, *PACKAGED, *taken} else name
+    names = chain([name, f"my_{name}"], (f"my_{name}_{number}" for number in count(2)))
+    return next(each for each in names if each not in {*GRIPPERS, *PACKAGED, *taken})
