@@ -1,5 +1,6 @@
 """A page about a hand from a file: what was found in the file, and its shape in 3D."""
 
+from pathlib import Path
 from textwrap import indent
 
 import numpy as np
@@ -19,9 +20,12 @@ PAD_COLOR, APPROACH_COLOR = 3, 4  # numbers of the colors in scene3d.js
 PAD_THICKNESS = 4e-4  # metres, of the plate that shows a pad
 ARROW = (0.03, 0.001)  # metres: length and radius of the bar that shows the approach
 UNEVEN = 0.1  # of the faces of pads: with less behind their foremost points they are flat
+OPEN = 5e-4  # metres: with nothing further than this behind, what is uneven in pads are holes
 # What is doubtful: pads that stay this part of the opening apart, an opening below this, pads that
-# end this far before the fingertips, all in mm, and a tilt of the approach, degrees
-MAX_CLOSED, MIN_WIDE, MAX_BEHIND, MAX_OFF = 0.25, 5.0, 25.0, 5.0
+# end this far before the fingertips, all in mm, and a tilt of axes, degrees
+MAX_CLOSED, MIN_WIDE, MAX_BEHIND, MAX_OFF = 0.25, 5.0, 25.0, 2.0
+# Also pads smaller than this, and this part of them that far back, in mm
+MIN_PAD, MAX_SHARE, MAX_RECESS = 2.0, 0.5, 5.0
 JAW_ROWS = 9  # of the table of a hand with one moving jaw
 CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approach_axis")
 
@@ -69,10 +73,10 @@ def _recess(model: GripperModel) -> str:
     share, depth = model.recess
     if share < UNEVEN:
         return ""
-    return (
-        f" between the foremost points of the pads; {100 * share:.0f} % of their faces lies "
-        f"further back, and their rearmost points are {1000 * depth:.1f} mm farther apart"
-    )
+    begin = f" between the foremost points of the pads; {100 * share:.0f} % of their faces"
+    if depth < OPEN:
+        return f"{begin} is open"
+    return f"{begin} lie further back, the rearmost {1000 * depth:.1f} mm farther apart"
 
 
 def hand_doubts(gripper: Gripper, model: GripperModel) -> list[str]:
@@ -84,21 +88,40 @@ def hand_doubts(gripper: Gripper, model: GripperModel) -> list[str]:
     """
     closed, wide = 1000 * model.openings[[0, -1]]
     behind = 1000 * ((gripper.fingertip or 0.0) - float(np.ptp(model.pad[:, 2])) / 2)
-    off = float(np.degrees(np.arccos(min(np.abs(model.palm_to_hand[:3, 2]).max(), 1.0))))
-    guessed = model.lever is None and model.joint_kind == "prismatic" and not gripper.approach_axis
-    doubts = {
-        f"The closed pads are still {closed:.1f} mm apart: check the limits of the joint, and "
-        "pad_links.": closed > MAX_CLOSED * wide,
-        f'The hand opens only {wide:.1f} mm: without angle="radian", angles in MJCF are '
-        "degrees.": wide < MIN_WIDE,
-        f"The pads end {behind:.0f} mm before the fingertips: check pad_links or tcp.": (
-            behind > MAX_BEHIND
+    small = 1000 * float(np.ptp(model.pad, axis=0)[1:].min())
+    share, depth = model.recess
+    degrees = model.joint_kind == "revolute" and Path(gripper.file or "").suffix != ".urdf"
+    limits = 'without angle="radian", angles in MJCF are degrees' if degrees else "check its limits"
+    doubts = [
+        (
+            closed > MAX_CLOSED * wide,
+            f"The closed pads are still {closed:.1f} mm apart: check the limits of the joint, and "
+            "pad_links.",
         ),
-        f"The approach is {off:.0f} degrees off the axes of the palm: check approach_axis.": (
-            guessed and off > MAX_OFF
+        (wide < MIN_WIDE, f"The hand opens only {wide:.1f} mm: {limits}."),
+        (
+            behind > MAX_BEHIND,
+            f"The pads end {behind:.0f} mm before the fingertips: check pad_links or tcp.",
         ),
-    }
-    return [text for text, doubtful in doubts.items() if doubtful]
+        (
+            small < MIN_PAD,
+            f"The pads measure only {small:.1f} mm in one direction: check pad_links and the axes.",
+        ),
+        (
+            share > MAX_SHARE and 1000 * depth > MAX_RECESS,
+            "Most of the faces of the pads lie far behind their foremost points: check pad_links "
+            "and closing_axis.",
+        ),
+    ]
+    for column, words, key in (
+        (0, "closing axis", "closing_axis"),
+        (2, "approach", "approach_axis"),
+    ):
+        off = np.degrees(np.arccos(min(np.abs(model.palm_to_hand[:3, column]).max(), 1.0)))
+        doubtful = getattr(gripper, key) is None and off > MAX_OFF
+        said = f"The {words} is {off:.0f} degrees off the axes of the palm: check {key}."
+        doubts.append((bool(doubtful), said))
+    return [text for doubtful, text in doubts if doubtful]
 
 
 def _jaw_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
@@ -147,17 +170,15 @@ def jaw_table(model: GripperModel) -> list[dict[str, str]]:
     return rows
 
 
-def hand_entry(name: str, gripper: Gripper, doubtful: bool = False) -> str:
+def hand_entry(name: str, gripper: Gripper, model: GripperModel) -> str:
     """The entry of a configuration for a gripper with a file, as YAML; a comment if doubtful."""
     settings = gripper.model_dump(mode="json", include={"file", *CHOICES, "force"})
     settings |= gripper.model_dump(mode="json", include={"pads"}, exclude_defaults=True)
     entry = {key: value for key, value in settings.items() if value is not None}
     text: str = yaml.safe_dump({"grippers": {name: entry}}, sort_keys=False)
-    return (
-        indent(f"Doubtful, as said above: check it, then remove these marks.\n{text}", "# ")
-        if doubtful
-        else text
-    )
+    if not hand_doubts(gripper, model):
+        return text
+    return indent(f"Doubtful, as said above: check it, then remove these marks.\n{text}", "# ")
 
 
 def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
@@ -176,7 +197,7 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
         name=name,
         facts=hand_facts(gripper, model),
         jaw=jaw_table(model),
-        entry=hand_entry(name, gripper, bool(hand_doubts(gripper, model))),
+        entry=hand_entry(name, gripper, model),
         viewer=viewer_data(scenes, gripper),
     )
 

@@ -3,13 +3,17 @@
 The face towards the other finger is the plane x = 0, or the foremost points lie in it.
 """
 
+import re
+
 import manifold3d
 import numpy as np
 import pytest
 import trimesh
 
 from egad.geometry import to_mesh
+from egad.grippers import Gripper
 from egad.grippers.reading import read_model
+from egad.report.hand import hand_doubts, hand_facts
 
 LENGTH, THICK, WIDE = 90.0, 24.0, 20.0  # mm: along z, x and y
 STROKE = 0.035  # metres, of each parallel finger
@@ -178,6 +182,21 @@ def test_a_jaw_that_turns_opens_by_the_angle_at_its_pads(tmp_path, kind):
     if kind in ("screw hole", "holes", "window", "slot along", "hollow", "fin-ray"):
         assert 1000 * found.openings[-1] == pytest.approx(84.7, abs=0.5)
         assert 1000 * np.ptp(found.pad, axis=0)[2] == pytest.approx(38.5, abs=0.5)
+
+
+def test_the_window_of_pads_is_said_to_be_open(tmp_path):
+    model = parallel(tmp_path, FINGERS["window"])
+    hand = Gripper.from_file(tmp_path / "hand.urdf")
+    assert re.search(r"the pads; 1\d % of their faces is open$", hand_facts(hand, model)["opening"])
+    assert hand_doubts(hand, model) == []
+
+
+def test_the_tilted_closing_axis_of_serrated_jaws_that_turn_is_doubtful(tmp_path):
+    model = one_jaw(tmp_path, [teeth()], "revolute", TURN, "0 1 0")
+    off = np.degrees(np.arccos(np.abs(model.palm_to_hand[:3, 0]).max()))
+    assert off > 2
+    said = f"The closing axis is {off:.0f} degrees off the axes of the palm: check closing_axis."
+    assert said in hand_doubts(Gripper.from_file(tmp_path / "hand.urdf"), model)
 
 
 def test_opposite_pins_end_the_range_where_they_meet(tmp_path):

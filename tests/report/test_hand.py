@@ -2,9 +2,11 @@
 
 import base64
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 import yaml
 from described_hands import PANDA, box_urdf, jaw_urdf, linkage_mjcf
 
@@ -20,6 +22,10 @@ from egad.report.hand import (
 from egad.report.viewer import viewer_data
 
 
+def turned(axis, degrees):
+    return trimesh.transformations.rotation_matrix(np.radians(degrees), axis)
+
+
 @pytest.fixture(scope="module")
 def boxes(tmp_path_factory):
     file = box_urdf(tmp_path_factory.mktemp("hand") / "boxes.urdf")
@@ -27,12 +33,17 @@ def boxes(tmp_path_factory):
 
 
 def test_the_entry_gives_the_same_gripper(boxes):
-    ((name, entry),) = yaml.safe_load(hand_entry("mine", boxes))["grippers"].items()
+    ((name, entry),) = yaml.safe_load(hand_entry("mine", boxes, model_of(boxes)))[
+        "grippers"
+    ].items()
     assert name == "mine"
     assert sorted(entry) == ["file", "force", "joint"]
     assert Gripper(**entry) == boxes
     bare = boxes.model_copy(update={"pads": "bare"})
-    assert Gripper(**yaml.safe_load(hand_entry("mine", bare))["grippers"]["mine"]) == bare
+    assert (
+        Gripper(**yaml.safe_load(hand_entry("mine", bare, model_of(bare)))["grippers"]["mine"])
+        == bare
+    )
 
 
 def test_facts_are_in_millimetres(boxes, tmp_path):
@@ -51,7 +62,7 @@ def test_facts_are_in_millimetres(boxes, tmp_path):
     ("limits", "words"),
     [
         ('lower="0.01" upper="0.02"', "The closed pads are still 20.2 mm apart"),
-        ('lower="0" upper="0.002"', "The hand opens only 4.2 mm"),
+        ('lower="0" upper="0.002"', "The hand opens only 4.2 mm: check its limits."),
     ],
 )
 def test_a_doubtful_reading_is_said_and_not_ready_to_paste(tmp_path, limits, words):
@@ -60,8 +71,35 @@ def test_a_doubtful_reading_is_said_and_not_ready_to_paste(tmp_path, limits, wor
     (doubt,) = hand_doubts(hand, model_of(hand))
     assert doubt.startswith(words)
     assert hand_facts(hand, model_of(hand))["doubtful (1)"] == doubt
-    assert yaml.safe_load(hand_entry("odd", hand, doubtful=True)) is None
+    assert yaml.safe_load(hand_entry("odd", hand, model_of(hand))) is None
     assert "# grippers:" in hand_page("odd", hand, model_of(hand))
+
+
+def test_degrees_are_named_only_where_joints_of_mjcf_turn(tmp_path):
+    path = linkage_mjcf(tmp_path / "linkage.xml")
+    hand = Gripper.from_file(path)
+    narrow = replace(model_of(hand), openings=model_of(hand).openings / 50)
+    assert any("angles in MJCF are degrees" in doubt for doubt in hand_doubts(hand, narrow))
+    urdf = hand.model_copy(update={"file": "linkage.urdf"})
+    assert not any("MJCF" in doubt for doubt in hand_doubts(urdf, narrow))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"pad": np.array([[0, -0.0009, 0], [0, 0.0009, 0.02]])}, "The pads measure only 1.8 mm"),
+        ({"recess": (0.6, 0.006)}, "Most of the faces of the pads lie far behind"),
+        ({"palm_to_hand": turned((0, 1, 0), 3)}, "The closing axis is 3 degrees off"),
+        ({"palm_to_hand": turned((1, 0, 0), 3)}, "The approach is 3 degrees off"),
+    ],
+)
+def test_odd_pads_and_tilted_axes_are_doubtful(boxes, changes, words):
+    model = replace(model_of(boxes), **changes)
+    doubts = hand_doubts(boxes, model)
+    assert any(doubt.startswith(words) for doubt in doubts)
+    chosen = {"closing_axis": (1.0, 0, 0), "approach_axis": (0.0, 0, 1)}
+    rest = hand_doubts(boxes.model_copy(update=chosen), model)
+    assert not any("off the axes" in doubt for doubt in rest)
 
 
 def test_a_good_reading_is_not_doubtful(boxes):
@@ -85,7 +123,7 @@ def test_pads_that_are_not_flat_are_said_to_be_measured_between_their_foremost_p
     hand = Gripper.from_file(path)
     said = hand_facts(hand, model_of(hand))["opening"]
     assert said.startswith("0.2 to 80.2 mm between the foremost points of the pads; ")
-    assert said.endswith("their rearmost points are 6.0 mm farther apart")
+    assert said.endswith(" % of their faces lie further back, the rearmost 6.0 mm farther apart")
 
 
 def test_the_page_has_the_hand_at_three_openings(boxes):
