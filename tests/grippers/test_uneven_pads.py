@@ -139,7 +139,9 @@ def parallel(folder, bodies):
 def one_jaw(folder, bodies, kind, limit, axis):
     fingers = link("palm", "mirrored", more=PALM) + link("jaw", "finger", -HINGE / 1000)
     joints = joint("j", "jaw", kind, limit, axis, HINGE / 1000)
-    return read_model(hand(folder, bodies, fingers + joints))
+    found = read_model(hand(folder, bodies, fingers + joints))
+    assert found.openings[0] >= -1e-4
+    return found
 
 
 QUICK = ("fin-ray", "window", "V of 30 degrees", "screw hole", "flutes")
@@ -170,7 +172,7 @@ def test_a_jaw_that_slides_opens_as_far_as_it_slides(tmp_path, kind):
     assert 1000 * np.ptp(found.pad, axis=0)[2] == pytest.approx(LENGTH, abs=1)
 
 
-@pytest.mark.parametrize("kind", marked(set(FINGERS) - {"teeth", "cross grooves"}))
+@pytest.mark.parametrize("kind", marked(set(FINGERS) - {"teeth"}))
 def test_a_jaw_that_turns_opens_by_the_angle_at_its_pads(tmp_path, kind):
     """The plane of its foremost points turns about the hinge, and is closed at 0."""
     found = one_jaw(tmp_path, FINGERS[kind], "revolute", TURN, "0 1 0")
