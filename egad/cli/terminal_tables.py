@@ -12,7 +12,6 @@ from egad.measures import cell_name
 from egad.report.axes import AxisPair
 from egad.report.page import p_value
 from egad.stats import (
-    MIN_CORRELATED,
     Agreement,
     Clearing,
     ClearingComparison,
@@ -182,10 +181,6 @@ def agreements(rows: Mapping[str, Agreement], counted: str) -> None:
         counted: What is compared: objects or detectors.
     """
     limit = ["Pearson at most"] if counted == "objects" else []
-
-    def few_objects(found: Agreement) -> bool:
-        return counted == "objects" and found.count < MIN_CORRELATED
-
     show(
         [
             *("over " + counted, counted, "simulated %", "real %", "real - simulated"),
@@ -196,11 +191,8 @@ def agreements(rows: Mapping[str, Agreement], counted: str) -> None:
                 *(name, str(found.count)),
                 *(number(100 * rate, 1) for rate in (found.simulated, found.real)),
                 _estimate(found.difference, 1, 100),
-                *(
-                    DASH if few_objects(found) else _estimate(each, 2)
-                    for each in (found.spearman, found.pearson)
-                ),
-                *([DASH if few_objects(found) else number(found.limit, 2)] if limit else []),
+                *(_estimate(each, 2) for each in (found.spearman, found.pearson)),
+                *([number(found.limit, 2)] if limit else []),
                 _estimate(found.mmrv, 3),
             )
             for name, found in rows.items()

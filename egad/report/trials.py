@@ -25,7 +25,6 @@ from egad.report.trial_charts import (
     trial_heat_map,
 )
 from egad.stats import (
-    MIN_CORRELATED,
     Bin,
     Comparison,
     Mean,
@@ -258,7 +257,7 @@ def trend_chart(
         for axes, (key, axis) in zip(panels, keys.items(), strict=True):
             _draw_trend(axes, objects, key, means[key], letters=key == "difficulty")
             axes.set_xlabel(axis.label)
-            axes.set_title(_trend_text(trends[key], len(objects)), fontsize=9, color=SOFT)
+            axes.set_title(_trend_text(trends[key]), fontsize=9, color=SOFT)
             axes.grid(axis="y")
         panels[0].set(ylim=(-0.04, 1.04), ylabel="success rate")
         show_percent(panels[0].yaxis)
@@ -282,11 +281,9 @@ def _draw_trend(
     axes.tick_params(axis="x", length=0)
 
 
-def _trend_text(trend: Trend, objects: int) -> str:
-    if objects < MIN_CORRELATED:
-        return f"too few objects for a rank correlation (at least {MIN_CORRELATED})"
+def _trend_text(trend: Trend) -> str:
     if np.isnan(trend.rho):
-        return "no rank correlation: all values are equal"
+        return "no rank correlation: too few objects, or all values are equal"
     rho, low, high = (
         f"{round(end, 2) + 0:.2f}" for end in (trend.rho, trend.ci_low, trend.ci_high)
     )

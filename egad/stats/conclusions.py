@@ -8,12 +8,14 @@ import pandas as pd
 from egad.errors import UserError
 from egad.stats.clearing import ClearingComparison
 from egad.stats.paired import ENOUGH_OBJECTS, Comparison
-from egad.stats.power import fit_object_rates, needed_attempts
+from egad.stats.power import fit_object_rates, plan_attempts
 from egad.stats.rates import expanded_quantile
 
 LEVEL = 0.05
 POWER = 0.8
 MOST = 100  # attempts at each object that are considered
+MOST_ROUNDS = 1000
+QUICK_RUNS = 200  # a power of 0.8 then has a standard error of 0.03
 FAR = 2.80  # standard errors: a difference this far from 0 is found with the power above
 
 
@@ -54,14 +56,15 @@ def _more_attempts(result: Comparison, tables: Sequence[pd.DataFrame]) -> str:
     """How many attempts would show the difference of a comparison."""
     truth = f"if the difference is really {_points(result.difference)}"
     try:
-        needed = needed_attempts(
+        needed = plan_attempts(
             result.objects,
             fit_object_rates(tables),
-            result.difference,
+            difference=result.difference,
             power=POWER,
             level=LEVEL,
             most=MOST,
-        )
+            runs=QUICK_RUNS,
+        ).attempts
     except UserError:  # rates over objects cannot be estimated
         return f"{truth}, more attempts may show it"
     if needed is None:
@@ -84,12 +87,15 @@ def clearing_conclusion(first: str, second: str, result: ClearingComparison) -> 
     if result.p_cleared <= LEVEL:
         return f"{kind}: {first} clears {_points(size)} more of the objects than {second} ({p})"
     shown = f"{kind}: no difference between {first} and {second} is shown ({p})"
-    error = (high - low) / 2 / expanded_quantile(result.rounds)
-    if not size or not error > 0:
+    if not size or not high > low:  # NaN with a single round
         return shown
+    error = (high - low) / 2 / expanded_quantile(result.rounds)
     needed = math.ceil(result.rounds * (FAR * error / size) ** 2)
+    shown += f"; if it is really {_points(size)}, "
+    if needed > MOST_ROUNDS:
+        return f"{shown}even {MOST_ROUNDS} rounds would not show it"
     many = f"about {needed}" if needed > result.rounds else "a few more"
-    return f"{shown}; if it is really {_points(size)}, {many} rounds would show it"
+    return f"{shown}{many} rounds would show it"
 
 
 def _points(difference: float) -> str:

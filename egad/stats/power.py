@@ -17,7 +17,6 @@ from egad.stats.rates import by_object
 from egad.stats.sequential import log_e_values, two_sided
 
 CHUNK = 1_000_000  # pairs simulated at once
-QUICK_RUNS = 200  # a power of 0.8 then has a standard error of 0.03
 NORMAL: Floats = np.linspace(-6, 6, 2401)
 
 
@@ -203,23 +202,6 @@ def plan_attempts(
     attempts, reached = _least(design.power, power, most)
     stops = design.stops(most)
     return Plan(objects, attempts, reached, _quantile(stops, power), _quantile(stops, 0.5))
-
-
-def needed_attempts(
-    objects: int,
-    rates: ObjectRates,
-    difference: float,
-    *,
-    power: float = 0.8,
-    level: float = 0.05,
-    most: int = 100,
-) -> int | None:
-    """The attempts at each object of `plan_attempts`, from fewer runs; None if `most` is too low.
-
-    A difference that these rates do not allow is reduced to the largest that they do.
-    """
-    difference = min(difference, 1.99 * min(rates.mean, 1 - rates.mean))
-    return _least(_Design(objects, rates, difference, level, QUICK_RUNS, 0).power, power, most)[0]
 
 
 @dataclass(frozen=True)

@@ -237,7 +237,8 @@ class Trend:
     """A rank correlation.
 
     Attributes:
-        rho: Spearman's coefficient; NaN if either variable is constant over the objects.
+        rho: Spearman's coefficient; NaN for fewer than `MIN_CORRELATED` objects, or if either
+            variable is constant over them.
         ci_low: Lower end of its 95 % confidence interval over objects.
         ci_high: Upper end.
     """
@@ -281,6 +282,8 @@ def trend(values: Floats, rates: Floats) -> Trend:
         values: (n,) property that may make objects hard.
         rates: (n,) how often each was held.
     """
+    if len(values) < MIN_CORRELATED:
+        return Trend(np.nan, np.nan, np.nan)
     everything = np.arange(len(values))[None]
     low, high = bootstrap(lambda drawn: rank_correlation(values[drawn], rates[drawn]), len(values))
     return Trend(float(rank_correlation(values[everything], rates[everything])[0]), low, high)

@@ -1,7 +1,7 @@
 """Simulated against real success rates: object by object, and detector by detector."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,9 @@ class Estimate(NamedTuple):
     ci_high: float
 
 
+UNKNOWN = Estimate(np.nan, np.nan, np.nan)
+
+
 @dataclass(frozen=True)
 class Agreement:
     """How well simulated success rates agree with real ones.
@@ -33,8 +36,8 @@ class Agreement:
         simulated: Mean simulated rate.
         real: Mean real rate.
         difference: Real minus simulated.
-        spearman: Rank correlation.
-        pearson: Correlation.
+        spearman: Rank correlation; NaN for fewer than `MIN_CORRELATED` objects.
+        pearson: Correlation; NaN likewise.
         mmrv: Mean maximum rank violation, see `mmrv`. Its interval over objects is biased low, as
             draws with replacement have fewer different objects, whose largest violations are
             smaller.
@@ -160,10 +163,11 @@ def _object_agreement(simulated: pd.DataFrame, real: pd.DataFrame) -> Agreement:
     both = simulated.index.intersection(real.index)
     sim, rob = simulated.loc[both], real.loc[both]
     pair = sim["rate"].to_numpy(), rob["rate"].to_numpy()
-    reliable = _reliability(sim) * _reliability(rob)
-    return _agreement(
-        lambda drawn: (pair[0][drawn], pair[1][drawn]), len(both), float(np.sqrt(reliable))
-    )
+    limit = float(np.sqrt(_reliability(sim) * _reliability(rob)))
+    result = _agreement(lambda drawn: (pair[0][drawn], pair[1][drawn]), len(both), limit)
+    if len(both) < MIN_CORRELATED:
+        return replace(result, spearman=UNKNOWN, pearson=UNKNOWN, limit=np.nan)
+    return result
 
 
 def _detector_agreement(

@@ -5,16 +5,10 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+import scipy
 
-from egad.stats import (
-    ObjectRates,
-    clearing_conclusion,
-    compare,
-    conclusion,
-    plan_attempts,
-)
+from egad.stats import clearing_conclusion, compare, compare_clearing, conclusion
 from egad.stats.clearing import ClearingComparison
-from egad.stats.power import needed_attempts
 
 
 def tried(successes, attempts=20):
@@ -37,11 +31,15 @@ def test_a_difference_that_is_shown_is_told_with_its_size():
 
 
 def test_what_is_not_shown_says_how_many_attempts_would():
-    rng = np.random.default_rng(0)
-    other = rng.integers(2, 16, size=20)
-    text = said(other + rng.integers(-3, 6, size=20), other)
+    # Counts vary less over objects than binomial ones: all that varies is the attempts, so that
+    # the sample size for two proportions applies: (1.96 + 0.84)^2 * 2 p (1 - p) / difference^2
+    text = said([13, 9] * 15, [8, 12] * 15)
     assert "no difference is shown" in text
-    assert re.search(r"about \d+ attempts by each at each object|even 100 attempts", text)
+    at_each = 2.8**2 * 2 * 0.525 * 0.475 / 0.05**2 / 30
+    needed = int(re.search(r"about (\d+) attempts by each at each object", text)[1])
+    assert needed == pytest.approx(at_each, rel=0.25)
+    # half the difference needs four times as many, more than 100
+    assert "even 100 attempts at each object would not" in said([13, 9] * 15, [8, 13] * 15)
 
 
 def test_few_objects_get_no_verdict():
@@ -53,21 +51,38 @@ def test_equal_detectors_are_told_to_be_equal():
     assert said([5, 10] * 5, [5, 10] * 5).endswith("both succeed equally often")
 
 
-@pytest.mark.parametrize("difference", [0.15, 0.3])
-def test_the_attempts_are_those_of_a_plan(difference):
-    rates = ObjectRates(0.6, 0.2, 0.9)
-    planned = plan_attempts(15, rates, difference=difference, most=40).attempts
-    needed = needed_attempts(15, rates, difference, most=40)
-    assert needed == pytest.approx(planned, rel=0.35)
+SHOWN = ClearingComparison("pile", "none", 40, 0.1, (0, 0.2), -0.2, (-0.3, -0.1), 0.001)
+# an interval this wide has a standard error of 5 points over 40 rounds (t = 2.023)
+UNSURE = SHOWN._replace(cleared=0.04, cleared_interval=(-0.0624, 0.1424), p_cleared=0.4)
 
 
-def test_rounds_of_cleared_tables():
-    shown = ClearingComparison("pile", "none", 40, 0.1, (0, 0.2), -0.2, (-0.3, -0.1), 0.001)
-    text = clearing_conclusion("a", "b", shown)
+def test_the_better_of_cleared_tables_is_named():
+    text = clearing_conclusion("a", "b", SHOWN)
     assert text.startswith("pile, noise none: b clears 20.0 percentage points more")
-    # an interval this wide has a standard error of 5 points over 40 rounds
-    unsure = shown._replace(cleared=0.04, cleared_interval=(-0.0624, 0.1424), p_cleared=0.4)
-    needed = int(re.search(r"about (\d+) rounds", clearing_conclusion("a", "b", unsure))[1])
-    few = unsure._replace(rounds=6, cleared=0.5, cleared_interval=(0, 1))
+
+
+def test_the_rounds_that_would_show_a_difference_show_it_in_four_of_five_cases():
+    needed = int(re.search(r"about (\d+) rounds", clearing_conclusion("a", "b", UNSURE))[1])
+    draws = np.random.default_rng(0).normal(0.04, 0.05 * np.sqrt(40), (2000, needed))
+    low = scipy.stats.ttest_1samp(draws, 0, axis=1).confidence_interval().low
+    assert np.mean(low > 0) == pytest.approx(0.8, abs=0.03)
+
+
+def test_rounds_have_bounds():
+    few = UNSURE._replace(rounds=6, cleared=0.5, cleared_interval=(0, 1))
     assert "a few more rounds" in clearing_conclusion("a", "b", few)
-    assert needed == pytest.approx(40 * (2.8 * 0.05 / 0.04) ** 2, rel=0.1)
+    hardly = UNSURE._replace(cleared=0.001)
+    assert clearing_conclusion("a", "b", hardly).endswith("even 1000 rounds would not show it")
+
+
+def test_a_single_common_round_shows_nothing():
+    rows = [("pile", "none", 0, 1, "x y", "1 1", 2, n, name) for n, name in enumerate("xy")]
+    columns = ["scene", "noise", "round", "seed", "objects", "factors", "n_objects", "attempt"]
+    table = pd.DataFrame(rows, columns=[*columns, "label"])
+    one = table.assign(success=[True, True], outcome="success")
+    other = table.assign(success=[True, False], outcome=["success", "missed"])
+    (result,) = compare_clearing(one, other)
+    assert result.rounds == 1
+    text = clearing_conclusion("one", "other", result)
+    assert "no difference between one and other is shown" in text
+    assert "rounds would" not in text

@@ -210,7 +210,7 @@ def test_only_ranks_count():
 
 
 def test_a_perfect_order_is_certain():
-    found = trend(np.arange(9.0), np.arange(9.0) ** 2)
+    found = trend(np.arange(10.0), np.arange(10.0) ** 2)
     assert (found.rho, found.ci_low, found.ci_high) == pytest.approx((1.0, 1.0, 1.0))
 
 
