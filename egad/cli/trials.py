@@ -254,13 +254,12 @@ def _write(
     conclusions: Sequence[str],
 ) -> None:
     from egad._util.files import write_text
-    from egad.evalset import cell_of_label, in_grid
     from egad.report.axes import axis_pair
     from egad.report.trials import EvaluationSet, page
 
-    labels = {label for table in found.values() for label in table["label"] if in_grid([label])}
-    last = settings.select_eval.rows - 1, settings.select_eval.columns - 1
-    cells = zip(last, *map(cell_of_label, labels), strict=True)
-    rows, columns = (max(numbers) + 1 for numbers in cells)
+    rows, columns = settings.select_eval.rows, settings.select_eval.columns
+    if chosen is not None:
+        rows = max(rows, int(chosen["row"].max()) + 1)
+        columns = max(columns, int(chosen["column"].max()) + 1)
     tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))
     write_text(out, page(found, tried, conclusions))

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from egad.evalset import cell_of_label, in_grid, label_at
+from egad.evalset import SelectEval, cell_of_label, in_grid, label_at
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import FAINT, INK, SOFT, ink_on, line_color
 from egad.report.drawing import new_figure, show_percent
@@ -211,15 +211,16 @@ def trial_chart(trials: pd.DataFrame) -> str:
         trials: Columns label, success and outcome of `tables.evaluation.TRIALS`, at least one row.
 
     Returns:
-        SVG text. If all labels are those of an evaluation set, such as C4, the heat map of the
-        paper. Otherwise the outcomes of all attempts and of each object; with more than `MAX_BARS`
-        objects, only of those with the lowest success rates.
+        SVG text. If all labels are those of an evaluation set of the usual size, such as C4, the
+        heat map of the paper. Otherwise the outcomes of all attempts and of each object; with more
+        than `MAX_BARS` objects, only of those with the lowest success rates.
     """
     objects = by_object(trials)
     names = [str(name) for name in objects.index]
     if len(names) > 1 and in_grid(names):
         rows, columns = (1 + max(each) for each in zip(*map(cell_of_label, names), strict=True))
-        return trial_heat_map(trial_grid(trials, rows, columns), rows, columns, set(names))
+        if rows <= SelectEval().rows and columns <= SelectEval().columns:
+            return trial_heat_map(trial_grid(trials, rows, columns), rows, columns, set(names))
     rates = (objects["successes"] / objects["attempts"]).to_numpy()
     lowest = np.sort(np.argsort(rates, kind="stable")[:MAX_BARS])
     everything = f"all {len(names)} objects"

@@ -215,7 +215,7 @@ def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
 
     Args:
         trials: Columns `label` (such as C4) and `success`, one row per attempt. Objects under other
-            names have no cells, rows and columns.
+            names, or outside, have no cells, rows and columns.
         rows: Letters of the set.
         columns: Digits of the set.
     """
@@ -223,6 +223,8 @@ def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
         return TrialGrid({}, [], [], mean_rate(trials))
     found = [cell_of_label(label) for label in trials["label"]]
     row, column = np.array(found, dtype=np.int64).reshape(-1, 2).T
+    if (row >= rows).any() or (column >= columns).any():
+        return TrialGrid({}, [], [], mean_rate(trials))
     cells = {(i, j): rate(trials[(row == i) & (column == j)]) for i, j in sorted(set(found))}
     return TrialGrid(
         cells,

@@ -13,7 +13,7 @@ import logging
 import re
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ import pandas as pd
 
 from egad._util.input_limits import MAX_COLUMNS
 from egad.errors import UserError, most_common
-from egad.evalset import LABEL
+from egad.evalset import SelectEval, in_grid, labels_of
 from egad.io import csv_lines
 from egad.outcomes import Outcome
 from egad.tables import parquet
@@ -145,8 +145,12 @@ def _rows(
 ) -> list[dict[str, object]]:
     """The attempts that were made and are valid, as from `_row`; a warning counts invalid ones."""
     rows, problems, not_valid = [], [], Counter[str]()
-    labels = {row["label"] for _, row in cells}
-    grid = 2 * sum(bool(LABEL.fullmatch(label)) for label in labels) >= len(labels)
+    labels = {row["label"] for _, row in cells} - {""}
+    alike = {label for label in labels if label.upper() in _cells()}
+    grid = alike == labels and not in_grid(labels)
+    if alike and alike != labels and not in_grid(labels):
+        names = ", ".join(sorted(labels - alike)[:MAX_TOLD])
+        log.warning("%s: labels are taken as names, not cells of the grid, due to %s", path, names)
     if cells and is_log and not {row["schema"] for _, row in cells} & {"", LOG_SCHEMA}:
         line, row = cells[0]
         raise _wrong(path, line, row, "schema", f"{LOG_SCHEMA}; a newer egad may know it")
@@ -165,6 +169,12 @@ def _rows(
         log.warning("%s: %d attempts are not valid: %s", path, count, most_common(not_valid))
     _tell(path, problems)
     return rows
+
+
+@cache
+def _cells() -> frozenset[str]:
+    """The labels of an evaluation set of the usual size."""
+    return frozenset(labels_of(SelectEval().rows, SelectEval().columns))
 
 
 def _is_valid(path: Path, line: int, row: Mapping[str, str]) -> bool:
@@ -236,14 +246,13 @@ def csv_cells(
 
 
 def _row(path: Path, line: int, row: Mapping[str, str], grid: bool) -> dict[str, object]:
-    """One attempt, with the line and session that it comes from; `grid`: labels are cells."""
+    """One attempt, with the line and session that it comes from; `grid`: cells are meant."""
     wrong = partial(_wrong, path, line, row)
     success = WORDS.get(row["success"].lower())
     if success is None:
         raise wrong("success", "1, 0, true, false, yes or no")
-    if not row["label"] or (grid and not LABEL.fullmatch(row["label"])):
-        what = "a letter and a digit, such as C4, as in other rows" if grid else "a name"
-        raise wrong("label", what)
+    if not row["label"] or (grid and row["label"] not in _cells()):
+        raise wrong("label", row["label"].upper() or "a name")
     if not ATTEMPT.fullmatch(row["attempt"]):
         raise wrong("attempt", "a whole number of at most 9 digits")
     outcome = row["outcome"].lower().replace(" ", "_") or (

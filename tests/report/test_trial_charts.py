@@ -13,6 +13,7 @@ from egad.report.trial_charts import (
     outcome_chart,
     outcome_counts,
     rate_bars,
+    trial_chart,
     trial_heat_map,
 )
 from egad.report.trials import reliability_chart, trend_chart
@@ -107,6 +108,13 @@ def test_trends_are_told_with_their_interval(trials):
     assert f"rank correlation {minus}0.40 ({minus}0.60 to 0.00)" in shown
     assert "no rank correlation: too few objects, or all values are equal" in shown
     assert {"A", "G", "0", "6"} <= set(shown)
+
+
+def test_screws_with_names_like_cells_are_in_no_grid(trials):
+    shown = texts(trial_chart(trials.replace({"label": {"A0": "M3", "C4": "P1"}})))
+    assert {"M3", "P1"} <= set(shown)
+    assert "A" not in shown
+    assert "A" in texts(trial_chart(trials))
 
 
 def test_rows_stand_beside_the_whole(trials):

@@ -170,6 +170,8 @@ def test_objects_under_their_own_names_have_no_rows_and_columns() -> None:
     grid = trial_grid(named, 7, 7)
     assert (grid.cells, grid.rows, grid.columns) == ({}, [], [])
     assert (grid.overall.successes, grid.overall.attempts) == (25, 60)
+    screws = TRIALS.replace({"label": {"A0": "M3", "A2": "M4", "C2": "P1"}})
+    assert trial_grid(screws, 7, 7).rows == []
     found = object_positions(named)
     assert found["rate"].tolist() == [1.0, 0.25, 0.0]
     assert found[["difficulty", "complexity"]].isna().all(axis=None)
