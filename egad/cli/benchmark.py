@@ -20,12 +20,11 @@ from egad.cli.common import (
     detector_in,
     gripper_in,
     gripper_option,
-    objects_in,
     out_option,
     settings_in,
     with_option,
 )
-from egad.cli.repeat import note_of_run
+from egad.cli.repeat import run_trials
 
 FOLDER = Path("benchmark")
 
@@ -69,10 +68,8 @@ def benchmark(
     from egad.cli.terminal_tables import cleared, outcome_list
     from egad.config.stages import ClearedTables, select
     from egad.io import check_ending
-    from egad.provenance.record import recorded
     from egad.sim import check_engine
     from egad.stats import engine_names
-    from egad.tables import parquet
     from egad.tables.clutter import CLUTTER
 
     settings = with_option(settings_in(config), "--protocol", "clutter.protocol", protocol)
@@ -82,18 +79,16 @@ def benchmark(
     settings, gripper = gripper_in(settings, gripper)
     check_engine(settings.clutter.engine)
     settings, name = detector_in(settings, detector, weights, command)
-    path = out or FOLDER / f"{name}.parquet"
-    for folder in [films, None if out else FOLDER]:
-        if folder is not None:
-            folder.mkdir(exist_ok=True)
-    check_ending(path, (".parquet",))
-    targets, files = objects_in(objects, units)
+    path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
+    check_ending(out, (".parquet",))
     chosen = select(settings, ClearedTables, gripper, name)
-    arguments = {"objects": Path(objects).name, "rule": settings.rescale.rule}
-    with recorded("benchmark", settings=chosen, inputs=files, arguments=arguments):
-        result = _clear(chosen, settings.rescale.rule, targets, path, jobs)
-        noted = note_of_run(chosen, settings.rescale.rule, gripper, objects, units)
-        parquet.write(result.table, CLUTTER, path, noted)
+    if films is not None:
+        films.mkdir(exist_ok=True)
+    result = run_trials(
+        "benchmark",
+        lambda targets: _clear(chosen, scaling, targets, jobs),
+        *(chosen, scaling, gripper, (objects, units), (path, CLUTTER)),
+    )
     cleared({name: result.rates()}, {name: engine_names(result.table)})
     typer.echo(f"protocol: {settings.clutter.protocol.name}")
     typer.echo(f"outcomes: {outcome_list(result.table)}")
@@ -104,15 +99,13 @@ def benchmark(
 
 
 def _clear(
-    settings: "ClearedTables", rule: str, targets: "Sequence[NamedMesh]", out: Path, jobs: int
+    settings: "ClearedTables", rule: str, targets: "Sequence[NamedMesh]", jobs: int
 ) -> "Benchmark":
-    """Let a detector clear tables of objects; its first failure is kept beside the table."""
+    """Let a detector clear tables of objects."""
     from egad.benchmark import clear_tables
     from egad.clearing import check_detector, prepare_objects
-    from egad.detectors import keep_failure
 
     label_seed = settings.seed if settings.detector.detector == "labels" else None
     check_detector(settings.detector, settings)
     known = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
-    with keep_failure(out):
-        return clear_tables(settings.detector, known, settings, jobs)
+    return clear_tables(settings.detector, known, settings, jobs)

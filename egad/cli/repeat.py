@@ -1,7 +1,8 @@
-"""What is needed to repeat simulated attempts: from options, or as noted in their table."""
+"""Trials that can be repeated: a note in their table says how, and options override it."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 import typer
 
@@ -14,12 +15,19 @@ from egad.cli.common import (
     settings_in,
 )
 from egad.config import Settings
+from egad.errors import UserError, check_name
 from egad.grippers import Gripper
 
 if TYPE_CHECKING:
+    import pyarrow as pa
+
+    from egad.benchmark import Benchmark
+    from egad.named_meshes import NamedMesh
     from egad.sim import ClutterParameters, Models, TrialParameters
+    from egad.trials import Trials
 
 NOTE = "run"
+Result = TypeVar("Result", "Trials", "Benchmark")
 OF_TABLE = "that of the table"
 SimulatedIn = Annotated[
     Path | None,
@@ -34,18 +42,68 @@ RunGripper = Annotated[
 ]
 
 
-def note_of_run(
+def run_trials(
+    command: str,
+    work: Callable[[list["NamedMesh"]], Result],
     settings: "TrialParameters | ClutterParameters",
     rule: str,
     gripper: str,
-    objects: str,
-    units: str | None,
-) -> dict[str, Any]:
-    """The note of a table from which its attempts can be repeated; see `repeatable`."""
+    objects: tuple[str, str | None],
+    out: tuple[Path, "pa.Schema"],
+) -> Result:
+    """Simulate trials, and write their table with a note from which they can be repeated.
+
+    Args:
+        command: As it is recorded.
+        work: Makes the attempts at objects.
+        settings: What the work reads.
+        rule: How objects are scaled.
+        gripper: Its name.
+        objects: The values of `--objects` and `--units`.
+        out: The table, and its columns.
+    """
+    from egad.detectors import keep_failure
+    from egad.provenance.record import recorded
+    from egad.tables import parquet
+
+    targets, files = objects_in(*objects)
+    path, schema = out
+    arguments = {"objects": Path(objects[0]).name, "rule": rule}
     values = settings.model_dump(mode="json", exclude={"detector", "gripper"})
     hand = settings.gripper.model_dump(mode="json")
-    named = {"objects": objects, "units": units, "gripper": gripper, "hand": hand}
-    return {NOTE: {**named, "settings": {**values, "rescale": {"rule": rule}}}}
+    named = {"objects": objects[0], "units": objects[1], "gripper": gripper, "hand": hand}
+    note = {NOTE: {**named, "settings": {**values, "rescale": {"rule": rule}}}}
+    with (
+        recorded(command, settings=settings, inputs=files, arguments=arguments),
+        keep_failure(path),
+    ):
+        result = work(targets)
+        path.parent.mkdir(exist_ok=True)
+        parquet.write(result.table, schema, path, note)
+    return result
+
+
+def repeatable_in(
+    kind: Literal["trials", "clutter"],
+    detector: str | None,
+    table: Path | None,
+    dataset: Path | None,
+    gripper: str | None,
+    config: Path | None,
+) -> tuple[Path, Settings, str, "Models"]:
+    """A table, and what `repeatable` says of it; without one, that of a detector of a run."""
+    if table is not None:
+        return table, *repeatable(table, dataset, gripper, config)
+    from egad.workflow.bundled import models_in
+
+    settings, hand = named_gripper(settings_in(config), gripper)
+    targets = settings.targets.clutter if kind == "clutter" else settings.targets.detectors
+    if detector is None and not targets:
+        raise UserError("--detector is missing: the configuration has no targets.clutter")
+    detector = detector or targets[0]
+    check_name("--detector", detector, settings.detectors, " in the configuration (--config)")
+    table = (dataset or RUN) / kind / hand / f"{detector}.parquet"
+    return table, settings, hand, models_in(dataset or RUN, settings, hand)
 
 
 def repeatable(
@@ -53,20 +111,31 @@ def repeatable(
 ) -> tuple[Settings, str, "Models"]:
     """Settings, name of the gripper and objects of the attempts in a table.
 
-    They are those noted in the table, unless `--in`, `--gripper` or `--config` is given.
+    They are those in the note of the table; each option replaces its own part.
+
+    Raises:
+        UserError: There are no such objects, or no such gripper.
     """
     from egad.config.check import check
     from egad.config.files import defaults, merged
     from egad.tables import parquet
     from egad.workflow.bundled import lazy_models, models_in
 
-    noted = parquet.notes(table).get(NOTE)
-    if noted is None or any(each is not None for each in (dataset, gripper, config)):
+    note = parquet.notes(table).get(NOTE)
+    if note is None:
         settings, hand = named_gripper(settings_in(config), gripper)
         return settings, hand, models_in(dataset or RUN, settings, hand)
-    hand = noted["gripper"]
-    known = Gripper.model_validate(noted["hand"])
-    settings = check(merged(defaults(), noted["settings"]))
-    settings = settings.model_copy(update={"grippers": {**settings.grippers, hand: known}})
-    targets, _ = objects_in(noted["objects"], noted["units"])
-    return settings, hand, lazy_models(targets, known, settings.rescale.rule)
+    settings = settings_in(config) if config else check(merged(defaults(), note["settings"]))
+    if gripper is None:
+        hand = note["gripper"]
+        grippers = {**settings.grippers, hand: Gripper.model_validate(note["hand"])}
+        settings = settings.model_copy(update={"grippers": grippers})
+    else:
+        settings, hand = named_gripper(settings, gripper)
+    if dataset is not None:
+        return settings, hand, models_in(dataset, settings, hand)
+    try:
+        targets, _ = objects_in(note["objects"], note["units"])
+    except UserError as error:
+        raise UserError(f"{table}: {error}; run it in the folder of the run") from error
+    return settings, hand, lazy_models(targets, settings.grippers[hand], settings.rescale.rule)

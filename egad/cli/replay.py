@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import RUN, Config, named_gripper, out_option, settings_in
-from egad.cli.repeat import RunGripper, SimulatedIn, repeatable
-from egad.errors import UserError, check_name
+from egad.cli.common import Config, out_option
+from egad.cli.repeat import RunGripper, SimulatedIn, repeatable_in
+from egad.errors import UserError
 from egad.perception import NoiseName, SceneKind
 
 
@@ -35,12 +35,9 @@ def replay(
 
     path = out or Path(f"{label}-{attempt}.gif")
     check_ending(path, ENDINGS)
-    if table is None:
-        settings, hand = named_gripper(settings_in(config), gripper)
-        detector = detector or settings.targets.detectors[0]
-        check_name("--detector", detector, settings.detectors, " in the configuration (--config)")
-        table = (dataset or RUN) / "trials" / hand / f"{detector}.parquet"
-    settings, hand, models = repeatable(table, dataset, gripper, config)
+    table, settings, hand, models = repeatable_in(
+        "trials", detector, table, dataset, gripper, config
+    )
     parameters = select(settings, TrialParameters, hand)
     outcome = film_attempt(parameters, table, models, label, attempt, path)
     typer.echo(f"{path}: {label}, attempt {attempt}: {outcome}, as before")
@@ -72,18 +69,14 @@ def film(
 
     path = out or Path(f"{scene}-{number}.gif")
     check_ending(path, ENDINGS)
-    if table is None:
-        settings, hand = named_gripper(settings_in(config), gripper)
-        if detector is None and not settings.targets.clutter:
-            raise UserError("--detector is missing: the configuration has no targets.clutter")
-        detector = detector or settings.targets.clutter[0]
-        table = (dataset or RUN) / "clutter" / hand / f"{detector}.parquet"
-    if "scene" not in parquet.columns(table):
+    if table is not None and "scene" not in parquet.columns(table):
         raise UserError(
             f"{table} is of trials, not of cleared tables; film an attempt with "
             f"`egad trials replay LABEL ATTEMPT --table {table}`"
         )
-    settings, hand, models = repeatable(table, dataset, gripper, config)
+    table, settings, hand, models = repeatable_in(
+        "clutter", detector, table, dataset, gripper, config
+    )
     parameters = select(settings, ClutterParameters, hand)
     film_clearing(parameters, table, models, (scene, noise, number), path)
     typer.echo(f"{path}: round {number} of {scene}, noise {noise}, as before")

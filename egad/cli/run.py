@@ -19,13 +19,12 @@ from egad.cli.common import (
     detector_in,
     gripper_in,
     gripper_option,
-    objects_in,
     out_option,
     settings_in,
     with_option,
 )
 from egad.cli.log_sheet import ATTEMPTS
-from egad.cli.repeat import note_of_run
+from egad.cli.repeat import run_trials
 
 FOLDER = Path("trials")
 
@@ -41,7 +40,7 @@ def run(
         int | None,
         typer.Option(
             min=1,
-            help=f"attempts at each object; default: {ATTEMPTS}, or trials.attempts of --config",
+            help=f"attempts at each object; default: trials.attempts of --config, else {ATTEMPTS}",
         ),
     ] = None,
     seed: Annotated[
@@ -62,21 +61,16 @@ def run(
     `trials` of --config.
     """
     from egad.cli.terminal_tables import outcome_list, succeeded
-    from egad.config.files import read_values
     from egad.config.stages import SimulatedTrials, select
-    from egad.detectors import keep_failure
     from egad.io import check_ending
-    from egad.provenance.record import recorded
     from egad.sim import check_engine
     from egad.stats import simulated_in
-    from egad.tables import parquet
     from egad.tables.evaluation import TRIALS
     from egad.trials import try_objects
 
     settings = settings_in(config)
-    configured = {} if config is None else read_values(config).get("trials") or {}
     for option, key, value in (
-        ("--attempts", "trials.attempts", attempts or configured.get("attempts", ATTEMPTS)),
+        ("--attempts", "trials.attempts", attempts or (None if config else ATTEMPTS)),
         ("--seed", "seed", seed),
         ("--keep-going", "trials.keep_going", keep_going or None),
         ("--rule", "rescale.rule", rule),
@@ -86,19 +80,13 @@ def run(
     check_engine(settings.trials.engine)
     settings, name = detector_in(settings, detector, weights, command)
     path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
-    if out is None:
-        FOLDER.mkdir(exist_ok=True)
-    check_ending(path, (".parquet",))
-    targets, files = objects_in(objects, units)
+    check_ending(out, (".parquet",))
     chosen = select(settings, SimulatedTrials, gripper, name)
-    arguments = {"objects": Path(objects).name, "rule": scaling}
-    with (
-        recorded("trials run", settings=chosen, inputs=files, arguments=arguments),
-        keep_failure(path),
-    ):
-        result = try_objects(chosen.detector, targets, chosen, scaling, jobs)
-        noted = note_of_run(chosen, scaling, gripper, objects, units)
-        parquet.write(result.table, TRIALS, path, noted)
+    result = run_trials(
+        "trials run",
+        lambda targets: try_objects(chosen.detector, targets, chosen, scaling, jobs),
+        *(chosen, scaling, gripper, (objects, units), (path, TRIALS)),
+    )
     succeeded({path.stem: result.success_rate()}, {path.stem: simulated_in(result.table)})
     typer.echo(f"outcomes: {outcome_list(result.table)}")
     typer.echo(f"attempts: {path}")

@@ -79,6 +79,34 @@ def test_other_settings_are_told_to_differ(table, tmp_path):
     assert "attempts are not reproduced" in done.stderr
 
 
+def test_an_option_replaces_its_own_part_of_the_note(table, tmp_path):
+    (tmp_path / "seed.yaml").write_text("seed: 5\ntrials: {attempts: 2}\n")
+    done = egad("trials", "verify", table, "--config", tmp_path / "seed.yaml", "--jobs", 1)
+    assert done.returncode == 0, done.stderr  # with the meshes and the gripper of the run
+    done = egad("trials", "verify", table, "--gripper", "panda", "--jobs", 1)
+    assert "are not reproduced" in done.stderr  # the same meshes, for another gripper
+
+
+def test_relative_paths_hold_in_the_folder_of_the_run(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(folder)
+    options = ["--objects", "parts", "--units", "mm", "--attempts", 1, "--gripper", 0.07]
+    done = egad("trials", "run", "across.py", *options, "--jobs", 1)
+    assert done.returncode == 0, done.stderr
+    table = folder / "trials/across.parquet"
+    monkeypatch.chdir(tmp_path)
+    done = egad("trials", "verify", table)
+    assert done.returncode == 1
+    assert f"{table}: --objects parts is neither" in done.stderr
+    assert "run it in the folder of the run" in done.stderr
+
+
+def test_a_wrong_option_leaves_no_folder(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = egad("trials", "run", folder / "across.py", "--objects", "nowhere")
+    assert done.returncode == 1
+    assert not list(tmp_path.iterdir())
+
+
 def test_mistakes_are_one_sentence(folder, table):
     for arguments, sentence in (
         (["run", "antipodal-cloud"], "in trials, a detector gets a view from above"),
