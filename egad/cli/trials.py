@@ -69,14 +69,14 @@ def compare(
         _compare_clearing(tables, out)
         return
     chosen = _evaluation_set(evaluation)
-    found = _of_set({} if all(is_clutter) else gather(tables), chosen)
-    if len(found) < 2:
+    attempts = _of_set({} if all(is_clutter) else gather(tables), chosen)
+    if len(attempts) < 2:
         raise UserError("compare needs the results of at least two detectors")
-    conclusions = _tell(found)
+    conclusions = _tell(attempts)
     if sequential:
-        _tell_sequential(found)
+        _tell_sequential(attempts)
     if out is not None:
-        _write(out, found, chosen, settings_in(config), conclusions)
+        _write(out, attempts, chosen, settings_in(config), conclusions)
 
 
 @trials.command()
@@ -98,13 +98,13 @@ def report(
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
     chosen, settings = _evaluation_set(evaluation), settings_in(config)
-    found = _of_set(read(table), chosen)
-    conclusions = _tell(found)
+    attempts = _of_set(read(table), chosen)
+    conclusions = _tell(attempts)
     for path in out:
         if path.suffix.lower() == ".html":
-            _write(path, found, chosen, settings, conclusions)
+            _write(path, attempts, chosen, settings, conclusions)
         else:
-            write_frame(pd.concat(found.values()), RESULTS, path)
+            write_frame(pd.concat(attempts.values()), RESULTS, path)
 
 
 trials.command()(plan)
@@ -155,8 +155,8 @@ def _compare_clearing(tables: list[Path], out: Path | None) -> None:
 
     several = len({path.stem for path in tables}) < len(tables)
     names = [str(path.with_suffix("")) if several else path.stem for path in tables]
-    found = {name: parquet.read(path, CLUTTER) for name, path in zip(names, tables, strict=True)}
-    results = clearing_results(found)
+    attempts = {name: parquet.read(path, CLUTTER) for name, path in zip(names, tables, strict=True)}
+    results = clearing_results(attempts)
     cleared(results.rates, results.engines)
     if results.warning:
         typer.echo(results.warning)
@@ -170,21 +170,23 @@ def _compare_clearing(tables: list[Path], out: Path | None) -> None:
         write_text(out, page(results))
 
 
-def _tell(found: "Mapping[str, pd.DataFrame]") -> list[str]:
+def _tell(attempts: "Mapping[str, pd.DataFrame]") -> list[str]:
     """Print success rates, and comparisons of pairs of detectors; return what these show."""
     from egad.cli.terminal_tables import compared, succeeded
     from egad.report.trials import pairs
     from egad.stats import conclusion, mean_rate, simulated_in
 
-    engines = {name: simulated_in(table) for name, table in found.items()}
+    engines = {name: simulated_in(table) for name, table in attempts.items()}
     if len(set(filter(None, engines.values()))) > 1:
         typer.echo("Not all were simulated in the same way: see the column simulated in", err=True)
-    succeeded({name: mean_rate(table) for name, table in found.items()}, engines)
-    results = pairs(found)
+    succeeded({name: mean_rate(table) for name, table in attempts.items()}, engines)
+    results = pairs(attempts)
     if results:
         compared(results)
     conclusions = [
-        conclusion(pair.first, pair.second, pair.result, (found[pair.first], found[pair.second]))
+        conclusion(
+            pair.first, pair.second, pair.result, (attempts[pair.first], attempts[pair.second])
+        )
         for pair in results
     ]
     for sentence in conclusions:
@@ -192,7 +194,7 @@ def _tell(found: "Mapping[str, pd.DataFrame]") -> list[str]:
     return conclusions
 
 
-def _tell_sequential(found: "Mapping[str, pd.DataFrame]") -> None:
+def _tell_sequential(attempts: "Mapping[str, pd.DataFrame]") -> None:
     """Print the sequential test of pairs of detectors, simulated attempts grouped into rounds."""
     from itertools import combinations
 
@@ -205,15 +207,15 @@ def _tell_sequential(found: "Mapping[str, pd.DataFrame]") -> None:
         sequential_test,
     )
 
-    found = {
-        name: in_rounds(table) if engine_names(table) else table for name, table in found.items()
+    attempts = {
+        name: in_rounds(table) if engine_names(table) else table for name, table in attempts.items()
     }
     tests = {}
-    for one, other in combinations(found, 2):
+    for one, other in combinations(attempts, 2):
         with suppress(NothingInCommonError):
-            tests[one, other] = sequential_test(found[one], found[other])
+            tests[one, other] = sequential_test(attempts[one], attempts[other])
     decided(tests)
-    for name, table in found.items():
+    for name, table in attempts.items():
         if (longest := attempts_in_a_row(table)) > 2:
             typer.echo(
                 f"{name}: up to {longest} attempts at one object follow each other: the result of "
@@ -231,14 +233,14 @@ def _evaluation_set(path: Path | None) -> "pd.DataFrame | None":
 
 
 def _of_set(
-    found: "Mapping[str, pd.DataFrame]", chosen: "pd.DataFrame | None"
+    attempts: "Mapping[str, pd.DataFrame]", chosen: "pd.DataFrame | None"
 ) -> "Mapping[str, pd.DataFrame]":
     """The attempts at objects of the evaluation set; a warning names the others."""
     if chosen is None:
-        return found
-    kept = {name: table[table["label"].isin(chosen["label"])] for name, table in found.items()}
+        return attempts
+    kept = {name: table[table["label"].isin(chosen["label"])] for name, table in attempts.items()}
     for name, table in kept.items():
-        others = sorted(set(found[name]["label"]) - set(chosen["label"]))
+        others = sorted(set(attempts[name]["label"]) - set(chosen["label"]))
         if table.empty:
             raise UserError(f"{name} has no attempt at an object of --eval")
         if others:
@@ -248,7 +250,7 @@ def _of_set(
 
 def _write(
     out: Path,
-    found: "Mapping[str, pd.DataFrame]",
+    attempts: "Mapping[str, pd.DataFrame]",
     chosen: "pd.DataFrame | None",
     settings: Settings,
     conclusions: Sequence[str],
@@ -261,5 +263,5 @@ def _write(
     if chosen is not None:
         rows = max(rows, int(chosen["row"].max()) + 1)
         columns = max(columns, int(chosen["column"].max()) + 1)
-    tried = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))
-    write_text(out, page(found, tried, conclusions))
+    evaluation_set = EvaluationSet(rows, columns, chosen, axis_pair(settings.measures))
+    write_text(out, page(attempts, evaluation_set, conclusions))

@@ -42,14 +42,14 @@ def verify_trials(
     attempts = sum(map(len, groups))
     if not attempts:
         raise UserError(f"{table}: no attempt to verify")
-    found = verify_groups(groups, models, settings, hand, tolerance, jobs)
-    for each in found[:SHOWN]:
+    differences = verify_groups(groups, models, settings, hand, tolerance, jobs)
+    for each in differences[:SHOWN]:
         typer.echo(f"{each.place}: {each.column} is {each.said}, simulated: {each.found}")
-    if len(found) > SHOWN:
-        typer.echo(f"and {len(found) - SHOWN} more")
-    if found:
+    if len(differences) > SHOWN:
+        typer.echo(f"and {len(differences) - SHOWN} more")
+    if differences:
         raise UserError(
-            f"{table}: {len({each.place for each in found})} of {attempts} attempts are not "
+            f"{table}: {len({each.place for each in differences})} of {attempts} attempts are not "
             "reproduced: the table was altered, or settings, objects, the version of the engine or "
             "the kind of processor differ from those of the trials"
         )

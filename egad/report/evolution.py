@@ -121,13 +121,13 @@ def coverage_history(history: pd.DataFrame) -> pd.DataFrame:
             result counts the evaluations of all of them, and shows the island of highest coverage.
 
     Returns:
-        Columns offspring (so far), coverage, filled_cells, qd_score and cells.
+        Columns offspring (so far), coverage, filled_cells and qd_score.
     """
     ordered = history.sort_values(["epoch", "step", "coverage"])
     steps = ordered.groupby(["epoch", "step"])
     best = steps.tail(1).set_index(["epoch", "step"])
     return best.assign(offspring=steps["offspring"].sum().cumsum()).reset_index()[
-        ["offspring", "coverage", "filled_cells", "qd_score", "cells"]
+        ["offspring", "coverage", "filled_cells", "qd_score"]
     ]
 
 

@@ -26,7 +26,7 @@ from egad.report import (
 from egad.report.axes import AxisPair, axis_pair
 from egad.report.page import Section, report_page, section_of
 from egad.report.viewer import GraspScene
-from egad.workflow.config_tables import changed_parameters, entry_tables, parameter_tables
+from egad.workflow.config_tables import changed_parameters, settings_text
 
 MAX_LISTED = 100  # meshes of the user: up to this many are shown one by one, more on a map
 ByGripper = Mapping[str, pd.DataFrame]
@@ -136,8 +136,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
         "parameters.html.j2",
         "Parameters",
         changed=changed_parameters(settings),
-        parameters=parameter_tables(settings),
-        entries=entry_tables(settings),
+        settings=settings_text(settings),
         versions=report.versions,
     )
 

@@ -182,7 +182,7 @@ def test_without_such_rows_nothing_is_hatched(report):
     assert "Coverage without" not in html
 
 
-def test_every_setting_is_listed_with_its_meaning(page, report):
+def test_every_setting_is_listed(page, report):
     words = page.words()
     assert "seed 11 default 0 seed of all random numbers" in words
     for name, field in Settings.model_fields.items():
