@@ -77,8 +77,8 @@ def run_trials(
         recorded(command, settings=settings, inputs=files, arguments=arguments),
         keep_failure(path),
     ):
-        result = work(targets)
         path.parent.mkdir(exist_ok=True)
+        result = work(targets)
         parquet.write(result.table, schema, path, note)
     return result
 

@@ -31,7 +31,9 @@ def settings_text(settings: Settings) -> str:
 
 def changed_parameters(settings: Settings) -> list[Parameter]:
     """The keys that differ from their defaults, single ones first; then the entries that do."""
-    single, inside, entries = [], [], []
+    single: list[Parameter] = []
+    inside: list[Parameter] = []
+    entries = []
     for name, field in Settings.model_fields.items():
         value = getattr(settings, name)
         if isinstance(value, Parameters):
