@@ -8,8 +8,8 @@ all its atlases are tried from 20 fresh drops in each engine: as they are; with 
 simplified by 0.3 mm, moved along its normals by noise of 1 mm, or 5 % smaller or larger, for which
 the reference is chosen again; and with every other detector. OUT.parquet keeps the counts, and a
 second call resumes. The script prints, with 95 % intervals (Wilson), the share of failures that
-last (reference at least 80 %, regret at least 50 points in every engine), and for each detector and
-each atlas the success rates of detector and reference. docs/studies/failures.md has the tables.
+last (reference at least 80 %, difference at least 50 points in each engine), and for each detector
+and each atlas the success rates of detector and reference. docs/studies/failures.md has the tables.
 """
 
 import argparse
@@ -34,7 +34,7 @@ from egad.stats import Rate
 
 CHANGES = ("none", "simplified", "noise", "smaller", "larger")
 WHO = ("detector", "reference")
-MIN_REFERENCE, MIN_REGRET = 0.8, 0.5
+MIN_REFERENCE, MIN_DIFFERENCE = 0.8, 0.5
 
 
 def changed(mesh: trimesh.Trimesh, change: str, name: str) -> trimesh.Trimesh:
@@ -104,7 +104,7 @@ def lasts(row: pd.Series, engines: list[str]) -> bool:
         - np.array([0, row[f"detector_{engine}"] / row[f"drops_{engine}"]])
         for engine in engines
     ]
-    return all(held >= MIN_REFERENCE and regret >= MIN_REGRET for held, regret in rates)
+    return all(held >= MIN_REFERENCE and difference >= MIN_DIFFERENCE for held, difference in rates)
 
 
 def show(table: pd.DataFrame) -> None:

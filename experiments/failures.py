@@ -1,7 +1,7 @@
 """How many failures a search finds with the same attempts, by where objects come from.
 
     python experiments/failures.py FOLDER --weights GGCNN2.pt --vgn VGN.pth [--detectors ...]
-        [--strategies ...] [--seeds 5] [--attempts 2000] [--shards 1] [--least-regret 0.5]
+        [--strategies ...] [--seeds 5] [--attempts 2000] [--shards 1] [--least-difference 0.5]
         [--show] [--chart FILE.svg]
 
 FOLDER keeps an atlas of each detector, strategy and seed (`egad.find_failures`); a second call
@@ -63,7 +63,7 @@ def search(
     seed: int,
     attempts: int,
     shards: int,
-    least_regret: float,
+    least_difference: float,
 ) -> None:
     """Run a search unless its result exists, on a core for each shard; keeps its CPU time, too."""
     done = folder / "cpu.txt"
@@ -74,7 +74,7 @@ def search(
         config,
         attempts=attempts,
         strategy=strategy,
-        least_regret=least_regret,
+        least_difference=least_difference,
         seed=seed,
         shards=shards,
         jobs=shards,
@@ -204,7 +204,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--attempts", type=int, default=2000)
     parser.add_argument("--shards", type=int, default=1, help="of each search, a core each")
-    parser.add_argument("--least-regret", type=float, default=0.5)
+    parser.add_argument("--least-difference", type=float, default=0.5)
     parser.add_argument("--show", action="store_true", help="search no further")
     parser.add_argument("--chart", type=Path, help="SVG file to write")
     given = parser.parse_args()
@@ -213,7 +213,7 @@ def main() -> None:
         for name in given.detectors or known:
             for strategy in given.strategies:
                 place = given.folder / name / f"{strategy}-{seed}"
-                rest = (given.attempts, given.shards, given.least_regret)
+                rest = (given.attempts, given.shards, given.least_difference)
                 search(place, known[name], strategy, seed, *rest)
     show(given.folder)
     if given.chart:

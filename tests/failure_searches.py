@@ -24,7 +24,7 @@ FEW = {
     "confirm": 4,
     "explain": 1,
     "least_reference": 0.5,
-    "least_regret": 0.2,
+    "least_difference": 0.2,
     "confidence": 0.3,
 }
 QUICK = {

@@ -66,11 +66,11 @@ def failures(
         float | None,
         typer.Option(help="noise of depth images, pixels; default: failures.depth_noise"),
     ] = None,
-    least_regret: Annotated[
+    least_difference: Annotated[
         float | None,
         typer.Option(
             help="minimum difference between the success rates of the reference and the detector "
-            "at a failure; default: failures.least_regret"
+            "at a failure; default: failures.least_difference"
         ),
     ] = None,
     engines: Annotated[
@@ -105,7 +105,7 @@ def failures(
         "strategy": strategy,
         "approach": approach,
         "depth_noise": depth_noise,
-        "least_regret": least_regret,
+        "least_difference": least_difference,
         "engines": engines.split(",") if engines else None,
     }.items():
         settings = with_option(settings, f"--{key.replace('_', '-')}", f"failures.{key}", value)

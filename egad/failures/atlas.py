@@ -93,7 +93,7 @@ class FailureAtlas:
         return dataset_of(self.table, self.shape)
 
     def plot(self) -> Picture:
-        """Draw the map of the failures: regret by complexity and graspability.
+        """Draw the map of the failures: differences by complexity and graspability.
 
         Returns:
             A picture that a notebook shows; `save("map.svg")` writes it.

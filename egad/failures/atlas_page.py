@@ -241,6 +241,6 @@ def _search_text(detector: str, settings: FailureParameters) -> SearchText:
         f"A contact of more than {force:g} N on the way: {contact}",
         search.engines,
         search.least_reference,
-        search.least_regret,
+        search.least_difference,
         search.confidence,
     )

@@ -38,14 +38,14 @@ def counts_of(attempts: pd.DataFrame, purpose: str = "confirm") -> dict[str, flo
     values: dict[str, float] = {}
     for engine in ENGINES:
         pairs = pairs_of(attempts, engine, purpose)
-        regret = sum(pair.reference - pair.detector for pair in pairs)
+        difference = sum(pair.reference - pair.detector for pair in pairs)
         values |= {
             f"n_pairs_{engine}": len(pairs),
             f"reference_successes_{engine}": sum(pair.reference for pair in pairs),
             f"detector_successes_{engine}": sum(pair.detector for pair in pairs),
             f"only_reference_{engine}": sum(pair.reference > pair.detector for pair in pairs),
             f"only_detector_{engine}": sum(pair.detector > pair.reference for pair in pairs),
-            f"regret_{engine}": regret / len(pairs) if pairs else np.nan,
+            f"difference_{engine}": difference / len(pairs) if pairs else np.nan,
         }
     return values
 

@@ -27,12 +27,12 @@ class Claim(NamedTuple):
 
     Attributes:
         reference: Minimum success rate of the reference.
-        regret: Minimum difference of the success rates of reference and detector.
+        difference: Minimum difference of the success rates of reference and detector.
         confidence: Confidence of each of the two.
     """
 
     reference: float = 0.8
-    regret: float = 0.5
+    difference: float = 0.5
     confidence: float = 0.95
 
     def is_shown(self, pairs: Sequence[PairedDrop]) -> bool:
@@ -50,13 +50,13 @@ class Claim(NamedTuple):
         return not any(self.is_shown(best[:count]) for count in range(len(pairs), most + 1))
 
     def evidence(self, pairs: Sequence[PairedDrop]) -> tuple[float, float]:
-        """Logarithms of the e-values against a worse reference, and against a lower regret."""
+        """Logarithms of the e-values against a worse reference, and against a lower difference."""
         won = np.array([pair.reference for pair in pairs], dtype=np.int64)
         lost = np.array([pair.detector for pair in pairs], dtype=np.int64)
         expected = 1 - ODDS * (1 - self.reference)
         gains = np.log([(1 - expected) / (1 - self.reference), expected / self.reference])
-        stake = STAKE / (1 + self.regret)
-        bets = np.log1p(stake * (won - lost - self.regret))
+        stake = STAKE / (1 + self.difference)
+        bets = np.log1p(stake * (won - lost - self.difference))
         return float(gains[won].sum()), float(bets.sum())
 
     @property

@@ -245,7 +245,7 @@ class Examination:
 
     def _is_solved(self, planned: int) -> bool:
         """Whether the detector succeeds too often for a failure, given the planned attempts."""
-        return self._solved > SOLVED * (1 - self._search.least_regret) * planned
+        return self._solved > SOLVED * (1 - self._search.least_difference) * planned
 
     def _choose(self, benches: Sequence[Bench]) -> ObjectVerdict | None:
         """Let the reference try grasps, then the detector; None if there is no verdict yet."""
@@ -285,7 +285,7 @@ class Examination:
         The engines take turns, so that the test ends early if it is not a failure in one of them.
         """
         search = self._search
-        claim = Claim(search.least_reference, search.least_regret, search.confidence)
+        claim = Claim(search.least_reference, search.least_difference, search.confidence)
         open_ones = {bench: list[PairedDrop]() for bench in benches}
         for number in range(search.confirm):
             for bench, pairs in list(open_ones.items()):

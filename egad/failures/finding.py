@@ -46,7 +46,7 @@ def find_failures(
     strategy: Strategy = "evolution",
     approach: Literal["above", "any"] | None = None,
     depth_noise: float = 0.1,
-    least_regret: float = 0.5,
+    least_difference: float = 0.5,
     engines: Sequence[EngineName] | None = None,
     contact: Literal["collided", "close"] = "collided",
     stopping_force: float = 20.0,
@@ -60,10 +60,10 @@ def find_failures(
 
     An object is a failure if a reference, which knows where it lies and was chosen on other drops,
     holds it in at least 80 % of the attempts and at least 50 percentage points more often than the
-    detector (`least_regret`), from the same poses, with 95 % confidence each, in every engine; the
+    detector (`least_difference`), from the same poses, with 95 % confidence, in each engine; the
     shares are the defaults.
     Objects come from the released archive, from random genomes, and from children of the failures
-    (MAP-Elites with the regret as objective).
+    (MAP-Elites with the difference as objective).
 
     Args:
         detector: A function or object as for `egad.run_trials` or `egad.run_benchmark`; an
@@ -77,7 +77,7 @@ def find_failures(
         approach: `above`: grasps straight from above, as in `egad.run_trials`; `any`: in any
             direction, as in `egad.run_benchmark`. By default it depends on the detector's input.
         depth_noise: Noise of the depth images, pixels, as in `egad.run_trials`.
-        least_regret: Minimum difference of the success rates of reference and detector at a
+        least_difference: Minimum difference of the success rates of reference and detector at a
             failure, 0 to 1; use a lower value for a detector that rarely fails.
         engines: Physics engines; an object must be a failure in all of them. By default those that
             are installed.
@@ -95,7 +95,7 @@ def find_failures(
             or made, or is for another kind of gripper; the folder holds another search; an engine
             is not installed, or a number is out of range.
 
-    Source: ours; regret as in PAIRED (Dennis et al. 2020), computed instead of learned.
+    Source: ours; the difference is the regret of PAIRED (Dennis et al. 2020), not learned.
     """
     hand = as_gripper(gripper)
     used = tuple(filter(find_spec, ENGINES)) if engines is None else tuple(engines)
@@ -107,7 +107,7 @@ def find_failures(
         strategy=strategy,
         approach=approach,
         depth_noise=depth_noise,
-        least_regret=least_regret,
+        least_difference=least_difference,
         engines=used,
     )
     chosen = load() if objects is None else objects

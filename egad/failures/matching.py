@@ -59,22 +59,22 @@ class CandidateTrial(NamedTuple):
     reason: str = ""
 
 
-def spread(cells: Floats, regret: Floats) -> list[int]:
+def spread(cells: Floats, difference: Floats) -> list[int]:
     """Order all objects so that the first ones are spread over the map.
 
-    The first one has the highest regret. Each further one is farthest, in cells, from its nearest
-    predecessor; ties are broken by the highest regret.
+    The first one has the highest difference. Each further one is farthest, in cells, from its
+    nearest predecessor; ties are broken by the highest difference.
 
     Args:
         cells: (n, 2) cells of the objects.
-        regret: (n,) breaks ties; if it is also equal, the first object is taken.
+        difference: (n,) breaks ties; if it is also equal, the first object is taken.
     """
     away = np.full(len(cells), np.inf)
     order: list[int] = []
     for _ in range(len(cells)):
         away[order] = -1
         farthest = np.flatnonzero(away == away.max())
-        order.append(int(farthest[regret[farthest].argmax()]))
+        order.append(int(farthest[difference[farthest].argmax()]))
         away = np.minimum(away, np.linalg.norm(cells - cells[order[-1]], axis=1))
     return order
 
@@ -178,8 +178,9 @@ class Matching:
         """
         some = np.flatnonzero(self._near.any(axis=1))
         self.unmatched = len(self._near) - len(some)
-        regret = self._failures[[f"regret_{engine}" for engine in ENGINES]].min(axis=1).fillna(0)
-        order = some[spread(_cells(self._failures)[some], regret.to_numpy()[some])].tolist()
+        names = [f"difference_{engine}" for engine in ENGINES]
+        difference = self._failures[names].min(axis=1).fillna(0)
+        order = some[spread(_cells(self._failures)[some], difference.to_numpy()[some])].tolist()
         chosen, waiting = order[:most], order[most:]
         while chosen:
             alike = np.array([self._similarities(each) for each in chosen])

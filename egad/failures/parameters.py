@@ -73,14 +73,16 @@ class FailureSearch(Parameters):
     least_reference: PositiveFraction = Field(
         0.8, lt=1, description="minimum success rate of the reference at a failure"
     )
-    least_regret: Fraction = Field(
+    least_difference: Fraction = Field(
         0.5,
         lt=1,
         description="minimum difference between the success rates of the reference and the "
         "detector at a failure",
     )
     confidence: PositiveFraction = Field(
-        0.95, lt=1, description="confidence of `least_reference` and `least_regret`, in each engine"
+        0.95,
+        lt=1,
+        description="confidence of `least_reference` and `least_difference`, in each engine",
     )
     elites_per_cell: int = Field(
         3, ge=1, description="failures that a cell keeps: the least similar ones"

@@ -1,4 +1,4 @@
-"""The search for failures: MAP-Elites whose objective is the regret of a detector.
+"""The search for failures: MAP-Elites whose objective is how much worse a detector is.
 
 Objects come from three sources: an archive that already spans complexity and graspability, random
 genomes, and children of the objects at which the detector does worst. The source that has given
@@ -38,7 +38,7 @@ from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
 log = logging.getLogger(__name__)
 
 LITTER = 10  # objects per step
-PROMISING = 0.5  # minimum estimated regret of parents
+PROMISING = 0.5  # minimum estimated difference of parents
 SOURCES = ("archive", "child", "random")
 TURNS = 5  # steps of which each source except the best gets one
 EXPECTED = (1, 150)  # failures and attempts of a source, before anything is known
@@ -305,7 +305,7 @@ def attempts_of(shard: int, search: FailureSearch) -> int:
 
 
 def empty_archive(settings: FailureParameters) -> Archive:
-    """An archive for objects with a regret; the settings give its cells and their capacity."""
+    """An archive for objects with differences; the settings give its cells and their capacity."""
     update = {"elites_per_cell": settings.failures.elites_per_cell}
     space = settings.breeding.space.model_copy(update=update)
     return Archive(space, settings.breeding.similarity)

@@ -50,7 +50,7 @@ class Examined:
 
     @property
     def objective(self) -> float:
-        """An estimate of the regret, shrunk towards 0, in steps of 0.1: objective of the search.
+        """The difference, estimated and shrunk towards 0, in steps of 0.1: objective of the search.
 
         It is the lowest over all engines with fresh drops; without any, that of all attempts of the
         detector.
@@ -66,5 +66,5 @@ class Examined:
 
 
 def _shrunk(pairs: Sequence[PairedDrop]) -> float:
-    regret = sum(pair.reference - pair.detector for pair in pairs) / (len(pairs) + 2)
-    return round(max(regret, 0.0), 1)
+    difference = sum(pair.reference - pair.detector for pair in pairs) / (len(pairs) + 2)
+    return round(max(difference, 0.0), 1)

@@ -11,9 +11,9 @@ from egad.report.axes import USUAL, AxisPair
 from egad.report.live_map import MARGIN, UNIT, map_values, picture_of
 from egad.report.page import DASH, counted, render_template
 
-REGRETS = ("regret_mujoco", "regret_pybullet")
-REGRET_STEPS = (0.6, 0.7, 0.8, 0.9)
-REGRET_COLORS = ("#ffeda0", "#fec44f", "#fe9929", "#d95f0e", "#993404")  # ColorBrewer YlOrBr
+DIFFERENCES = ("difference_mujoco", "difference_pybullet")
+DIFFERENCE_STEPS = (0.6, 0.7, 0.8, 0.9)
+DIFFERENCE_COLORS = ("#ffeda0", "#fec44f", "#fe9929", "#d95f0e", "#993404")  # ColorBrewer YlOrBr
 COUNT_STEPS = (2, 3, 4)
 COUNT_COLORS = ("#c6dbef", "#9ecae1", "#4292c6", "#08519c")  # ColorBrewer Blues
 NO_FAILURE = "#d5d9df"
@@ -43,13 +43,13 @@ class LegendEntry(NamedTuple):
     text: str
 
 
-def lowest_regret(table: pd.DataFrame) -> pd.Series:
-    """The lowest regret of each failure in any engine.
+def lowest_difference(table: pd.DataFrame) -> pd.Series:
+    """The lowest difference of each failure in any engine.
 
     Args:
         table: Columns of `tables.failures.FAILURES`.
     """
-    return table[list(REGRETS)].min(axis=1)
+    return table[list(DIFFERENCES)].min(axis=1)
 
 
 def failure_map(
@@ -58,10 +58,10 @@ def failure_map(
     space: MeasureSpace,
     axes: AxisPair = USUAL,
 ) -> str:
-    """The map of the regret: complexity to the right, difficulty upwards.
+    """The map of the difference: complexity to the right, difficulty upwards.
 
-    The color of a cell is the highest regret of its failures, each in the engine with the lowest
-    regret; the picture is that failure. Cells are grey if objects were tried and none is a failure.
+    The color of a cell is the highest difference of its failures, each in the engine with the
+    lowest one; the picture is that failure. Cells are grey if objects were tried, but none failed.
 
     Args:
         table: Columns of `tables.failures.FAILURES`.
@@ -77,17 +77,17 @@ def failure_map(
         name: MapCell(NO_FAILURE, f"{name}: {counted(len(rows), 'object')} tried, no failure")
         for name, rows in _by_cell(tried)
     }
-    for name, rows in _by_cell(table.assign(regret=lowest_regret(table))):
-        worst = rows.iloc[int(rows["regret"].to_numpy().argmax())]
-        text = f"{counted(len(rows), 'failure')}, difference {100 * worst['regret']:.0f} points"
+    for name, rows in _by_cell(table.assign(difference=lowest_difference(table))):
+        worst = rows.iloc[int(rows["difference"].to_numpy().argmax())]
+        text = f"{counted(len(rows), 'failure')}, difference {100 * worst['difference']:.0f} points"
         cells[name] = MapCell(
-            _color(worst["regret"], REGRET_STEPS, REGRET_COLORS),
+            _color(worst["difference"], DIFFERENCE_STEPS, DIFFERENCE_COLORS),
             f"{name}: {text}",
             _picture(worst["voxels"]),
             len(rows),
         )
     words = ["< 60", *(f"{a}{DASH}{a + 10}" for a in (60, 70, 80)), f"{AT_LEAST} 90"]
-    legend = [LegendEntry(*each) for each in zip(REGRET_COLORS, words, strict=True)]
+    legend = [LegendEntry(*each) for each in zip(DIFFERENCE_COLORS, words, strict=True)]
     found = len(table[["complexity_cell", "difficulty_cell"]].drop_duplicates())
     where = f"{counted(len(table), 'failure')} in {counted(found, 'cell')}"
     return _draw(

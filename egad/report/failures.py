@@ -14,7 +14,7 @@ from egad.measures import MeasureSpace, cell_name, labels
 from egad.report.axes import AxisPair
 from egad.report.colors import FAINT, INK, LINES, SOFT, UNKNOWN
 from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
-from egad.report.failure_map import dataset_map, failure_map, lowest_regret
+from egad.report.failure_map import dataset_map, failure_map, lowest_difference
 from egad.report.page import render_template
 from egad.report.trial_charts import outcome_chart, outcome_counts
 from egad.stats import Rate
@@ -122,7 +122,7 @@ class SearchText:
         contact: What a contact on the way down means, in words.
         engines: Physics engines.
         reference: Minimum success rate of the reference at a failure.
-        regret: Minimum difference from the success rate of the detector.
+        difference: Minimum difference from the success rate of the detector.
         confidence: Confidence of both.
     """
 
@@ -132,7 +132,7 @@ class SearchText:
     contact: str
     engines: Sequence[str]
     reference: float
-    regret: float
+    difference: float
     confidence: float
 
 
@@ -142,7 +142,7 @@ class EngineRates(NamedTuple):
     engine: str
     reference: Rate
     detector: Rate
-    regret: float
+    difference: float
 
 
 class Reason(NamedTuple):
@@ -196,7 +196,7 @@ def page(
         verdicts=_verdicts(examined),
         examined=len(examined),
         sources=_sources(examined),
-        regret_map=svg_uri(failure_map(table, examined, space, axes)),
+        difference_map=svg_uri(failure_map(table, examined, space, axes)),
         dataset_map=svg_uri(dataset_map(dataset, space, axes)),
         reasons=reasons_of(table),
         outcome_figure=svg_uri(outcome_chart(_by_who(fresh))) if len(fresh) else "",
@@ -209,15 +209,15 @@ def page(
 
 
 def worst(table: pd.DataFrame, count: int) -> pd.DataFrame:
-    """The failures of the highest regret, by the lowest regret of any engine; worst first.
+    """The failures of the highest difference, by the lowest difference of any engine; worst first.
 
     Args:
         table: Columns of `tables.failures.FAILURES`.
         count: How many, at most; there are at most two per cell.
     """
     pairs = table[["n_pairs_mujoco", "n_pairs_pybullet"]].sum(axis=1)
-    order = table.assign(regret=lowest_regret(table), pairs=pairs)
-    order = order.sort_values(["regret", "pairs", "id"], ascending=[False, False, True])
+    order = table.assign(difference=lowest_difference(table), pairs=pairs)
+    order = order.sort_values(["difference", "pairs", "id"], ascending=[False, False, True])
     rank = order.groupby(["complexity_cell", "difficulty_cell"]).cumcount()
     return table.loc[order.index[rank < MAX_OF_CELL][:count]]
 
@@ -316,7 +316,7 @@ def _engine_rates(row: pd.Series) -> Iterable[EngineRates]:
         if count := int(row[f"n_pairs_{engine}"]):
             won = {who: Rate(int(row[f"{who}_successes_{engine}"]), count) for who in WHO}
             yield EngineRates(
-                engine, won["reference"], won["detector"], float(row[f"regret_{engine}"])
+                engine, won["reference"], won["detector"], float(row[f"difference_{engine}"])
             )
 
 

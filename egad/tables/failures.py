@@ -40,7 +40,7 @@ _COUNTS = [
         INT,
         "number of fresh drops at which only the detector held the object to the end",
     ),
-    column("regret", FLOAT, "(only_reference - only_detector) / n_pairs"),
+    column("difference", FLOAT, "(only_reference - only_detector) / n_pairs"),
 ]
 
 
@@ -51,7 +51,7 @@ def counts_in(engine: str) -> list[pa.Field]:
 
 RESULTS = pa.schema(
     [
-        column("objective", FLOAT, "estimated regret, shrunk towards 0, in steps of 0.1"),
+        column("objective", FLOAT, "estimated difference, shrunk towards 0, in steps of 0.1"),
         *counts_in("mujoco"),
         *counts_in("pybullet"),
     ]

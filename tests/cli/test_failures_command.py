@@ -82,7 +82,7 @@ def test_options_are_settings(folder):
         "--strategy": "screening",
         "--approach": "above",
         "--depth-noise": 0.5,
-        "--least-regret": 0.4,
+        "--least-difference": 0.4,
         "--engines": "pybullet,mujoco",
         "--rule": "exact",
         "--gripper": 0.07,
@@ -91,7 +91,7 @@ def test_options_are_settings(folder):
     done = search("beside.py", *words, "--out", "atlas")
     assert done.returncode == 0, done.stderr
     settings = parquet.notes(folder / "atlas/shard-0/examined.parquet")["settings"]
-    named = ("attempts", "strategy", "approach", "depth_noise", "least_regret", "engines")
+    named = ("attempts", "strategy", "approach", "depth_noise", "least_difference", "engines")
     values = [settings["failures"][name] for name in named]
     assert values == [1, "screening", "above", 0.5, 0.4, ["pybullet", "mujoco"]]
     assert settings["gripper"]["opening"] == 0.07

@@ -23,7 +23,7 @@ QUICK = {
     "confirm": 6,
     "explain": 3,
     "least_reference": 0.5,
-    "least_regret": 0.3,
+    "least_difference": 0.3,
     "confidence": 0.6,
 }
 

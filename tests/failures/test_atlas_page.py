@@ -55,9 +55,9 @@ def atlas():
             {"id": f"box-{number}", "voxels": pack(solid), "complexity": 1.5 + number}
             | {"graspability": 0.002, "complexity_cell": 3 + number, "difficulty_cell": 14}
             | {"source": "archive", "verdict": verdict, "attempts": len(found.attempts)}
-            | {"objective": 0.9, "graph": _graph(mesh), "regret_mujoco": 0.9}
+            | {"objective": 0.9, "graph": _graph(mesh), "difference_mujoco": 0.9}
             | {"n_pairs_mujoco": 10, "reference_successes_mujoco": 10}
-            | {"detector_successes_mujoco": 1, "regret_pybullet": 0.8}
+            | {"detector_successes_mujoco": 1, "difference_pybullet": 0.8}
         )
     rows.append(rows[-1] | {"id": "twin"})
     attempts.append(attempts[-1].assign(id="twin"))

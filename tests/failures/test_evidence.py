@@ -38,7 +38,7 @@ def chance_to_show(claim, chances, most):
     "chances",
     [
         {WON: 0.8, NEITHER: 0.2},  # the reference is just not good enough
-        {WON: 0.5, BOTH: 0.5},  # the regret is just too low
+        {WON: 0.5, BOTH: 0.5},  # the difference is just too low
         {WON: 0.75, LOST: 0.25},
         {WON: 0.6, BOTH: 0.3, LOST: 0.1},
     ],

@@ -38,7 +38,7 @@ def test_an_atlas_has_its_objects_and_says_how_it_was_found(tmp_path):
     name = atlas.table["id"].iloc[0]
     assert atlas.objects[name].mesh.vertices == pytest.approx(FEW[name].mesh.vertices)
     assert f"{len(atlas)} failures in {atlas.cells} cells" in repr(atlas)
-    assert (atlas.table["regret_mujoco"] == 1).all()
+    assert (atlas.table["difference_mujoco"] == 1).all()
     assert (atlas.table["n_none_good"] == atlas.table["n_explained"]).all()
     assert atlas.failure_rate().successes == len(atlas)
     again = FailureAtlas.load(tmp_path / "atlas")
@@ -68,7 +68,7 @@ def test_another_search_is_not_mixed_in(tmp_path):
         found(out=tmp_path, attempts=1, engines=None, seed=1)
 
 
-def test_the_parts_of_regret_are_kept_apart():
+def test_the_parts_of_difference_are_kept_apart():
     assert found(detector=both, attempts=1).table["n_not_chosen"].sum() > 0
 
 

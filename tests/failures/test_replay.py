@@ -40,7 +40,7 @@ def settings_for(approach):
         confidence=0.5,
         choose=4,
         screen=4,
-        least_regret=0.1,
+        least_difference=0.1,
         least_reference=0.5,
     )
     return failure_parameters(PANDA, search, seed=4)

@@ -13,11 +13,11 @@ from egad.measures import MeasureSpace
 from egad.report.axes import USUAL
 from egad.report.failure_map import (
     COUNT_COLORS,
+    DIFFERENCE_COLORS,
     NO_FAILURE,
-    REGRET_COLORS,
     dataset_map,
     failure_map,
-    lowest_regret,
+    lowest_difference,
 )
 from egad.tables.failures import EXAMINED, FAILURES
 
@@ -26,8 +26,8 @@ SPACE = MeasureSpace(cells=4)
 
 
 def failures(*rows):
-    """From columns, rows and the regret in both engines."""
-    names = ("complexity_cell", "difficulty_cell", "regret_mujoco", "regret_pybullet")
+    """From columns, rows and the difference in both engines."""
+    names = ("complexity_cell", "difficulty_cell", "difference_mujoco", "difference_pybullet")
     known = [dict(zip(names, row, strict=True)) | {"voxels": VOXELS} for row in rows]
     return fill_columns(FAILURES, known) if rows else pd.DataFrame(columns=FAILURES.names)
 
@@ -43,13 +43,13 @@ def colors(svg):
     return dict(found)
 
 
-def test_a_cell_has_the_color_of_the_highest_of_the_lowest_regrets():
+def test_a_cell_has_the_color_of_the_highest_of_the_lowest_differences():
     table = failures((1, 0, 0.95, 0.65), (1, 0, 0.72, 0.99), (3, 2, 1.0, 0.9), (0, 3, 0.5, 0.55))
     svg = failure_map(table, examined((1, 0, 9), (2, 2, 5), (3, 3, 0)), SPACE)
     assert colors(svg) == {
-        "A01": REGRET_COLORS[2],
-        "C03": REGRET_COLORS[4],
-        "D00": REGRET_COLORS[0],
+        "A01": DIFFERENCE_COLORS[2],
+        "C03": DIFFERENCE_COLORS[4],
+        "D00": DIFFERENCE_COLORS[0],
         "C02": NO_FAILURE,
     }
     assert "A01: 2 failures, difference 72 points" in svg
@@ -62,7 +62,7 @@ def test_a_cell_has_the_color_of_the_highest_of_the_lowest_regrets():
 
 def test_an_engine_without_drops_does_not_count():
     table = failures((1, 0, 0.9, float("nan")), (1, 1, 0.6, 0.7))
-    assert list(lowest_regret(table)) == [0.9, 0.6]
+    assert list(lowest_difference(table)) == [0.9, 0.6]
 
 
 def test_a_search_without_failures_has_a_map():

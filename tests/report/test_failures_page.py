@@ -33,11 +33,11 @@ FILMS = {"detector": AttemptFilm("missed", b"webp"), "reference": AttemptFilm("s
 COUNTS = {"n_explained": 6, "n_nothing": 1, "n_not_chosen": 2, "n_none_good": 3}
 
 
-def failure(name, column, row, regret, **more):
+def failure(name, column, row, difference, **more):
     pairs = {"n_pairs_mujoco": 10, "reference_successes_mujoco": 10}
     known = {"id": name, "complexity_cell": column, "difficulty_cell": row, "voxels": VOXELS}
-    regrets = {"regret_mujoco": regret, "regret_pybullet": 1.0}
-    return known | regrets | pairs | COUNTS | more
+    differences = {"difference_mujoco": difference, "difference_pybullet": 1.0}
+    return known | differences | pairs | COUNTS | more
 
 
 def feature(title, share=0.2, interval=(0.1, 0.3)):
