@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from trimesh.graph import connected_component_labels
 
 from egad.errors import RejectedError
-from egad.geometry.checks import OPEN, ROUNDING, cone_volumes, is_closed
+from egad.geometry.checks import OPEN, ROUNDING, cone_volumes
 from egad.geometry.touching import separated
 
 Solid = Any  # manifold3d.Manifold, which has no type information
@@ -35,12 +35,11 @@ def solid_within(mesh: trimesh.Trimesh) -> Solid:
     Raises:
         RejectedError: It is open or wound inconsistently, or has no volume.
     """
-    volume = cone_volumes(np.asarray(mesh.vertices), np.asarray(mesh.faces)).sum()
-    if is_closed(mesh) and not abs(volume) > ROUNDING * float(mesh.extents.max()) ** 3:
-        raise RejectedError("no volume")
     solid = to_solid(mesh.vertices, mesh.faces)
-    if not is_solid(solid):
+    if solid.status() != manifold3d.Error.NoError:
         raise RejectedError(OPEN)
+    if solid.is_empty() or not abs(solid.volume()) > ROUNDING * float(mesh.extents.max()) ** 3:
+        raise RejectedError("no volume")
     return solid
 
 

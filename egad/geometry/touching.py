@@ -50,7 +50,8 @@ def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Float
     """A surface with vertices repeated where it touches itself, so that each edge has two faces.
 
     If that takes several edges between the same two vertices, all faces are divided into four.
-    A surface that is not closed, or wound inconsistently, is returned as it is.
+    A surface that is not closed or wound inconsistently, or overlaps itself at an edge with more
+    than two faces, is returned as it is.
 
     Args:
         vertices: (n, 3).
@@ -63,14 +64,15 @@ def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Float
     keys = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     _, edge, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
     order, wedges = np.argsort(edge, kind="stable"), wedge_pairs(vertices, faces)
+    if 2 * len(wedges) != np.count_nonzero(counts[edge] > 2):
+        return vertices, faces
     pairs = np.vstack([order[counts[edge[order]] == 2].reshape(-1, 2), wedges])
     one, other = pairs.T
     links = np.vstack([_across(one, other), _across(other, one)])
     fans = connected_component_labels(links, node_count=faces.size)
     first = np.unique(fans, return_index=True)[1]
     split = vertices[faces.ravel()[first]], fans.reshape(-1, 3).astype(np.int64)
-    paired = 2 * len(wedges) == np.count_nonzero(counts[edge] > 2)
-    if divide and paired and _has_doubled_edges(*split):
+    if divide and _has_doubled_edges(*split):
         finer, quarters = trimesh.remesh.subdivide(vertices, faces)[:2]
         return separated(finer, quarters, divide=False)
     return split

@@ -78,6 +78,16 @@ def test_what_is_wound_inconsistently_is_no_solid():
         assert separated(mesh.vertices, torn)[1] is torn
 
 
+def test_solids_that_overlap_at_a_shared_edge_are_left_as_they_are():
+    first = trimesh.creation.box((0.02, 0.02, 0.02))
+    turn = trimesh.transformations.rotation_matrix(0.5, (0, 0, 1), (0.01, 0.01, 0))
+    both = merged(trimesh.util.concatenate([first, first.copy().apply_transform(turn)]))
+    assert len(both.vertices) == 14
+    vertices, faces = separated(np.asarray(both.vertices), np.asarray(both.faces))
+    assert np.array_equal(vertices, both.vertices)
+    assert np.array_equal(faces, both.faces)
+
+
 def test_voxels_that_touch_are_one_body():
     for filled, mesh in voxels(20):
         labels = ndimage.label(filled, np.ones((3, 3, 3)))[0]
