@@ -290,8 +290,8 @@ def test_measures_are_a_table_with_what_they_hold_for():
     table = facts(found)
     assert shown(found)[0] == found.label
     assert table["complexity"] == f"{found.complexity:.3f} bit"
-    assert table["gripper"] == "panda, opening 80 mm"
-    assert table["not comparable"] == "the map is for exact, yumi"
+    assert table["grasped by"] == "a gripper (panda, opening 80 mm)"
+    assert table["not comparable with the map"] == "(exact, yumi)"
 
 
 def test_trials_are_rates_by_object():
