@@ -11,7 +11,7 @@ from egad.evalset import Bundle, make_simulation_object
 from egad.geometry import MassProperties
 
 # kg; PyBullet's solver does not converge for lighter bodies under large grip forces:
-# docs/studies/engines.md
+# studies/engines/README.md
 MIN_MASS = 0.05
 
 
