@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
 from egad.errors import UserError
-from egad.stats import Interval, bootstrap, by_object, cleared_shares
+from egad.stats import Interval, bootstrap, by_object, clearing_rates
 from egad.tables import parquet
 
 Floats = NDArray[np.float64]
@@ -89,8 +89,14 @@ def network_rates(trials: pd.DataFrame, cleared: pd.DataFrame) -> pd.DataFrame:
     single = trials.groupby(["noise", *made_by], sort=False, as_index=False)["success"].mean()
     parts = [single.assign(scene="single", measure="success").rename(columns={"success": "rate"})]
     for _, rows in cleared.groupby(made_by, sort=False):
-        shares = cleared_shares(rows).melt(
-            ["scene", "noise"], var_name="measure", value_name="rate"
+        clearings = clearing_rates(rows)
+        shares = pd.DataFrame(
+            [
+                (each.scene, each.noise, measure, getattr(each, measure).value)
+                for measure in ("success", "cleared")
+                for each in clearings
+            ],
+            columns=[*TEST[1:], "rate"],
         )
         parts.append(shares.assign(**parquet.records(rows[made_by].head(1))[0]))
     table = pd.concat(parts, ignore_index=True)
