@@ -1,4 +1,4 @@
-"""A hand with one moving jaw: its opening along the jaws, and grasps with it (docs/grippers.md).
+"""A hand with one moving jaw: its opening along the jaws, and grasps with it (docs/jaws.md).
 
     python docs/scripts/jaw.py gaps [HAND.urdf]
     python docs/scripts/jaw.py grasps OUT [--grasps 4]

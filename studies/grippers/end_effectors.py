@@ -1,6 +1,6 @@
-"""Jaws, a suction cup and one swinging jaw on the same 49 objects (docs/grippers.md).
+"""Jaws, a suction cup and one swinging jaw on the same 49 objects.
 
-    python docs/scripts/end_effectors.py panda cup_30mm so101 [--attempts 10] [--jobs 2]
+    python studies/grippers/end_effectors.py panda cup_30mm so101 [--attempts 10] [--jobs 2]
 
 The objects of the released evaluation set are scaled to each hand. The first table has how many
 labelled grasps of an object (of at most 100) have a quality and are free of collision, the objects

@@ -1,17 +1,17 @@
-"""Hands from files of their makers, compared with boxes of the same name (docs/grippers.md).
+"""Hands from files of their makers, compared with boxes of the same name.
 
-    python docs/scripts/grippers.py picture HAND.urdf ...
-    python docs/scripts/grippers.py labels panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
-    python docs/scripts/grippers.py path HAND.xml
-    python docs/scripts/grippers.py changes panda=HAND.urdf
-    python docs/scripts/grippers.py outlines panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
-    python docs/scripts/grippers.py trials OUT panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
+    python studies/grippers/grippers.py picture HAND.urdf ...
+    python studies/grippers/grippers.py labels panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
+    python studies/grippers/grippers.py path HAND.xml
+    python studies/grippers/grippers.py changes panda=HAND.urdf
+    python studies/grippers/grippers.py outlines panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
+    python studies/grippers/grippers.py trials OUT panda=HAND.urdf robotiq_2f_85=HAND.urdf ...
 
 `picture` draws each hand open, half open and closed into docs/grippers.png. `path` lets MuJoCo
 close the hand by its own motor, and prints how far its fingertips are from the model's. `outlines`
-draws the boxes over the shapes of the files into docs/grippers.svg. `labels` compares the collision
+draws the boxes over the shapes of the files into grippers.svg. `labels` compares the collision
 labels of 20,000 grasps of the released evaluation set, `changes` draws one grasp for each way in
-which they differ into docs/grippers-labels.png; `panda=boxes` stands for the boxes themselves,
+which they differ into grippers-labels.png; `panda=boxes` stands for the boxes themselves,
 written to a file. `trials` compares 980 attempts with labelled grasps in both engines;
 trials are kept in OUT and not run again.
 """
@@ -60,7 +60,7 @@ OBJECT = (0.45, 0.72, 0.60)
 SIDES = {0: 0, 1: -1, 2: 1}  # by numbers of colors in the 3D view
 CROP = (slice(85, 315), slice(40, -40))
 DOWN = trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0))
-DOCS = Path(__file__).parents[1]
+FOLDER = Path(__file__).parent
 GRASPS = 410  # of each of the 49 objects
 SETTLING, STEPS = 6.0, 100  # seconds for each position of the motor; positions
 ENGINES = ("mujoco", "pybullet")
@@ -86,7 +86,7 @@ def draw_hands(files: list[str]) -> None:
         openings = model.openings[[-1, len(model.openings) // 2, 0]]
         rows.append(np.concatenate([picture(model, float(w)) for w in openings], axis=1))
     sheet = Image.fromarray(np.concatenate(rows))
-    with atomic_output(DOCS / "grippers.png") as out:
+    with atomic_output(FOLDER.parents[1] / "docs/grippers.png") as out:
         sheet.quantize(64).save(out, "png", optimize=True)
 
 
@@ -164,7 +164,7 @@ def simulate_path(file: str) -> None:
 
 
 def draw_outlines(given: list[str]) -> None:
-    """Draw the boxes over the shapes from files, open, into docs/grippers.svg."""
+    """Draw the boxes over the shapes from files, open, into grippers.svg."""
     hands = list(pairs(given))
     figure, axes = plt.subplots(2, len(hands), figsize=(3.2 * len(hands), 6.4), squeeze=False)
     for column, (name, boxes, file) in zip(axes.T, hands, strict=True):
@@ -188,7 +188,7 @@ def draw_outlines(given: list[str]) -> None:
         column[0].set_title(name)
     figure.tight_layout()
     mpl.rcParams.update({"svg.hashsalt": "egad", "svg.fonttype": "none"})
-    with atomic_output(DOCS / "grippers.svg") as out:
+    with atomic_output(FOLDER / "grippers.svg") as out:
         figure.savefig(out, format="svg", metadata={"Date": None})
 
 
@@ -235,7 +235,7 @@ def approaches(
 
 
 def draw_changes(given: list[str]) -> None:
-    """Draw grasps whose labels differ into docs/grippers-labels.png."""
+    """Draw grasps whose labels differ into grippers-labels.png."""
     ((_, boxes, file),) = pairs(given)
     pictures: dict[str, list[RgbImage]] = {}
     for target in egad.load("evaluation-set"):
@@ -261,7 +261,7 @@ def draw_changes(given: list[str]) -> None:
             axis.axis("off")
         column[0].set_title(cause, fontsize=10)
     figure.tight_layout()
-    with atomic_output(DOCS / "grippers-labels.png") as out:
+    with atomic_output(FOLDER / "grippers-labels.png") as out:
         figure.savefig(out, format="png", dpi=90, metadata={"Software": None})
 
 

@@ -1,6 +1,6 @@
-"""Whether objects that are hard for jaws are hard for suction cups (docs/grippers.md).
+"""Whether objects that are hard for jaws are hard for suction cups.
 
-    python docs/scripts/cup_rankings.py TABLE.parquet [--jobs 2]
+    python studies/grippers/cup_rankings.py TABLE.parquet [--jobs 2]
 
 The graspability of all released objects is measured for a Panda and for cups of 15 and 30 mm, at
 the same size, from 512 candidates each. TABLE.parquet keeps them; a second call measures what is

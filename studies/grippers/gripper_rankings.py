@@ -1,6 +1,6 @@
-"""Whether objects that are hard for one gripper are hard for others (docs/grippers.md).
+"""Whether objects that are hard for one gripper are hard for others.
 
-    python docs/scripts/gripper_rankings.py yumi robotiq_2f_85=HAND.urdf panda=HAND.urdf ...
+    python studies/grippers/gripper_rankings.py yumi robotiq_2f_85=HAND.urdf panda=HAND.urdf ...
 
 The 49 objects of the released evaluation set are scaled to each gripper: one that egad knows by
 name, or the file of one. Two tables are printed: the rank correlation of graspability between
