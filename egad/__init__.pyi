@@ -29,7 +29,6 @@ from .map_elites.archive import Archive as Archive
 from .map_elites.evolver import Evolver as Evolver
 from .map_elites.evolver import evolve as evolve
 from .map_elites.island import Candidate as Candidate
-from .measures.complexity import CoarseMeshWarning as CoarseMeshWarning
 from .measuring import Measures as Measures
 from .measuring import measure as measure
 from .measuring import similarity as similarity

@@ -24,13 +24,10 @@ from egad.measures import (
     MAP_RULE,
     MAX_CANDIDATES,
     Cell,
-    CoarseMeshWarning,
     cell_name,
     cell_of,
-    coarse_advice,
     default_measures,
     grasped_size,
-    is_coarse,
     measure_repeatably,
 )
 from egad.reeb import Similarity
@@ -49,15 +46,15 @@ class Measures(NamedTuple):
     """Where an object lies in EGAD's space, and at which size it was measured.
 
     Attributes:
-        complexity: Entropy of the angular deficits of its vertices, bits.
+        complexity: Entropy of the angular deficits, bits, of the voxels whose surface is closest
+            to the mesh: as for evolved objects, whatever its triangles.
         graspability: Percentile of the quality of its sampled grasps: high is easy to grasp.
         graspability_std: Its standard error.
         cell: Cell of the grid: (column by complexity, row by difficulty), from 0 = simplest and
             0 = easiest; None for a suction cup, which has no place on the map.
         label: Name of the cell, such as `M14`: row M in difficulty, column 14 in complexity.
         cell_confidence: Probability that the percentile of all grasps lies in the same row.
-        fine_complexity: Complexity after long edges are split, bits. If it differs from the
-            complexity by more than a cell, the triangles are too large for either to mean much.
+        raw_complexity: The same of the vertices of the mesh itself, as in the paper's table III.
         rule: The scale rule. The cells of the map are by `exact`.
         gripper: Name of the gripper; empty if it has none. The cells of the map are for `yumi`.
         opening: Widest opening of the gripper, metres.
@@ -73,7 +70,7 @@ class Measures(NamedTuple):
     cell: Cell | None
     label: str
     cell_confidence: float
-    fine_complexity: float
+    raw_complexity: float
     rule: str
     gripper: str
     opening: float
@@ -99,7 +96,7 @@ class Measures(NamedTuple):
         """The measures, then the conditions under which they hold."""
         hand = f"{self.gripper}, " if self.gripper else ""
         facts = {
-            "complexity": f"{self.complexity:.3f} bit",
+            "complexity": f"{self.complexity:.3f} bit ({self.raw_complexity:.3f} by its triangles)",
             "graspability": self._graspability_text,
             "cell confidence": f"{100 * self.cell_confidence:.0f} %",
             "grasped by": f"a gripper ({hand}opening {1000 * self.opening:g} mm)",
@@ -107,8 +104,6 @@ class Measures(NamedTuple):
         }
         if self.cell is None:
             del facts["cell confidence"]
-        if is_coarse(self.complexity, self.fine_complexity):
-            facts["too coarse:"] = f"{self.fine_complexity:.3f} bit after long edges are split"
         if self.dropped_bodies:
             facts["left out:"] = dropped_text(self.dropped_bodies, self.dropped_volume)
         if not self.comparable:
@@ -159,7 +154,6 @@ def measure(
     Warns:
         ScaleWarning: The mesh is measured larger than it is.
         DroppedBodiesWarning: It has several bodies; only the largest is measured.
-        CoarseMeshWarning: Its triangles are so large that its complexity means little.
         UnitsWarning: By another rule than `exact`, the size of the mesh suggests a unit other than
             the metre.
 
@@ -175,8 +169,6 @@ def measure(
     if size.factor > ENLARGED:
         warn_user(MEASURED_LARGER.format(size=size_text(size.sides, size.factor)), ScaleWarning)
     found = measure_repeatably(repaired.mesh, settings, max_candidates, size.factor)
-    if is_coarse(found.complexity, found.fine_complexity):
-        warn_user(coarse_advice(found.fine_complexity), CoarseMeshWarning)
     cup = hand.grasps_with == SUCTION
     cell = None if cup else cell_of(found.complexity, found.graspability, settings.space)
     first, second, third = map(float, size.sides)
@@ -187,7 +179,7 @@ def measure(
         cell=cell,
         label=cell_name(*cell) if cell else "",
         cell_confidence=found.cell_confidence,
-        fine_complexity=found.fine_complexity,
+        raw_complexity=found.raw_complexity,
         rule=rule,
         gripper=gripper if isinstance(gripper, str) else "",
         opening=hand.opening,

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 import egad
 from egad._util.markdown import table
 from egad.geometry import to_mesh
-from egad.measures import fine_complexity, is_coarse
 from egad.measures.complexity import complexity
 
 Points = NDArray[np.float64]
@@ -71,12 +70,10 @@ def main() -> None:
     single = np.array(
         [complexity(with_points(mesh, mesh.vertices.astype(np.float32))) for mesh in released]
     )
-    coarse = is_coarse(now, [fine_complexity(mesh) for mesh in released])
     print(
         f"\nsingle precision changes the complexity of a released object by up to "
         f"{np.abs(single - now).max():.4f} bit"
     )
-    print(f"{coarse.sum()} released objects are coarse")
 
 
 if __name__ == "__main__":

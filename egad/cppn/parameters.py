@@ -17,22 +17,27 @@ from egad._util.parameters import (
     UserPath,
     check_ascending,
 )
+from egad.geometry import VOXELS, Smoothing
 
 Activation = Literal["sin", "sigmoid", "gaussian", "identity"]  # `query.activate`
+_USUAL = Smoothing()
 COARSEST, FINEST = 8, 200  # resolutions that a genome can be grown at
 
 
 class Shape(Parameters):
     """Conversion of a genome to a mesh."""
 
-    resolution: int = Field(25, ge=8, le=64, description="voxels along each side of the cube")
+    resolution: int = Field(VOXELS, ge=8, le=64, description="voxels along each side of the cube")
     threshold: float = Field(0.5, description="network output above which a voxel is solid")
-    smoothing_iterations: int = Field(10, ge=0, le=100, description="rounds of Humphrey smoothing")
+    smoothing_iterations: int = Field(
+        _USUAL.iterations, ge=0, le=100, description="rounds of Humphrey smoothing"
+    )
     smoothing_alpha: Fraction = Field(
-        0.1, description="Humphrey alpha: pull towards the original position"
+        _USUAL.alpha, description="Humphrey alpha: pull towards the original position"
     )
     smoothing_beta: Fraction = Field(
-        0.25, description="Humphrey beta: smoothing of the pull towards the original position"
+        _USUAL.beta,
+        description="Humphrey beta: smoothing of the pull towards the original position",
     )
     longest_side: Length = Field(0.1, description="longest axis-aligned side of the mesh, metres")
 

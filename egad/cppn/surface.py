@@ -1,14 +1,11 @@
 """Voxels -> smooth triangle mesh."""
 
-import numpy as np
 import trimesh
-from numpy.typing import NDArray
-from scipy import sparse
-from skimage.measure import marching_cubes
 
 from egad.cppn.parameters import Shape
 from egad.cppn.voxels import Solid, unpack
 from egad.errors import RejectedError
+from egad.geometry import Smoothing, voxel_surface
 
 
 def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
@@ -36,25 +33,8 @@ def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
     Returns:
         A mesh in metres with outward normals, its axis-aligned box centered on the origin.
     """
-    padded = np.pad(voxels, 1).astype(np.float32)
-    vertices, faces, _, _ = marching_cubes(padded, 0.5, gradient_direction="ascent")
-    mesh = trimesh.Trimesh(vertices.astype(np.float64), faces, process=False)
-    trimesh.smoothing.filter_humphrey(
-        mesh,
-        alpha=shape.smoothing_alpha,
-        beta=shape.smoothing_beta,
-        iterations=shape.smoothing_iterations,
-        laplacian_operator=_neighbor_mean(mesh.faces, len(vertices)),
-    )
+    smoothing = Smoothing(shape.smoothing_iterations, shape.smoothing_alpha, shape.smoothing_beta)
+    _, mesh = voxel_surface(voxels, smoothing)
     low, high = mesh.bounds
     mesh.vertices = (mesh.vertices - (low + high) / 2) * (shape.longest_side / (high - low).max())
     return mesh
-
-
-def _neighbor_mean(faces: NDArray[np.int64], count: int) -> sparse.csr_matrix:
-    """The matrix that replaces each vertex by the mean of its neighbors on a closed surface."""
-    pairs = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)  # the other face has the way back
-    ones = np.ones(len(pairs))
-    adjacency = sparse.csr_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    adjacency.data[:] = 1.0  # an edge counts once, however many faces meet there
-    return sparse.csr_matrix(adjacency.multiply(1 / adjacency.sum(axis=1)))

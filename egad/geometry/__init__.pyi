@@ -32,9 +32,11 @@ from .parameters import MAX_VERTICES as MAX_VERTICES
 from .parameters import SHELL_THICKNESS as SHELL_THICKNESS
 from .parameters import SIDE_FRACTION as SIDE_FRACTION
 from .parameters import VOLUME_ERROR as VOLUME_ERROR
+from .parameters import VOXELS as VOXELS
 from .parameters import Material as Material
 from .parameters import OpenSurfaces as OpenSurfaces
 from .parameters import Rescale as Rescale
+from .parameters import Smoothing as Smoothing
 from .precision import in_single_precision as in_single_precision
 from .precision import is_single as is_single
 from .precision import to_single as to_single
@@ -60,3 +62,4 @@ from .surface_samples import rims as rims
 from .surface_samples import spread as spread
 from .touchable import MAX_BURIED as MAX_BURIED
 from .touchable import buried_share as buried_share
+from .voxel_surface import voxel_surface as voxel_surface

@@ -1,6 +1,6 @@
 """Parameters of solids: their material, repair of open surfaces, scaling to a gripper."""
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from pydantic import Field
 
@@ -12,7 +12,16 @@ MAX_PARTS = 512  # convex parts of an object
 VOLUME_ERROR = 0.06  # relative excess volume of the convex parts
 DEVIATION = 0.0005  # metres: how deep the touchable surface may lie in a convex part
 MAX_VERTICES = 64  # of a convex part: PhysX takes no more on a GPU
+VOXELS = 25  # along the longest side of an object of the dataset
 SHELL_THICKNESS = 0.002  # metres: glasses, cups and bowls are 1 to 5 mm thick
+
+
+class Smoothing(NamedTuple):
+    """Humphrey smoothing: rounds, pull to the original position, and smoothing of that pull."""
+
+    iterations: int = 10
+    alpha: float = 0.1
+    beta: float = 0.25
 
 
 class Material(Parameters):

@@ -101,7 +101,7 @@ def face_areas(mesh: Triangulation) -> Floats:
 
 
 @kernel()
-def refine(mesh: Triangulation, count: int, longest: float = 0.0) -> Triangulation:
+def refine(mesh: Triangulation, count: int) -> Triangulation:
     """Repeatedly split the longest edge at its midpoint.
 
     Among equally long edges, the one with the lowest number is split. New vertices follow the old
@@ -110,7 +110,6 @@ def refine(mesh: Triangulation, count: int, longest: float = 0.0) -> Triangulati
     Args:
         mesh: What to refine.
         count: Stop at this number of vertices.
-        longest: Stop when no edge is longer than this.
     """
     start = len(mesh.vertices)
     if start >= count:
@@ -121,7 +120,7 @@ def refine(mesh: Triangulation, count: int, longest: float = 0.0) -> Triangulati
     for slot in range(edges // 2, -1, -1):
         _sink(heap, edges, room.lengths, slot)
     end = start
-    while end < count and room.lengths[heap[0]] > longest**2:
+    while end < count and room.lengths[heap[0]] > 0.0:
         middle = end
         end += 1
         added = _split(room, heap[0], middle, faces, edges)

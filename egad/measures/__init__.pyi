@@ -1,10 +1,6 @@
 from .attainable import Attainable as Attainable
 from .attainable import attainable_coverage as attainable_coverage
 from .attainable import attainable_graspability as attainable_graspability
-from .complexity import CoarseMeshWarning as CoarseMeshWarning
-from .complexity import coarse_advice as coarse_advice
-from .complexity import fine_complexity as fine_complexity
-from .complexity import is_coarse as is_coarse
 from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
 from .custom import source_hash as source_hash
@@ -38,4 +34,5 @@ from .parameters import SizeEffect as SizeEffect
 from .parameters import SizeEffectParameters as SizeEffectParameters
 from .parameters import default_measures as default_measures
 from .parameters import space_of as space_of
+from .resampling import map_complexity as map_complexity
 from .size_effect import summarize as summarize

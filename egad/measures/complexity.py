@@ -6,22 +6,15 @@ Wang et al., "Assessing shape complexity by the entropy of angular deficits", as
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
 from egad._util.kernels import kernel
-from egad.geometry import check_mesh, distinct_corners, refine, triangulation
+from egad.geometry import check_mesh
 from egad.geometry.rounding import rounding
 from egad.measures.parameters import BINS
 
 UNKNOWN_ROUNDING = 1e-3  # of a bin; away from flat vertices, where evolved objects have few values
-LONG_EDGE = 0.08  # over the square root of the area: as on 99 % of the released objects
-MAX_SPLITS = 20_000
-CELL_WIDTH = 0.16  # bits, of the usual map
-
-
-class CoarseMeshWarning(UserWarning):
-    """A mesh has such long edges that its complexity reflects its triangles more than its shape."""
 
 
 def complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
@@ -29,7 +22,7 @@ def complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
 
     Flat vertices and right angles lie on the edge of a bin. A deficit that rounded coordinates have
     moved below the edge counts as if it were on it. So the number of digits in a file does not
-    matter.
+    matter. It counts vertices, so it depends on the triangles: see `map_complexity`.
 
     Args:
         mesh: A triangle mesh of any size; vertices without faces do not count.
@@ -53,47 +46,6 @@ def complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     counts = np.bincount(np.clip(position.astype(np.int64), 0, bins - 1))
     share = counts[counts > 0] / counts.sum()
     return float(-np.sum(share * np.log2(share)) + 0.0)
-
-
-def fine_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
-    """Complexity of a mesh after splitting its long edges, which does not change its shape.
-
-    The vertices of evolved objects are close together and evenly spaced. Their complexity can be
-    compared only with that of meshes with similar triangles.
-
-    Args:
-        mesh: A triangle mesh of any size.
-        bins: Bins of the histogram over [-2 pi, 2 pi).
-
-    Returns:
-        Bits. It equals the complexity if no edge is longer than 8 % of the square root of the
-        area. If it differs from the complexity, neither is meaningful: see `is_coarse`.
-
-    Raises:
-        RejectedError: The mesh is empty or not finite.
-        UserError: It is not a mesh.
-
-    Source: ours.
-    """
-    check_mesh(mesh)
-    edges = triangulation(np.asarray(mesh.vertices), distinct_corners(np.asarray(mesh.faces)))
-    longest = LONG_EDGE * np.sqrt(mesh.area)
-    fine = refine(edges, len(mesh.vertices) + MAX_SPLITS, longest)
-    return complexity(trimesh.Trimesh(fine.vertices, fine.faces, process=False), bins)
-
-
-def is_coarse(complexities: ArrayLike, fine_complexities: ArrayLike) -> NDArray[np.bool_]:
-    """Whether meshes are too coarse, (n,): splitting long edges moves them by more than a cell."""
-    change = np.asarray(fine_complexities, float) - np.asarray(complexities, float)
-    return np.asarray(np.abs(change) > CELL_WIDTH)
-
-
-def coarse_advice(fine: float) -> str:
-    """What the user of a mesh that is too coarse should know and do."""
-    return (
-        f"the triangles are too large for a meaningful complexity ({fine:.3f} bits after long "
-        "edges are split): remesh with uniform edges of about 2 % of the longest side"
-    )
 
 
 def angular_deficits(mesh: trimesh.Trimesh) -> Floats:

@@ -10,10 +10,11 @@ import numpy as np
 import trimesh
 
 from egad.geometry import check_mesh
-from egad.measures.complexity import complexity, fine_complexity
+from egad.measures.complexity import complexity
 from egad.measures.custom import plugin_value
 from egad.measures.graspability import GraspabilityEstimate, graspability
 from egad.measures.parameters import MeasureParameters
+from egad.measures.resampling import map_complexity
 from egad.random import generator
 
 
@@ -27,8 +28,8 @@ class MeasureValues(NamedTuple):
         cell_confidence: Probability that the percentile of all grasps lies in the same cell; NaN
             for a user's measure.
         grasps: Number of grasps that the percentile was computed from; 0 for a user's measure.
-        fine_complexity: Complexity after long edges are split, bits; NaN during evolution, and for
-            a user's measure.
+        raw_complexity: Complexity by the triangles of the mesh as they are, bits; NaN during
+            evolution, and for a user's measure.
     """
 
     complexity: float
@@ -36,7 +37,7 @@ class MeasureValues(NamedTuple):
     graspability_std: float
     cell_confidence: float
     grasps: int
-    fine_complexity: float = math.nan
+    raw_complexity: float = math.nan
 
 
 Estimate = Callable[[trimesh.Trimesh], GraspabilityEstimate]
@@ -75,6 +76,8 @@ def measure_repeatably(
     settings: MeasureParameters,
     max_candidates: int,
     factor: float | None = None,
+    *,
+    resample: bool = True,
 ) -> MeasureValues:
     """Measure a closed mesh by grasps that are seeded by its triangles.
 
@@ -86,6 +89,8 @@ def measure_repeatably(
         max_candidates: Maximum number of candidate grasps.
         factor: Scale factor, from `grasped_size`; by default that of the rule `exact`, as in the
             map.
+        resample: Measure complexity on the footing of evolved objects, see `map_complexity`;
+            otherwise by the mesh's own triangles, as those of evolved objects.
 
     Raises:
         RejectedError: The mesh cannot be measured, or has no grasp.
@@ -100,4 +105,8 @@ def measure_repeatably(
     values = measure_mesh(mesh, settings, estimate)
     if settings.measures.complexity:
         return values
-    return values._replace(fine_complexity=fine_complexity(mesh, settings.complexity.bins))
+    raw = values.complexity
+    if not resample:
+        return values._replace(raw_complexity=raw)
+    placed = map_complexity(mesh, settings.complexity.bins)
+    return values._replace(complexity=placed, raw_complexity=raw)

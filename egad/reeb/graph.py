@@ -152,7 +152,7 @@ def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
         UserError: It is not a mesh.
     """
     check_mesh(mesh)
-    surface = refine(_checked(mesh), settings.vertices, 0.0)
+    surface = refine(_checked(mesh), settings.vertices)
     areas = face_areas(surface)
     mu = _mu(surface, areas, settings)
     scaled = (mu - mu.min()) / mu.max() * settings.ranges

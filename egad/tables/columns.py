@@ -101,12 +101,16 @@ LABEL = column(
     STRING,
     "readable name, used in file names: difficulty letter, complexity, index",
 )
-COMPLEXITY = column("complexity", FLOAT, "entropy of the angular deficits", "bit")
-FINE_COMPLEXITY = column(
-    "fine_complexity",
+COMPLEXITY = column(
+    "complexity",
     FLOAT,
-    "complexity after long edges are split; if it differs from the complexity by more than a cell, "
-    "the triangles are too large for either to mean much",
+    "entropy of the angular deficits; of meshes that are not evolved, on voxels as those have",
+    "bit",
+)
+RAW_COMPLEXITY = column(
+    "raw_complexity",
+    FLOAT,
+    "entropy of the angular deficits at the vertices of the mesh as it is",
     "bit",
 )
 GRASPABILITY = column("graspability", FLOAT, "percentile of grasp quality, high for easy objects")

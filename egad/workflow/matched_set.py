@@ -126,7 +126,7 @@ def _write_objects(settings: Settings, found: MatchedSet, folder: Path, jobs: in
 
 
 def _solid(row: dict[str, Any], shape: Shape, settings: PostprocessSolids) -> dict[str, Any]:
-    measured = solid_row(packed_surface(row["voxels"], shape), row["id"], settings)
+    measured = solid_row(packed_surface(row["voxels"], shape), row["id"], settings, resample=False)
     return measured | {"archive_graspability": np.nan}
 
 

@@ -8,7 +8,6 @@ import trimesh
 from egad.config import Postprocess
 from egad.geometry import Body, repair_and_weigh
 from egad.geometry.repair import dropped_text, repair
-from egad.measures import coarse_advice, is_coarse
 
 log = logging.getLogger(__name__)
 
@@ -41,19 +40,13 @@ def repaired_mesh(mesh: trimesh.Trimesh, name: str) -> trimesh.Trimesh:
 
 
 def warn_of_shapes(table: pd.DataFrame, prefix: str = "") -> None:
-    """Warn of meshes that lost bodies, or whose triangles are too large for their complexity.
+    """Warn of meshes that lost bodies.
 
     Args:
         table: Columns of `tables.objects.SOLIDS` or `MEASURED`; the first has the names.
         prefix: Prefix of every warning.
     """
     names = table.iloc[:, 0]
-    coarse = is_coarse(table["complexity"], table["fine_complexity"])
-    for name, fine in zip(names[coarse][:1], table["fine_complexity"][coarse], strict=False):
-        log.warning(
-            "%s%d of %d meshes are too coarse, such as %s: %s",
-            *(prefix, coarse.sum(), len(table), name, coarse_advice(fine)),
-        )
     dropped = table["dropped_bodies"] > 0
     bodies, volumes = table["dropped_bodies"][dropped], table["dropped_volume"][dropped]
     for name, count, volume in zip(names[dropped], bodies, volumes, strict=True):

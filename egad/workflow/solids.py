@@ -11,15 +11,24 @@ from egad.tables.columns import inertia_columns
 from egad.workflow.repair import repaired_body
 
 
-def solid_row(mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids) -> dict[str, Any]:
+def solid_row(
+    mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids, *, resample: bool
+) -> dict[str, Any]:
     """The row of `tables.objects.SOLIDS` of one object.
+
+    Args:
+        mesh: Its mesh.
+        object_id: Its name in the dataset.
+        settings: Settings of the stage.
+        resample: See `egad.measures.measure_repeatably`; not for evolved objects.
 
     Raises:
         RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
     """
     repaired, mass = repaired_body(mesh, settings.postprocess, settings.material.density)
     solid = repaired.mesh
-    place = measure_repeatably(solid, settings, settings.postprocess.max_candidates)
+    most = settings.postprocess.max_candidates
+    place = measure_repeatably(solid, settings, most, resample=resample)
     return {
         "id": object_id,
         **place._asdict(),

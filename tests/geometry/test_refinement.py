@@ -65,15 +65,3 @@ def test_edges_with_one_and_with_three_faces():
     assert on_the_fold.sum() > 3
     assert set(meeting[on_the_fold]) == {3}
     assert set(meeting[~on_the_fold]) == {1, 2}
-
-
-def test_refinement_stops_at_a_length():
-    box = trimesh.creation.box([60, 40, 30])
-    edges = triangulation(np.asarray(box.vertices), np.asarray(box.faces, np.int32))
-    fine = refine(edges, 100_000, 5.0)
-    lengths = np.linalg.norm(np.diff(fine.vertices[fine.edges], axis=1), axis=2)
-    assert 2.5 / 1.5 < lengths.max() <= 5
-    assert refine(fine, 100_000, 5.0).vertices.shape == fine.vertices.shape
-    closed = trimesh.Trimesh(fine.vertices, fine.faces, process=False)
-    assert closed.is_watertight
-    assert closed.volume == pytest.approx(72_000)

@@ -6,13 +6,7 @@ import trimesh
 import egad
 from egad.errors import RejectedError
 from egad.geometry import to_mesh
-from egad.measures.complexity import (
-    angular_deficits,
-    complexity,
-    corner_angles,
-    fine_complexity,
-    is_coarse,
-)
+from egad.measures.complexity import angular_deficits, complexity, corner_angles
 
 
 def bumpy(subdivisions=3):
@@ -123,23 +117,6 @@ def test_shallow_curvature_is_not_taken_for_rounding():
     waves = 1e-4 * np.sin(30 * mesh.vertices).sum(axis=1)
     mesh.vertices *= (1 + waves)[:, None]
     assert complexity(mesh) == pytest.approx(slow_complexity(mesh, 512), abs=1e-3)
-
-
-def test_splitting_long_edges_shows_that_a_mesh_is_coarse():
-    coarse = box_with_boss()
-    assert fine_complexity(coarse) < complexity(coarse) - 0.5
-    assert is_coarse(complexity(coarse), fine_complexity(coarse))
-    even = egad.load("released")["M14_3"].mesh
-    assert fine_complexity(even) == complexity(even)
-    assert not is_coarse(complexity(even), fine_complexity(even))
-
-
-def test_finer_meshes_of_a_box_have_the_complexity_of_its_corners():
-    box = trimesh.creation.box([60, 40, 30])
-    assert complexity(box) == 0  # corners alone
-    fine = fine_complexity(box)
-    corners = 8 / 554  # vertices if no edge is longer than 8 % of the root of the area
-    assert fine == pytest.approx(-np.log2(corners) * corners, rel=0.3)
 
 
 def test_deficits_of_a_closed_surface_add_up_to_its_euler_number():

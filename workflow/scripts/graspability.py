@@ -46,7 +46,8 @@ def _row(label: str, meshes: Path, settings: GraspabilityOfGripper) -> dict[str,
     """The graspability of an object; missing if it has no grasp."""
     most = settings.postprocess.max_candidates
     try:
-        found = measure_repeatably(read_mesh(meshes / f"{label}.obj", "m"), settings, most)
+        mesh = read_mesh(meshes / f"{label}.obj", "m")
+        found = measure_repeatably(mesh, settings, most, resample=False)
     except RejectedError:
         return {"label": label, "graspability": np.nan, "graspability_std": np.nan, "grasps": 0}
     return {name: getattr(found, name) for name in GRASPABILITIES.names[1:]} | {"label": label}

@@ -67,11 +67,17 @@ def run(
     else:
         assert archive is not None  # noqa: S101 (the rule gives one)
         sources, known = from_archive(archive, settings, *shard)
-    measure_objects(settings, sources, known, solids, rejected)
+    measure_objects(settings, sources, known, solids, rejected, resample=archive is None)
 
 
 def measure_objects(
-    settings: PostprocessSolids, sources: Sources, known: pd.Series, out: Path, rejected: Path
+    settings: PostprocessSolids,
+    sources: Sources,
+    known: pd.Series,
+    out: Path,
+    rejected: Path,
+    *,
+    resample: bool,
 ) -> None:
     """Repair and measure objects.
 
@@ -81,11 +87,12 @@ def measure_objects(
         known: Graspability by id that evolution used for selection; empty for other meshes.
         out: Table with the columns of `tables.objects.SOLIDS`.
         rejected: Table of the rejected objects, with reasons.
+        resample: Measure complexity on the footing of evolved objects; for all others.
     """
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
         try:
-            row = solid_row(load(), object_id, settings)
+            row = solid_row(load(), object_id, settings, resample=resample)
         except RejectedError as reason:
             left_out.append(rejection(object_id, "postprocess", reason))
         else:

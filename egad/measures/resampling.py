@@ -1,0 +1,204 @@
+"""Complexity on the footing of the map: of the voxels whose surface is closest to a mesh.
+
+The vertices of evolved objects lie where marching cubes put them, on voxels of a known size. The
+voxels of a released object are recovered from any mesh of its surface; any other mesh gets the
+voxels that an evolved object of its shape would have.
+"""
+
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from egad._util.arrays import Floats
+from egad.geometry import VOXELS, check_mesh
+from egad.measures.complexity import complexity
+from egad.measures.parameters import BINS
+from egad.measures.voxel_fit import Fit, Grid, Target, aligned, deviation, fit
+
+SIDES = np.arange(24, 25.4, 0.2)  # voxels along objects of the dataset, after smoothing
+OWN = (0.65, 1.0)  # distances of the vertices of evolved and published objects, voxels
+HALVES = 0.235  # of their triangles at least are halves of squares; of remeshed ones, fewer
+NOISE = 0.1  # bits that the own complexity is higher because of noise
+SMALLEST = 6.5  # objects that are fewer voxels long are not looked for
+DENSITY = (0.7, 0.86)  # distances of the vertices of evolved objects, voxels
+GOOD, FAIR = 0.06, 0.07  # deviations, voxels: of recovered objects, and of others at least
+FEW = 1000  # vertices that tell a bad grid
+ROUNDS = 50  # of the search for axes
+FLAT = 0.9  # cosine between an axis and the normals of faces between two voxels
+_TURNS = [*np.eye(3) * np.pi / 8, *np.eye(3) * -np.pi / 8, *np.eye(3) * np.pi / 4]
+_STARTS = [np.eye(3), *Rotation.from_rotvec([*_TURNS, np.full(3, np.pi / 27**0.5)]).as_matrix()]
+
+
+def map_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
+    """Complexity that places a mesh on the map, whatever its triangles.
+
+    It is that of its own triangles if they are those of an evolved object, and otherwise the
+    resampled one; also if the own one is clearly higher, which noise does.
+
+    Args:
+        mesh: A closed triangle mesh of any size, wound outwards.
+        bins: Bins of the histogram over [-2 pi, 2 pi).
+
+    Returns:
+        Bits.
+
+    Raises:
+        RejectedError: The mesh is empty, flat or not finite.
+        UserError: It is not a mesh.
+
+    Source: ours.
+    """
+    resampled = resampled_complexity(mesh, bins)
+    if not _is_of_voxels(mesh):
+        return resampled
+    own = complexity(mesh, bins)
+    return own if own < resampled + NOISE else resampled
+
+
+def _is_of_voxels(mesh: trimesh.Trimesh) -> bool:
+    """Whether triangles have the size and shape that marching cubes and smoothing give them."""
+    spacing = np.sqrt(mesh.area / len(mesh.vertices)) * VOXELS / np.max(mesh.extents)
+    angles = np.sort(mesh.face_angles, axis=1)
+    halves = (np.abs(angles[:, 2] - np.pi / 2) < 0.2) & (np.abs(angles[:, 0] - np.pi / 4) < 0.17)
+    return bool(OWN[0] < spacing < OWN[1] and np.mean(halves) > HALVES)
+
+
+def resampled_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
+    """Complexity of the voxels whose smoothed surface is closest to a mesh.
+
+    Unlike `complexity`, it hardly depends on the triangles of the mesh.
+
+    Args:
+        mesh: A closed triangle mesh of any size, wound outwards.
+        bins: Bins of the histogram over [-2 pi, 2 pi).
+
+    Returns:
+        Bits.
+
+    Raises:
+        RejectedError: The mesh is empty, flat or not finite.
+        UserError: It is not a mesh.
+
+    Source: ours; marching cubes and smoothing as in EGAD, section III-B.
+    """
+    check_mesh(mesh)
+    return complexity(closest_voxels(Target(mesh)).surface, bins)
+
+
+def closest_voxels(target: Target) -> Fit:
+    """The voxels that a mesh was made from, or else some that are close to it.
+
+    Args:
+        target: The mesh.
+
+    Returns:
+        Voxels along the axes of its coordinates, or along those that most of its faces follow, if
+        they fit better: 25 along the longest side, or fewer if the mesh shows so.
+    """
+    upright = np.eye(3)
+    best = _search(target, upright, SIDES)
+    if best.deviation > FAIR:
+        low, high = VOXELS * np.array(DENSITY) / target.spacing
+        few = np.arange(max(SMALLEST, low), min(SIDES[0], high), 0.2)
+        best = _clearly_better(best, _search(target, upright, few, 8)) if len(few) else best
+    if best.deviation > FAIR:
+        frame = _face_axes(target)
+        if not np.allclose(frame, upright, atol=1e-3):
+            best = min(best, _search(target, frame, SIDES), key=_deviation)
+    return best
+
+
+def _clearly_better(best: Fit, other: Fit) -> Fit:
+    better = other.size < best.size and other.deviation < 0.7 * best.deviation
+    return other if better else best
+
+
+def _search(target: Target, frame: Floats, sides: Floats, most: int = 3) -> Fit:
+    """The best fit among grids with so many voxels along the longest side.
+
+    Args:
+        target: What to fit.
+        frame: Axes of the grids.
+        sides: Numbers of voxels.
+        most: How many of the first fits are improved, if none is good.
+    """
+    turn = not np.array_equal(frame, np.eye(3))
+    starts = []
+    for number, grids in enumerate(_grids(target, frame, sides)):
+        scores = [deviation(target, grid, FEW) for grid in grids]
+        starts.append((min(scores), number, grids[int(np.argmin(scores))]))
+    fits: list[Fit] = []
+    for _, _, grid in sorted(starts, key=lambda start: start[:2]):
+        found = fit(target, grid, 2)
+        fits += [found] if found else []
+        if fits and fits[-1].deviation < GOOD:
+            break
+    good = [each for each in fits if each.deviation < GOOD]
+    promising = good or sorted(fits, key=_deviation)[:most]
+    best = min((_refined(target, each, 1, 2, turn) for each in promising), key=_deviation)
+    return _refined(target, best, 3, 6, turn)
+
+
+def _deviation(each: Fit) -> float:
+    return each.deviation
+
+
+def _refined(target: Target, best: Fit, times: int, rounds: int, turn: bool) -> Fit:
+    """A fit on grids that are moved as long as that brings the surface closer."""
+    for _ in range(times):
+        other = fit(target, aligned(target, best, turn), rounds)
+        if other is None or other.size >= best.size:
+            return best
+        best = other
+    return best
+
+
+def _grids(target: Target, frame: Floats, sides: Floats) -> Iterator[list[Grid]]:
+    """For each pitch, grids: the middle of the box is the middle of a cube or between two.
+
+    Along axes without such symmetry, planes between cubes are where most faces are that follow the
+    axis.
+    """
+    box = target.vertices @ frame.T
+    low, high = box.min(axis=0), box.max(axis=0)
+    lengths, middle = high - low, (low + high) / 2
+    flat = target.normals @ frame.T, target.points @ frame.T
+    for side in sides:
+        pitch = lengths.max() / side
+        between = _planes(*flat, pitch)
+        odd = (side >= SIDES[0]) & (lengths > 0.97 * lengths.max())  # 25 cubes
+        options = [
+            (center + pitch / 2,) if known else (center + pitch / 2, center)
+            for center, known in zip(middle, odd, strict=True)
+        ]
+        planes = [np.array(each) for each in product(*options)]
+        planes += [between, np.where(odd, middle + pitch / 2, between)]
+        yield [Grid.around(target, frame, pitch, plane) for plane in planes]
+
+
+def _planes(normals: Floats, positions: Floats, pitch: float) -> Floats:
+    """Where planes one pitch apart meet the most faces along each axis, (3,)."""
+    phases = []
+    for along, where in zip(normals.T, positions.T, strict=True):
+        flat = np.abs(along) > FLAT
+        turns = np.exp(-2j * np.pi * where[flat] / pitch)
+        phases.append(np.angle(np.sum(turns * (np.abs(along[flat]) - FLAT))))
+    return -np.array(phases) * pitch / (2 * np.pi)
+
+
+def _face_axes(target: Target) -> Floats:
+    """Three axes at right angles that most of the area follows, as rows."""
+    best, most = np.eye(3), -1.0
+    for start in _STARTS:
+        frame = start
+        for _ in range(ROUNDS):
+            cubes = (target.face_normals @ frame.T) ** 3 * target.areas[:, None]
+            left, _, right = np.linalg.svd(np.einsum("ni,nj->ij", cubes, target.face_normals))
+            frame = left @ right
+        followed = float(np.sum((target.face_normals @ frame.T) ** 4 * target.areas[:, None]))
+        if followed > most * (1 + 1e-6):
+            best, most = frame, followed
+    return best

@@ -1,0 +1,231 @@
+"""The voxels of a grid whose smoothed surface is closest to a mesh."""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+import trimesh
+from scipy.ndimage import uniform_filter
+from scipy.spatial import cKDTree
+
+from egad._util.arrays import Flags, Floats
+from egad.geometry import VOXELS, RayCaster, Smoothing, spread, voxel_surface
+
+FINE, COARSE = 0.9, 2.0  # distances of points on the mesh, voxels
+MAX_POINTS, FEW_POINTS = 200_000, 20_000  # of a mesh of many triangles
+TURNED = 0.7  # voxels that a point with a normal at right angles is further away, over sqrt(2)
+DEEP = 2  # voxels: further from the surface, all are alike
+REVERTED = 0.3  # voxels that a change that did not help is moved away from
+CLOSE = 0.05  # voxels: surfaces further apart count less in an alignment
+
+
+class Target:
+    """A mesh to fit voxels to: its longest side has 25 units, its box is centered on the origin."""
+
+    def __init__(self, mesh: trimesh.Trimesh) -> None:
+        low, high = mesh.bounds
+        vertices = (mesh.vertices - (low + high) / 2) * (VOXELS / (high - low).max())
+        # rounded, so that the unit of the mesh does not matter
+        scaled = trimesh.Trimesh(np.round(vertices, 9), mesh.faces, process=False)
+        fine, coarse = spread(scaled, FINE), spread(scaled, COARSE)
+        thin = slice(None, None, 1 + len(fine.points) // MAX_POINTS)
+        self.points, self.normals = fine.points[thin], fine.normals[thin]
+        thin = slice(None, None, 1 + len(coarse.points) // FEW_POINTS)
+        self.few_points, self.few_normals = coarse.points[thin], coarse.normals[thin]
+        self.face_normals, self.areas = np.asarray(scaled.face_normals), scaled.area_faces
+        self.spacing = np.sqrt(scaled.area / len(scaled.vertices))  # of the mesh's own vertices
+        self._tree = cKDTree(np.hstack([self.points, TURNED * self.normals]))
+        self.vertices = np.asarray(scaled.vertices)
+        self._positions = cKDTree(self.points)
+        self._rays = RayCaster(scaled)
+
+    def inside(self, points: Floats) -> Flags:
+        """Whether points (n, 3) are inside the mesh, (n,)."""
+        return self._rays.contains(points)
+
+    def depths(self, points: Floats, most: float) -> Floats:
+        """How deep points (n, 3) lie inside, (n,), at most a bound; negative outside."""
+        distances, _ = self._positions.query(points, distance_upper_bound=most)
+        return np.minimum(distances, most) * np.where(self.inside(points), 1, -1)
+
+    def nearest(self, points: Floats, normals: Floats) -> tuple[Floats, Floats]:
+        """Heights (n,) of the mesh over oriented points, (n, 3) each, and its normals there."""
+        _, index = self._tree.query(np.hstack([points, TURNED * normals]))
+        there = self.normals[index]
+        return np.einsum("ij,ij->i", self.points[index] - points, there), there
+
+
+class Grid(NamedTuple):
+    """Cubes in the units of a `Target`.
+
+    Attributes:
+        origin: (3,) center of the first.
+        frame: (3, 3) unit vectors along its axes, as rows.
+        pitch: Their side.
+        shape: Their numbers along the axes.
+    """
+
+    origin: Floats
+    frame: Floats
+    pitch: float
+    shape: tuple[int, ...]
+
+    @classmethod
+    def around(cls, target: Target, frame: Floats, pitch: float, plane: Floats) -> Self:
+        """The grid around a target, given where along each axis a plane between cubes is, (3,)."""
+        along = target.vertices @ frame.T
+        first = np.floor((along.min(axis=0) - plane) / pitch - 0.5) - 1
+        start = plane + pitch * (first + 0.5)
+        shape = np.ceil((along.max(axis=0) - start) / pitch).astype(int) + 2
+        return cls(start @ frame, frame, pitch, tuple(shape.tolist()))
+
+    def place(self, points: Floats) -> Floats:
+        """Positions of points (n, 3) in numbers of cubes."""
+        return self.origin + self.pitch * points @ self.frame
+
+    def centers(self) -> Floats:
+        """Centers of all cubes, (n, 3)."""
+        numbers = np.moveaxis(np.indices(self.shape, float), 0, -1)
+        return self.place(numbers.reshape(-1, 3))
+
+
+class Fit(NamedTuple):
+    """Voxels, and how far their surface is from the target.
+
+    Attributes:
+        grid: Their grid.
+        voxels: Which of its cubes are solid.
+        surface: Their smoothed surface, in numbers of cubes.
+        normals: (v, 3) outward unit normals of its vertices.
+        deviation: Root mean square distance of its vertices from the target, in cubes.
+        offsets: Mean height of the target over the surface near each cube, in cubes.
+        errors: Mean square of these heights near each cube and its neighbors.
+    """
+
+    grid: Grid
+    voxels: Flags
+    surface: trimesh.Trimesh
+    normals: Floats
+    deviation: float
+    offsets: Floats
+    errors: Floats
+
+    @property
+    def size(self) -> float:
+        """The deviation in the units of the target."""
+        return self.deviation * self.grid.pitch
+
+
+def fit(target: Target, grid: Grid, rounds: int) -> Fit | None:
+    """Voxels whose surface is close to the target; None if no cube's center is inside.
+
+    Smoothing moves the surface away from the voxels' faces. So in each round, cubes become solid or
+    empty by how far the surface is still from the target there, and only those changes stay that
+    bring it closer.
+
+    Args:
+        target: What to fit them to.
+        grid: Their grid.
+        rounds: Number of rounds.
+
+    Source: ours, after van Cittert's deconvolution.
+    """
+    depths = target.depths(grid.centers(), DEEP * grid.pitch).reshape(grid.shape) / grid.pitch
+    if not (depths > 0).any():
+        return None
+    best, moved = compare(target, grid, depths > 0), np.zeros(grid.shape)
+    for _ in range(rounds):
+        moved += best.offsets
+        wanted = depths + moved > 0
+        if not wanted.any() or (wanted == best.voxels).all():
+            continue
+        other = compare(target, grid, wanted)
+        worse = (wanted != best.voxels) & (other.errors >= best.errors)
+        moved[worse] = np.where(best.voxels, REVERTED, -REVERTED)[worse] - depths[worse]
+        kept = np.where(worse, best.voxels, wanted)
+        if (kept != best.voxels).any():
+            best = other if not worse.any() else compare(target, grid, kept)
+    return best
+
+
+def compare(target: Target, grid: Grid, voxels: Flags) -> Fit:
+    """How far the surface of voxels is from the target, seen from both."""
+    sharp, surface, normals = _surface(voxels)
+    points = np.asarray(surface.vertices)
+    heights, _ = target.nearest(grid.place(points), normals @ grid.frame)
+    heights = np.clip(heights / grid.pitch, -1, 1)
+    ends = [(np.floor(sharp), heights), (np.ceil(sharp), heights)]
+    seen = (target.few_points - grid.origin) @ grid.frame.T / grid.pitch
+    ways = target.few_normals @ grid.frame.T
+    tree = cKDTree(np.hstack([points, TURNED * normals]))
+    _, index = tree.query(np.hstack([seen, TURNED * ways]))
+    back = np.clip(np.einsum("ij,ij->i", seen - points[index], normals[index]), -1, 1)
+    ends += [(np.round(seen - ways / 2), back), (np.round(seen + ways / 2), back)]
+    count, total, squares = _sums(ends, grid.shape)
+    errors = uniform_filter(squares, 3) / np.maximum(uniform_filter(count, 3), 1e-9)
+    deviation = float(np.sqrt(np.mean(heights**2)))
+    return Fit(grid, voxels, surface, normals, deviation, total / np.maximum(count, 1), errors)
+
+
+def deviation(target: Target, grid: Grid, most: int) -> float:
+    """The deviation of the cubes with centers in the target, from at most about `most` vertices."""
+    voxels = target.inside(grid.centers()).reshape(grid.shape)
+    if not voxels.any():
+        return np.inf
+    _, surface, normals = _surface(voxels)
+    some = slice(None, None, max(1, len(normals) // most))
+    points = grid.place(np.asarray(surface.vertices)[some])
+    heights, _ = target.nearest(points, normals[some] @ grid.frame)
+    return float(np.sqrt(np.mean(np.clip(heights / grid.pitch, -1, 1) ** 2)))
+
+
+def aligned(target: Target, best: Fit, turn: bool) -> Grid:
+    """The grid of voxels moved, scaled and perhaps turned so that their surface fits better."""
+    grid, points = best.grid, np.asarray(best.surface.vertices)
+    placed = grid.place(points)
+    heights, normals = target.nearest(placed, best.normals @ grid.frame)
+    middle = placed.mean(axis=0)
+    arms = placed - middle
+    columns = [np.einsum("ij,ij->i", arms, normals)[:, None], normals]
+    columns += [np.cross(arms, normals)] if turn else []
+    weights = 1 / (1 + (heights / (CLOSE * grid.pitch)) ** 2)
+    terms = np.hstack(columns)
+    matrix = np.einsum("ni,n,nj->ij", terms, weights, terms)
+    moves = np.linalg.solve(
+        matrix + 1e-9 * np.trace(matrix) * np.eye(len(matrix)),
+        np.einsum("ni,n,n->i", terms, weights, heights),
+    )
+    frame = grid.frame
+    if turn:
+        angle = float(np.linalg.norm(moves[4:]))
+        rotation = trimesh.transformations.rotation_matrix(angle, moves[4:])[:3, :3]
+        frame = frame @ rotation.T if angle else frame
+    pitch = grid.pitch * (1 + moves[0])
+    origin = middle + moves[1:4] + (1 + moves[0]) * (grid.origin - middle) @ grid.frame.T @ frame
+    return Grid.around(target, frame, pitch, frame @ origin + pitch / 2)
+
+
+def _surface(voxels: Flags) -> tuple[Floats, trimesh.Trimesh, Floats]:
+    """Vertices before smoothing, in numbers of cubes, and the smooth surface with its normals."""
+    sharp, surface = voxel_surface(voxels, Smoothing())
+    surface.vertices -= 1
+    first, second, third = np.moveaxis(np.asarray(surface.triangles), 1, 0)
+    outwards = np.cross(second - first, third - first)
+    sums = [np.bincount(surface.faces.ravel(), np.repeat(way, 3)) for way in outwards.T]
+    normals = np.column_stack(sums)
+    lengths = np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    return sharp.astype(float) - 1, surface, normals / lengths
+
+
+def _sums(
+    ends: list[tuple[Floats, Floats]], shape: tuple[int, ...]
+) -> tuple[Floats, Floats, Floats]:
+    """Number, sum and sum of squares of values in each cube of a grid."""
+    cells, values = map(np.concatenate, zip(*ends, strict=True))
+    cells = np.clip(cells.astype(int), 0, np.array(shape) - 1)
+    index = np.ravel_multi_index(tuple(cells.T), shape)
+    size = int(np.prod(shape))
+
+    def summed(weights: Floats) -> Floats:
+        return np.asarray(np.bincount(index, weights, size), float).reshape(shape)
+
+    return summed(np.ones(len(values))), summed(values), summed(values**2)
