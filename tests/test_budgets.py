@@ -51,7 +51,7 @@ def settings():
         ("entries of egad/", entries, 45),  # goal: 26
         ("settings", settings, 345),  # goal: 300
         ("words of README.md", words_of("README.md"), 1_060),  # goal: 850
-        ("words of docs/", words_of("docs/**/*.md"), 39_800),  # goal: 30,000
+        ("words of docs/", words_of("docs/**/*.md"), 30_000),
         ("words of docs/results.md", words_of("docs/results.md"), 1_200),
     ],
 )

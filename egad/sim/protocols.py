@@ -64,7 +64,7 @@ class SceneCameras(UserParameters):
 class ClutterProtocol(UserParameters):
     """Rules by which a table is cleared: egad, vgn, giga, edgegrasp, or a section of your own.
 
-    Keys that a section omits are as in `egad`. docs/benchmark.md gives the sources of all values.
+    Keys that a section omits are as in `egad`. studies/benchmark/protocols.md has the sources.
     """
 
     cameras: SceneCameras = SceneCameras()
