@@ -17,6 +17,19 @@ from egad.config.files import defaults
 from egad.config.schema import node_at
 
 PAGE = Path("config/README.md")
+SIGNS = {  # how the manual abbreviates the phrases of messages
+    "a name of lowercase letters, digits, _ and -": "name",
+    "a whole number": "integer",
+    "a number": "number",
+    "a text": "text",
+    "a list (not empty)": "list",
+    "a list": "list",
+    ", each": ":",
+    ", at least": " ≥",
+    ", above": " >",
+    ", at most": ", ≤",
+    ", below": ", <",
+}
 BETWEEN = re.compile(r"(?<=<!-- settings -->\n).*(?=<!-- end -->)", re.DOTALL)
 
 
@@ -86,7 +99,14 @@ def _rows(
 def _row(path: tuple[str, ...], key: str) -> tuple[str, str, str]:
     node: Node = node_at((*path, key)) or {}
     field: Node = (node_at(path) or {})["properties"][key]
-    return f"`{key}`", _meaning(field) or _meaning(node), allowed(node)
+    return f"`{key}`", _meaning(field) or _meaning(node), _abbreviated(allowed(node))
+
+
+def _abbreviated(phrase: str) -> str:
+    """What is allowed in signs; the keys of a section are in its own table."""
+    for words, sign in SIGNS.items():
+        phrase = phrase.replace(words, sign)
+    return phrase.partition(" with the keys ")[0]
 
 
 def _is_table(name: str) -> bool:

@@ -4,17 +4,23 @@
 """
 
 import sys
+from collections import Counter
+from collections.abc import Iterable
 from importlib import import_module
 from itertools import chain
 from pathlib import Path
 from pkgutil import iter_modules
 
+import pyarrow as pa
+
 from egad import tables
 from egad._util.files import write_text
 from egad._util.markdown import table
-from egad.tables.columns import Result, markdown_table
+from egad.tables.columns import Result, meaning_of
 
 PAGE = Path("results/README.md")
+SHARED = "Columns of several tables"
+MIN_SHARED = 3  # a column of this many tables is explained once
 # Results that no module of tables lists.
 OTHERS = [
     Result("report.html", "overview of all results; works offline"),
@@ -24,6 +30,8 @@ OTHERS = [
         "exports in the formats of `targets.exports` other than dexnet",
     ),
 ]
+
+Row = tuple[str, str, str, str]  # names, type, unit, meaning
 
 INTRODUCTION = """# Results
 
@@ -48,14 +56,48 @@ def results() -> list[Result]:
 def page() -> str:
     """The manual as Markdown."""
     listed = results()
-    rows = [(f"`{each.path}`", each.meaning) for each in listed]
-    parts = [INTRODUCTION, table(["file", "what it is"], rows)]
-    known: dict[str, str] = {}
+    files = [(f"`{each.path}`", each.meaning) for each in listed]
+    paths: dict[tuple[Row, ...], list[str]] = {}
     for each in listed:
         if each.columns is not None:
-            text = markdown_table(each.columns)
-            known[text] = ", ".join(filter(None, [known.get(text), f"`{each.path}`"]))
-    return "\n".join([*parts, *(f"## {paths}\n\n{text}" for text, paths in known.items())])
+            paths.setdefault(tuple(_rows(each.columns)), []).append(f"`{each.path}`")
+    counts = Counter(chain.from_iterable(paths))
+    shared: dict[str, Row] = {}  # of each name the most common meaning
+    for row, count in counts.most_common():
+        if count >= MIN_SHARED:
+            shared.setdefault(row[0], row)
+    parts = [INTRODUCTION, table(["file", "what it is"], files)]
+    parts.append(f"## {SHARED}\n\n{_table(shared.values())}")
+    for rows, names in paths.items():
+        parts.append(f"## {', '.join(names)}\n\n{_section(rows, {*shared.values()})}")
+    return "\n".join(parts)
+
+
+def _section(rows: tuple[Row, ...], shared: set[Row]) -> str:
+    """The columns of a table, those of several tables by name only."""
+    known = ", ".join(row[0] for row in rows if row in shared)
+    link = f"[{SHARED}](#{SHARED.lower().replace(' ', '-')}): {known}.\n" if known else ""
+    own = [row for row in rows if row not in shared]
+    return "\n".join(filter(None, [link, _table(own) if own else ""]))
+
+
+def _table(rows: Iterable[Row]) -> str:
+    return table(["column", "type", "unit", "meaning"], rows)
+
+
+def _rows(schema: pa.Schema) -> list[Row]:
+    """Names, type, unit and meaning of the columns; those of a vector are one row."""
+    names: dict[Row, list[str]] = {}
+    for field in schema:
+        meaning, unit = meaning_of(field)
+        stem, _, part = field.name.rpartition("_")
+        key = stem or field.name, str(field.type), unit, meaning.removesuffix(f", {part}")
+        names.setdefault(key, []).append(field.name)
+    rows = []
+    for (_, kind, unit, meaning), (first, *others) in names.items():
+        parts = [f"`_{each.rpartition('_')[2]}`" for each in others]
+        rows.append((", ".join([f"`{first}`", *parts]), kind, unit, meaning))
+    return rows
 
 
 def main() -> None:
