@@ -17,19 +17,7 @@ from egad.config.files import defaults
 from egad.config.schema import node_at
 
 PAGE = Path("config/README.md")
-SIGNS = {  # how the manual abbreviates the phrases of messages
-    "a name of lowercase letters, digits, _ and -": "name",
-    "a whole number": "integer",
-    "a number": "number",
-    "a text": "text",
-    "a list (not empty)": "list",
-    "a list": "list",
-    ", each": ":",
-    ", at least": " ≥",
-    ", above": " >",
-    ", at most": ", ≤",
-    ", below": ", <",
-}
+SIGNS = {"at least": "≥", "above": ">", "at most": "≤", "below": "<", ", each": ":"}
 BETWEEN = re.compile(r"(?<=<!-- settings -->\n).*(?=<!-- end -->)", re.DOTALL)
 
 
@@ -103,10 +91,12 @@ def _row(path: tuple[str, ...], key: str) -> tuple[str, str, str]:
 
 
 def _abbreviated(phrase: str) -> str:
-    """What is allowed in signs; the keys of a section are in its own table."""
+    """What is allowed, with fewer words than in messages."""
+    phrase = re.sub(r" of lowercase.* and -| \(not empty\)| with the keys .*", "", phrase)
+    phrase = re.sub(r"\ba (?=whole|number|text|name|list)", "", phrase)
     for words, sign in SIGNS.items():
         phrase = phrase.replace(words, sign)
-    return phrase.partition(" with the keys ")[0]
+    return phrase
 
 
 def _is_table(name: str) -> bool:

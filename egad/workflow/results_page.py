@@ -5,7 +5,6 @@
 
 import sys
 from collections import Counter
-from collections.abc import Iterable
 from importlib import import_module
 from itertools import chain
 from pathlib import Path
@@ -19,30 +18,25 @@ from egad._util.markdown import table
 from egad.tables.columns import Result, meaning_of
 
 PAGE = Path("results/README.md")
-SHARED = "Columns of several tables"
-MIN_SHARED = 3  # a column of this many tables is explained once
+HEAD = ["column", "type", "unit", "meaning"]
+MIN_SHARED = 3  # a column of this many tables is explained once, as in most of them
 # Results that no module of tables lists.
 OTHERS = [
     Result("report.html", "overview of all results; works offline"),
     Result("D/exchange/G.hdf5", "Dex-Net database (`targets.exports`); see docs/exchange.md"),
-    Result(
-        "D/exchange/G-FORMAT/",
-        "exports in the formats of `targets.exports` other than dexnet",
-    ),
+    Result("D/exchange/G-FORMAT/", "exports in other formats of `targets.exports`"),
 ]
 
 Row = tuple[str, str, str, str]  # names, type, unit, meaning
 
 INTRODUCTION = """# Results
 
-The files of a run, where `D` is a dataset, `G` a gripper and `P` a grasp detector. Every table can
-be read with `pandas.read_parquet`; its columns carry their `unit` and `meaning` as Arrow field
-metadata. Lengths are in metres and masses in kilograms unless a unit says otherwise. Cells are
-numbered from 0, the simplest and the easiest.
-
-`egad provenance FILE` shows what a file was made from, and `egad verify results` whether anything
-was altered since: [docs/provenance.md](../docs/provenance.md). `D/parts` and `D/epochs` hold files
-that jobs pass to each other; the pipeline makes them again when it needs them.
+The files of a run: `D` is a dataset, `G` a gripper and `P` a grasp detector. `pandas.read_parquet`
+reads every table; its columns carry their `unit` and `meaning` as Arrow metadata. Lengths are in
+metres and masses in kilograms unless a unit says otherwise. Cells count from 0, the simplest and
+the easiest. `egad provenance FILE` shows what a file was made from, and `egad verify results`
+whether anything was altered since ([provenance](../docs/provenance.md)). `D/parts` and `D/epochs`
+hold files that jobs pass to each other.
 """
 
 
@@ -61,28 +55,17 @@ def page() -> str:
     for each in listed:
         if each.columns is not None:
             paths.setdefault(tuple(_rows(each.columns)), []).append(f"`{each.path}`")
-    counts = Counter(chain.from_iterable(paths))
-    shared: dict[str, Row] = {}  # of each name the most common meaning
-    for row, count in counts.most_common():
-        if count >= MIN_SHARED:
-            shared.setdefault(row[0], row)
+    counts = Counter(chain.from_iterable(paths)).most_common()
+    shared = {row[0]: row for row, count in reversed(counts) if count >= MIN_SHARED}.values()
     parts = [INTRODUCTION, table(["file", "what it is"], files)]
-    parts.append(f"## {SHARED}\n\n{_table(shared.values())}")
+    parts.append(f"## Columns of several tables\n\n{table(HEAD, reversed(shared))}")
     for rows, names in paths.items():
-        parts.append(f"## {', '.join(names)}\n\n{_section(rows, {*shared.values()})}")
+        own = [row for row in rows if row not in shared]
+        known = ", ".join(row[0] for row in rows if row in shared)
+        link = f"[Columns of several tables](#columns-of-several-tables): {known}.\n\n"
+        text = (link if known else "") + (table(HEAD, own) if own else "")
+        parts.append(f"## {', '.join(names)}\n\n{text}")
     return "\n".join(parts)
-
-
-def _section(rows: tuple[Row, ...], shared: set[Row]) -> str:
-    """The columns of a table, those of several tables by name only."""
-    known = ", ".join(row[0] for row in rows if row in shared)
-    link = f"[{SHARED}](#{SHARED.lower().replace(' ', '-')}): {known}.\n" if known else ""
-    own = [row for row in rows if row not in shared]
-    return "\n".join(filter(None, [link, _table(own) if own else ""]))
-
-
-def _table(rows: Iterable[Row]) -> str:
-    return table(["column", "type", "unit", "meaning"], rows)
 
 
 def _rows(schema: pa.Schema) -> list[Row]:
