@@ -58,11 +58,11 @@ def _meaning(node: Node) -> str:
 
 
 def _about(name: str) -> str:
-    """What a section is about, and the entries that a table has."""
+    """What a section is about, or the entries that a table has."""
+    if _is_table(name):
+        return f"Built in: {', '.join(f'`{each}`' for each in defaults().get(name, {}))}."
     about = str((node_at((name,)) or {})["description"])
-    about = about if about.endswith(".") else f"{about[0].upper()}{about[1:]}."
-    entries = ", ".join(f"`{each}`" for each in defaults().get(name, {}))
-    return f"{about} Built in: {entries}." if _is_table(name) else about
+    return about if about.endswith(".") else f"{about[0].upper()}{about[1:]}."
 
 
 def _keys(path: tuple[str, ...], known: Mapping[str, Any]) -> str:

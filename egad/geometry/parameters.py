@@ -16,7 +16,7 @@ SHELL_THICKNESS = 0.002  # metres: glasses, cups and bowls are 1 to 5 mm thick
 
 
 class Material(Parameters):
-    """Material of the objects."""
+    """What objects are made of, which gives their mass."""
 
     density: float = Field(
         400.0, gt=0, description="density, kg/m3; printed PLA at 20 % infill: 350-450"

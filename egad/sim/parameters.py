@@ -153,7 +153,7 @@ class ContactRule(Parameters):
 
 
 class TrialProtocol(ContactRule, Lifting):
-    """Simulated grasping trials."""
+    """Attempts to grasp single objects in simulation."""
 
     attempts: int = Field(10, ge=1, description="attempts per object")
     reset: Literal["continue", "redrop"] = Field(
