@@ -16,9 +16,9 @@
 # make lock    add to the lock files what is new in pyproject.toml (newest of all: delete them first)
 
 CORES ?= 2
-# In two processes; the one that is done first takes tests from the other. A test that the usual limit
-# of 900 seconds cannot end, as it hangs in compiled code or where it is given up, ends its process,
-# which says where; the tests behind it are not run.
+# Two processes run the tests; the one that finishes first takes tests from the other. The limit of 900
+# seconds cannot end a test that hangs in compiled code: then its process ends after 1000 seconds and
+# prints where the test was, and the tests that waited for this process are not run.
 TESTS := pytest --numprocesses 2 --dist worksteal --max-worker-restart 0 \
 	-o faulthandler_timeout=1000 -o faulthandler_exit_on_timeout=true
 VENV := .venv

@@ -50,8 +50,8 @@ def settings():
         ("lines of egad/ and workflow/", lines_in_all, 70_250),  # goal: 60,000
         ("entries of egad/", entries, 45),  # goal: 26
         ("settings", settings, 345),  # goal: 300
-        ("words of README.md", words_of("README.md"), 1_060),  # goal: 850
-        ("words of docs/", words_of("docs/**/*.md"), 39_800),  # goal: 30,000
+        ("words of README.md", words_of("README.md"), 850),
+        ("words of docs/", words_of("docs/**/*.md"), 30_000),
         ("words of docs/results.md", words_of("docs/results.md"), 1_200),
     ],
 )

@@ -25,7 +25,7 @@ hooks = hooks_module()
     ("source", "link", "page"),
     [
         ("docs/grasps.md", "../config/README.md#scale-rules", "config/README.md#scale-rules"),
-        ("docs/guides/own-gripper.md", "../../config/README.md", "../config/README.md"),
+        ("docs/guides/own-meshes.md", "../../config/README.md", "../config/README.md"),
         ("docs/custom.md", "../examples/measures.py", "examples/measures.py.md"),
         ("docs/custom.md", "../README.md#what-comes-out", "index.md"),
         ("docs/custom.md", "trials.md#labels", "trials.md#labels"),

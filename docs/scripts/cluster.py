@@ -1,6 +1,6 @@
 """Memory and time of each rule: `python docs/scripts/cluster.py FOLDERS` of finished runs.
 
-docs/cluster.md has the rules that take most.
+docs/running.md names the largest.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""The picture of docs/images.md: `python docs/scripts/images.py results/D/images/G`.
+"""The picture of docs/vision.md: `python docs/scripts/images.py results/D/images/G`.
 
 Depth images, near is bright, of objects that lie alone and of several; in green some of the best
 free grasps, in red one that collides.

@@ -197,6 +197,6 @@ def incomparable(settings: Settings, gripper: str, rule: str) -> str:
     if settings.measures.graspability or (rule, gripper) == (MAP_RULE, own):
         return ""
     return (
-        f"Cells by the rule {rule} for {gripper} cannot be compared with the map, whose objects "
-        f"are measured by {MAP_RULE} for {own}."
+        f"These cells cannot be compared with the map: they are for the rule {rule} and {gripper}, "
+        f"those of the map for {MAP_RULE} and {own}."
     )

@@ -17,6 +17,7 @@ from egad.config.files import defaults
 from egad.config.schema import node_at
 
 PAGE = Path("config/README.md")
+SIGNS = {"at least": "≥", "above": ">", "at most": "≤", "below": "<", ", each": ":"}
 BETWEEN = re.compile(r"(?<=<!-- settings -->\n).*(?=<!-- end -->)", re.DOTALL)
 
 
@@ -57,11 +58,11 @@ def _meaning(node: Node) -> str:
 
 
 def _about(name: str) -> str:
-    """What a section is about, and the entries that a table has."""
+    """What a section is about, or the entries that a table has."""
+    if _is_table(name):
+        return f"Built in: {', '.join(f'`{each}`' for each in defaults().get(name, {}))}."
     about = str((node_at((name,)) or {})["description"])
-    about = about if about.endswith(".") else f"{about[0].upper()}{about[1:]}."
-    entries = ", ".join(f"`{each}`" for each in defaults().get(name, {}))
-    return f"{about} Built in: {entries}." if _is_table(name) else about
+    return about if about.endswith(".") else f"{about[0].upper()}{about[1:]}."
 
 
 def _keys(path: tuple[str, ...], known: Mapping[str, Any]) -> str:
@@ -86,7 +87,16 @@ def _rows(
 def _row(path: tuple[str, ...], key: str) -> tuple[str, str, str]:
     node: Node = node_at((*path, key)) or {}
     field: Node = (node_at(path) or {})["properties"][key]
-    return f"`{key}`", _meaning(field) or _meaning(node), allowed(node)
+    return f"`{key}`", _meaning(field) or _meaning(node), _abbreviated(allowed(node))
+
+
+def _abbreviated(phrase: str) -> str:
+    """What is allowed, with fewer words than in messages."""
+    phrase = re.sub(r" of lowercase.* and -| \(not empty\)| with the keys .*", "", phrase)
+    phrase = re.sub(r"\ba (?=whole|number|text|name|list)", "", phrase)
+    for words, sign in SIGNS.items():
+        phrase = phrase.replace(words, sign)
+    return phrase
 
 
 def _is_table(name: str) -> bool:

@@ -174,7 +174,7 @@ class Targets(Parameters):
 
 
 class Release(Parameters):
-    """The folder `results/release`, a dataset that anyone can host: docs/release.md."""
+    """The folder `results/release`, a dataset that anyone can host: docs/released.md."""
 
     dataset: Name = Field("egad", description="dataset whose objects are released")
     gripper: Name = Field(

@@ -83,7 +83,7 @@ class Hole(Region):
 
 
 class Symmetry(Parameters):
-    """Symmetry of shapes. Mirrors also apply to the envelope, the kept solid and the hole."""
+    """How shapes repeat. Mirrors also apply to the envelope, the kept solid and the hole."""
 
     mirror: tuple[Axis, ...] = Field(
         (), description="axes across which the two halves of a shape are mirror images"
@@ -93,7 +93,7 @@ class Symmetry(Parameters):
 
 
 class Limits(Parameters):
-    """Limits of shapes. Shapes outside them are rejected before they are measured."""
+    """Proportions of shapes. Shapes outside these limits are rejected before they are measured."""
 
     aspect_ratio: Range = Field(
         (1, 64),

@@ -1,7 +1,7 @@
 """A detector that is a separate program, asked through its standard input and output.
 
 A message is its length in four bytes, the highest byte first, and then MessagePack
-(`egad.detectors.messages`). docs/own-environment.md describes the conversation.
+(`egad.detectors.messages`). docs/detectors.md describes the conversation.
 """
 
 import contextlib

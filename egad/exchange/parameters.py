@@ -19,7 +19,7 @@ class NamedGripper(NamedTuple):
 
 
 class DexNet(Parameters):
-    """Dex-Net databases."""
+    """Export as one HDF5 file for Dex-Net."""
 
     field_size: int = Field(
         40, ge=8, le=256, description="nodes per side of a distance field; Dex-Net uses 100"
@@ -46,7 +46,7 @@ class DexNet(Parameters):
 
 
 class Acronym(Parameters):
-    """ACRONYM files."""
+    """Export as HDF5 files for acronym_tools."""
 
     min_robust_success_rate: Fraction = Field(
         0.5,

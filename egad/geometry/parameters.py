@@ -25,7 +25,7 @@ class Smoothing(NamedTuple):
 
 
 class Material(Parameters):
-    """Material of the objects."""
+    """What objects are made of, which gives their mass."""
 
     density: float = Field(
         400.0, gt=0, description="density, kg/m3; printed PLA at 20 % infill: 350-450"

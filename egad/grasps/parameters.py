@@ -39,7 +39,7 @@ class Perturbation(Parameters):
 
 
 class Robust(Perturbation):
-    """Robust grasp quality: the mean quality over perturbed copies of a grasp."""
+    """The mean quality over perturbed copies of a grasp."""
 
     torque_scaling: float = Field(
         1000.0, gt=0, description="weight of a torque relative to a force, 1/m"
@@ -77,7 +77,7 @@ class Sampling(Parameters):
 
 
 class GraspLabel(Parameters):
-    """Labelled grasps."""
+    """How grasps of every object are sampled and tried from all sides."""
 
     grasps: int = Field(100, ge=1, description="maximum number of grasps per object")
     approach_angles: int = Field(

@@ -77,7 +77,7 @@ class VgnTraining(Parameters):
         10000, ge=1, description="number of training examples, each a scene with its grasps"
     )
     scenes: int | None = Field(
-        None, ge=1, description="maximum number of training scenes, drawn at random; nothing: all"
+        None, ge=1, description="maximum number of training scenes, chosen at random; nothing: all"
     )
     epoch: int = Field(
         1000, ge=1, description="examples between two evaluations on the validation set"
@@ -105,6 +105,6 @@ class VgnTraining(Parameters):
     noise: tuple[NoiseName, ...] = Field(
         ("none",),
         min_length=1,
-        description="kinds of noise added to scenes whose images have none; one is drawn for every "
+        description="kinds of noise added to scenes whose images have none; one is sampled per "
         "example; validation and test use the images as they are",
     )

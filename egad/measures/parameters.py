@@ -98,13 +98,13 @@ class CustomMeasures(Parameters):
 
 
 class Complexity(Parameters):
-    """Shape complexity: the entropy of the angular deficits of the vertices."""
+    """The entropy of the angular deficits of the vertices."""
 
     bins: int = Field(BINS, ge=2, description="histogram bins over [-2 pi, 2 pi)")
 
 
 class Graspability(Parameters):
-    """Graspability: a percentile of the quality of sampled grasps. High values are easy."""
+    """A percentile of the quality of sampled grasps. High values are easy."""
 
     gripper: Name = Field(
         "yumi", description="gripper that grasps are sampled for, from the table of grippers"

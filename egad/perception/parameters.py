@@ -115,7 +115,7 @@ class Render(Parameters):
     without_grasps: bool = Field(
         False,
         description="whether images without a good grasp are kept; if not, another pose and size "
-        "are drawn, at most 10 times",
+        "are sampled, at most 10 times",
     )
     simulate: bool = Field(
         False,

@@ -10,7 +10,7 @@ Bases = Literal["even", "scan"]
 
 
 class Similarity(Parameters):
-    """Shape similarity by matching multiresolutional Reeb graphs."""
+    """Matching multiresolutional Reeb graphs."""
 
     vertices: int = Field(
         4000, ge=4, description="edges are split until a mesh has this many vertices"

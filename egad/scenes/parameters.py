@@ -64,13 +64,13 @@ class TrainingScenes(Parameters):
     engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
     cameras: SceneCameras = Field(
         TRAINING_CAMERAS,
-        description="cameras of the images; values with a range are drawn for each view separately",
+        description="cameras of the images; values with a range are sampled for each view",
     )
     noise: tuple[NoiseName, ...] = Field(
         ("none", "dex"),
         min_length=1,
-        description="kinds of noise added to depth images, as in `clutter.noise`; one is drawn per "
-        "scene",
+        description="kinds of noise added to depth images, as in `clutter.noise`; one is sampled "
+        "per scene",
     )
     validation: Fraction = Field(
         0.1, description="fraction of objects and scenes in the validation set"

@@ -68,12 +68,12 @@ class Lifting(Parameters):
 class CellErrors(UserParameters):
     """Errors of a real cell: none, typical (docs/trials.md), or a section of your own.
 
-    Values are standard deviations of normal distributions; factors are drawn uniformly from ranges.
+    Values are standard deviations of normal distributions; factors are uniform within ranges.
     """
 
     calibration: Offset = Field(
         0.0,
-        description="error of the calibrated camera position along each axis, metres; drawn once "
+        description="error of the calibrated camera position along each axis, metres; sampled once "
         "for 20 attempts at an object, or for a round",
     )
     calibration_turn: float = Field(
@@ -81,27 +81,27 @@ class CellErrors(UserParameters):
         ge=0,
         le=10,
         description="error of the calibrated camera rotation about each axis through the middle of "
-        "the table, where it was calibrated, degrees; drawn together with `calibration`",
+        "the table, where it was calibrated, degrees; sampled together with `calibration`",
     )
     positioning: Offset = Field(
         0.0,
-        description="error of the hand's position along each axis, metres; drawn for every attempt",
+        description="error of the hand's position along each axis, metres; sampled per attempt",
     )
     opening: Offset = Field(
         0.0,
-        description="error of the hand's opening before it closes, metres; drawn for every attempt",
+        description="error of the hand's opening before it closes, metres; sampled per attempt",
     )
     friction: Range = Field(
         (1.0, 1.0),
-        description="range of the factor on the friction of the pads; drawn for every attempt",
+        description="range of the factor on the friction of the pads; sampled per attempt",
     )
     mass: Range = Field(
         (1.0, 1.0),
-        description="range of the factor on the mass of an object; drawn for every attempt",
+        description="range of the factor on the mass of an object; sampled per attempt",
     )
     stopping_force: Range = Field(
         (1.0, 1.0),
-        description="range of the factor on the force that stops the hand; drawn for every attempt",
+        description="range of the factor on the force that stops the hand; sampled per attempt",
     )
 
     def __str__(self) -> str:
@@ -153,7 +153,7 @@ class ContactRule(Parameters):
 
 
 class TrialProtocol(ContactRule, Lifting):
-    """Simulated grasping trials."""
+    """Attempts to grasp single objects in simulation."""
 
     attempts: int = Field(10, ge=1, description="attempts per object")
     reset: Literal["continue", "redrop"] = Field(

@@ -15,7 +15,7 @@ Extent = Annotated[float, Field(gt=0, le=1)]
 
 
 class SceneCameras(UserParameters):
-    """Depth cameras around the table; values with a range are drawn again before every attempt."""
+    """Depth cameras around the table; values with a range are sampled before every attempt."""
 
     views: int = Field(
         6, ge=1, le=64, description="number of cameras, evenly spaced around the table"
@@ -64,7 +64,7 @@ class SceneCameras(UserParameters):
 class ClutterProtocol(UserParameters):
     """Rules by which a table is cleared: egad, vgn, giga, edgegrasp, or a section of your own.
 
-    Keys that a section omits are as in `egad`. docs/benchmark.md gives the sources of all values.
+    Keys that a section omits are as in `egad`. studies/benchmark/protocols.md has the sources.
     """
 
     cameras: SceneCameras = SceneCameras()

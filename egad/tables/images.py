@@ -70,7 +70,7 @@ LISTS = IMAGES.names[IMAGES.names.index("object") :]
 FILES = [
     Result(
         "D/images/G/images-N.parquet",
-        "depth images with grasps (`targets.render`); see docs/images.md",
+        "depth images with grasps (`targets.render`); see docs/vision.md",
         IMAGES,
     ),
     Result("D/images/G/card.md", "description of the images"),

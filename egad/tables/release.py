@@ -50,7 +50,7 @@ RELEASED_GRASPS = pa.schema(
 RELEASED_EVALUATION_SET = pa.schema([*EVAL49, MESH, PREVIEW])
 
 FILES = [
-    Result("release/", "dataset that anyone can host; see docs/release.md"),
+    Result("release/", "dataset that anyone can host; see docs/released.md"),
     Result(
         "release/data/objects.parquet",
         "objects; `objects/SPLIT.parquet` has those of each split",

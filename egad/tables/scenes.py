@@ -91,7 +91,7 @@ SCENE_GRASPS = pa.schema(
 FILES = [
     Result(
         "D/scenes/G/scenes-N.parquet",
-        "packed and piled objects with depth images (`targets.scenes`); see docs/scenes.md",
+        "packed and piled objects with depth images (`targets.scenes`); see docs/vision.md",
         SCENES,
     ),
     Result(

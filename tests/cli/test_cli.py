@@ -211,7 +211,7 @@ def test_measure_says_at_which_size_and_what_cannot_be_compared(tmp_path):
     assert "cannot be compared" not in result.stdout
     result = egad(*given, "--rule", "none")
     assert pd.read_csv(out)["grasped_3"].tolist() == [pytest.approx(0.01)]
-    assert "Cells by the rule none for yumi cannot be compared with the map" in result.stdout
+    assert "they are for the rule none and yumi" in result.stdout
     assert "'papr' is not one of 'paper'" in egad(*given, "--rule", "papr").stderr
 
 

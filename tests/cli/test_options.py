@@ -103,7 +103,7 @@ def test_a_gripper_is_a_name_or_an_opening(tmp_path):
         printed.append(done.stdout)
     assert tables[0].equals(tables[1])
     assert tables[0]["opening"].tolist() == [0.06]
-    assert "by the rule exact for 0.06 m cannot be compared with the map" in printed[0]
+    assert "they are for the rule exact and 0.06 m" in printed[0]
     assert tables[2]["opening"].tolist() == [0.05]
 
 

@@ -1,4 +1,4 @@
-"""The example of docs/guides/own-detector.md and what docs/detectors.md says of it."""
+"""The examples of docs/detectors.md, and what docs/compare.md says of files of results."""
 
 import re
 from pathlib import Path
@@ -15,14 +15,14 @@ from egad.grippers import GRIPPERS
 from egad.stats.records import COLUMNS
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE, GUIDE = ((DOCS / name).read_text() for name in ("detectors.md", "guides/own-detector.md"))
+PAGE, RESULTS = ((DOCS / name).read_text() for name in ("detectors.md", "compare.md"))
 HAND = GRIPPERS["egad_75mm"]
 
 
 @pytest.fixture(scope="module")
 def example(tmp_path_factory):
     path = tmp_path_factory.mktemp("docs") / "across.py"
-    code, *_ = re.findall(r"```python\n(.*?)```", GUIDE, flags=re.DOTALL)
+    code, *_ = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
     path.write_text(code)
     return make_detector(DetectorConfig(detector=f"{path}:across"))
 
@@ -45,11 +45,11 @@ def test_an_empty_table_gives_nothing(look, example):
 
 
 def test_its_configurations_are_allowed():
-    for text in re.findall(r"```yaml\n(.*?)```", PAGE + GUIDE, flags=re.DOTALL):
+    for text in re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL):
         config = yaml.safe_load(text)
         shipped = {"antipodal-depth": {"detector": "antipodal-depth"}}
         check({**config, "detectors": shipped | config["detectors"]})
 
 
 def test_every_column_of_a_robots_file_is_explained():
-    assert all(f"| `{name}` |" in PAGE for name in COLUMNS)
+    assert all(f"| `{name}` |" in RESULTS for name in COLUMNS)

@@ -1,4 +1,4 @@
-"""Objects as SDFormat, after its specification; `docs/scripts/readers.py` lets Drake read them."""
+"""Objects as SDFormat, by its specification; Drake reads them in `studies/exports/readers.py`."""
 
 from xml.etree import ElementTree
 

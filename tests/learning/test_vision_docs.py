@@ -19,7 +19,7 @@ HAND = GRIPPERS["egad_75mm"]
 
 def test_a_network_of_ones_own_is_trained_and_proposes_grasps(images, view, tmp_path):
     torch = pytest.importorskip("torch")
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    (code,) = re.findall(r"```python\n(\"\"\"mine.py.*?)```", PAGE, flags=re.DOTALL)
     (tmp_path / "mine.py").write_text(code)
     find(f"{tmp_path}/mine.py:train", "", "function")(images, tmp_path / "mine.pt", 16)
     weights = torch.load(tmp_path / "mine.pt", weights_only=True)
@@ -30,8 +30,9 @@ def test_a_network_of_ones_own_is_trained_and_proposes_grasps(images, view, tmp_
     assert all(grasp.infeasibility(HAND) is None for grasp in found)
 
 
-def test_its_configuration_is_allowed():
-    (text,) = re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
-    config = yaml.safe_load(text)
-    shipped = {"antipodal-depth": {"detector": "antipodal-depth"}}
-    check({**config, "detectors": shipped | config["detectors"]})
+def test_its_configurations_are_allowed():
+    texts = re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
+    assert len(texts) == 2
+    for config in map(yaml.safe_load, texts):
+        shipped = {"antipodal-depth": {"detector": "antipodal-depth"}}
+        check({**config, "detectors": shipped | config.get("detectors", {})})

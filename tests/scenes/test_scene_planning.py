@@ -165,6 +165,6 @@ def test_settings_survive_their_values():
 
 
 def test_the_page_names_all_keys_of_a_protocol():
-    text = (Path(__file__).parents[2] / "docs/scenes.md").read_text()
+    text = (Path(__file__).parents[2] / "docs/vision.md").read_text()
     (line,) = (part for part in text.split("\n- **") if part.startswith("Protocol**"))
     assert {*re.findall("`([a-z_]+)`", line)} == set(ClutterProtocol.model_fields)

@@ -25,6 +25,7 @@ from egad.config.files import defaults, merged, read_values
 
 ROOT = Path(__file__).parents[2]
 PAGES = ["README.md", "docs/quickstart.md", "docs/tutorial.ipynb"]
+PAGES += ["docs/detectors.md", "docs/grippers.md"]
 PAGES += sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("docs/guides/*.md"))
 PAGES.remove("docs/guides/other-workflow.md")  # test_module.py
 QUICK = {"README.md", "docs/quickstart.md"}
@@ -36,7 +37,8 @@ FORKED = {
 # Commands that are not run, and why.
 SKIPPED = {
     r"(make|source|pip)\b": "sets up an environment",
-    r"snakemake --profile|snakemake --cores 2 --configfile my\.yaml": "needs what a user has",
+    r"snakemake --cores 2 --configfile my\.yaml": "needs what a user has",
+    r"egad benchmark my_detector --command": "needs an environment of conda",
     r"snakemake --cores 2 release$": "takes an hour",
     r"egad train": "needs PyTorch",
     r"egad trials (compare|validate) .*robot\.csv": "needs a robot",
@@ -204,11 +206,11 @@ def test_blocks_and_commands_are_found():
     assert listed[0] == "egad measure parts --units mm --out measured.csv"
     assert listed[-1] == "snakemake --cores 2 --configfile parts.yaml --replace-workflow-config"
     assert len(listed) == 6
-    detector = blocks(ROOT / "docs/guides/own-detector.md")
+    detector = blocks(ROOT / "docs/detectors.md")
     assert [block.file for block in detector if block.file] == ["across.py", "mine.yaml"]
     joined = [line for block in detector if not block.language for line in commands(block.text)]
     assert joined[0] == "egad trials run antipodal-depth --out antipodal-depth.parquet"
-    assert joined[-1].endswith("results/mine/trials/egad_75mm/{antipodal-depth,across}.parquet")
+    assert joined[-2].endswith("results/mine/trials/egad_75mm/{antipodal-depth,across}.parquet")
 
 
 def test_every_reason_to_skip_a_command_is_needed():

@@ -1,4 +1,4 @@
-"""Resources of jobs on a cluster, from measurements: docs/cluster.md. No rules here.
+"""Resources of jobs on a cluster, from measurements: docs/running.md. No rules here.
 
 On a single machine only the threads matter. With `retries` of a profile, the second attempt of a
 job requests twice its resources, the third three times, and so on.

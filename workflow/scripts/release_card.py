@@ -57,7 +57,7 @@ def run(
         out: Files that explain the folder `release`: a dataset card for Hugging Face, a description
             of the same tables for tools that read Croissant, how to cite it, the licence of the
             data, what each file was made from, the checksums of all files, and the networks that
-            egad ships. The rule `release` makes the folder. See `docs/release.md`.
+            egad ships. The rule `release` makes the folder. See `docs/released.md`.
 
     Raises:
         UserError: The folder has archives of an earlier release.

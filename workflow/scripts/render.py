@@ -88,7 +88,7 @@ def run(
         meshes: Folder of the scaled meshes.
         shard: Number of this shard, and number of shards.
         out: Depth images with grasps for gripper G. Made if `targets.render` is true. Read the
-            folder with `egad.perception.image_shards.read`. See `docs/images.md`.
+            folder with `egad.perception.image_shards.read`. See `docs/vision.md`.
         rejected: The objects and scenes without images, with reasons.
         evaluation: Evaluation set to hold out.
         convex_parts: Convex parts of the objects; needed for scenes of several objects, and to

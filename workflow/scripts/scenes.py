@@ -36,7 +36,7 @@ def run(
         convex_parts: Their convex parts.
         shard: Number of this shard, and number of shards.
         out: Packed and piled objects with depth images, one row per scene. Made if `targets.scenes`
-            is true. Read the folder with `egad.load_scenes`. See `docs/scenes.md`.
+            is true. Read the folder with `egad.load_scenes`. See `docs/vision.md`.
         grasps: Grasps in these scenes, labelled by simulation.
         evaluation: Evaluation set to hold out.
         ancestry: Objects and their ancestors; without it, each object is a family of its own.

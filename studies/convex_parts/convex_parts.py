@@ -1,4 +1,4 @@
-"""Convex parts: `python docs/scripts/convex_parts.py hollow` or `... evaluation-set`.
+"""Convex parts: `python studies/convex_parts/convex_parts.py hollow` or `... evaluation-set`.
 
 Prints for hollow and thin objects, with two allowed deviations each, the number of parts, the
 volume of their union / volume of the object, the share of the touchable surface that is buried, and

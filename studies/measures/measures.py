@@ -1,4 +1,4 @@
-"""The numbers and figures of docs/measures.md: `python docs/scripts/measures.py PUBLISHED`.
+"""The numbers and figures of README.md: `python studies/measures/measures.py PUBLISHED`.
 
 PUBLISHED is a folder of published EGAD objects, millimetres, whose names are their cells: M14_3
 has difficulty M and complexity 14. The values of other programs come from the tests.
@@ -34,8 +34,8 @@ from egad.report.colors import LINES, SOFT
 from egad.report.drawing import new_figure
 
 Floats = NDArray[np.float64]
-DOCS = Path(__file__).parents[1]
-DATA = DOCS.parent / "tests" / "data"
+FOLDER = Path(__file__).parent
+DATA = FOLDER.parents[1] / "tests" / "data"
 NAME = re.compile(r"([A-Y])(\d\d)_\d")
 VARIANTS = [(metric, count) for metric in ("nominal", "robust") for count in (512, 2048, 8192)]
 BASES = (25, 50, 75, 150)
@@ -50,7 +50,7 @@ def main(published: Path) -> None:
     for variant in map(_variant, VARIANTS):
         rank = _rank(labelled["letter"], labelled[variant])
         print(f"graspability ({variant}) against letter {rank:.3f}")
-    write_text(DOCS / "measures-labels.svg", label_figure(labelled))
+    write_text(FOLDER / "labels.svg", label_figure(labelled))
     ours, theirs = qualities()
     off = np.abs(ours - theirs)[(ours > 0) & (theirs > 0)]
     print(f"{len(off)} qualities: largest difference {off.max():.1e}, median {np.median(off):.1e}")
@@ -61,7 +61,7 @@ def main(published: Path) -> None:
     print(f"{len(scan)} similarities (scan): {_rank(scan, program):.3f}, mean difference {off:.4f}")
     for count, rank, off in bases():
         print(f"{count} even bases against all: {rank:.3f}, mean difference {off:.4f}")
-    write_text(DOCS / "measures-programs.svg", program_figure(ours, theirs, scan, program))
+    write_text(FOLDER / "programs.svg", program_figure(ours, theirs, scan, program))
 
 
 def against_labels(published: Path) -> pd.DataFrame:

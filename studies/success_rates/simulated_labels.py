@@ -1,4 +1,4 @@
-"""What predicts that a grasp holds: `python docs/scripts/simulated_labels.py results/D GRIPPER`.
+"""What predicts that a grasp holds: `simulated_labels.py results/D GRIPPER` in this folder.
 
 Prints the outcomes of the simulated grasps of all objects; the area under the ROC curve of each
 rating of a grasp against its simulated success, with a 95 % interval for other objects; the same

@@ -1,4 +1,4 @@
-"""Parts and labelled grasps: `python docs/scripts/collision_parts.py results/D G [BUNDLE]`.
+"""Parts and labelled grasps: `python studies/convex_parts/collision_parts.py results/D G [BUNDLE]`.
 
 Makes the convex parts of the evaluation set of a dataset, scaled to gripper G, with the current
 settings, and prints how deep the contacts of collision-free labelled grasps lie in them. BUNDLE is

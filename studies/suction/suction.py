@@ -1,10 +1,10 @@
-"""Where a suction cup holds, and what its limits do (docs/suction.md).
+"""Where a suction cup holds, and what its limits do (README.md).
 
-    python docs/scripts/suction.py picture
-    python docs/scripts/suction.py table
-    python docs/scripts/suction.py trials [--attempts N] [--rounds N]
-    python docs/scripts/suction.py film
-    python docs/scripts/suction.py evolved [--archive FILE]
+    python studies/suction/suction.py picture
+    python studies/suction/suction.py table
+    python studies/suction/suction.py trials [--attempts N] [--rounds N]
+    python studies/suction/suction.py film
+    python studies/suction/suction.py evolved [--archive FILE]
 
 `picture` draws three shapes, colored by the robust quality of a 30 mm cup, into docs/suction.png.
 `table` labels 100 grasps of each object of the released evaluation set, with the bending limit of
@@ -12,7 +12,7 @@ the paper as it stands and with the tolerance, and compares the CPU time with an
 `trials` lets detectors try these objects with that cup in both engines, each alone and on tables
 of several. `film` draws a cup that lifts an object into docs/suction_lift.png. `evolved` draws the
 easiest and the hardest objects of an archive that was evolved for a cup into
-docs/suction-evolved.png.
+evolved.png beside this file.
 """
 
 import argparse
@@ -50,7 +50,8 @@ from egad.suction import (
     seal_cups,
 )
 
-DOCS = Path(__file__).parents[1]
+FOLDER = Path(__file__).parent
+DOCS = FOLDER.parents[1] / "docs"
 GRIPPER = "cup_30mm"
 CUP = SuctionCup()
 MAX_SEEDS, LIFT_FRAMES = 20, 70
@@ -226,7 +227,7 @@ def print_trials(attempts: int, rounds: int) -> None:
 
 
 def draw_evolved(archive: Path) -> None:
-    """Draw the easiest and the hardest objects of an archive into docs/suction-evolved.png."""
+    """Draw the easiest and the hardest objects of an archive into evolved.png beside this file."""
     objects = egad.load(archive)
     table = objects.table.sort_values(["graspability", "label"], ascending=[False, True])
     chosen = [
@@ -244,7 +245,7 @@ def draw_evolved(archive: Path) -> None:
             each.imshow(egad.render(objects[label].mesh, 160))
             each.set_title(f"{value:.2f}", fontsize=9)
             each.axis("off")
-    with atomic_output(DOCS / "suction-evolved.png") as out:
+    with atomic_output(FOLDER / "evolved.png") as out:
         figure.savefig(out, format="png", dpi=100)
 
 

@@ -1,6 +1,6 @@
 """Third-party readers, tried on exported objects.
 
-    python docs/scripts/readers.py EXPORTS BUNDLE [READER ...]
+    python studies/exports/readers.py EXPORTS BUNDLE [READER ...]
 
 EXPORTS has a folder for each format, such as `usd`, made by `egad export --format usd`. BUNDLE is
 the folder of the simulation bundle that they were made from. The script needs only the readers, and
@@ -13,7 +13,7 @@ only those run:
     pip install bpy
     npm install gltf-validator
 
-It prints a table of what each reader says about all objects, which `docs/exchange.md` sums up.
+It prints a table of what each reader says about all objects, which README.md sums up.
 """
 
 import importlib.util
