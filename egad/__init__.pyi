@@ -7,7 +7,6 @@ from .errors import EgadError as EgadError
 from .errors import RejectedError as RejectedError
 from .errors import TableError as TableError
 from .errors import UserError as UserError
-from .evalset.parts import PartsWarning as PartsWarning
 from .exchange.grasp_tables import load_grasps as load_grasps
 from .export import Exported as Exported
 from .export import export as export
@@ -16,9 +15,12 @@ from .failures.finding import find_failures as find_failures
 from .geometry.checks import DroppedBodiesWarning as DroppedBodiesWarning
 from .geometry.checks import ScaleWarning as ScaleWarning
 from .geometry.checks import UnitsWarning as UnitsWarning
+from .geometry.parts import PartsWarning as PartsWarning
+from .geometry.parts import convex_parts as convex_parts
 from .geometry.repair import Repaired as Repaired
 from .geometry.repair import repair as repair
 from .geometry.stable_poses import StablePose as StablePose
+from .geometry.stable_poses import stable_poses as stable_poses
 from .grasping import sample_grasps as sample_grasps
 from .grasps.grasps import Grasps as Grasps
 from .grippers.cup import SuctionCup as SuctionCup
@@ -34,10 +36,8 @@ from .measuring import Measures as Measures
 from .measuring import measure as measure
 from .measuring import similarity as similarity
 from .measuring import similarity_matrix as similarity_matrix
-from .meshes import convex_parts as convex_parts
 from .meshes import read_mesh as read_mesh
 from .meshes import rescale as rescale
-from .meshes import stable_poses as stable_poses
 from .objects import Dataset as Dataset
 from .objects import EvolvedObject as EvolvedObject
 from .objects import load as load

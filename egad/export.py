@@ -15,7 +15,6 @@ from egad._util.files import as_path, new_folder
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError, check_name
-from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import (
     FORMATS,
     OBJECTS,
@@ -28,7 +27,7 @@ from egad.exchange import (
     needs_run,
     writer_of,
 )
-from egad.geometry import Material
+from egad.geometry import Bundle, Material, make_simulation_object
 from egad.grasping import dataset_grasps
 from egad.grasps import LabelParameters, label_parameters
 from egad.grippers import Gripper, as_gripper

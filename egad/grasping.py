@@ -12,7 +12,8 @@ from egad._util.arrays import Floats
 from egad._util.parameters import check_count
 from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError
-from egad.geometry import RayCaster, check_solid, check_units
+from egad.geometry import RayCaster, center_of_mass, check_solid, check_units
+from egad.geometry.mass import center_or_given
 from egad.grasps import (
     APPROACH_ANGLES,
     CONE,
@@ -26,8 +27,6 @@ from egad.grasps import (
     sample_for_labels,
 )
 from egad.grippers import ANTIPODAL, SUCTION, Gripper, as_gripper, hand_body
-from egad.measures import center_of_mass
-from egad.meshes import center_or_given
 from egad.random import generator
 from egad.samplers import check_sampler, draw_grasps
 from egad.suction import label_cups

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import trimesh
 
 from egad.errors import UserError
-from egad.evalset import Bundle
-from egad.geometry import SIDE_FRACTION, Material, check_units, rescale, wind_outwards
+from egad.geometry import SIDE_FRACTION, Bundle, Material, check_units, rescale, wind_outwards
 from egad.grippers import Gripper
 from egad.objects import Dataset
 from egad.sim import Model, build

@@ -13,8 +13,7 @@ import manifold3d
 import numpy as np
 import trimesh
 
-from egad.evalset import Bundle
-from egad.geometry import buried_share, to_mesh, union_of_parts
+from egad.geometry import Bundle, buried_share, to_mesh, union_of_parts
 from egad.geometry.convex_parts import decompose
 from egad.geometry.manifold import Solid, box, union
 from egad.grippers import as_gripper

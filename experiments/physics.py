@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.random import generator
 from egad.sim import (

@@ -23,8 +23,7 @@ import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad._util.workers import workers
-from egad.evalset import Bundle, make_simulation_object
-from egad.geometry import Material
+from egad.geometry import Bundle, Material, make_simulation_object
 from egad.grasping import dataset_grasps
 from egad.grasps import FRICTION, Quality, label_parameters
 from egad.grippers import GRIPPERS

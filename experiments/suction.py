@@ -36,8 +36,7 @@ from egad._util.arrays import Floats, RgbImage
 from egad._util.files import atomic_output
 from egad.detectors.suction import suction_depth
 from egad.errors import RejectedError
-from egad.evalset import Bundle
-from egad.geometry import Material, RayCaster, mass_properties
+from egad.geometry import Bundle, Material, RayCaster, mass_properties
 from egad.grippers import SuctionCup
 from egad.report.colors import COLOR_MAP, UNKNOWN
 from egad.sim import ARMS, ENGINES, Film, TrialProtocol, TrialRunner, build, open_world

@@ -12,10 +12,10 @@ from egad.config.sections import (
 )
 from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.detectors import DETECTORS, DetectorConfig
-from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.evalset import Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange import Acronym, DexNet
 from egad.failures import FailureSearch
-from egad.geometry import Material, Rescale
+from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training, VgnTraining

@@ -11,10 +11,10 @@ from egad.config.sections import Postprocess, Release
 from egad.config.settings import Settings
 from egad.cppn import Shape
 from egad.detectors import DetectorConfig
-from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.evalset import Engraving, PrintCheck, PrintExport, SelectEval
 from egad.exchange import DexNet
 from egad.failures import FailureParameters
-from egad.geometry import Material, Rescale
+from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import LabelParameters, Quality
 from egad.grippers import Gripper
 from egad.learning import Training, VgnTraining

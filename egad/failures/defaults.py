@@ -2,9 +2,9 @@
 
 from egad._util.parameters import from_arguments
 from egad.cppn import Shape
-from egad.evalset import Bundle, PrintCheck
+from egad.evalset import PrintCheck
 from egad.failures.parameters import FailureParameters, FailureSearch
-from egad.geometry import Material, Rescale
+from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper
 from egad.map_elites import evolution_parameters

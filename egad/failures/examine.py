@@ -16,7 +16,7 @@ import trimesh
 
 from egad.detectors import Detector, asked_for
 from egad.errors import RejectedError, UserError
-from egad.evalset import PartsWarning, print_problems
+from egad.evalset import print_problems
 from egad.failures.attempts import failed_drops
 from egad.failures.bench import Bench, open_bench
 from egad.failures.evidence import Claim, PairedDrop
@@ -24,6 +24,7 @@ from egad.failures.parameters import FailureParameters, FailureSearch
 from egad.failures.recorder import Drop, Recorder
 from egad.failures.reference import ReferencePolicy
 from egad.failures.verdict import Examined, ObjectVerdict
+from egad.geometry import PartsWarning
 from egad.grasping import dataset_grasps
 from egad.outcomes import Outcome
 from egad.sim import Model, build

@@ -13,8 +13,8 @@ from egad._util.parameters import (
 )
 from egad.detectors import DetectorConfig, check_gripper
 from egad.errors import UserError
-from egad.evalset import Bundle, PrintCheck
-from egad.geometry import Material, Rescale
+from egad.evalset import PrintCheck
+from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import LabelParameters
 from egad.grippers import Gripper
 from egad.map_elites import EvolutionParameters

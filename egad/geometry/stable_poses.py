@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
+from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
@@ -11,6 +12,7 @@ from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
 from egad.errors import RejectedError
 from egad.geometry.checks import check_mesh
+from egad.geometry.mass import center_or_given
 
 ROUNDING = 1e-9  # products of unit vectors differ by less, however they are added up
 
@@ -84,27 +86,34 @@ class _Facets(NamedTuple):
     beyond: Ints
 
 
-def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
-    """All faces of the convex hull that a solid can rest on, the most probable first.
+def stable_poses(
+    mesh: trimesh.Trimesh, center_of_mass: ArrayLike | None = None
+) -> list[StablePose]:
+    """The poses in which a solid can rest on a table, the most probable first.
 
-    An object in a random orientation lands on the face that the vertical through its center of mass
-    meets, with a probability of that face's solid angle / 4 pi. If the center of mass is not above
-    the face, it rolls over the edge nearest to the foot of the vertical, and so on: every roll
-    lowers the center of mass. Nothing slides, bounces or swings through.
+    An object in a random orientation lands on the face of its convex hull that the vertical through
+    its center of mass meets, with a probability of that face's solid angle / 4 pi. If the center of
+    mass is not above the face, it rolls over the edge nearest to the foot of the vertical, and so
+    on: every roll lowers the center of mass. Nothing slides, bounces or swings through.
 
     Args:
-        mesh: Any surface, in any unit; only its hull counts.
-        center: Center of mass, (3,), strictly inside the hull.
+        mesh: A closed surface, in any unit; any surface if the center of mass is given, because
+            then only its convex hull matters.
+        center_of_mass: (3,) in the unit of the mesh; by default that of a solid of uniform density.
 
     Returns:
-        At least one pose; the probabilities add up to 1.
+        At least one pose, with probabilities that add up to 1. `pose.matrix` is the (4, 4)
+        transform from the frame of the mesh to that of the table: z points up, the table is at
+        z = 0, and the center of mass is above the origin.
 
     Raises:
-        RejectedError: The mesh is flat, empty or not finite, or the center is not inside its hull.
-        UserError: It is not a mesh.
+        RejectedError: The mesh is flat, or the center of mass is not inside its hull. Or the
+            center of mass is not given, and the mesh is open or inside out.
+        UserError: It is not a mesh, or the center of mass is not 3 finite numbers.
 
     Source: after Goldberg et al., Part pose statistics, 1999 (quasi-static estimate).
     """
+    center = center_or_given(mesh, center_of_mass)
     check_mesh(mesh)
     facets = _facets(np.asarray(mesh.vertices, dtype=np.float64), center)
     margins, target = _rolls(facets)

@@ -7,8 +7,7 @@ import numpy as np
 import trimesh
 
 from egad._util.arrays import Floats
-from egad.evalset import Bundle, make_simulation_object
-from egad.geometry import MassProperties
+from egad.geometry import Bundle, MassProperties, make_simulation_object
 
 # kg; PyBullet's solver does not converge for lighter bodies under large grip forces:
 # docs/studies/engines.md

@@ -8,7 +8,7 @@ import pandas as pd
 
 from egad.config.stages import MakeScenes
 from egad.errors import UserError
-from egad.evalset import read_parts
+from egad.geometry import read_parts
 from egad.io import read_mesh
 from egad.map_elites import Lineage
 from egad.scenes import (

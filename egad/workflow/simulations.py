@@ -14,8 +14,7 @@ from egad.clearing import Cleared, open_table
 from egad.config.stages import ClearedTables, NaiveGrasps, SimulatedLabels, SimulatedTrials
 from egad.detectors import IN_SCENES, LABELS, Detector, Labels, check_views_will_do, opened
 from egad.errors import RejectedError, UserError
-from egad.evalset import simulation_object
-from egad.geometry import Material
+from egad.geometry import Material, simulation_object
 from egad.io import read_mesh
 from egad.outcomes import Outcome
 from egad.sim import (

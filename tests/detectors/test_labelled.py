@@ -6,7 +6,7 @@ import pytest
 import trimesh
 
 from egad.detectors.labels import Labels
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.perception import ImageNoise
 from egad.perception.camera import DepthCamera, Intrinsics, camera_above

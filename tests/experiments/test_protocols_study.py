@@ -10,7 +10,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from egad.clearing import SceneObject
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.sim import build
 
 EXPERIMENTS = Path(__file__).parents[2] / "experiments"

@@ -5,9 +5,8 @@ import pytest
 from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
 
 from egad.detectors import Failure, Grasp, GraspPoses, pose_of
-from egad.evalset import Bundle
 from egad.failures.bench import BenchFromAbove, open_bench
-from egad.geometry import Material
+from egad.geometry import Bundle, Material
 from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
 from egad.outcomes import EXECUTION, Outcome

@@ -44,7 +44,7 @@ def grasp_along(axis, approach, center=(0, 0, 0), width=0.08):
 
 def attempts_of(mesh, grasps, success=True):
     """Rows of grasps in the frame of a mesh, of an object that lies anyhow."""
-    to_principal = build(mesh, Material().density, egad.evalset.Bundle()).to_principal
+    to_principal = build(mesh, Material().density, egad.geometry.Bundle()).to_principal
     rest = np.eye(4)
     turn = Rotation.from_euler("xyz", [0.3, -0.7, 2.0])
     rest[:3, :3], rest[:3, 3] = turn.as_matrix(), (0.1, -0.05, 0.03)
@@ -134,7 +134,7 @@ def test_asymmetry_is_the_share_of_the_volume_without_an_image():
 
 def test_asymmetry_agrees_with_exact_volumes(lumpy):
     mesh = lumpy.copy().apply_scale((0.03, 0.04, 0.06))
-    placed = build(mesh, Material().density, egad.evalset.Bundle()).mesh
+    placed = build(mesh, Material().density, egad.geometry.Bundle()).mesh
     expected = []
     for axis in range(3):
         image = placed.copy()

@@ -12,9 +12,10 @@ import egad
 from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import EgadError, RejectedError, UserError
+from egad.geometry import repair_and_weigh
 from egad.geometry.checks import UnitsWarning, check_mesh, check_solid, check_units
 from egad.geometry.convex_parts import decompose
-from egad.geometry.mass import mass_properties, repair_and_weigh
+from egad.geometry.mass import mass_properties
 from egad.geometry.repair import repair
 from egad.geometry.scaling import box_sides, rescale
 from egad.geometry.stable_poses import stable_poses

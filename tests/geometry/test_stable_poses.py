@@ -128,7 +128,7 @@ def test_units_and_order_do_not_matter():
     assert [p.probability for p in poses_of(big)] == pytest.approx([p.probability for p in poses])
 
 
-@pytest.mark.parametrize("center", [(0, 0, 0.06), (0, 0, 0.05), (1, 1, 1), (np.nan, 0, 0)])
+@pytest.mark.parametrize("center", [(0, 0, 0.06), (0, 0, 0.05), (1, 1, 1)])
 def test_a_center_of_mass_that_is_not_inside_is_rejected(center):
     bar = trimesh.creation.box((0.02, 0.02, 0.1))
     with pytest.raises(RejectedError, match="center of mass is not inside"):

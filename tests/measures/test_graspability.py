@@ -5,13 +5,13 @@ import trimesh
 from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import RejectedError
+from egad.geometry import center_of_mass
 from egad.geometry.rays import RayCaster
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.sampler import join, sample_contacts, valid_contacts
 from egad.measures.graspability import (
     _apply,
     _principal_box,
-    center_of_mass,
     graspability,
     rough_graspability,
     spaced_graspability,

@@ -3,7 +3,7 @@
 import pytest
 from small_scenes import BOXES, SPLIT_OF, parameters
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.scenes import load_scenes, make_scene, planned_scenes, set_notes, write_shard
 from egad.sim import build
 

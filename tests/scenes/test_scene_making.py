@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 from small_scenes import BOXES, SPLIT_OF, parameters
 
 from egad.errors import UserError
-from egad.evalset import Bundle
-from egad.geometry import nearest
+from egad.geometry import Bundle, nearest
 from egad.grippers import as_gripper, finger_span
 from egad.perception import Intrinsics, pose_matrix
 from egad.scenes import make_scene, planned_scenes

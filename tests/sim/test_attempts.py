@@ -9,7 +9,7 @@ from worlds import EACH_ENGINE, start
 from egad.detectors.base import Grasp
 from egad.detectors.poses import Detector
 from egad.detectors.registry import QUICK
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import GRIPPERS, Gripper
 from egad.outcomes import Outcome
 from egad.perception.camera import View

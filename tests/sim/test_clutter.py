@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from worlds import EACH_ENGINE, HAND
 
 from egad.detectors import GraspPoses, PoseGrasp
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grasps import hand_poses
 from egad.outcomes import Outcome
 from egad.perception import Observation, cameras_around

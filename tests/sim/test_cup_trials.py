@@ -13,7 +13,7 @@ from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.suction import suction_cloud, suction_depth
 from egad.errors import UserError
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.outcomes import Outcome
 from egad.perception import SceneKind

@@ -10,7 +10,7 @@ from worlds import EACH_ARM, EACH_ENGINE, HAND, start
 
 from egad.detectors.base import Grasp
 from egad.detectors.registry import QUICK
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.outcomes import Outcome
 from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS

@@ -10,7 +10,7 @@ from worlds import EACH_ARM, EACH_ENGINE
 
 import egad
 from egad.detectors import Grasp
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
 from egad.sim import TrialProtocol

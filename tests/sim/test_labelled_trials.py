@@ -8,7 +8,7 @@ from worlds import EACH_ENGINE, start
 
 from egad.config import Settings
 from egad.config.stages import select
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grasps.poses import hand_poses
 from egad.grippers import finger_span
 from egad.outcomes import Outcome

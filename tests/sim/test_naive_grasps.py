@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import chisquare, kstest
 from worlds import EACH_ENGINE, HAND
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grasps import Quality
 from egad.grippers import finger_span
 from egad.outcomes import Outcome

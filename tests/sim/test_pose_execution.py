@@ -6,7 +6,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from worlds import EACH_ENGINE, HAND
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grasps import hand_poses
 from egad.grippers import finger_span
 from egad.outcomes import Outcome

@@ -12,7 +12,7 @@ from worlds import EACH_ENGINE, HAND
 
 from egad.detectors import GraspPoses, PoseGrasp
 from egad.errors import UserError
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.outcomes import Outcome
 from egad.perception import Observation

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from worlds import HAND
 
 from egad.detectors import PoseGrasp
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
 from egad.grippers import BoxBody

@@ -6,7 +6,7 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, HAND
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.outcomes import Outcome
 from egad.sim import simulated_labels
 from egad.sim.gripper import Hand

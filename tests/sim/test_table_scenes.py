@@ -6,7 +6,7 @@ import trimesh
 from scipy.spatial import ConvexHull
 from worlds import EACH_ENGINE
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.perception.parameters import SCENE_KINDS, SceneKind
 from egad.random import generator
 from egad.sim import scenes

@@ -8,7 +8,7 @@ from worlds import EACH_ENGINE, HAND, start
 from egad.detectors.base import Grasp
 from egad.detectors.poses import Detector
 from egad.detectors.subprocess import DetectorTimeoutError
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import Gripper
 from egad.outcomes import Outcome
 from egad.perception.camera import View

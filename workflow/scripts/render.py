@@ -14,8 +14,7 @@ from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.config.stages import RenderImages
 from egad.errors import RejectedError, UserError
-from egad.evalset import read_parts
-from egad.geometry import RayCaster, mass_properties
+from egad.geometry import RayCaster, mass_properties, read_parts
 from egad.grasps import ContactPairs
 from egad.grippers import HandBody, hand_body
 from egad.io import read_mesh

@@ -11,7 +11,7 @@ from dying_worker import Dying
 from egad.config import Settings
 from egad.config.stages import NaiveGrasps, select
 from egad.errors import UserError
-from egad.evalset import Bundle, make_simulation_object, part_rows
+from egad.geometry import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
 from egad.sim import build, try_naive_grasps
 from egad.tables import parquet

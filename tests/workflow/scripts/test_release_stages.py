@@ -23,7 +23,7 @@ from script_jobs import run_as_job
 from egad.config import Settings
 from egad.config.stages import ReleaseCard, ReleaseTables, SimulationBundle, select
 from egad.errors import UserError
-from egad.evalset import Bundle, make_simulation_object, part_rows
+from egad.geometry import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
 from egad.provenance.verify import verify
 from egad.release import tables as release_files

@@ -15,7 +15,7 @@ from egad.cli import main
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, SimulationBundle, select
 from egad.errors import UserError
-from egad.evalset.bundle import make_simulation_object
+from egad.geometry import make_simulation_object
 from egad.io import write_obj
 from egad.outcomes import Outcome
 from egad.sim.attempts import failed_attempts

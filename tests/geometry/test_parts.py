@@ -9,8 +9,7 @@ import pytest
 import trimesh
 
 import egad
-from egad.evalset import Bundle, make_simulation_object, part_rows, simulation_object
-from egad.evalset.bundle import read_parts
+from egad.geometry import Bundle, make_simulation_object, part_rows, read_parts, simulation_object
 
 DENSITY = 400.0
 
@@ -33,7 +32,7 @@ def test_the_cache_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     first = make_simulation_object(ell(), DENSITY, Bundle())
     files = sorted(tmp_path.rglob("*.npz"))
     assert len(files) == 2
-    monkeypatch.setattr("egad.evalset.parts.decompose", None)  # it is not called again
+    monkeypatch.setattr("egad.geometry.parts.decompose", None)  # it is not called again
     again = make_simulation_object(ell(), DENSITY, Bundle())
     assert contents(egad.convex_parts(ell())) == contents(list(without.parts))
     for made in (first, again):

@@ -7,22 +7,18 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.parameters import from_arguments
+from egad._util.progress import phase_if_slow
 from egad._util.result_cache import Arrays, cached, source_version
-from egad.evalset.parameters import Bundle
-from egad.geometry import (
-    MAX_BURIED,
-    Decomposition,
-    buried_share,
-    coacd_parts,
-    decompose,
-    largest_deviation,
-    to_mesh,
-    to_solid,
-    union_of_parts,
-    warn_user,
-)
+from egad.geometry.checks import check_units, warn_user
+from egad.geometry.coacd import coacd_parts
+from egad.geometry.convex_parts import Decomposition, decompose, union_of_parts
+from egad.geometry.distance import largest_deviation
+from egad.geometry.manifold import to_mesh, to_solid, wind_outwards
+from egad.geometry.parameters import DEVIATION, MAX_PARTS, MAX_VERTICES, VOLUME_ERROR, Bundle
+from egad.geometry.touchable import MAX_BURIED, buried_share
 
-CODE = ("geometry", "random.py", "evalset/parts.py")
+CODE = ("geometry", "random.py")
 LIBRARIES = ("numpy", "scipy", "manifold3d", "embreex", "libigl", "trimesh", "numba", "coacd")
 
 
@@ -47,6 +43,50 @@ class Closeness(NamedTuple):
     def is_within(self, settings: Bundle) -> bool:
         """Whether the parts are as close to the object as the settings require."""
         return abs(self.volume_error) <= settings.volume_error and self.buried <= MAX_BURIED
+
+
+@phase_if_slow("decomposing a mesh into convex parts")
+def convex_parts(
+    mesh: trimesh.Trimesh,
+    *,
+    max_parts: int = MAX_PARTS,
+    volume_error: float = VOLUME_ERROR,
+    deviation: float = DEVIATION,
+    max_vertices: int = MAX_VERTICES,
+) -> list[trimesh.Trimesh]:
+    """Convex meshes that together approximate a solid, for physics engines.
+
+    Args:
+        mesh: A closed surface, metres.
+        max_parts: The largest number of parts. If it is not enough, volume error and deviation grow
+            by the same factor until it is.
+        volume_error: The parts may exceed the solid by this fraction of its volume.
+        deviation: About 99 % of the surface that fingers can touch lies no deeper than this in a
+            part, metres.
+        max_vertices: The largest number of vertices of a part.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
+        UserError: A number is out of bounds.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests a unit other than the metre.
+        PartsWarning: `max_parts` is not enough; the text has the bounds that the parts keep.
+    """
+    check_units(mesh)
+    wanted = from_arguments(
+        Bundle,
+        max_parts=max_parts,
+        volume_error=volume_error,
+        deviation=deviation,
+        max_vertices=max_vertices,
+    )
+    solid = wind_outwards(mesh)
+    found = make_parts(solid, wanted)
+    if found.deviation > wanted.deviation:
+        errors = measure_parts(solid, found.parts, wanted)
+        warn_if_beyond("the mesh", False, errors.volume_error, found.deviation)
+    return found.parts
 
 
 def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
