@@ -23,10 +23,10 @@ import egad
 from egad._util.files import atomic_output
 from egad._util.workers import workers
 from egad.detectors import DETECTORS, GGCNN, Detector, Labels, make_detector
-from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
+from egad.grasps.sampling import dataset_grasps
 from egad.grippers import GRIPPERS
-from egad.named_meshes import NamedMesh, named_meshes, simulated
+from egad.objects import NamedMesh, named_meshes
 from egad.sim import (
     ENGINES,
     NAMED_ERRORS,
@@ -36,6 +36,7 @@ from egad.sim import (
     TrialProtocol,
     run_attempts,
 )
+from egad.sim.model import simulated
 from egad.stats import Interval, compare, mean_rate, results
 
 HAND = GRIPPERS["egad_75mm"]

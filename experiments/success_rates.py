@@ -24,11 +24,10 @@ from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad._util.workers import workers
 from egad.geometry import Bundle, Material, make_simulation_object
-from egad.grasping import dataset_grasps
 from egad.grasps import FRICTION, Quality, label_parameters
+from egad.grasps.sampling import dataset_grasps
 from egad.grippers import GRIPPERS
-from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
-from egad.outcomes import SIMULATION_FAILURES, Outcome
+from egad.objects import NamedMesh, named_meshes, scaled_solid
 from egad.random import generator
 from egad.sim import EngineName, Lifting, Model, SimulatedLabel, World, model_at_size, open_world
 from egad.sim.arms import TurningAxis
@@ -41,6 +40,7 @@ from egad.sim.simulated_labels import simulate_grasps
 from egad.stats import trend
 from egad.tables import parquet
 from egad.tables.columns import vector_names
+from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 FIRST, OTHERS = "panda", ("yumi", "robotiq_2f_140")  # openings of 80, and of 50 and 140 mm
 SEEDS: dict[EngineName, int] = {"mujoco": 0, "pybullet": 1}

@@ -37,17 +37,12 @@ from egad._util.files import atomic_output
 from egad.detectors.suction import suction_depth
 from egad.errors import RejectedError
 from egad.geometry import Bundle, Material, RayCaster, mass_properties
+from egad.grasps import RobustSuction
+from egad.grasps.suction import collision_free, robust_suction_quality, sample_suction, seal_cups
 from egad.grippers import SuctionCup
 from egad.report.colors import COLOR_MAP, UNKNOWN
 from egad.sim import ARMS, ENGINES, Film, TrialProtocol, TrialRunner, build, open_world
 from egad.sim.film import draw
-from egad.suction import (
-    RobustSuction,
-    collision_free,
-    robust_suction_quality,
-    sample_suction,
-    seal_cups,
-)
 
 DOCS = Path(__file__).parents[1] / "docs"
 GRIPPER = "cup_30mm"

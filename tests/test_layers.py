@@ -14,35 +14,10 @@ import egad
 PACKAGE = Path(egad.__file__).parent
 ROOT = Path(__file__).parents[1]
 LAYERS = [
-    *("errors", "random", "outcomes", "_util", "plugins", "data", "tables"),
-    *(
-        "geometry",
-        "io",
-        "cppn",
-        "reeb",
-        "grippers",
-        "grasps",
-        "suction",
-        "samplers",
-        "measures",
-        "map_elites",
-        "perception",
-    ),
+    *("errors", "random", "_util", "plugins", "data", "tables", "geometry", "io", "cppn", "reeb"),
+    *("grippers", "grasps", "measures", "map_elites", "perception", "objects"),
     *("evalset", "stats", "learning", "detectors", "sim", "exchange", "release", "report"),
-    *(
-        "meshes",
-        "objects",
-        "named_meshes",
-        "measuring",
-        "grasping",
-        "trials",
-        "clearing",
-        "benchmark",
-        "failures",
-        "scenes",
-        "export",
-    ),
-    *("config", "provenance", "workflow", "cli"),
+    *("bench", "failures", "scenes", "config", "provenance", "workflow", "cli"),
 ]
 
 
@@ -85,14 +60,14 @@ def imported_parts(path):
 @pytest.mark.parametrize(
     ("source", "expected"),
     [
-        ("import egad.meshes, os", [("egad.meshes", "")]),
-        ("from egad import meshes", [("egad", "meshes")]),
-        ("from egad.meshes import rescale", [("egad.meshes", "rescale")]),
+        ("import egad.objects, os", [("egad.objects", "")]),
+        ("from egad import objects", [("egad", "objects")]),
+        ("from egad.objects import load", [("egad.objects", "load")]),
         ("from . import poses", [("egad.grasps", "poses")]),
-        ("from .. import meshes", [("egad", "meshes")]),
+        ("from .. import objects", [("egad", "objects")]),
         ("from ..reeb.graph import extract", [("egad.reeb.graph", "extract")]),
         ("def late():\n    import egad.sim", [("egad.sim", "")]),
-        ("from egadx import meshes", []),
+        ("from egadx import objects", []),
     ],
 )
 def test_imports_of_all_kinds_are_seen(source, expected):

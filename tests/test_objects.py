@@ -14,7 +14,7 @@ from egad.cppn.voxels import identity
 from egad.data import released
 from egad.errors import RejectedError, TableError, UserError
 from egad.geometry.checks import UnitsWarning
-from egad.named_meshes import named_meshes, scaled_solid
+from egad.objects import named_meshes, scaled_solid
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

@@ -20,8 +20,8 @@ from egad.detectors.poses import (
 )
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
-from egad.outcomes import Outcome
 from egad.perception import Observation, PointCloud, Tsdf, View
+from egad.tables.outcomes import Outcome
 
 Seen = View | tuple[View, ...] | PointCloud | tuple[PointCloud, ...] | Tsdf | Observation
 

@@ -29,7 +29,6 @@ from egad.detectors import (
     try_to_plan,
 )
 from egad.grippers import Gripper, tip_reach
-from egad.outcomes import Outcome
 from egad.perception import NoiseName
 from egad.sim import (
     ARMS,
@@ -53,6 +52,7 @@ from egad.sim import (
     open_world,
     put,
 )
+from egad.tables.outcomes import Outcome
 
 MIN_DOWN = np.cos(np.radians(10))  # of the approach of a grasp that is executed from above
 MAX_PROPOSALS = 10

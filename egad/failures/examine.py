@@ -25,10 +25,10 @@ from egad.failures.recorder import Drop, Recorder
 from egad.failures.reference import ReferencePolicy
 from egad.failures.verdict import Examined, ObjectVerdict
 from egad.geometry import PartsWarning
-from egad.grasping import dataset_grasps
-from egad.outcomes import Outcome
+from egad.grasps.sampling import dataset_grasps
 from egad.sim import Model, build
 from egad.tables.grasping import GRASPS
+from egad.tables.outcomes import Outcome
 from egad.tables.parquet import empty
 
 ON_ROUGH = ("screen", "choose")  # purposes of attempts on few convex parts

@@ -9,10 +9,10 @@ import pandas as pd
 from egad.detectors import Detector, Failure, PoseGrasp
 from egad.failures.bench import Bench
 from egad.failures.reference import REST, ReferencePolicy
-from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim import Pose
 from egad.tables.failures import FAILURE_ATTEMPTS
+from egad.tables.outcomes import Outcome
 
 
 class Drop(NamedTuple):

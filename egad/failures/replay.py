@@ -12,9 +12,9 @@ from egad.failures.bench import Bench, open_bench
 from egad.failures.examine import ON_ROUGH, model_of_attempts
 from egad.failures.parameters import FailureParameters
 from egad.failures.reference import read_attempt
-from egad.outcomes import Outcome
 from egad.sim import EngineName, Film
 from egad.tables.grasping import GRASPS
+from egad.tables.outcomes import Outcome
 from egad.tables.parquet import empty, records
 
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
+from egad.grasps.antipodal import ContactPairs
 from egad.grasps.approach import touching_turns
-from egad.grasps.sampler import ContactPairs
 from egad.grippers import CLEARANCE, FINGERS, FIRST_FINGER, SECOND_FINGER, ModelBody
 
 

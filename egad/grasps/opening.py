@@ -6,9 +6,9 @@ import trimesh
 from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.geometry import RayCaster, spread
+from egad.grasps.antipodal import ContactPairs
 from egad.grasps.closing import needed_openings_of_model
 from egad.grasps.collision import apart, clipped, local, spheres
-from egad.grasps.sampler import ContactPairs
 from egad.grippers import HandBody, ModelBody, finger_span
 
 SPACING = 0.05  # of the longest side of the mesh: largest distance between points

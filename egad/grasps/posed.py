@@ -5,9 +5,9 @@ import pandas as pd
 
 from egad._util.arrays import Flags, Floats
 from egad.geometry import RayCaster
+from egad.grasps.antipodal import ContactPairs
 from egad.grasps.approach import touching_turns
 from egad.grasps.opening import needed_openings
-from egad.grasps.sampler import ContactPairs
 from egad.grippers import HandBody
 from egad.tables.columns import vector_names
 

@@ -29,6 +29,7 @@ from egad.grasps import (
     sample_contacts,
     valid_contacts,
 )
+from egad.grasps.samplers import draw_grasps
 from egad.grippers import ANTIPODAL, SUCTION
 from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MAP_RULE, MeasureParameters
@@ -38,7 +39,6 @@ from egad.measures.percentile import (
     percentile_rank,
     percentile_std,
 )
-from egad.samplers import draw_grasps
 
 MAX_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside

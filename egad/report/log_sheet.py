@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 
 from egad.errors import UserError
-from egad.outcomes import DETECTOR_FAILURES, OBSERVABLE, Outcome
 from egad.random import generator
 from egad.report.page import render_template
 from egad.stats import LOG_COLUMNS, LOG_SCHEMA
+from egad.tables.outcomes import DETECTOR_FAILURES, OBSERVABLE, Outcome
 
 PURPOSE = "log sheet"  # of the random numbers
 MAX_DETECTORS = len(string.ascii_uppercase)

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import pandas as pd
 
 from egad._util.markdown import table
-from egad.outcomes import Outcome
 from egad.perception import SPLITS
 from egad.scenes.parameters import DEPTHS, SceneParameters
 from egad.scenes.planning import Splits
+from egad.tables.outcomes import Outcome
 
 SCENE_COLUMNS = ["scene", "kind", "split", "objects", "noise"]
 GRASP_COLUMNS = ["scene", "success", "outcome"]

@@ -10,7 +10,6 @@ from egad._util.arrays import Floats
 from egad.geometry import nearest
 from egad.grasps import hand_poses
 from egad.grippers import check_jaws, finger_span
-from egad.outcomes import Outcome
 from egad.perception import (
     DepthCamera,
     Observation,
@@ -42,6 +41,7 @@ from egad.sim import (
 )
 from egad.sim import make_scene as put_objects
 from egad.tables.columns import POSE_PARTS
+from egad.tables.outcomes import Outcome
 from egad.tables.scenes import SCENE_GRASPS
 
 MIN_RISE = -0.1  # z of the outward normal of a grasp point: not from below, as in VGN's code

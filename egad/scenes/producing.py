@@ -17,8 +17,7 @@ from egad._util.workers import workers
 from egad.errors import RejectedError, UserError, check_name
 from egad.grippers import Gripper, as_gripper, check_jaws
 from egad.map_elites import Lineage
-from egad.named_meshes import NamedMesh, named_meshes, simulated
-from egad.objects import Dataset
+from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.perception import NoiseName
 from egad.scenes.making import MadeScene, make_scene
 from egad.scenes.parameters import TRAINING_CAMERAS, SceneParameters, TrainingScenes
@@ -33,6 +32,7 @@ from egad.scenes.planning import (
 from egad.scenes.reading import SceneDataset
 from egad.scenes.writing import describe_set, set_notes, write_shard
 from egad.sim import ClutterProtocol, EngineName, Model, SceneCameras, check_engine
+from egad.sim.model import simulated
 from egad.tables.objects import REJECTED
 
 

@@ -8,7 +8,6 @@ import pandas as pd
 
 from egad.detectors import Detector, Grasp, Labels
 from egad.errors import UserError
-from egad.outcomes import Outcome
 from egad.random import entropy
 from egad.sim.arms import ARMS
 from egad.sim.cell_errors import SESSION, Deviation, draw
@@ -19,6 +18,7 @@ from egad.sim.trial import Attempt, InitialPose, TrialRunner
 from egad.sim.world import Pose
 from egad.tables.columns import INITIAL, POSE_PARTS
 from egad.tables.evaluation import TRIALS
+from egad.tables.outcomes import Outcome
 
 CENTER = ("grasp_x", "grasp_y", "grasp_z")
 NUMBERS = ("angle", "width", "depth", "quality")

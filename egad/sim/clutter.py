@@ -11,7 +11,6 @@ import numpy as np
 from egad._util.arrays import Floats
 from egad.detectors import Detector, Failure, PoseGrasp, choose, seen_by, try_to_plan
 from egad.grippers import Gripper
-from egad.outcomes import Outcome
 from egad.perception import (
     DepthCamera,
     Intrinsics,
@@ -32,6 +31,7 @@ from egad.sim.pose_execution import ContactRules, execute_pose
 from egad.sim.protocols import ClutterProtocol, SceneCameras
 from egad.sim.scenes import EGAD, WORKSPACE, RestingObject, make_scene, put, settle_from
 from egad.sim.world import UnstableError, World
+from egad.tables.outcomes import Outcome
 
 Generator = np.random.Generator
 Proposal: TypeAlias = PoseGrasp | Outcome | Failure
@@ -47,7 +47,7 @@ class ClutterAttempt:
     """The result of an attempt.
 
     Attributes:
-        outcome: As in `PoseExecution`, or one of `egad.outcomes.POSE_FAILURES`.
+        outcome: As in `PoseExecution`, or one of `egad.tables.outcomes.POSE_FAILURES`.
         present: The objects on the table before it.
         grasp: The grasp that was tried, if any.
         held: Number of the object that was held.

@@ -14,7 +14,6 @@ import trimesh
 from egad._util.arrays import Flags, Floats
 from egad.grasps import FREE, TABLE, TABLE_CLEARANCE, hand_poses
 from egad.grippers import Gripper, check_jaws, finger_span
-from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim.arms import Arm, TurningAxis
 from egad.sim.engines import open_world
@@ -27,6 +26,7 @@ from egad.sim.pose_execution import STEEP, ContactRules, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.scenes import make_scene, put
 from egad.sim.world import UnstableError, World
+from egad.tables.outcomes import Outcome
 
 SIDEWAYS = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 

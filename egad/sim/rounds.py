@@ -12,7 +12,6 @@ from egad._util.progress import phase_if_slow
 from egad.detectors import PoseGrasp
 from egad.errors import UserError
 from egad.geometry import nearest
-from egad.outcomes import Outcome
 from egad.perception import NoiseName, SceneKind
 from egad.random import entropy, generator
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose
@@ -26,6 +25,7 @@ from egad.sim.scenes import BOX
 from egad.sim.world import World
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, GRASP_POSE
+from egad.tables.outcomes import Outcome
 
 Models = Mapping[str, Model]
 

@@ -12,14 +12,14 @@ from egad._util.arrays import Floats
 from egad.detectors import PoseGrasp
 from egad.geometry import RayCaster, joined
 from egad.grasps import blocked_turns, hand_poses, vectors
+from egad.grasps.suction import collision_free, loads_in_frames, resists, seal_cups
 from egad.grippers import BoxBody, Gripper, ModelBody, SuctionCup, body_of
-from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.sim.model import Model
 from egad.sim.pose_execution import STANDOFF
 from egad.sim.scenes import WORKSPACE, RestingObject
 from egad.sim.world import DOWN
-from egad.suction import collision_free, loads_in_frames, resists, seal_cups
+from egad.tables.outcomes import Outcome
 
 TURNS = 2 * np.pi * np.arange(16) / 16  # about the closing axis, from the labelled approach
 TABLE_SLAB = trimesh.creation.box([2 * WORKSPACE, 2 * WORKSPACE, 0.1])

@@ -19,7 +19,6 @@ from egad.detectors import (
     from_above,
     try_to_plan,
 )
-from egad.outcomes import Outcome
 from egad.perception import (
     DepthCamera,
     ImageNoise,
@@ -33,6 +32,7 @@ from egad.sim.cell_errors import EXACT, Deviation
 from egad.sim.execution import Stopping, execute
 from egad.sim.parameters import TrialProtocol
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
+from egad.tables.outcomes import Outcome
 
 log = logging.getLogger(__name__)
 
@@ -115,8 +115,8 @@ class Attempt:
     """The result of an attempt.
 
     Attributes:
-        outcome: As in `Execution`, or one of `egad.outcomes.DETECTOR_FAILURES`; None if it was
-            repeated without a grasp, as it is not known why there was none.
+        outcome: As in `Execution`, or one of `egad.tables.outcomes.DETECTOR_FAILURES`; None if it
+            was repeated without a grasp, as it is not known why there was none.
         start: Where the object fell from; None if it never came to rest.
         rest: Where it lay when the camera image was taken.
         grasp: The grasp that was tried, if any.

@@ -12,7 +12,6 @@ import pandas as pd
 
 from egad.detectors import Grasp
 from egad.grippers import Gripper
-from egad.outcomes import DETECTOR_FAILURES, Outcome
 from egad.perception import View
 from egad.sim.attempts import read_attempt, run_attempts
 from egad.sim.model import Model
@@ -21,6 +20,7 @@ from egad.sim.rounds import Models, Round, repeat_round, round_name, rounds_of
 from egad.sim.world import UnstableError
 from egad.tables import parquet
 from egad.tables.clutter import ROUND
+from egad.tables.outcomes import DETECTOR_FAILURES, Outcome
 
 UNSEEN = ("failure", "quality", "score")  # columns that only the detector determines
 PLAN_COLUMNS = ["objects", "factors", "seed"]

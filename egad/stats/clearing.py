@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats, Ints
-from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.stats.paired import NothingInCommonError, sign_flip
 from egad.stats.rates import Interval, Mean, Rate, bootstrap, mean_of
+from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 SCENE = ["round", "seed", "objects", "factors", "n_objects"]  # the initial scene of a round
 UNTRIED = (Outcome.NO_GRASP, *SIMULATION_FAILURES)

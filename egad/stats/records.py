@@ -23,10 +23,10 @@ from egad._util.input_limits import MAX_COLUMNS
 from egad.errors import UserError, most_common
 from egad.evalset import SelectEval, in_grid, labels_of
 from egad.io import csv_lines
-from egad.outcomes import Outcome
 from egad.tables import parquet
 from egad.tables.columns import INITIAL
 from egad.tables.evaluation import RESULTS, TRIALS
+from egad.tables.outcomes import Outcome
 
 log = logging.getLogger(__name__)
 

@@ -27,12 +27,12 @@ from egad.config.stages import select
 from egad.errors import EgadError, UserError
 from egad.grippers import Gripper
 from egad.objects import EVALUATION_SET, load
-from egad.outcomes import Outcome
 from egad.report.leaderboard import Board, Protocol, Refusal, SubmittedTable, page
 from egad.sim import ClutterParameters, Models, TrialParameters, check_engine
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, ROUND
 from egad.tables.evaluation import TRIALS
+from egad.tables.outcomes import Outcome
 from egad.workflow.bundled import evaluation_set_models
 from egad.workflow.replays import film_attempt, film_clearing
 from egad.workflow.verification import gaps, groups_of, verify_groups

@@ -25,8 +25,8 @@ from egad.errors import RejectedError
 from egad.evalset import SelectEval, take
 from egad.failures import MatchedSet
 from egad.failures.matched_page import introduction
-from egad.grasping import dataset_grasps
 from egad.grasps import LabelParameters
+from egad.grasps.sampling import dataset_grasps
 from egad.io import read_mesh
 from egad.reeb import graph as reeb
 from egad.reeb import similarity_matrix

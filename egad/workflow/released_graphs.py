@@ -13,8 +13,7 @@ from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
 from egad.cppn import Shape
 from egad.data import released_graphs
-from egad.named_meshes import NamedMesh, named_meshes
-from egad.objects import Dataset, load
+from egad.objects import Dataset, NamedMesh, load, named_meshes
 from egad.reeb import Similarity
 from egad.reeb import graph as reeb
 from egad.tables import parquet

@@ -10,13 +10,12 @@ from typing import Any
 import pandas as pd
 import trimesh
 
-from egad.clearing import Cleared, open_table
+from egad.bench.clearing import Cleared, open_table
 from egad.config.stages import ClearedTables, NaiveGrasps, SimulatedLabels, SimulatedTrials
 from egad.detectors import IN_SCENES, LABELS, Detector, Labels, check_views_will_do, opened
 from egad.errors import RejectedError, UserError
 from egad.geometry import Material, simulation_object
 from egad.io import read_mesh
-from egad.outcomes import Outcome
 from egad.sim import (
     LabelTrialParameters,
     Model,
@@ -33,6 +32,7 @@ from egad.sim import (
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS
+from egad.tables.outcomes import Outcome
 from egad.workflow.bundled import model_in, rows_by_id
 
 log = logging.getLogger(__name__)

@@ -11,7 +11,6 @@ from egad._util.workers import workers
 from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import UserError
-from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.random import generator
 from egad.sim import (
     ClutterParameters,
@@ -24,6 +23,7 @@ from egad.sim import (
     verify_rounds,
 )
 from egad.tables.clutter import ROUND
+from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 
 def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.DataFrame]:

@@ -7,10 +7,10 @@ from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
 from egad.detectors import Failure, Grasp, GraspPoses, pose_of
 from egad.failures.bench import BenchFromAbove, open_bench
 from egad.geometry import Bundle, Material
-from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
-from egad.outcomes import EXECUTION, Outcome
+from egad.grasps.sampling import dataset_grasps
 from egad.sim import ARMS, ContactRule, TrialProtocol, TrialRunner, build, open_world
+from egad.tables.outcomes import EXECUTION, Outcome
 
 MODEL = build(CUBE, Material().density, Bundle())
 LABELLED = dataset_grasps(CUBE, "cube", label_parameters(PANDA, 50, 0))

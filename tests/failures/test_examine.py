@@ -11,7 +11,7 @@ from egad.evalset import PrintCheck
 from egad.failures.attempts import explanation, failed_drops, pairs_of
 from egad.failures.examine import Examination
 from egad.failures.verdict import ObjectVerdict
-from egad.outcomes import Outcome
+from egad.tables.outcomes import Outcome
 
 SETTINGS = parameters()
 

@@ -7,8 +7,8 @@ from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.geometry import center_of_mass
 from egad.geometry.rays import RayCaster
+from egad.grasps import join, sample_contacts, valid_contacts
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import join, sample_contacts, valid_contacts
 from egad.measures.graspability import (
     _apply,
     _principal_box,

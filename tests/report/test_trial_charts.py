@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 from svg_text import SVG, texts
 
-from egad.outcomes import Outcome
 from egad.report.trial_charts import (
     OUTCOMES,
     outcome_chart,
@@ -20,6 +19,7 @@ from egad.report.trials import reliability_chart, trend_chart
 from egad.stats.rates import Trend, object_positions, trial_grid
 from egad.stats.roc import reliability
 from egad.tables.evaluation import RESULTS, TRIALS
+from egad.tables.outcomes import Outcome
 
 ROBOT = {"slipped", "other"}  # what people note of a robot
 

@@ -8,9 +8,9 @@ from PIL import Image
 from small_scenes import BOXES
 
 import egad
-from egad import named_meshes
 from egad.errors import UserError
 from egad.scenes import making, producing
+from egad.sim import model as model_module
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 
@@ -135,7 +135,7 @@ def test_what_is_held_out_is_in_no_scene(monkeypatch, tmp_path):
 
 def test_models_are_those_of_the_scenes(monkeypatch, flat, tmp_path):
     """Built are those that occur; each scene gets its own, and none that cannot be simulated."""
-    built, sent, build = [], [], named_meshes.build
+    built, sent, build = [], [], model_module.build
 
     def counted(mesh, density, bundle, label):
         built.append(label)
@@ -145,7 +145,7 @@ def test_models_are_those_of_the_scenes(monkeypatch, flat, tmp_path):
         sent.append((planned.round.ids, set(models)))
         return making.make_scene(planned, models, settings) if len(sent) == 1 else None
 
-    monkeypatch.setattr(named_meshes, "build", counted)
+    monkeypatch.setattr(model_module, "build", counted)
     monkeypatch.setattr(producing, "make_scene", first)
     few = FEW | {"scenes": 8, "grasps": 1, "per_scene": 1.0, "validation": 0, "test": 0}
     many = {f"box{number}": BOXES[f"box{number % 6}"] for number in range(20)}

@@ -11,7 +11,6 @@ from egad.detectors.poses import Detector
 from egad.detectors.registry import QUICK
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS, Gripper
-from egad.outcomes import Outcome
 from egad.perception.camera import View
 from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
@@ -22,6 +21,7 @@ from egad.sim.trial import TrialRunner
 from egad.tables import parquet
 from egad.tables.columns import INITIAL
 from egad.tables.evaluation import TRIALS
+from egad.tables.outcomes import Outcome
 
 BUNDLE = Bundle()
 ROUND = Bundle(deviation=1e-5, max_vertices=1000)  # one part with all vertices

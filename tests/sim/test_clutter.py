@@ -11,7 +11,6 @@ from worlds import EACH_ENGINE, HAND
 from egad.detectors import GraspPoses, PoseGrasp
 from egad.geometry import Bundle
 from egad.grasps import hand_poses
-from egad.outcomes import Outcome
 from egad.perception import Observation, cameras_around
 from egad.sim.clutter import ClutterAttempt, ClutterRunner, Propose, proposed_by
 from egad.sim.engines import open_world
@@ -19,6 +18,7 @@ from egad.sim.model import build
 from egad.sim.parameters import Clutter, EngineName
 from egad.sim.robots import free_hand
 from egad.sim.scenes import BOX, RestingObject
+from egad.tables.outcomes import Outcome
 
 BALL = build(trimesh.creation.icosphere(2, 0.02), 600.0, Bundle())
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.05)), 600.0, Bundle())

@@ -15,7 +15,6 @@ from egad.detectors.suction import suction_cloud, suction_depth
 from egad.errors import UserError
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
-from egad.outcomes import Outcome
 from egad.perception import SceneKind
 from egad.sim import TrialProtocol
 from egad.sim.attempts import run_attempts
@@ -32,6 +31,7 @@ from egad.sim.parameters import (
 )
 from egad.sim.simulated_labels import simulate_grasps
 from egad.sim.verification import verify_attempts
+from egad.tables.outcomes import Outcome
 
 CUP = GRIPPERS["cup_30mm"]
 MESHES = {

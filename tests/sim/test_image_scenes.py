@@ -6,7 +6,7 @@ import trimesh
 
 from egad.config import Settings
 from egad.config.stages import select
-from egad.grasps.sampler import ContactPairs
+from egad.grasps import ContactPairs
 from egad.sim.image_scenes import model_at_size, settle_scene, simulate_contacts
 from egad.sim.parameters import SimulatedLabelParameters
 

@@ -11,7 +11,6 @@ from worlds import EACH_ENGINE, HAND
 from egad.geometry import Bundle
 from egad.grasps import Quality
 from egad.grippers import finger_span
-from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim import naive_grasps
 from egad.sim.arms import TurningAxis
@@ -29,6 +28,7 @@ from egad.sim.naive_grasps import (
 from egad.sim.parameters import Lifting, NaiveGrasp, NaiveGraspParameters
 from egad.sim.robots import free_hand
 from egad.sim.world import UnstableError
+from egad.tables.outcomes import Outcome
 
 SIDES = np.array([0.01, 0.02, 0.04])
 BOX = trimesh.creation.box(SIDES)

@@ -9,13 +9,13 @@ from worlds import EACH_ENGINE, HAND
 from egad.geometry import Bundle
 from egad.grasps import hand_poses
 from egad.grippers import finger_span
-from egad.outcomes import Outcome
 from egad.sim.engines import open_world
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.pose_execution import RETREAT, STANDOFF, ContactRules, FreeHand, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.world import Pose, World
+from egad.tables.outcomes import Outcome
 
 SIDE = 0.04
 CUBE = build(trimesh.creation.box((SIDE,) * 3), 1000.0, Bundle())

@@ -14,7 +14,6 @@ from egad.detectors import GraspPoses, PoseGrasp
 from egad.errors import UserError
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
-from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.random import generator
 from egad.sim import (
@@ -40,6 +39,7 @@ from egad.sim.pose_execution import ContactRules, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.scenes import RestingObject, make_scene
 from egad.sim.world import Pose
+from egad.tables.outcomes import Outcome
 
 PANDA = GRIPPERS["panda"]
 PLATE = build(trimesh.creation.box((0.13, 0.13, 0.02)), 600.0, Bundle())

@@ -9,16 +9,16 @@ from worlds import HAND
 
 from egad.detectors import PoseGrasp
 from egad.geometry import Bundle
-from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
+from egad.grasps.sampling import dataset_grasps
 from egad.grippers import BoxBody
-from egad.outcomes import Outcome
 from egad.perception import Observation
 from egad.sim.model import Model, build
 from egad.sim.pose_execution import STANDOFF
 from egad.sim.scene_labels import SceneLabels
 from egad.sim.scenes import RestingObject
 from egad.sim.world import Pose
+from egad.tables.outcomes import Outcome
 
 MESH = trimesh.creation.box((0.03, 0.05, 0.08))
 MODEL = build(MESH, 600.0, Bundle())

@@ -10,7 +10,6 @@ from egad.detectors.poses import Detector
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.geometry import Bundle
 from egad.grippers import Gripper
-from egad.outcomes import Outcome
 from egad.perception.camera import View
 from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
@@ -19,6 +18,7 @@ from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.trial import Attempt, InitialPose, TrialRunner
 from egad.sim.world import Pose, World
+from egad.tables.outcomes import Outcome
 
 BUNDLE = Bundle()
 AXIS = ARMS["axis"](HAND)

@@ -8,8 +8,8 @@ import pandas as pd
 from egad._util.progress import progress
 from egad.errors import RejectedError
 from egad.geometry import center_of_mass
-from egad.grasping import Labeller
 from egad.grasps import LabelParameters, statistics_row
+from egad.grasps.sampling import Labeller
 from egad.io import read_mesh
 from egad.random import generator
 from egad.tables import parquet

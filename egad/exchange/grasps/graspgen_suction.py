@@ -17,9 +17,9 @@ from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.geometry import RayCaster, SimulationObject
 from egad.grasps import Grasps
+from egad.grasps.suction import HOLE_POINTS, seal_cups
 from egad.grippers import SuctionCup
 from egad.io import read_mesh, write_obj
-from egad.suction import HOLE_POINTS, seal_cups
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 

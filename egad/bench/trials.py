@@ -30,12 +30,10 @@ from egad.detectors import (
     opened,
 )
 from egad.errors import RejectedError, UserError, check_name
-from egad.grasping import grasps_if_any
 from egad.grasps import GraspLabel, label_parameters
+from egad.grasps.sampling import grasps_if_any
 from egad.grippers import Gripper, as_gripper
-from egad.named_meshes import NamedMesh, named_meshes, simulated
-from egad.objects import Dataset
-from egad.outcomes import Outcome
+from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.sim import (
     CellErrors,
     EngineName,
@@ -45,7 +43,9 @@ from egad.sim import (
     failed_attempts,
     run_attempts,
 )
+from egad.sim.model import simulated
 from egad.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
+from egad.tables.outcomes import Outcome
 
 log = logging.getLogger(__name__)
 BY_NAME = sorted({LABELS, *SHIPPED_NETWORKS, *QUICK} - set(IN_ANY_DIRECTION))

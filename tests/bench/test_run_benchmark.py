@@ -8,7 +8,7 @@ import trimesh
 from PIL import Image
 
 import egad
-from egad import clearing
+from egad.bench import clearing
 from egad.detectors import DetectorConfig, GraspPoses
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
@@ -34,7 +34,7 @@ def at_the_highest_point(cloud, gripper, _rng):
 
 
 def test_a_detector_that_cannot_be_started_is_noticed_before_objects_are_made(monkeypatch):
-    monkeypatch.setattr("egad.benchmark.prepare_objects", None)  # it is not called
+    monkeypatch.setattr("egad.bench.benchmark.prepare_objects", None)  # it is not called
     command = DetectorConfig(command=["/no/such/program"])
     with pytest.raises(UserError, match=r"/no/such/program cannot be started: .*No such file"):
         egad.run_benchmark(command, OBJECTS, **FEW)

@@ -1,41 +1,27 @@
-"""Complexity, graspability and similarity of meshes."""
+"""Complexity and graspability of meshes."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import trimesh
 
-from egad._util.arrays import Floats
 from egad._util.display import facts_html
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import phase_if_slow
 from egad.errors import check_name
 from egad.geometry import (
     ENLARGED,
-    DroppedBodiesWarning,
     ScaleWarning,
     check_units,
     size_text,
     warn_user,
 )
-from egad.geometry.repair import Repaired, dropped_text, repair_for_files
+from egad.geometry.repair import dropped_text, repair_with_warning
 from egad.grippers import SUCTION, Gripper, as_gripper
-from egad.measures import (
-    MAP_RULE,
-    MAX_CANDIDATES,
-    Cell,
-    CoarseMeshWarning,
-    cell_name,
-    cell_of,
-    coarse_advice,
-    default_measures,
-    grasped_size,
-    is_coarse,
-    measure_repeatably,
-)
-from egad.reeb import Similarity
-from egad.reeb import graph as reeb
-from egad.reeb import similarity as matching
+from egad.measures.complexity import CoarseMeshWarning, coarse_advice, is_coarse
+from egad.measures.graspability import grasped_size
+from egad.measures.grid import Cell, cell_name, cell_of
+from egad.measures.measure import measure_repeatably
+from egad.measures.parameters import MAP_RULE, MAX_CANDIDATES, default_measures
 
 MAP_GRIPPER = "yumi"  # the cells of the map are for it
 LARGE = 0.02  # graspability that is not written in thousandths
@@ -169,7 +155,7 @@ def measure(
     check_name("rule", rule, SCALE_RULES)
     if rule != MAP_RULE:
         check_units(mesh)
-    repaired, hand = _repaired(mesh), as_gripper(gripper)
+    repaired, hand = repair_with_warning(mesh), as_gripper(gripper)
     settings = default_measures(hand, seed)
     size = grasped_size(repaired.mesh, settings, rule)
     if size.factor > ENLARGED:
@@ -196,47 +182,3 @@ def measure(
         dropped_bodies=repaired.dropped_bodies,
         dropped_volume=repaired.dropped_volume,
     )
-
-
-def _repaired(mesh: trimesh.Trimesh) -> Repaired:
-    """The repaired mesh, with a warning if bodies were left out."""
-    repaired = repair_for_files(mesh)
-    if repaired.dropped:
-        warn_user(f"only the largest body is used: {repaired.dropped}", DroppedBodiesWarning)
-    return repaired
-
-
-def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:
-    """Similarity of two shapes by their Reeb graphs: 1 for equal ones, 0 for nothing in common.
-
-    Args:
-        first: A mesh, in any unit.
-        second: Another one.
-
-    Raises:
-        RejectedError: A mesh cannot be repaired or has no Reeb graph.
-
-    Warns:
-        DroppedBodiesWarning: A mesh has several bodies; only the largest is compared.
-
-    Source: Hilaga et al., Topology Matching, SIGGRAPH 2001.
-    """
-    return float(similarity_matrix([first, second])[0, 1])
-
-
-@phase_if_slow("comparing meshes")
-def similarity_matrix(meshes: Sequence[trimesh.Trimesh]) -> Floats:
-    """Similarities of all pairs of n shapes, (n, n): symmetric, with 1 on the diagonal.
-
-    Args:
-        meshes: The shapes, each in any unit.
-
-    Raises:
-        RejectedError: A mesh cannot be repaired or has no Reeb graph.
-
-    Warns:
-        DroppedBodiesWarning: A mesh has several bodies; only the largest is compared.
-    """
-    parameters = Similarity()
-    graphs = [reeb.extract(_repaired(mesh).mesh, parameters) for mesh in meshes]
-    return matching.similarity_matrix(graphs, parameters.weight)

@@ -9,11 +9,11 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats, Ints
 from egad.geometry import RayCaster
+from egad.grasps.parameters import RobustSuction
+from egad.grasps.suction.seal import seal_cups
+from egad.grasps.suction.wrench import loads_in_frames, resists
 from egad.grippers import SuctionCup
 from egad.random import generator
-from egad.suction.parameters import RobustSuction
-from egad.suction.seal import seal_cups
-from egad.suction.wrench import loads_in_frames, resists
 
 RANDOM_NUMBERS = 17  # of a copy: five vectors, friction, weight
 

@@ -15,25 +15,24 @@ from egad._util.files import as_path, new_folder
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError, check_name
-from egad.exchange import (
+from egad.exchange.hdf5 import check_key
+from egad.exchange.parameters import NamedGripper
+from egad.exchange.registry import (
     FORMATS,
     OBJECTS,
     SURFACES,
-    NamedGripper,
     check_format,
-    check_key,
     for_cups,
     module_of,
     needs_run,
     writer_of,
 )
 from egad.geometry import Bundle, Material, make_simulation_object
-from egad.grasping import dataset_grasps
 from egad.grasps import LabelParameters, label_parameters
+from egad.grasps.sampling import dataset_grasps
 from egad.grippers import Gripper, as_gripper
 from egad.io import files_below, write_mesh
-from egad.named_meshes import NamedMesh, named_meshes, scaled_solid
-from egad.objects import Dataset
+from egad.objects import Dataset, NamedMesh, named_meshes, scaled_solid
 from egad.sim import (
     EngineName,
     Lifting,

@@ -14,22 +14,15 @@ from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, center_of_mass, check_solid, check_units
 from egad.geometry.mass import center_or_given
-from egad.grasps import (
-    APPROACH_ANGLES,
-    CONE,
-    FRICTION,
-    Grasps,
-    LabelParameters,
-    SamplingStatistics,
-    label_parameters,
-    label_poses,
-    rate_grasps,
-    sample_for_labels,
-)
+from egad.grasps.antipodal import SamplingStatistics
+from egad.grasps.grasps import Grasps
+from egad.grasps.labels import label_parameters, rate_grasps, sample_for_labels
+from egad.grasps.parameters import APPROACH_ANGLES, CONE, FRICTION, LabelParameters
+from egad.grasps.posed import label_poses
+from egad.grasps.samplers import check_sampler, draw_grasps
+from egad.grasps.suction import label_cups
 from egad.grippers import ANTIPODAL, SUCTION, Gripper, as_gripper, hand_body
 from egad.random import generator
-from egad.samplers import check_sampler, draw_grasps
-from egad.suction import label_cups
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 

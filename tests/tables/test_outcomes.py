@@ -1,6 +1,6 @@
 """Every outcome is of one kind, and tables keep the names that they always had."""
 
-from egad.outcomes import (
+from egad.tables.outcomes import (
     DETECTOR_FAILURES,
     EXECUTION,
     NOTED_BY_HAND,

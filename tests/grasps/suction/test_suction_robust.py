@@ -4,8 +4,9 @@ from cup_shapes import box, from_above
 from numpy.testing import assert_array_equal
 from scipy.stats import norm
 
+from egad.grasps import RobustSuction
+from egad.grasps.suction import robust_suction_quality, seal_cups
 from egad.grippers import SuctionCup
-from egad.suction import RobustSuction, robust_suction_quality, seal_cups
 
 CUP = SuctionCup()
 CALM = RobustSuction(**dict.fromkeys([n for n in RobustSuction.model_fields if "sigma" in n], 0))

@@ -4,8 +4,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
+from egad.grasps.suction import loads_in_frames, resists
 from egad.grippers import SuctionCup
-from egad.suction import loads_in_frames, resists
 
 STRICT = SuctionCup(torque_tolerance=0)
 ROOT_2, ROOT_3 = np.sqrt([2, 3])

@@ -12,15 +12,9 @@ from scipy.stats import chisquare
 import egad
 from egad.errors import RejectedError, UserError
 from egad.geometry import RayCaster
-from egad.grasps import vectors
+from egad.grasps import RobustSuction, vectors
+from egad.grasps.suction import SealFailure, collision_free, sample_suction, suction_poses
 from egad.grippers import SuctionCup
-from egad.suction import (
-    RobustSuction,
-    SealFailure,
-    collision_free,
-    sample_suction,
-    suction_poses,
-)
 
 SMALL = SuctionCup(radius=0.006, height=0.012)
 RESULTS = ["sealed", "seal_failure", "resists", "collision_free"]

@@ -23,9 +23,10 @@ from egad import plugins
 from egad._util.arrays import Flags, Floats
 from egad.errors import NoGraspError, RejectedError, UserError
 from egad.geometry import Material
-from egad.grasps import RIGID, Robust
+from egad.grasps.grasps import RIGID
+from egad.grasps.parameters import Robust, RobustSuction
+from egad.grasps.suction import sample_suction, suction_poses
 from egad.grippers import ANTIPODAL, SUCTION, Gripper
-from egad.suction import RobustSuction, sample_suction, suction_poses
 
 OwnSampler = Callable[[trimesh.Trimesh, Gripper, int, np.random.Generator], Any]
 WHERE = "sampler"

@@ -5,16 +5,9 @@ import pytest
 import trimesh
 
 from egad.geometry.rays import RayCaster
-from egad.grasps import Sampling
+from egad.grasps import ContactPairs, Sampling, SamplingStatistics, sample_contacts, valid_contacts
+from egad.grasps.antipodal import _keep_apart, approach_directions
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import (
-    ContactPairs,
-    SamplingStatistics,
-    _keep_apart,
-    approach_directions,
-    sample_contacts,
-    valid_contacts,
-)
 from egad.measures.percentile import percentile
 
 REFERENCE = np.load(Path(__file__).parents[1] / "data" / "ferrari_canny.npz")

@@ -14,12 +14,7 @@ from egad._util.files import as_path
 from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.clearing import (
-    SceneObject,
-    check_detector,
-    clear_rounds,
-    prepare_objects,
-)
+from egad.bench.clearing import SceneObject, check_detector, clear_rounds, prepare_objects
 from egad.detectors import (
     IN_SCENES,
     LABELS,
@@ -33,8 +28,7 @@ from egad.detectors import (
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper, as_gripper
 from egad.io import check_ending
-from egad.named_meshes import named_meshes
-from egad.objects import Dataset
+from egad.objects import Dataset, named_meshes
 from egad.perception import SCENE_KINDS, NoiseName, SceneKind
 from egad.sim import (
     ENDINGS,

@@ -19,10 +19,10 @@ from egad.detectors import (
     opened,
 )
 from egad.errors import RejectedError, UserError
-from egad.grasping import grasps_if_any
 from egad.grasps import GraspLabel, label_parameters
+from egad.grasps.sampling import grasps_if_any
 from egad.grippers import Gripper
-from egad.named_meshes import NamedMesh, simulated
+from egad.objects import NamedMesh
 from egad.sim import (
     ClutterParameters,
     Model,
@@ -33,6 +33,7 @@ from egad.sim import (
     run_round,
     timed,
 )
+from egad.sim.model import simulated
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 

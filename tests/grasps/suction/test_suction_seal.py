@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from egad.errors import UserError
 from egad.geometry import RayCaster
+from egad.grasps.suction import SealFailure, ring_vertices, seal_cups, spring_lengths
 from egad.grippers import SuctionCup
-from egad.suction import SealFailure, ring_vertices, seal_cups, spring_lengths
 
 CUP = SuctionCup()
 STANDOFF = 0.001  # of GraspGen's frames
