@@ -12,7 +12,11 @@ from numpy.typing import NDArray
 
 from egad._util.display import facts_html, table_html
 from egad._util.files import as_path
-from egad.cppn import (
+from egad.data import evaluation_set, released, released_ancestry, released_simulated
+from egad.errors import RejectedError, UserError, check_name
+from egad.evolution import (
+    Archive,
+    Lineage,
     Row,
     Shape,
     check_regrown,
@@ -21,13 +25,10 @@ from egad.cppn import (
     packed_surface,
     unpack,
 )
-from egad.data import evaluation_set, released, released_ancestry, released_simulated
-from egad.errors import RejectedError, UserError, check_name
 from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
 from egad.geometry.repair import repair_for_files
 from egad.grippers import Gripper
 from egad.io import read_mesh
-from egad.map_elites import Archive, Lineage
 from egad.measures import labels
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE

@@ -37,22 +37,17 @@ import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output, write_text
 from egad._util.workers import Mapper, workers
+from egad.bench.failures import Examination, FailureAtlas, FailureParameters, ObjectVerdict
+from egad.bench.failures.attempts import pairs_of
+from egad.bench.failures.search import scaled_surface, surface_of
+from egad.bench.failures.verdict import GRASPABLE
 from egad.config.stages import TrainOnScenes
 from egad.detectors import Detector, DetectorConfig, opened
 from egad.errors import RejectedError
-from egad.failures import (
-    Examination,
-    FailureAtlas,
-    FailureParameters,
-    ObjectVerdict,
-)
-from egad.failures.attempts import pairs_of
-from egad.failures.search import scaled_surface, surface_of
-from egad.failures.verdict import GRASPABLE
 from egad.grippers import GRIPPERS
 from egad.learning import VgnTraining
+from egad.learning.scenes import load_scenes
 from egad.random import generator
-from egad.scenes import load_scenes
 from egad.workflow.train import WEIGHTS
 from egad.workflow.train_on_scenes import train_on_scenes
 

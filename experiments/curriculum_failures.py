@@ -19,10 +19,9 @@ from PIL import Image
 
 from egad._util.arrays import RgbImage
 from egad._util.markdown import table as markdown
-from egad.failures import SHAPE_FEATURES, FailureAtlas, shape_features
-from egad.failures.atlas_page import film_rows, solved_objects
-from egad.failures.replay import film_attempts
-from egad.failures.search import scaled_surface
+from egad.bench.failures import SHAPE_FEATURES, FailureAtlas, film_attempts, shape_features
+from egad.bench.failures.search import scaled_surface
+from egad.report.failure_atlas import film_rows, solved_objects
 from egad.report.pictures import render
 
 PICTURE = Path(__file__).parents[1] / "docs/studies/curriculum_failures.png"

@@ -18,13 +18,13 @@ from curriculum import GRIPPER, networks_after, networks_before
 from curriculum_tables import ALONE, BEFORE, KINDS
 
 from egad._util.markdown import table as markdown
+from egad.detectors.weights import read_vgn
 from egad.grippers import GRIPPERS
 from egad.learning.scene_examples import SceneExample, labelled_grasps, scene_example
 from egad.learning.scene_scores import SceneScore, scene_score
 from egad.learning.scene_training import answers_at, read_answers
+from egad.learning.scenes import LabelledScene, SceneDataset, load_scenes
 from egad.learning.training import spread
-from egad.learning.weights import read_vgn
-from egad.scenes import LabelledScene, SceneDataset, load_scenes
 
 SCENES = 100  # of each kind, for the second table
 

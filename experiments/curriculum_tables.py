@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
 from egad._util.markdown import table as markdown
-from egad.failures import FailureAtlas, ObjectVerdict
+from egad.bench.failures import FailureAtlas, ObjectVerdict
 from egad.random import generator
 
 NETWORKS = 3

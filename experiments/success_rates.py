@@ -23,21 +23,22 @@ import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad._util.workers import workers
+from egad.bench.naive_grasps import try_in_free_space, try_on_table
+from egad.bench.stats import trend
 from egad.geometry import Bundle, Material, make_simulation_object
 from egad.grasps import FRICTION, Quality, label_parameters
 from egad.grasps.sampling import dataset_grasps
 from egad.grippers import GRIPPERS
+from egad.learning.images import model_at_size
 from egad.objects import NamedMesh, named_meshes, scaled_solid
 from egad.random import generator
-from egad.sim import EngineName, Lifting, Model, SimulatedLabel, World, model_at_size, open_world
+from egad.sim import EngineName, Lifting, Model, SimulatedLabel, World, open_world
 from egad.sim.arms import TurningAxis
 from egad.sim.execution import execute
 from egad.sim.labelled_trials import floating_pose
-from egad.sim.naive_grasps import try_in_free_space, try_on_table
 from egad.sim.parameters import SimulatedLabelParameters
 from egad.sim.robots import free_hand
 from egad.sim.simulated_labels import simulate_grasps
-from egad.stats import trend
 from egad.tables import parquet
 from egad.tables.columns import vector_names
 from egad.tables.outcomes import SIMULATION_FAILURES, Outcome

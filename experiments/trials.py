@@ -13,9 +13,9 @@ from pathlib import Path
 import pandas as pd
 from pictures import chosen, save_sheet
 
+from egad.bench.stats import object_positions, trend, trial_grid
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, select
-from egad.stats import object_positions, trend, trial_grid
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.outcomes import EXECUTION, Outcome

@@ -15,6 +15,16 @@ from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.clearing import SceneObject, check_detector, clear_rounds, prepare_objects
+from egad.bench.parameters import CellErrors, Clutter, ClutterParameters
+from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
+from egad.bench.rounds import film_round, rounds_of
+from egad.bench.stats import (
+    Clearing,
+    ClearingComparison,
+    clearing_rates,
+    compare_clearing,
+    engine_names,
+)
 from egad.detectors import (
     IN_SCENES,
     LABELS,
@@ -22,6 +32,7 @@ from egad.detectors import (
     Detect,
     DetectorConfig,
     FailureMonitor,
+    NoiseName,
     knows_scene,
     wanted_input,
 )
@@ -29,21 +40,7 @@ from egad.errors import UserError, check_name
 from egad.grippers import Gripper, as_gripper
 from egad.io import check_ending
 from egad.objects import Dataset, named_meshes
-from egad.perception import SCENE_KINDS, NoiseName, SceneKind
-from egad.sim import (
-    ENDINGS,
-    CellErrors,
-    Clutter,
-    ClutterParameters,
-    ClutterProtocol,
-    EngineName,
-    Model,
-    check_engine,
-    film_round,
-    rounds_of,
-    write_film,
-)
-from egad.stats import Clearing, ClearingComparison, clearing_rates, compare_clearing, engine_names
+from egad.sim import ENDINGS, EngineName, Model, check_engine, write_film
 from egad.tables.clutter import ROUND
 
 SHARDS = 4  # per job, so that no job waits long for the others

@@ -10,6 +10,10 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
+from egad.bench.clutter import Propose, proposed_by, timed
+from egad.bench.parameters import ClutterParameters
+from egad.bench.rounds import Round, run_round
+from egad.bench.scene_labels import SceneLabels
 from egad.detectors import (
     Detect,
     DetectorConfig,
@@ -23,16 +27,7 @@ from egad.grasps import GraspLabel, label_parameters
 from egad.grasps.sampling import grasps_if_any
 from egad.grippers import Gripper
 from egad.objects import NamedMesh
-from egad.sim import (
-    ClutterParameters,
-    Model,
-    Propose,
-    Round,
-    SceneLabels,
-    proposed_by,
-    run_round,
-    timed,
-)
+from egad.sim import Model
 from egad.sim.model import simulated
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty

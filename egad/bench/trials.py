@@ -13,6 +13,9 @@ from egad._util.display import Picture, draw, table_html
 from egad._util.parameters import SCALE_RULES, from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
+from egad.bench.attempts import failed_attempts, run_attempts
+from egad.bench.parameters import CellErrors, TrialParameters, TrialProtocol
+from egad.bench.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 from egad.detectors import (
     IN_ANY_DIRECTION,
     LABELS,
@@ -34,17 +37,8 @@ from egad.grasps import GraspLabel, label_parameters
 from egad.grasps.sampling import grasps_if_any
 from egad.grippers import Gripper, as_gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
-from egad.sim import (
-    CellErrors,
-    EngineName,
-    TrialParameters,
-    TrialProtocol,
-    check_engine,
-    failed_attempts,
-    run_attempts,
-)
+from egad.sim import EngineName, check_engine
 from egad.sim.model import simulated
-from egad.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 from egad.tables.outcomes import Outcome
 
 log = logging.getLogger(__name__)

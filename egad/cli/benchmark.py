@@ -65,11 +65,11 @@ def benchmark(
     jobs: Jobs = CORES,
 ) -> None:
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
+    from egad.bench.stats import engine_names
     from egad.cli.terminal_tables import cleared, outcome_list
     from egad.config.stages import ClearedTables, select
     from egad.io import check_ending
     from egad.sim import check_engine
-    from egad.stats import engine_names
     from egad.tables.clutter import CLUTTER
 
     settings = with_option(settings_in(config), "--protocol", "clutter.protocol", protocol)

@@ -21,10 +21,10 @@ from egad.grippers import Gripper
 if TYPE_CHECKING:
     import pyarrow as pa
 
+    from egad.bench import ClutterParameters, Models, TrialParameters
     from egad.bench.benchmark import Benchmark
     from egad.bench.trials import Trials
     from egad.objects import NamedMesh
-    from egad.sim import ClutterParameters, Models, TrialParameters
 
 NOTE = "run"
 Result = TypeVar("Result", "Trials", "Benchmark")

@@ -10,6 +10,8 @@ import numpy as np
 
 from egad._util.arrays import Floats, Ints
 from egad.detectors.base import DetectorError, Grasp, first_possible
+from egad.detectors.camera import View
+from egad.detectors.observation import Observation, PointCloud
 from egad.detectors.poses import (
     GraspPoses,
     PoseGrasp,
@@ -18,9 +20,9 @@ from egad.detectors.poses import (
     infeasibility,
     pose_of,
 )
+from egad.detectors.tsdf import Tsdf
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
-from egad.perception import Observation, PointCloud, Tsdf, View
 from egad.tables.outcomes import Outcome
 
 Seen = View | tuple[View, ...] | PointCloud | tuple[PointCloud, ...] | Tsdf | Observation

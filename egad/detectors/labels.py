@@ -10,9 +10,11 @@ import pandas as pd
 
 from egad._util.arrays import Floats
 from egad.detectors.base import SEARCH, Grasp, rank_grasps
+from egad.detectors.camera import View
+from egad.detectors.heightmap import heightmap_of, min_fingertip_height
+from egad.detectors.restoration import restore
 from egad.grasps import MIN_DEPTH, roomy, vectors
 from egad.grippers import Gripper, finger_span
-from egad.perception import View, heightmap_of, min_fingertip_height, restore
 
 TILT = np.radians(15)  # of the closing axis, which the hand holds level
 CUP_TILT = np.radians(10)  # of the approach of a suction cup, which the hand holds upright

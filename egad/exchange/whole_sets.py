@@ -11,7 +11,7 @@ from egad.exchange.parameters import AllObjects, GripperFormat
 from egad.geometry import SimulationObject
 from egad.grippers import Gripper
 from egad.io import read_mesh, write_mesh
-from egad.perception import Images, RenderedImage, shards
+from egad.learning.images import Images, RenderedImage, shards
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
 

@@ -7,8 +7,8 @@ import trimesh
 from egad._util.arrays import Floats
 from egad._util.progress import phase_if_slow
 from egad.geometry.repair import repair_with_warning
-from egad.reeb import Similarity, extract
-from egad.reeb import similarity as matching
+from egad.measures.reeb import Similarity, extract
+from egad.measures.reeb import similarity as matching
 
 
 def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:

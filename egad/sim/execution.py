@@ -14,8 +14,7 @@ from egad.grasps import FIXED_SIDE_CLEARANCE, expected_distance
 from egad.sim.arms import Arm, HandPose, UnreachableError
 from egad.sim.cup import CupHand
 from egad.sim.gripper import HEAVIEST, Hand
-from egad.sim.parameters import Lifting
-from egad.sim.protocols import COLLISION_FORCE
+from egad.sim.parameters import COLLISION_FORCE, Lifting
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 from egad.tables.outcomes import Outcome
 

@@ -12,7 +12,7 @@ from egad.detectors import SEARCH
 from egad.grippers import tip_reach
 from egad.sim.cup import Cup
 from egad.sim.gripper import Fingers, minimum_jerk
-from egad.sim.protocols import COLLISION_FORCE
+from egad.sim.parameters import COLLISION_FORCE
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
 from egad.tables.outcomes import Outcome
 

@@ -20,8 +20,7 @@ from egad.sim.execution import lift_and_hold
 from egad.sim.gripper import Hand
 from egad.sim.labelled_trials import floating_pose
 from egad.sim.model import Model
-from egad.sim.parameters import Lifting, SimulatedLabelParameters
-from egad.sim.protocols import COLLISION_FORCE
+from egad.sim.parameters import COLLISION_FORCE, Lifting, SimulatedLabelParameters
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 from egad.tables import parquet
 from egad.tables.grasping import MOTIONS

@@ -8,11 +8,12 @@ from typing import Any, TypeVar
 
 import pandas as pd
 
+from egad.bench import Models
 from egad.config import Settings
 from egad.exchange import read_simulation_object
 from egad.grippers import Gripper
 from egad.objects import EVALUATION_SET, NamedMesh, load, named_meshes
-from egad.sim import Model, Models, model_of
+from egad.sim import Model, model_of
 from egad.sim.model import simulated
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE

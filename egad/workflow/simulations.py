@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 import trimesh
 
+from egad.bench import Round, run_attempts, try_naive_grasps
 from egad.bench.clearing import Cleared, open_table
 from egad.config.stages import ClearedTables, NaiveGrasps, SimulatedLabels, SimulatedTrials
 from egad.detectors import IN_SCENES, LABELS, Detector, Labels, check_views_will_do, opened
@@ -19,14 +20,11 @@ from egad.io import read_mesh
 from egad.sim import (
     LabelTrialParameters,
     Model,
-    Round,
     SimulatedGrasp,
     chosen_grasps,
     execute_labelled_grasps,
     model_of,
-    run_attempts,
     simulate_labels,
-    try_naive_grasps,
     with_simulated_labels,
 )
 from egad.tables import parquet

@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 
 import egad
-from egad.detectors import Detect, DetectorConfig, GraspPoses, Vgn, in_collision
+from egad.detectors import Detect, DetectorConfig, GraspPoses, Observation, Vgn, in_collision
 from egad.grippers import Gripper
-from egad.perception import Observation
-from egad.scenes import load_scenes
+from egad.learning.scenes import load_scenes
 
 OBJECTS, ROUNDS, SEED, THRESHOLD = 60, 40, 11, 0.1
 NETWORKS = {
@@ -41,7 +40,7 @@ class WithoutCollisions:
 
 def main(run: Path) -> None:
     """Print what each clears, and the outcomes of its attempts."""
-    index = load_scenes(run / "results/egad/scenes/panda").index
+    index = load_scenes(run / "results/egad/learning/scenes/panda").index
     names = sorted(set(index.loc[index["split"] == "test", "objects"].explode()))[:OBJECTS]
     objects = egad.load("released").select(names)
     for network, path in NETWORKS.items():

@@ -14,9 +14,8 @@ import torch
 from torch import nn
 
 from egad._util.markdown import table
-from egad.learning import ImageDataset, PositiveFilter, Training, networks
-from egad.learning.targets import prepare_input
-from egad.perception import fill_missing
+from egad.detectors import fill_missing, networks, prepare_input
+from egad.learning import ImageDataset, PositiveFilter, Training
 
 IMAGES = 100
 SEEDS = 5

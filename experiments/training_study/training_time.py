@@ -10,7 +10,8 @@ from time import process_time
 
 import torch
 
-from egad.learning import ImageDataset, PositiveFilter, Training, networks
+from egad.detectors import networks
+from egad.learning import ImageDataset, PositiveFilter, Training
 from egad.learning.dataset import Stream
 from egad.learning.evaluation import map_losses
 

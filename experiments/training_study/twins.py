@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from study import Network, Study, read_study, settings_for
 
 from egad.config.stages import select
-from egad.perception import RenderParameters, shares
+from egad.learning.images import RenderParameters, shares
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import ARCHIVE

@@ -10,7 +10,7 @@ import trimesh
 
 import egad
 
-PAGE = (Path(__file__).parents[1] / "docs/benchmark.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs/benchmark.md").read_text()
 BLOCKS = [
     re.sub("^ {4}", "", text, flags=re.MULTILINE) if indent else text
     for indent, text in re.findall(r"^( *)```python\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE)

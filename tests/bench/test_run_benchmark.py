@@ -8,12 +8,11 @@ import trimesh
 from PIL import Image
 
 import egad
-from egad.bench import clearing
+from egad.bench import Clutter, ClutterParameters, clearing, repeat_round, rounds_of, scenes
+from egad.bench.rounds import read_grasp
 from egad.detectors import DetectorConfig, GraspPoses
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
-from egad.sim import Clutter, ClutterParameters, repeat_round, rounds_of, scenes
-from egad.sim.rounds import read_grasp
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 

@@ -9,14 +9,11 @@ import trimesh
 from scipy import ndimage
 
 import egad.learning
+from egad.detectors import ImageNoise, View, add_sensor_noise, camera_above, prepare_input
 from egad.detectors.base import MIN_DEPTH
 from egad.detectors.ggcnn import GGCNN, MapDetector, check_ggcnn, middle
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
-from egad.learning.targets import prepare_input
-from egad.perception import ImageNoise
-from egad.perception.camera import View, camera_above
-from egad.perception.noise import add_sensor_noise
 
 HAND = GRIPPERS["egad_75mm"]
 BAR = trimesh.creation.box((0.03, 0.12, 0.04))

@@ -25,7 +25,7 @@ from egad.grippers import BoxBody
 from egad.measures.complexity import complexity
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
-from egad.reeb import graph as reeb
+from egad.measures.reeb import graph as reeb
 
 SETTINGS = Settings()
 LABELS = select(SETTINGS, LabelParameters)

@@ -9,13 +9,13 @@ import egad
 from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import RejectedError, UserError
+from egad.evolution import EvolutionParameters as Evolve
+from egad.evolution.evaluation import first_estimate
 from egad.grasps import label_grasps, label_parameters, vectors
 from egad.grasps.samplers import check_sampler, draw_grasps
 from egad.grasps.sampling import Labeller
 from egad.grasps.suction import sample_suction, suction_poses
 from egad.grippers import hand_body
-from egad.map_elites import EvolutionParameters as Evolve
-from egad.map_elites.evaluation import first_estimate
 from egad.measures import default_measures
 from egad.measures.graspability import graspability
 from egad.random import generator

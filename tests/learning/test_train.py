@@ -11,9 +11,10 @@ import egad.learning
 from egad.cli.commands import app
 from egad.config import Settings
 from egad.config.stages import TrainNetwork, select
+from egad.detectors import prepare_input
 from egad.detectors.ggcnn import GGCNN, middle
 from egad.errors import TableError, UserError
-from egad.learning import Training, prepare_input
+from egad.learning import Training
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 from egad.workflow.train import open_dataset, train
@@ -93,7 +94,7 @@ def test_the_chart_is_drawn(trained):
 
 def test_the_detector_takes_the_weights(trained, view):
     safetensors = pytest.importorskip("safetensors.torch")
-    networks = pytest.importorskip("egad.learning.networks")
+    networks = pytest.importorskip("egad.detectors.networks")
     path, seen = trained / "words/weights.safetensors", prepare_input(middle(view.depth).depth)
     network = networks.new_network("ggcnn", 0)
     before = networks.inference(network)(seen)

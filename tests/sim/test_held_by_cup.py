@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 from worlds import EACH_ARM, EACH_ENGINE
 
 import egad
+from egad.bench import TrialProtocol
 from egad.detectors import Grasp
 from egad.geometry import Bundle
 from egad.grippers import Gripper
-from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
 from egad.sim.engines import open_world
 from egad.sim.execution import LIFT_SPEED, Execution, execute

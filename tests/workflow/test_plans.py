@@ -11,7 +11,7 @@ from described_hands import PANDA, box_urdf
 from failure_searches import FEW, QUICK
 
 from egad.config import Settings
-from egad.perception.image_shards import read
+from egad.learning.images import read
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
@@ -152,7 +152,7 @@ def test_an_edited_script_re_runs_its_rules(copy, script, old, new, rules):
 def test_a_touched_or_commented_module_or_script_re_runs_nothing(copy):
     copy.take_library()
     scripts = [str(path) for path in (copy.folder / "workflow/scripts").glob("*.py")]
-    modules = ["egad/tables/objects.py", "egad/random.py", "egad/map_elites/island.py"]
+    modules = ["egad/tables/objects.py", "egad/random.py", "egad/evolution/island.py"]
     for module in (*modules, *scripts):
         path = copy.folder / module
         path.write_text(f"# a comment\n{path.read_text()}\n\n")
@@ -538,7 +538,7 @@ def few_failures(checkout, detector="own.py:beside", **changes):
 
 
 def test_failures_are_searched_again_for_what_decides_them(copy):
-    target = f"results/egad/failures/{GRIPPER}/own.parquet"
+    target = f"results/egad/bench/failures/{GRIPPER}/own.parquet"
     jobs = {"search_failures": 2, "join_failures": 1}
     assert copy.planned(target, configs=few_failures(copy)) == jobs
     assert copy.planned(target, configs=few_failures(copy, shards=3)) == jobs | {
@@ -568,7 +568,7 @@ def test_failures_are_searched_if_that_is_asked_for(copy):
     assert SEARCHED.items() <= copy.planned(configs=configs).items()
     copy.make("--cores", 2, configs=configs)
     assert copy.planned(configs=configs) == {}
-    folder = copy.results / f"egad/failures/{GRIPPER}"
+    folder = copy.results / f"egad/bench/failures/{GRIPPER}"
     tables = {path.name: path.read_bytes() for path in folder.iterdir()}
     ends = (".parquet", ".examined.parquet", ".attempts.parquet", ".html", ".html.sha256")
     assert set(tables) == {f"own{end}" for end in ends}
@@ -578,7 +578,7 @@ def test_failures_are_searched_if_that_is_asked_for(copy):
     for path in folder.iterdir():
         path.unlink()
     shutil.rmtree(copy.results / "egad/parts")
-    target = f"results/egad/failures/{GRIPPER}/own.html"
+    target = f"results/egad/bench/failures/{GRIPPER}/own.html"
     copy.make("--cores", 1, target, configs=configs)
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == tables
     own.write_text(own.read_text().replace("0.03", "0.02"))
@@ -620,7 +620,7 @@ def test_scenes_are_made_if_that_is_asked_for(copy):
     parts = {"convex_parts": 2, "join_convex_parts": 1}
     made = {"scenes": 3, "scene_card": 1, "report": 1, "all": 1}
     assert copy.planned(configs=configs) == parts | made
-    folder = "results/egad/scenes/egad_75mm"
+    folder = "results/egad/learning/scenes/egad_75mm"
     told = [job for job in copy.told(f"{folder}/card.md", configs=configs) if job.rule == "scenes"]
     assert {job.output for job in told} == {
         f"{folder}/scenes-{number}.parquet {folder}/grasps-{number}.parquet" for number in range(3)

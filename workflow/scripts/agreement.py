@@ -8,7 +8,7 @@ import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
-from egad.perception import evenly
+from egad.learning.images import evenly
 from egad.sim import (
     LabelTrialParameters,
     failed_labelled_grasps,

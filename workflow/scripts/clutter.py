@@ -8,13 +8,10 @@ import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
+from egad.bench import failed_round, rounds_of
 from egad.bench.clearing import Cleared
 from egad.config.stages import ClearedTables
 from egad.detectors import STARTING_TIME, FailureMonitor, keep_failure
-from egad.sim import (
-    failed_round,
-    rounds_of,
-)
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.outcomes import Outcome

@@ -8,8 +8,8 @@ import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
+from egad.bench import naive_outcomes
 from egad.config.stages import NaiveGrasps
-from egad.sim import naive_outcomes
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import NAIVE_GRASPS

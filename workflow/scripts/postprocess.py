@@ -18,8 +18,8 @@ from egad.config.archive_settings import (
     differences,
 )
 from egad.config.stages import PostprocessSolids
-from egad.cppn import packed_surface
 from egad.errors import RejectedError
+from egad.evolution import packed_surface
 from egad.geometry import joined_primitives
 from egad.io import EVERY_FILE, objects_in, read_mesh
 from egad.random import generator

@@ -11,13 +11,13 @@ import simulate
 import trimesh
 from PIL import Image
 
+from egad.bench import failed_attempts
 from egad.cli import main
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, SimulationBundle, select
 from egad.errors import UserError
 from egad.geometry import make_simulation_object
 from egad.io import write_obj
-from egad.sim.attempts import failed_attempts
 from egad.sim.film import write_film
 from egad.sim.model import model_of
 from egad.tables import parquet
