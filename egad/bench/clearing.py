@@ -19,12 +19,12 @@ from egad.detectors import (
     DetectorConfig,
     FailureMonitor,
     check_gripper,
+    grasps_if_any,
     knows_scene,
     opened,
 )
 from egad.errors import RejectedError, UserError
 from egad.grasps import GraspLabel, label_parameters
-from egad.grasps.sampling import grasps_if_any
 from egad.grippers import Gripper
 from egad.objects import NamedMesh
 from egad.sim import Model

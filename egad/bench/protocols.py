@@ -193,7 +193,7 @@ _VGN = ClutterProtocol(
     choice="random",
     threshold=0.9,
 )
-NAMED_PROTOCOLS = {
+NAMED_PROTOCOLS: dict[str, ClutterProtocol] = {
     "egad": ClutterProtocol(),
     "vgn": _VGN,
     "giga": _VGN.model_copy(

@@ -28,13 +28,13 @@ from egad.detectors import (
     Labels,
     check_gripper,
     check_views_will_do,
+    grasps_if_any,
     knows_scene,
     more_than_a_view,
     opened,
 )
 from egad.errors import RejectedError, UserError, check_name
 from egad.grasps import GraspLabel, label_parameters
-from egad.grasps.sampling import grasps_if_any
 from egad.grippers import Gripper, as_gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.sim import EngineName, check_engine

@@ -29,6 +29,7 @@ from .heightmap import heightmap_of as heightmap_of
 from .heightmap import min_fingertip_height as min_fingertip_height
 from .heightmap import window_of as window_of
 from .labels import Labels as Labels
+from .labels import grasps_if_any as grasps_if_any
 from .maps import SIZE as SIZE
 from .maps import Answer as Answer
 from .maps import peaks as peaks

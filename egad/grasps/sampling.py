@@ -1,6 +1,5 @@
 """Grasps of a mesh, labelled."""
 
-import logging
 from typing import NamedTuple
 
 import numpy as np
@@ -23,10 +22,6 @@ from egad.grasps.samplers import check_sampler, draw_grasps
 from egad.grasps.suction import label_cups
 from egad.grippers import ANTIPODAL, SUCTION, Gripper, as_gripper, hand_body
 from egad.random import generator
-from egad.tables.grasping import GRASPS
-from egad.tables.parquet import empty
-
-log = logging.getLogger(__name__)
 
 
 class LabelledGrasps(NamedTuple):
@@ -179,17 +174,6 @@ def dataset_grasps(
     """
     rng = generator(parameters.seed, "grasps", object_id)
     return _table(Labeller(parameters)(mesh, center_of_mass(mesh), rng))
-
-
-def grasps_if_any(
-    mesh: trimesh.Trimesh, object_id: str, parameters: LabelParameters
-) -> pd.DataFrame:
-    """Like `dataset_grasps`, but if there are none, an empty table and a line in the log."""
-    try:
-        return dataset_grasps(mesh, object_id, parameters)
-    except RejectedError as reason:
-        log.info("%s has no grasps: %s", object_id, reason)
-        return empty(GRASPS)
 
 
 def _table(found: LabelledGrasps) -> pd.DataFrame:
