@@ -1,7 +1,7 @@
 """ggcnn: grasps from the networks of GG-CNN, for every pixel of a depth image.
 
 Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasping", IJRR 2020.
-`egad.learning.targets` describes what is theirs; how deep the hand reaches is ours.
+`egad.detectors.maps` describes what is theirs; how deep the hand reaches is ours.
 """
 
 import zipfile
@@ -106,7 +106,7 @@ class MapDetector:
         """Take a network.
 
         Args:
-            infer: Maps depths (300, 300) of `targets.prepare_input` to quality, cos 2a, sin 2a and
+            infer: Maps depths (300, 300) of `maps.prepare_input` to quality, cos 2a, sin 2a and
                 width (4, 300, 300).
             execution: Where the hand goes: see `__call__`.
         """
@@ -123,7 +123,7 @@ class MapDetector:
         our own execution.
 
         The input is the middle 300 x 300 pixels; a smaller image is enlarged, and pixels without
-        depth are filled. The four output images are smoothed (see `egad.learning.targets`).
+        depth are filled. The four output images are smoothed (see `egad.detectors.maps`).
 
         As in `antipodal-depth`, the hand goes as deep as table, neighboring surface and palm allow
         (`egad.detectors.min_fingertip_height`) at a pixel where the network sees a grasp. The

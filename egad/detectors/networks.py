@@ -141,7 +141,7 @@ def inference(network: nn.Module) -> Infer:
 
     Returns:
         A function from an image or a grid to channels of the same size. GG-CNN: from a depth image
-        of 300 x 300, as `targets.prepare_input` gives it, to (4, 300, 300): quality, cos 2a, sin 2a
+        of 300 x 300, as `maps.prepare_input` gives it, to (4, 300, 300): quality, cos 2a, sin 2a
         and width. VGN: from a grid (40, 40, 40) to (6, 40, 40, 40): quality, quaternion and width.
     """
     network.eval()

@@ -40,7 +40,7 @@ class WithoutCollisions:
 
 def main(run: Path) -> None:
     """Print what each clears, and the outcomes of its attempts."""
-    index = load_scenes(run / "results/egad/learning/scenes/panda").index
+    index = load_scenes(run / "results/egad/scenes/panda").index
     names = sorted(set(index.loc[index["split"] == "test", "objects"].explode()))[:OBJECTS]
     objects = egad.load("released").select(names)
     for network, path in NETWORKS.items():

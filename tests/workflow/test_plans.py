@@ -538,7 +538,7 @@ def few_failures(checkout, detector="own.py:beside", **changes):
 
 
 def test_failures_are_searched_again_for_what_decides_them(copy):
-    target = f"results/egad/bench/failures/{GRIPPER}/own.parquet"
+    target = f"results/egad/failures/{GRIPPER}/own.parquet"
     jobs = {"search_failures": 2, "join_failures": 1}
     assert copy.planned(target, configs=few_failures(copy)) == jobs
     assert copy.planned(target, configs=few_failures(copy, shards=3)) == jobs | {
@@ -578,7 +578,7 @@ def test_failures_are_searched_if_that_is_asked_for(copy):
     for path in folder.iterdir():
         path.unlink()
     shutil.rmtree(copy.results / "egad/parts")
-    target = f"results/egad/bench/failures/{GRIPPER}/own.html"
+    target = f"results/egad/failures/{GRIPPER}/own.html"
     copy.make("--cores", 1, target, configs=configs)
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == tables
     own.write_text(own.read_text().replace("0.03", "0.02"))
@@ -620,7 +620,7 @@ def test_scenes_are_made_if_that_is_asked_for(copy):
     parts = {"convex_parts": 2, "join_convex_parts": 1}
     made = {"scenes": 3, "scene_card": 1, "report": 1, "all": 1}
     assert copy.planned(configs=configs) == parts | made
-    folder = "results/egad/learning/scenes/egad_75mm"
+    folder = "results/egad/scenes/egad_75mm"
     told = [job for job in copy.told(f"{folder}/card.md", configs=configs) if job.rule == "scenes"]
     assert {job.output for job in told} == {
         f"{folder}/scenes-{number}.parquet {folder}/grasps-{number}.parquet" for number in range(3)
