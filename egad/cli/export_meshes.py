@@ -10,15 +10,7 @@ import typer
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cli.common import (
-    CORES,
-    ArchiveFile,
-    Config,
-    Jobs,
-    OutFolder,
-    check_spare,
-    settings_in,
-)
+from egad.cli.common import CORES, ArchiveFile, Config, Jobs, OutFolder, check_spare, settings_in
 from egad.config.stages import select
 from egad.errors import RejectedError, UserError
 from egad.evolution import COARSEST, FINEST, Shape

@@ -5,13 +5,7 @@ from pydantic import Field
 from egad._util.parameters import Name, Parameters, Seed
 from egad.bench import Clutter, NaiveGrasp, TrialProtocol
 from egad.bench.failures import FailureSearch
-from egad.config.sections import (
-    DatasetSection,
-    Postprocess,
-    Release,
-    Schedule,
-    Targets,
-)
+from egad.config.sections import DatasetSection, Postprocess, Release, Schedule, Targets
 from egad.detectors import DETECTORS, DetectorConfig, ImageNoise
 from egad.evalset import Engraving, PrintCheck, PrintExport, SelectEval
 from egad.evolution import Envelope, Evolution, Hole, KeepSolid, Limits, Neat, Shape, Symmetry

@@ -12,14 +12,7 @@ from egad._util.arrays import Floats, Ints
 from egad.detectors.base import DetectorError, Grasp, first_possible
 from egad.detectors.camera import View
 from egad.detectors.observation import Observation, PointCloud
-from egad.detectors.poses import (
-    GraspPoses,
-    PoseGrasp,
-    best_pose,
-    by_score,
-    infeasibility,
-    pose_of,
-)
+from egad.detectors.poses import GraspPoses, PoseGrasp, best_pose, by_score, infeasibility, pose_of
 from egad.detectors.tsdf import Tsdf
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper

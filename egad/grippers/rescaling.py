@@ -4,11 +4,7 @@ import trimesh
 
 from egad._util.arguments import check_positive
 from egad._util.parameters import MAX_SIDE_FRACTION
-from egad.geometry import (
-    SIDE_FRACTION,
-    check_units,
-    scaling,
-)
+from egad.geometry import SIDE_FRACTION, check_units, scaling
 from egad.grippers.parameters import Gripper
 from egad.grippers.table import as_gripper
 

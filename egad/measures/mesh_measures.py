@@ -8,13 +8,7 @@ from egad._util.display import facts_html
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import phase_if_slow
 from egad.errors import check_name
-from egad.geometry import (
-    ENLARGED,
-    ScaleWarning,
-    check_units,
-    size_text,
-    warn_user,
-)
+from egad.geometry import ENLARGED, ScaleWarning, check_units, size_text, warn_user
 from egad.geometry.repair import dropped_text, repair_with_warning
 from egad.grippers import SUCTION, Gripper, as_gripper
 from egad.measures.complexity import CoarseMeshWarning, coarse_advice, is_coarse

@@ -5,10 +5,7 @@ from typing import Literal, get_args
 
 from pydantic import Field
 
-from egad._util.parameters import (
-    ParameterGroup,
-    Parameters,
-)
+from egad._util.parameters import ParameterGroup, Parameters
 from egad.errors import UserError, check_name
 from egad.grasps import Quality
 from egad.grippers import Gripper

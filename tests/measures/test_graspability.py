@@ -18,12 +18,7 @@ from egad.measures.graspability import (
 )
 from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MeasureParameters
-from egad.measures.percentile import (
-    BoundedSample,
-    confidence_between,
-    percentile,
-    percentile_std,
-)
+from egad.measures.percentile import BoundedSample, confidence_between, percentile, percentile_std
 
 
 def parameters(sampling=None, confidence=0.0, **settings):

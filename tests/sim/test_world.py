@@ -20,14 +20,7 @@ from egad.sim.gripper import Hand
 from egad.sim.model import Model, build
 from egad.sim.mujoco_model import scene_spec
 from egad.sim.parameters import EngineName, check_engine
-from egad.sim.world import (
-    GRAVITY,
-    TABLE_FRICTION,
-    TIME_STEP,
-    Pose,
-    UnstableError,
-    World,
-)
+from egad.sim.world import GRAVITY, TABLE_FRICTION, TIME_STEP, Pose, UnstableError, World
 
 BUNDLE = Bundle()
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])

@@ -11,12 +11,7 @@ import trimesh
 
 from egad._util.progress import progress
 from egad.config import DatasetSection
-from egad.config.archive_settings import (
-    MEASURING,
-    archive_notes,
-    check_provenance,
-    differences,
-)
+from egad.config.archive_settings import MEASURING, archive_notes, check_provenance, differences
 from egad.config.stages import PostprocessSolids
 from egad.errors import RejectedError
 from egad.evolution import packed_surface

@@ -4,13 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from egad._util.parameters import (
-    Fraction,
-    ParameterGroup,
-    Parameters,
-    PositiveFraction,
-    Seed,
-)
+from egad._util.parameters import Fraction, ParameterGroup, Parameters, PositiveFraction, Seed
 from egad.bench.parameters import ContactRule
 from egad.detectors import DetectorConfig, check_gripper
 from egad.errors import UserError
