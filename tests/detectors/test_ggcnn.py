@@ -247,8 +247,8 @@ def test_without_weights_the_message_says_where_they_are():
 
 def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
     for name in ("networks", "weights"):
-        monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
-        monkeypatch.delattr(egad.learning, name, raising=False)
+        monkeypatch.delitem(sys.modules, f"egad.detectors.{name}", raising=False)
+        monkeypatch.delattr(egad.detectors, name, raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     (tmp_path / "weights.pt").touch()
     with pytest.raises(UserError, match=r"egad\[vision\]"):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import egad.learning
 from egad.cli.commands import app
 from egad.config import Settings
 from egad.config.stages import TrainNetwork, select
@@ -181,9 +180,15 @@ def test_a_folder_of_something_else_is_a_mistake(tmp_path):
 
 
 def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
-    for name in ("networks", "weights", "training", "evaluation"):
-        monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
-        monkeypatch.delattr(egad.learning, name, raising=False)
+    pytorch = (
+        "detectors.networks",
+        "detectors.weights",
+        "learning.training",
+        "learning.evaluation",
+    )
+    for name in pytorch:
+        monkeypatch.delitem(sys.modules, f"egad.{name}", raising=False)
+        monkeypatch.delattr(f"egad.{name}", raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(UserError, match=r"egad\[vision\]"):
         train(SETTINGS, [tmp_path], tmp_path)

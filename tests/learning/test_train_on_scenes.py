@@ -13,7 +13,6 @@ import trimesh
 from shapes import grasps_of
 from typer.testing import CliRunner
 
-import egad.learning
 from egad.cli.commands import app
 from egad.config.stages import TrainOnScenes
 from egad.detectors import DepthCamera, DetectorConfig, Intrinsics, cameras_around, render_scene
@@ -335,9 +334,10 @@ def test_the_fingerprint_has_the_version_of_the_code(scenes):
 
 
 def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
-    for name in ("networks", "weights", "training", "scene_training", "vgn"):
-        monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
-        monkeypatch.delattr(egad.learning, name, raising=False)
+    detectors = ("detectors.networks", "detectors.weights", "detectors.vgn_network")
+    for name in (*detectors, "learning.training", "learning.scene_training"):
+        monkeypatch.delitem(sys.modules, f"egad.{name}", raising=False)
+        monkeypatch.delattr(f"egad.{name}", raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     with pytest.raises(UserError, match=r"egad\[vision\]"):
