@@ -1,6 +1,7 @@
 # make         set up, then the whole pipeline on config/config.yaml, up to results/report.html
 # make setup   set up only: .venv from requirements.lock; targets below add requirements-dev.lock
 # make test    set up, then all tests
+# make studies set up, then the tests of studies/
 # make check   set up, then all tests, those of the next four targets too
 # make browser set up, then pages in Chromium (Debian: apt-get install chromium)
 # make slicer  set up, then slice plates of released objects (Debian: apt-get install prusa-slicer)
@@ -34,7 +35,7 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.11 \
 	--fork-strategy fewest --generate-hashes --custom-compile-command "make lock"
 
-.PHONY: all setup tools kernels test check bounds browser slicer slurm vision bench docs wheel leaderboard lint lock
+.PHONY: all setup tools kernels test studies check bounds browser slicer slurm vision bench docs wheel leaderboard lint lock
 .PHONY: has-chromium has-slicer has-slurm has-torch
 
 all: setup
@@ -46,6 +47,9 @@ tools: $(TOOLS)
 
 test: kernels
 	$(TESTS)
+
+studies: kernels
+	$(TESTS) studies
 
 # Compiled with few optimisations, which takes less time than these would save.
 bounds: tools
@@ -99,7 +103,7 @@ lint: tools
 	ruff check
 	ruff format --check
 	mypy
-	snakefmt --check Snakefile workflow experiments/scene_study experiments/training_study
+	snakefmt --check Snakefile workflow studies/scenes studies/training
 	snakemake --lint
 	python -m egad.config.manual --check
 	python -m egad.workflow.results_page --check

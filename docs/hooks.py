@@ -2,8 +2,8 @@
 
 Pages link to files beside docs/, as they do in the repository: `../config/README.md`,
 `../examples/measures.py`. Each of these becomes a page of the site, Markdown as it is and anything
-else as a listing, and links lead to that page. Each name in `egad.__all__` gets a page with its
-docstring and an entry in the navigation.
+else but pictures as a listing, and links lead to that page. Each name in `egad.__all__` gets a page
+with its docstring and an entry in the navigation.
 """
 
 import base64
@@ -27,6 +27,7 @@ NOTEBOOK = "tutorial.ipynb"
 HOME = "index.md"  # stands for README.md
 REFERENCE = "Reference"  # heading in the navigation of mkdocs.yml
 LINK = re.compile(r"(?<=\]\()([^)\s#:]+)(#[^)\s]*)?(?=\))")
+PICTURES = (".png", ".svg")
 LANGUAGES = {".py": "python", ".yaml": "yaml", ".toml": "toml", ".smk": "python", ".sh": "bash"}
 
 
@@ -51,7 +52,8 @@ def on_files(files: "Files", *, config: "MkDocsConfig") -> "Files":
     for path in with_links_of_their_own(wanted):
         uri = page_path(path)
         level = InclusionLevel.UNDEFINED if uri in in_navigation else InclusionLevel.NOT_IN_NAV
-        files.append(File.generated(config, uri, content=listing(path), inclusion=level))
+        content = (ROOT / path).read_bytes() if path.endswith(PICTURES) else listing(path)
+        files.append(File.generated(config, uri, content=content, inclusion=level))
     notebook = json.loads((ROOT / "docs" / NOTEBOOK).read_text())
     files.append(File.generated(config, page_path(f"docs/{NOTEBOOK}"), content=page_of(notebook)))
     for uri, content in reference_pages():
@@ -75,7 +77,7 @@ def page_path(path: str) -> str:
         return HOME
     if path.startswith("docs/"):
         return path.removeprefix("docs/").replace(".ipynb", ".md")
-    return path if path.endswith(".md") else f"{path}.md"
+    return path if path.endswith((".md", *PICTURES)) else f"{path}.md"
 
 
 def with_links_to_pages(text: str, source: str) -> str:

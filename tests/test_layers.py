@@ -99,7 +99,7 @@ def test_only_tests_of_the_workflow_import_its_scripts():
     assert scripts
     importing = [
         f"{path.relative_to(ROOT)} imports {name}"
-        for folder in ("egad", "tests", "experiments", "examples")
+        for folder in ("egad", "tests", "docs", "studies", "examples")
         for path in sorted((ROOT / folder).rglob("*.py"))
         if not path.is_relative_to(ROOT / "tests/workflow")
         for name in top_modules(path)

@@ -33,6 +33,8 @@ hooks = hooks_module()
         ("docs/custom.md", "https://example.org/a.md", "https://example.org/a.md"),
         ("docs/custom.md", "../config/no-such-file.yaml", "../config/no-such-file.yaml"),
         ("docs/custom.md", "#limits", "#limits"),
+        ("docs/results.md", "../studies/search/search.svg", "studies/search/search.svg"),
+        ("studies/search/README.md", "search.svg", "search.svg"),
     ],
 )
 def test_links_lead_to_pages_of_the_site(source, link, page):

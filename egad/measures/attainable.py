@@ -1,6 +1,6 @@
 """The cells that objects can be expected in: how high the percentile of grasp quality gets (ours).
 
-docs/studies/search.md derives this limit, and has the solids that come close to it or exceed it.
+studies/search/README.md derives this limit, and has the solids that come close to it or exceed it.
 """
 
 import math

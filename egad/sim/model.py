@@ -12,7 +12,7 @@ from egad.grippers import Gripper
 from egad.objects import NamedMesh, scaled_solid
 
 # kg; PyBullet's solver does not converge for lighter bodies under large grip forces:
-# docs/studies/engines.md
+# studies/engines/README.md
 MIN_MASS = 0.05
 
 

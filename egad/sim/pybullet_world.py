@@ -28,7 +28,7 @@ from egad.sim.world import (
     wall_boxes,
 )
 
-# Enough for light, thin objects in a strong hand; figures are in docs/studies/engines.md.
+# Enough for light, thin objects in a strong hand; figures are in studies/engines/README.md.
 SOLVER_ITERATIONS = 150
 # The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
 COLLISION_MARGIN = 1e-4

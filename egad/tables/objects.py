@@ -151,7 +151,7 @@ COMPARISON = pa.schema(
             "attainable_coverage",
             FLOAT,
             "fraction of the slots that are filled, without the easiest rows, where no object is "
-            "expected (docs/studies/search.md)",
+            "expected (studies/search/README.md)",
         ),
         column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),
         column("diversity_min", FLOAT, "diversity of the least diverse object"),

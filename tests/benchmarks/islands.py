@@ -1,4 +1,4 @@
-"""Where merging outgrows evolving, for docs/studies/scaling.md.
+"""Where merging outgrows evolving, for studies/scaling/README.md.
 
     python tests/benchmarks/islands.py STEPS      islands do so many steps of 100 children, twice
     python tests/benchmarks/islands.py FILE...    archives of epochs, as if they were islands

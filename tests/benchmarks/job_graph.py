@@ -1,4 +1,4 @@
-"""How long Snakemake plans, for docs/studies/scaling.md.
+"""How long Snakemake plans, for studies/scaling/README.md.
 
     python tests/benchmarks/job_graph.py FOLDER
 

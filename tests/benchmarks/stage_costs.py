@@ -1,4 +1,4 @@
-"""What every stage costs: CPU time and memory of all jobs but evolution (docs/studies/scaling.md).
+"""What every stage costs: CPU time and memory of all jobs but evolution (studies/scaling).
 
     python tests/benchmarks/stage_costs.py run FOLDER OBJECTS   on so many of the released objects
     python tests/benchmarks/stage_costs.py table FOLDER...      a table of such runs

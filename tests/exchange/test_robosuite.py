@@ -1,4 +1,4 @@
-"""Objects for robosuite; `experiments/readers.py` lets robosuite itself read them."""
+"""Objects for robosuite; `docs/scripts/readers.py` lets robosuite itself read them."""
 
 from xml.etree import ElementTree
 

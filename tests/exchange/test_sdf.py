@@ -1,4 +1,4 @@
-"""Objects as SDFormat, after its specification; `experiments/readers.py` lets Drake read them."""
+"""Objects as SDFormat, after its specification; `docs/scripts/readers.py` lets Drake read them."""
 
 from xml.etree import ElementTree
 

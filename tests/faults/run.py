@@ -28,7 +28,7 @@ FAULTS = Path(__file__).with_name("faults.yaml")
 LIMIT = 7200  # seconds of the tests of a package; each has a limit of its own, so none hangs
 LONGEST = 3600  # seconds of a test: a busy machine is no fault
 # The tests of the workflow that take long come last.
-EARLY = ("profiles", "plans", "training_study_plans", "failures", "results")
+EARLY = ("profiles", "plans", "failures", "results")
 MARK = ".copy-for-faults"
 FAILURE = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
 CAUGHT, UNNOTICED = "caught", "not caught"

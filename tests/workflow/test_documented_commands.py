@@ -11,7 +11,7 @@ from snakemake.cli import get_argument_parser
 ROOT = Path(__file__).parents[2]
 PAGES = [
     path
-    for folder in (ROOT, ROOT / "config", ROOT / "docs", ROOT / "experiments")
+    for folder in (ROOT, ROOT / "config", ROOT / "docs", ROOT / "studies")
     for pattern in ("*.md", "*/*.md", "*.yaml", "*/*.yaml")
     for path in folder.glob(pattern)
 ]
@@ -58,7 +58,7 @@ PROGRAMS = {
     name
     for path in PAGES
     for name in re.findall(
-        r"\bpython\s+((?:experiments|tests/benchmarks)/[\w/]+\.py)", path.read_text()
+        r"\bpython\s+((?:docs/scripts|studies|tests/benchmarks)/[\w/]+\.py)", path.read_text()
     )
 }
 

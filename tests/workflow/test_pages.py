@@ -86,8 +86,7 @@ def reason_to_skip(command):
 def workplace(clean):
     """A copy of the repository with few objects, and meshes of a user."""
     folder = clean.folder
-    for name in ("examples", "experiments"):
-        shutil.copytree(ROOT / name, folder / name)
+    shutil.copytree(ROOT / "examples", folder / "examples")
     small = merged(defaults(), merged(read_values(ROOT / "config/test.yaml"), FEW))
     for name, values in {"config": small, "released": {"shards": 2}}.items():
         (folder / f"config/{name}.yaml").write_text(yaml.safe_dump(values))

@@ -1,7 +1,6 @@
 from .clearing import Clearing as Clearing
 from .clearing import ClearingComparison as ClearingComparison
 from .clearing import by_difficulty as by_difficulty
-from .clearing import cleared_shares as cleared_shares
 from .clearing import clearing_rates as clearing_rates
 from .clearing import compare_clearing as compare_clearing
 from .conclusions import clearing_conclusion as clearing_conclusion

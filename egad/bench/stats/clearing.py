@@ -8,7 +8,7 @@ import pandas as pd
 
 from egad._util.arrays import Floats, Ints
 from egad.bench.stats.paired import NothingInCommonError, sign_flip
-from egad.bench.stats.rates import Interval, Mean, Rate, bootstrap, mean_of
+from egad.bench.stats.rates import Interval, Mean, bootstrap, mean_of
 from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 SCENE = ["round", "seed", "objects", "factors", "n_objects"]  # the initial scene of a round
@@ -44,26 +44,6 @@ def clearing_rates(table: pd.DataFrame) -> list[Clearing]:
         table: Columns of `tables.clutter.CLUTTER`.
     """
     return [_rates(*key, _rounds(rows)) for key, rows in _groups(table)]
-
-
-def cleared_shares(table: pd.DataFrame) -> pd.DataFrame:
-    """The rates of `clearing_rates` without intervals.
-
-    Args:
-        table: Columns of `tables.clutter.CLUTTER`.
-
-    Returns:
-        Columns scene, noise, success and cleared; success is NaN without attempts.
-    """
-    counts = [
-        (*key, _counts(_rounds(rows), "success", "tried", "n_objects"))
-        for key, rows in _groups(table)
-    ]
-    rows = [
-        (scene, noise, Rate(won.sum(), tried.sum()).value, Rate(won.sum(), there.sum()).value)
-        for scene, noise, (won, tried, there) in counts
-    ]
-    return pd.DataFrame(rows, columns=["scene", "noise", "success", "cleared"])
 
 
 class ClearingComparison(NamedTuple):

@@ -1,0 +1,60 @@
+"""Budgets of what there is to read. A commit that raises one says what it leaves out instead."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+# What a reader meets who came for objects and grasps.
+ABOVE_THE_LINE = [
+    *("__init__.py", "__init__.pyi", "errors.py", "random.py", "plugins.py", "objects.py"),
+    *("_util", "geometry", "io", "tables", "evolution", "measures", "grippers", "grasps", "data"),
+]
+
+
+def lines(*paths):
+    files = [file for path in paths for file in ([path] if path.is_file() else path.rglob("*.py"))]
+    return sum(len(file.read_text().splitlines()) for file in files)
+
+
+def lines_in_all():
+    return lines(ROOT / "egad", ROOT / "workflow")
+
+
+def words_of(pattern):
+    return lambda: sum(len(path.read_text().split()) for path in ROOT.glob(pattern))
+
+
+def lines_above_the_line():
+    paths = [ROOT / "egad" / name for name in ABOVE_THE_LINE]
+    missing = [path.name for path in paths if not path.exists()]
+    if missing:
+        pytest.skip(f"not there yet: {', '.join(missing)}")
+    return lines(*paths)
+
+
+def entries():
+    return sum(path.name != "__pycache__" for path in (ROOT / "egad").iterdir())
+
+
+def settings():
+    manual = (ROOT / "config/README.md").read_text().partition("<!-- settings -->")[2]
+    return len(re.findall(r"^\| `", manual, flags=re.MULTILINE))
+
+
+@pytest.mark.parametrize(
+    ("what", "size", "limit"),
+    [
+        ("lines of egad/ above the line", lines_above_the_line, 21_000),
+        ("lines of egad/ and workflow/", lines_in_all, 70_250),  # goal: 60,000
+        ("entries of egad/", entries, 45),  # goal: 26
+        ("settings", settings, 345),  # goal: 300
+        ("words of README.md", words_of("README.md"), 1_060),  # goal: 850
+        ("words of docs/", words_of("docs/**/*.md"), 39_800),  # goal: 30,000
+        ("words of docs/results.md", words_of("docs/results.md"), 1_200),
+    ],
+)
+def test_what_there_is_to_read_is_within_its_budget(what, size, limit):
+    found = size()
+    assert found <= limit, f"{what}: {found:,}, {found - limit:,} over the budget of {limit:,}"
