@@ -30,7 +30,6 @@ from .heightmap import min_fingertip_height as min_fingertip_height
 from .heightmap import window_of as window_of
 from .labels import Labels as Labels
 from .labels import grasps_if_any as grasps_if_any
-from .maps import SIZE as SIZE
 from .maps import Answer as Answer
 from .maps import peaks as peaks
 from .maps import prepare_input as prepare_input
@@ -51,6 +50,7 @@ from .parameters import LABELS as LABELS
 from .parameters import NETWORKS as NETWORKS
 from .parameters import NOISES as NOISES
 from .parameters import SHIPPED_NETWORKS as SHIPPED_NETWORKS
+from .parameters import SIZE as SIZE
 from .parameters import DetectorConfig as DetectorConfig
 from .parameters import ImageNoise as ImageNoise
 from .parameters import NoiseName as NoiseName

@@ -18,8 +18,8 @@ from egad._util.extras import needed_for
 from egad.detectors.base import FULL_DEPTH, MIN_DEPTH, WHERE, Grasp, depth_weight, rank_grasps
 from egad.detectors.camera import View
 from egad.detectors.heightmap import Heightmap, heightmap_of, min_fingertip_height
-from egad.detectors.maps import SIZE, Answer, peaks, prepare_input, read_as_published, read_maps
-from egad.detectors.parameters import Execution
+from egad.detectors.maps import Answer, peaks, prepare_input, read_as_published, read_maps
+from egad.detectors.parameters import SIZE, Execution
 from egad.detectors.restoration import fill_missing, restore
 from egad.errors import UserError
 from egad.grasps import TABLE_CLEARANCE

@@ -11,7 +11,6 @@ from scipy import ndimage
 
 from egad._util.arrays import Floats
 
-SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 WIDEST = 150.0  # pixels; the width that the network calls 1
 SMOOTHING = 2.0  # pixels; of all four maps
 MIN_QUALITY = 0.01  # quality; less is no grasp, and no width is read by it

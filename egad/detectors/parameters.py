@@ -9,6 +9,7 @@ from egad._util.parameters import Fraction, Parameters, UserPath
 from egad.errors import UserError
 from egad.grippers import Gripper
 
+SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 NoiseName = Literal["none", "stereo", "gamma", "dex", "points"]
 NOISES: tuple[NoiseName, ...] = get_args(NoiseName)
 Execution = Literal["deepest", "published"]

@@ -68,6 +68,7 @@ from .simulation_objects import simulation_object as simulation_object
 from .simulation_objects import warn_of_row as warn_of_row
 from .stable_poses import StablePose as StablePose
 from .stable_poses import group_poses as group_poses
+from .stable_poses import resting_poses as resting_poses
 from .surface_samples import rims as rims
 from .surface_samples import spread as spread
 from .touchable import MAX_BURIED as MAX_BURIED

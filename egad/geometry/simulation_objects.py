@@ -13,7 +13,7 @@ from egad.geometry.manifold import wind_outwards
 from egad.geometry.mass import MassProperties, mass_properties
 from egad.geometry.parameters import Bundle
 from egad.geometry.parts import make_parts, measure_parts, warn_if_beyond
-from egad.geometry.stable_poses import StablePose, group_poses, stable_poses
+from egad.geometry.stable_poses import StablePose, group_poses, resting_poses
 from egad.tables import parquet
 
 MIN_PROBABILITY = 0.001  # of the poses that are listed
@@ -49,7 +49,7 @@ class SimulationObject:
     @cached_property
     def poses(self) -> tuple[StablePose, ...]:
         """Stable poses on a table: 5 degrees apart, and at least 0.1 % probable."""
-        poses = group_poses(stable_poses(self.mesh, self.physics.com), SAME_POSE)
+        poses = group_poses(resting_poses(self.mesh, self.physics.com), SAME_POSE)
         return tuple(pose for pose in poses if pose.probability >= MIN_PROBABILITY)
 
 

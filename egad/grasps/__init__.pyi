@@ -31,6 +31,7 @@ from .parameters import Quality as Quality
 from .parameters import Robust as Robust
 from .parameters import RobustSuction as RobustSuction
 from .parameters import Sampling as Sampling
+from .posed import label_cups as label_cups
 from .posed import label_poses as label_poses
 from .posed import posed_table as posed_table
 from .poses import PANDA_REACH as PANDA_REACH

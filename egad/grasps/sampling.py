@@ -17,9 +17,8 @@ from egad.grasps.antipodal import SamplingStatistics
 from egad.grasps.grasps import Grasps
 from egad.grasps.labels import label_parameters, rate_grasps, sample_for_labels
 from egad.grasps.parameters import APPROACH_ANGLES, CONE, FRICTION, LabelParameters
-from egad.grasps.posed import label_poses
+from egad.grasps.posed import label_cups, label_poses
 from egad.grasps.samplers import check_sampler, draw_grasps
-from egad.grasps.suction import label_cups
 from egad.grippers import ANTIPODAL, SUCTION, Gripper, as_gripper, hand_body
 from egad.random import generator
 

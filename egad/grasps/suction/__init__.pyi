@@ -1,6 +1,5 @@
 from .robust import robust_suction_quality as robust_suction_quality
 from .sampler import collision_free as collision_free
-from .sampler import label_cups as label_cups
 from .sampler import sample_suction as sample_suction
 from .sampler import suction_poses as suction_poses
 from .seal import HOLE_POINTS as HOLE_POINTS

@@ -13,8 +13,7 @@ from egad._util.arrays import Floats
 from egad.bench import SceneKind
 from egad.detectors import DepthCamera, View, add_sensor_noise
 from egad.detectors.observation import overlaid
-from egad.geometry import RayCaster, StablePose, mass_properties
-from egad.geometry.stable_poses import stable_poses
+from egad.geometry import RayCaster, StablePose, mass_properties, resting_poses
 from egad.grippers import HandBody
 from egad.learning.images.arrangement import (
     PlacedObject,
@@ -124,7 +123,7 @@ def pictures(
     seed, name = settings.seed, share.id
     with np.errstate(invalid="ignore", divide="ignore"):  # flat objects rest in no pose
         com = mass_properties(mesh, 1.0).com
-    poses = stable_poses(mesh, com)
+    poses = resting_poses(mesh, com)
     numbers = sample_object_poses(poses, share.images, generator(seed, "render poses", name))
     image, alone = share.first, _LyingAlone(name, mesh, com, poses, settings)
     for pose, count in zip(*np.unique(numbers, return_counts=True), strict=True):

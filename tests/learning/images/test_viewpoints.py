@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from egad.config import Settings
 from egad.detectors import Intrinsics, camera_above
 from egad.detectors.camera import LOOKING_DOWN
-from egad.geometry.stable_poses import stable_poses
+from egad.geometry.stable_poses import resting_poses
 from egad.learning.images import CAMERAS
 from egad.learning.images.viewpoints import sample_object_poses, sample_scene
 
@@ -17,7 +17,7 @@ CENTER = np.array([0.001, -0.002, 0.003])
 
 @pytest.fixture(scope="module")
 def poses():
-    return stable_poses(trimesh.creation.box((0.03, 0.06, 0.04)), CENTER)
+    return resting_poses(trimesh.creation.box((0.03, 0.06, 0.04)), CENTER)
 
 
 def scenes(poses, camera, count=300):
