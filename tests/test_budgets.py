@@ -42,7 +42,7 @@ def settings():
 @pytest.mark.parametrize(
     ("what", "size", "limit"),
     [
-        ("lines of egad/ above the line", lines_above_the_line, 24_850),  # goal: 21,000
+        ("lines of egad/ above the line", lines_above_the_line, 24_860),  # goal: 21,000
         ("lines of egad/ and workflow/", lines_in_all, 70_050),  # goal: 60,000
         ("entries of egad/", entries, 28),  # goal: 26
         ("settings", settings, 345),  # goal: 300

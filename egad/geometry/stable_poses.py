@@ -106,13 +106,13 @@ def stable_poses(
             center of mass is not given, and the mesh is open or inside out.
         UserError: It is not a mesh, or the center of mass is not 3 finite numbers.
 
-    Source: after Goldberg et al., Part pose statistics, 1999.
+    Source: after Goldberg et al., Part pose statistics, 1999 (quasi-static estimate).
     """
     return resting_poses(mesh, center_or_given(mesh, center_of_mass))
 
 
 def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
-    """All faces of the convex hull that a solid can rest on, the most probable first.
+    """The poses of `stable_poses` about a known center of mass.
 
     An object in a random orientation lands on the face that the vertical through its center of mass
     meets, with a probability of that face's solid angle / 4 pi. If the center of mass is not above
@@ -123,14 +123,9 @@ def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
         mesh: Any surface, in any unit; only its hull counts.
         center: Center of mass, (3,), strictly inside the hull.
 
-    Returns:
-        At least one pose; the probabilities add up to 1.
-
     Raises:
         RejectedError: The mesh is flat, empty or not finite, or the center is not inside its hull.
         UserError: It is not a mesh.
-
-    Source: after Goldberg et al., Part pose statistics, 1999 (quasi-static estimate).
     """
     check_mesh(mesh)
     facets = _facets(np.asarray(mesh.vertices, dtype=np.float64), center)
