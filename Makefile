@@ -72,7 +72,7 @@ slurm: has-slurm
 	pytest -m slurm tests/workflow
 
 vision: has-torch
-	pytest tests/learning tests/perception tests/detectors tests/test_run_trials.py tests/test_run_benchmark.py
+	pytest tests/learning tests/detectors tests/bench/test_run_trials.py tests/bench/test_run_benchmark.py
 
 has-chromium: tools
 	@command -v chromium >/dev/null || { echo "chromium is needed" >&2; exit 1; }

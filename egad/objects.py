@@ -1,9 +1,9 @@
-"""Datasets of objects in Python: the released one, those of a run, or any archive."""
+"""Datasets of objects in Python: the released one, those of a run, any archive, or meshes."""
 
-from collections.abc import Iterable, Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cached_property, partial
 from pathlib import Path
-from typing import overload
+from typing import NamedTuple, overload
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,11 @@ from numpy.typing import NDArray
 
 from egad._util.display import facts_html, table_html
 from egad._util.files import as_path
-from egad.cppn import (
+from egad.data import evaluation_set, released, released_ancestry, released_simulated
+from egad.errors import RejectedError, UserError, check_name
+from egad.evolution import (
+    Archive,
+    Lineage,
     Row,
     Shape,
     check_regrown,
@@ -21,11 +25,10 @@ from egad.cppn import (
     packed_surface,
     unpack,
 )
-from egad.data import evaluation_set, released, released_ancestry, released_simulated
-from egad.errors import RejectedError, UserError, check_name
+from egad.geometry import SIDE_FRACTION, check_units, rescale, wind_outwards
 from egad.geometry.repair import repair_for_files
+from egad.grippers import Gripper
 from egad.io import read_mesh
-from egad.map_elites import Archive, Lineage
 from egad.measures import labels
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE
@@ -373,3 +376,69 @@ def dataset_of(elites: pd.DataFrame, shape: Shape, ancestry: Path | None = None)
 def _shape(archive: Path) -> Shape:
     """How the voxels of an archive become meshes, as it says itself."""
     return Shape.model_validate(parquet.notes(archive).get("shape", {}))
+
+
+class NamedMesh(NamedTuple):
+    """A mesh that is made when it is needed.
+
+    Attributes:
+        label: Its name.
+        id: Name of its shape, which seeds everything random about it.
+        mesh: Gives the mesh, metres.
+    """
+
+    label: str
+    id: str
+    mesh: Callable[[], trimesh.Trimesh]
+
+
+def named_meshes(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[NamedMesh]:
+    """The objects of a dataset, or meshes by name.
+
+    Raises:
+        UserError: There are none, or the argument is something else.
+    """
+    if not isinstance(objects, Dataset | Mapping):
+        raise UserError(_not_objects(type(objects).__name__))
+    if not len(objects):
+        raise UserError("there are no objects; give a dataset or meshes by name")
+    if isinstance(objects, Dataset):
+        return [NamedMesh(each.label, each.id, partial(getattr, each, "mesh")) for each in objects]
+    for name in objects:
+        if not isinstance(name, str):
+            raise UserError(_not_objects(f"the name {name!r}"))
+    if isinstance(objects, dict):  # a process that gets a mesh need not get all of them
+        return [NamedMesh(name, name, partial(_itself, mesh)) for name, mesh in objects.items()]
+    return [NamedMesh(name, name, partial(objects.__getitem__, name)) for name in objects]
+
+
+def _not_objects(given: str) -> str:
+    return (
+        "objects must be a dataset, as `egad.load` and `dataset.select` return, or a dictionary of "
+        f"meshes by name, such as {{'mug': mesh}}; got {given}"
+    )
+
+
+def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trimesh:
+    """The mesh of an object as it is grasped: a closed surface wound outwards, scaled, metres.
+
+    Args:
+        target: The object.
+        gripper: What it is scaled to.
+        rule: See `egad.rescale`.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or is flat.
+        UserError: It is not a mesh, or its file is missing.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests a unit other than the metre.
+    """
+    mesh = target.mesh()
+    check_units(mesh, f"the mesh {target.label!r}")
+    solid = wind_outwards(mesh)
+    return rescale(solid, rule, gripper.opening, SIDE_FRACTION)[0]
+
+
+def _itself(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    return mesh

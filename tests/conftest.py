@@ -14,13 +14,12 @@ import trimesh
 from compiled import checks_kernels
 from forks import ADDRESS, forked, server
 
-from egad.cppn import Shape
-from egad.cppn.surface import packed_surface
 from egad.data import evaluation_set, released
+from egad.detectors import DepthCamera, Intrinsics, camera_above
+from egad.evolution import Shape, packed_surface
 from egad.geometry.refinement import triangulation
 from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
-from egad.perception.camera import DepthCamera, Intrinsics, camera_above
 from egad.sim import film
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE

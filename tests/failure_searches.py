@@ -9,9 +9,8 @@ import pytest
 
 from egad.config import Settings
 from egad.config.stages import DetectorFailures, select
-from egad.cppn import UNBOUND
 from egad.detectors import Grasp
-from egad.map_elites import evolution_parameters, express
+from egad.evolution import UNBOUND, evolution_parameters, express
 from egad.objects import dataset_of, load
 from egad.tables.evolution import GENOME
 

@@ -42,7 +42,7 @@ import egad.config.stages
 import egad.data
 import egad.detectors.ggcnn
 import egad.io.sums
-import egad.perception.splits
+import egad.learning.images.splits
 import egad.report.live_map
 import egad.sim.mujoco_world
 import egad.workflow.display

@@ -27,11 +27,7 @@ def words_of(pattern):
 
 
 def lines_above_the_line():
-    paths = [ROOT / "egad" / name for name in ABOVE_THE_LINE]
-    missing = [path.name for path in paths if not path.exists()]
-    if missing:
-        pytest.skip(f"not there yet: {', '.join(missing)}")
-    return lines(*paths)
+    return lines(*(ROOT / "egad" / name for name in ABOVE_THE_LINE))
 
 
 def entries():
@@ -46,9 +42,9 @@ def settings():
 @pytest.mark.parametrize(
     ("what", "size", "limit"),
     [
-        ("lines of egad/ above the line", lines_above_the_line, 21_000),
-        ("lines of egad/ and workflow/", lines_in_all, 70_250),  # goal: 60,000
-        ("entries of egad/", entries, 45),  # goal: 26
+        ("lines of egad/ above the line", lines_above_the_line, 25_290),  # goal: 21,000
+        ("lines of egad/ and workflow/", lines_in_all, 70_530),  # goal: 60,000
+        ("entries of egad/", entries, 28),  # goal: 26
         ("settings", settings, 345),  # goal: 300
         ("words of README.md", words_of("README.md"), 850),
         ("words of docs/", words_of("docs/**/*.md"), 30_000),

@@ -11,16 +11,20 @@ from egad.config import Settings
 from egad.config.archive_settings import check_provenance
 from egad.config.files import read_values
 from egad.config.stages import select
-from egad.cppn import voxels
-from egad.cppn.constraints import UNBOUND
-from egad.cppn.surface import packed_surface
 from egad.data import archive_path, released, released_ancestry, released_simulated
-from egad.map_elites.archive import Elite
-from egad.map_elites.evaluation import GenomeVoxels, express, measure, refine
-from egad.map_elites.parameters import EvolutionParameters
+from egad.evolution import (
+    UNBOUND,
+    Elite,
+    EvolutionParameters,
+    GenomeVoxels,
+    express,
+    packed_surface,
+    voxels,
+)
+from egad.evolution.evaluation import measure, refine
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
-from egad.reeb import graph as reeb
-from egad.reeb.neighbors import diversities
+from egad.measures.reeb import diversities
+from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE
 from egad.tables.grasping import ANTIPODAL_RATES

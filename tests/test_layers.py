@@ -13,37 +13,15 @@ import egad
 
 PACKAGE = Path(egad.__file__).parent
 ROOT = Path(__file__).parents[1]
-LAYERS = [
-    *("errors", "random", "outcomes", "_util", "plugins", "data", "tables"),
-    *(
-        "geometry",
-        "io",
-        "cppn",
-        "reeb",
-        "grippers",
-        "grasps",
-        "suction",
-        "samplers",
-        "measures",
-        "map_elites",
-        "perception",
-    ),
-    *("evalset", "stats", "learning", "detectors", "sim", "exchange", "release", "report"),
-    *(
-        "meshes",
-        "objects",
-        "named_meshes",
-        "measuring",
-        "grasping",
-        "trials",
-        "clearing",
-        "benchmark",
-        "failures",
-        "scenes",
-        "export",
-    ),
+ABOVE = [  # the line: objects and grasps, without a simulator
+    *("errors", "random", "_util", "plugins", "data", "tables", "geometry", "io"),
+    *("grippers", "grasps", "measures", "evolution", "objects"),
+]
+BELOW = [
+    *("evalset", "detectors", "sim", "bench", "learning", "exchange", "report"),
     *("config", "provenance", "workflow", "cli"),
 ]
+LAYERS = ABOVE + BELOW
 
 
 @cache
@@ -85,14 +63,14 @@ def imported_parts(path):
 @pytest.mark.parametrize(
     ("source", "expected"),
     [
-        ("import egad.meshes, os", [("egad.meshes", "")]),
-        ("from egad import meshes", [("egad", "meshes")]),
-        ("from egad.meshes import rescale", [("egad.meshes", "rescale")]),
+        ("import egad.objects, os", [("egad.objects", "")]),
+        ("from egad import objects", [("egad", "objects")]),
+        ("from egad.objects import load", [("egad.objects", "load")]),
         ("from . import poses", [("egad.grasps", "poses")]),
-        ("from .. import meshes", [("egad", "meshes")]),
-        ("from ..reeb.graph import extract", [("egad.reeb.graph", "extract")]),
+        ("from .. import objects", [("egad", "objects")]),
+        ("from ..measures.grid import labels", [("egad.measures.grid", "labels")]),
         ("def late():\n    import egad.sim", [("egad.sim", "")]),
-        ("from egadx import meshes", []),
+        ("from egadx import objects", []),
     ],
 )
 def test_imports_of_all_kinds_are_seen(source, expected):
@@ -139,23 +117,52 @@ def top_modules(path):
             yield node.module.partition(".")[0]
 
 
+def test_nothing_above_the_line_imports_anything_below():
+    crossing = [
+        f"{path.relative_to(PACKAGE)} imports {part}"
+        for name in ABOVE
+        for path in sorted([*PACKAGE.glob(f"{name}.py"), *(PACKAGE / name).rglob("*.py")])
+        for part in imported_parts(path)
+        if part in BELOW
+    ]
+    assert crossing == []
+
+
 def test_packages_are_imported_by_what_they_offer():
     """Another package's names come from its `__init__.pyi`, if it lists them."""
     past = [
         f"{path.relative_to(PACKAGE)} imports {name} from {source}"
         for path in sorted(PACKAGE.rglob("*.py"))
         for source, name in imports_of(path)
-        for package, _, module in [source.removeprefix("egad.").partition(".")]
-        if module and package != path.relative_to(PACKAGE).parts[0]
+        for package in [offering(source)]
+        if package and source != f"egad.{package}" and not path.is_relative_to(folder_of(package))
         if name in offered(package)
     ]
     assert past == []
 
 
-@pytest.mark.parametrize("package", [stub.parent.name for stub in sorted(PACKAGE.glob("*/*.pyi"))])
+def offering(module):
+    """The innermost package with a stub that a module is, or is in; empty if there is none."""
+    package = module.removeprefix("egad").lstrip(".")
+    while package and not (folder_of(package) / "__init__.pyi").exists():
+        package = package.rpartition(".")[0]
+    return package
+
+
+def folder_of(package):
+    return PACKAGE / package.replace(".", "/")
+
+
+@pytest.mark.parametrize(
+    "package",
+    [
+        ".".join(stub.parent.relative_to(PACKAGE).parts)
+        for stub in sorted(PACKAGE.glob("*/**/*.pyi"))
+    ],
+)
 def test_what_a_package_offers_exists(package):
     module = importlib.import_module(f"egad.{package}")
-    modules = {path.stem for path in (PACKAGE / package).iterdir()}
+    modules = {path.stem for path in folder_of(package).iterdir()}
     for name in offered(package):
         assert hasattr(module, name), name
         assert name not in modules, f"{name} is a module too: import order would decide which one"
@@ -163,7 +170,7 @@ def test_what_a_package_offers_exists(package):
 
 def offered(package):
     """Names that the stub of a package lists."""
-    stub = PACKAGE / package / "__init__.pyi"
+    stub = folder_of(package) / "__init__.pyi"
     nodes = ast.walk(ast.parse(stub.read_bytes())) if stub.exists() else ()
     return {node.name for node in nodes if isinstance(node, ast.alias)}
 

@@ -7,14 +7,14 @@ import trimesh
 from partial_tables import fill_columns
 
 import egad
-from egad.cppn.constraints import UNBOUND, solid
-from egad.cppn.parameters import Shape
-from egad.cppn.query import query
-from egad.cppn.voxels import identity
 from egad.data import released
 from egad.errors import RejectedError, TableError, UserError
+from egad.evolution import UNBOUND, Shape
+from egad.evolution.constraints import solid
+from egad.evolution.query import query
+from egad.evolution.voxels import identity
 from egad.geometry.checks import UnitsWarning
-from egad.named_meshes import named_meshes, scaled_solid
+from egad.objects import named_meshes, scaled_solid
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 

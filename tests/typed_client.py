@@ -8,8 +8,7 @@ import trimesh
 from numpy.typing import NDArray
 
 import egad
-from egad.detectors import Grasp
-from egad.perception.camera import View
+from egad.detectors import Grasp, View
 
 
 def highest_point(view: View, gripper: egad.Gripper, rng: np.random.Generator) -> list[Grasp]:

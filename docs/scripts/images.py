@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from egad._util.files import atomic_output
-from egad.perception import SCENE_KINDS, RenderedImage, read
+from egad.bench import SCENE_KINDS
+from egad.learning.images import RenderedImage, read
 
 DOCS = Path(__file__).parents[1]
 COLUMNS, SCALE = 5, 2

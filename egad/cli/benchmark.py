@@ -29,9 +29,9 @@ from egad.cli.repeat import run_trials
 FOLDER = Path("benchmark")
 
 if TYPE_CHECKING:
-    from egad.benchmark import Benchmark
+    from egad.bench.benchmark import Benchmark
     from egad.config.stages import ClearedTables
-    from egad.named_meshes import NamedMesh
+    from egad.objects import NamedMesh
 
 
 def benchmark(
@@ -65,11 +65,11 @@ def benchmark(
     jobs: Jobs = CORES,
 ) -> None:
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
+    from egad.bench.stats import engine_names
     from egad.cli.terminal_tables import cleared, outcome_list
     from egad.config.stages import ClearedTables, select
     from egad.io import check_ending
     from egad.sim import check_engine
-    from egad.stats import engine_names
     from egad.tables.clutter import CLUTTER
 
     settings = with_option(settings_in(config), "--protocol", "clutter.protocol", protocol)
@@ -102,8 +102,8 @@ def _clear(
     settings: "ClearedTables", rule: str, targets: "Sequence[NamedMesh]", jobs: int
 ) -> "Benchmark":
     """Let a detector clear tables of objects."""
-    from egad.benchmark import clear_tables
-    from egad.clearing import check_detector, prepare_objects
+    from egad.bench.benchmark import clear_tables
+    from egad.bench.clearing import check_detector, prepare_objects
 
     label_seed = settings.seed if settings.detector.detector == "labels" else None
     check_detector(settings.detector, settings)

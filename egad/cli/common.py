@@ -19,7 +19,7 @@ from egad.grippers import GRIPPERS, PACKAGED, Gripper, gripper
 if TYPE_CHECKING:
     import pandas as pd
 
-    from egad.named_meshes import NamedMesh
+    from egad.objects import NamedMesh
 
 CORES = available_cpus()
 RUN = Path("results/egad")  # of the default configuration
@@ -265,8 +265,7 @@ def objects_in(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Pa
         UserError: There are no such objects, or no units.
     """
     from egad.io import object_names, read_mesh
-    from egad.named_meshes import NamedMesh, named_meshes
-    from egad.objects import EVALUATION_SET, RELEASED, load
+    from egad.objects import EVALUATION_SET, RELEASED, NamedMesh, load, named_meshes
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
 

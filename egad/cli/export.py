@@ -96,7 +96,7 @@ def _export_archive(
         UserError: The format needs results of a run.
     """
     from egad.exchange import needs_run
-    from egad.export import export
+    from egad.exchange.export import export
     from egad.objects import load
 
     if needs_run(format_name):

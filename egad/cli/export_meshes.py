@@ -10,23 +10,15 @@ import typer
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cli.common import (
-    CORES,
-    ArchiveFile,
-    Config,
-    Jobs,
-    OutFolder,
-    check_spare,
-    settings_in,
-)
+from egad.cli.common import CORES, ArchiveFile, Config, Jobs, OutFolder, check_spare, settings_in
 from egad.config.stages import select
-from egad.cppn import COARSEST, FINEST, Shape
 from egad.errors import RejectedError, UserError
+from egad.evolution import COARSEST, FINEST, Shape
 
 if TYPE_CHECKING:
     import trimesh
 
-    from egad.cppn import Rules
+    from egad.evolution import Rules
 
 log = logging.getLogger(__name__)
 
@@ -50,7 +42,7 @@ def export_meshes(
     """Write the meshes of an archive as ID.obj, in metres, without repair."""
     from egad.config.archive_settings import check_provenance
     from egad.data import archive_path
-    from egad.map_elites import EvolutionParameters, rules_of
+    from egad.evolution import EvolutionParameters, rules_of
     from egad.objects import load
 
     check_spare(out)
@@ -97,7 +89,7 @@ def write_meshes(
         UserError: A genome does not describe its voxels within these constraints.
     """
     from egad._util.files import atomic_output
-    from egad.cppn import UNBOUND
+    from egad.evolution import UNBOUND
     from egad.tables import parquet
     from egad.tables.columns import check_names
     from egad.tables.evolution import ARCHIVE, GENOME
@@ -138,7 +130,7 @@ def _write(
 
 def _stored(row: dict[str, Any], shape: Shape) -> "trimesh.Trimesh":
     """The mesh of the voxels in the archive."""
-    from egad.cppn import packed_surface
+    from egad.evolution import packed_surface
     from egad.geometry import in_single_precision
 
     return in_single_precision(packed_surface(row["voxels"], shape))
@@ -148,7 +140,7 @@ def _grown(
     row: dict[str, Any], shape: Shape, resolution: int, rules: "Rules", checked: "Rules"
 ) -> "trimesh.Trimesh":
     """The mesh of a genome at another resolution."""
-    from egad.cppn import check_regrown, genome_mesh, unpack
+    from egad.evolution import check_regrown, genome_mesh, unpack
 
     voxels = unpack(row["voxels"], shape.resolution)
     try:

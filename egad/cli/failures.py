@@ -24,7 +24,7 @@ from egad.cli.common import (
 from egad.errors import UserError
 
 if TYPE_CHECKING:
-    from egad.failures import FailureAtlas
+    from egad.bench.failures import FailureAtlas
     from egad.objects import Dataset
 
 FILMS = 20
@@ -94,9 +94,9 @@ def failures(
     jobs: Jobs = CORES,
 ) -> None:
     """Search for objects at which a grasp detector fails although they can be grasped."""
+    from egad.bench.failures import check_searchable, search_failures
     from egad.config.stages import DetectorFailures, select
     from egad.detectors import keep_failure
-    from egad.failures import check_searchable, search_failures
     from egad.provenance.record import recorded
 
     settings = settings_in(config)
@@ -147,7 +147,7 @@ def _objects(text: str) -> tuple["Dataset", list[Path]]:
 
 def _tell(atlas: "FailureAtlas", name: str, folder: Path) -> None:
     """Print what a search has found, and where it was written."""
-    from egad.failures import ObjectVerdict
+    from egad.bench.failures import ObjectVerdict
 
     words = {
         ObjectVerdict.DETECTOR_SUCCEEDS: f"{name} succeeds",

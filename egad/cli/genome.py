@@ -23,7 +23,7 @@ def genome(
 ) -> None:
     """Print the network that an object was grown from as expressions, and draw it."""
     from egad._util.files import write_text
-    from egad.cppn import genome_text
+    from egad.evolution import genome_text
     from egad.io import check_ending
     from egad.objects import load
     from egad.report.genome_drawing import genome_svg

@@ -30,8 +30,8 @@ from egad.errors import RejectedError, UserError
 if TYPE_CHECKING:
     import pandas as pd
 
+    from egad.measures.reeb import Neighborhood
     from egad.objects import Dataset
-    from egad.reeb import Neighborhood
     from egad.report.locations import Located
 
 PORTRAIT, THUMBNAIL = 192, 96
@@ -122,8 +122,8 @@ def locate_files(
     """
     import pandas as pd
 
-    from egad.reeb import Neighborhood
-    from egad.reeb import graph as reeb
+    from egad.measures.reeb import Neighborhood
+    from egad.measures.reeb import graph as reeb
     from egad.tables.objects import LOCATED, MEASURED
     from egad.workflow.mesh_files import warn_of_units
     from egad.workflow.released_graphs import dataset_graphs
@@ -153,7 +153,7 @@ class _Mine(NamedTuple):
 
 def _mine(item: tuple[str, Path], units: str | None, settings: MeasureMeshes) -> _Mine:
     from egad.io import read_mesh
-    from egad.reeb import graph as reeb
+    from egad.measures.reeb import graph as reeb
     from egad.report.pictures import png_bytes, render
 
     name, path = item
@@ -170,7 +170,7 @@ def _mine(item: tuple[str, Path], units: str | None, settings: MeasureMeshes) ->
 
 def _placed(item: _Mine, hood: "Neighborhood", objects: "pd.DataFrame") -> dict[str, Any]:
     """A row of `tables.objects.LOCATED`."""
-    from egad.reeb import graph as reeb
+    from egad.measures.reeb import graph as reeb
 
     if not item.graph:
         return item.row

@@ -57,9 +57,9 @@ def log_sheet(
     from egad._util.files import atomic_output, write_text
     from egad._util.progress import progress
     from egad.io import check_ending
-    from egad.outcomes import observable
     from egad.report.log_sheet import LogObject, order_table, page, plan
     from egad.report.pictures import png_bytes, render
+    from egad.tables.outcomes import observable
 
     for path in out:
         check_ending(path, (".html", ".csv"))

@@ -22,8 +22,8 @@ from egad.cli.log_sheet import log_sheet
 from egad.errors import UserError
 
 if TYPE_CHECKING:
+    from egad.bench.failures import FailureAtlas
     from egad.config import Settings
-    from egad.failures import FailureAtlas
 
 
 def matched_set(
@@ -63,7 +63,7 @@ def matched_set(
     jobs: Jobs = CORES,
 ) -> None:
     """Pair failures with similar objects that are grasped: plates, bundle, datasheet, log sheet."""
-    from egad.failures import FailureAtlas, match_failures
+    from egad.bench.failures import FailureAtlas, match_failures
     from egad.provenance.record import recorded
     from egad.workflow.matched_set import write_matched_set
 

@@ -56,8 +56,8 @@ def plan(
     from dataclasses import replace
 
     from egad._util.progress import progress
+    from egad.bench.stats import ObjectRates, fit_object_rates, gather, plan_attempts
     from egad.cli.terminal_tables import planned
-    from egad.stats import ObjectRates, fit_object_rates, gather, plan_attempts
 
     rates = fit_object_rates(list(gather(tables).values())) if tables else ObjectRates()
     given = {

@@ -21,10 +21,10 @@ from egad.grippers import Gripper
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from egad.benchmark import Benchmark
-    from egad.named_meshes import NamedMesh
-    from egad.sim import ClutterParameters, Models, TrialParameters
-    from egad.trials import Trials
+    from egad.bench import ClutterParameters, Models, TrialParameters
+    from egad.bench.benchmark import Benchmark
+    from egad.bench.trials import Trials
+    from egad.objects import NamedMesh
 
 NOTE = "run"
 Result = TypeVar("Result", "Trials", "Benchmark")

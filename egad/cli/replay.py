@@ -5,10 +5,11 @@ from typing import Annotated
 
 import typer
 
+from egad.bench import SceneKind
 from egad.cli.common import Config, out_option
 from egad.cli.repeat import RunGripper, SimulatedIn, repeatable_in
+from egad.detectors import NoiseName
 from egad.errors import UserError
-from egad.perception import NoiseName, SceneKind
 
 
 def replay(
@@ -28,9 +29,10 @@ def replay(
     config: Config = None,
 ) -> None:
     """Repeat a simulated attempt exactly, and film it."""
+    from egad.bench import TrialParameters
     from egad.config.stages import select
     from egad.io import check_ending
-    from egad.sim import ENDINGS, TrialParameters
+    from egad.sim import ENDINGS
     from egad.workflow.replays import film_attempt
 
     path = out or Path(f"{label}-{attempt}.gif")
@@ -61,9 +63,10 @@ def film(
     config: Config = None,
 ) -> None:
     """Repeat a round of clearing a table exactly, and film it."""
+    from egad.bench import ClutterParameters
     from egad.config.stages import select
     from egad.io import check_ending
-    from egad.sim import ENDINGS, ClutterParameters
+    from egad.sim import ENDINGS
     from egad.tables import parquet
     from egad.workflow.replays import film_clearing
 

@@ -23,13 +23,13 @@ from egad.cli.common import (
     with_option,
 )
 from egad.errors import RejectedError
-from egad.reeb import Bases, Similarity
+from egad.measures.reeb import Bases, Similarity
 
 if TYPE_CHECKING:
     import pandas as pd
     import trimesh
 
-    from egad.reeb.graph import ReebGraph
+    from egad.measures.reeb.graph import ReebGraph
 
 
 def similarity(
@@ -74,8 +74,8 @@ def similarity_of_files(
     """
     import pandas as pd
 
-    from egad.reeb import graph as reeb
-    from egad.reeb import similarity_matrix
+    from egad.measures.reeb import graph as reeb
+    from egad.measures.reeb import similarity_matrix
     from egad.workflow.mesh_files import warn_of_units
 
     work = partial(_graph, units=units, settings=settings)
@@ -95,7 +95,7 @@ def similarity_of_files(
 
 def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes | str, float]:
     """The packed Reeb graph of a mesh, or the reason why there is none; and its longest side."""
-    from egad.reeb import graph as reeb
+    from egad.measures.reeb import graph as reeb
     from egad.workflow.mesh_files import use_mesh
 
     return use_mesh(path, units, lambda mesh: reeb.pack(graph_of(mesh, settings, path.stem)))
@@ -107,7 +107,7 @@ def graph_of(mesh: "trimesh.Trimesh", settings: Similarity, name: str) -> "ReebG
     With `scan` bases it is the graph of the original mesh if possible: these bases depend on the
     order of the vertices, which repair changes.
     """
-    from egad.reeb import graph as reeb
+    from egad.measures.reeb import graph as reeb
     from egad.workflow.repair import repaired_mesh
 
     if settings.bases == "scan":

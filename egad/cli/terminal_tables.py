@@ -8,10 +8,7 @@ import pandas as pd
 from rich.console import Console
 from rich.table import Table
 
-from egad.measures import cell_name
-from egad.report.axes import AxisPair
-from egad.report.page import p_value
-from egad.stats import (
+from egad.bench.stats import (
     Agreement,
     Clearing,
     ClearingComparison,
@@ -22,6 +19,9 @@ from egad.stats import (
     PredictedRate,
     SequentialTest,
 )
+from egad.measures import cell_name
+from egad.report.axes import AxisPair
+from egad.report.page import p_value
 
 if TYPE_CHECKING:
     from egad.report.trials import Pair  # it loads Matplotlib

@@ -5,14 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    Config,
-    Jobs,
-    OutFolder,
-    settings_in,
-    with_option,
-)
+from egad.cli.common import CORES, Config, Jobs, OutFolder, settings_in, with_option
 from egad.config import Settings
 from egad.errors import UserError
 from egad.learning import NetworkName

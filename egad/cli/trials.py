@@ -54,8 +54,8 @@ def compare(
     Simulated results must be of the same evaluation set, scaled to the same gripper. Cleared tables
     must begin with the same scenes; the output says if they were cleared by different rules.
     """
+    from egad.bench.stats import gather
     from egad.io import check_ending
-    from egad.stats import gather
     from egad.tables import parquet
 
     check_ending(out, (".html",))
@@ -91,8 +91,8 @@ def report(
     """Report results of a detector, simulated or of a real robot, as a page or a table."""
     import pandas as pd
 
+    from egad.bench.stats import read
     from egad.io import check_ending, write_frame
-    from egad.stats import read
     from egad.tables.evaluation import RESULTS
 
     for path in out:
@@ -126,9 +126,9 @@ def template(
 ) -> None:
     """Write a CSV file to fill in at the robot: one row per attempt, `success` is 1 or 0."""
     from egad._util.files import atomic_output
+    from egad.bench.stats import template as empty
     from egad.evalset import ATTEMPTS, labels_of
     from egad.io import check_ending
-    from egad.stats import template as empty
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
 
@@ -172,9 +172,9 @@ def _compare_clearing(tables: list[Path], out: Path | None) -> None:
 
 def _tell(attempts: "Mapping[str, pd.DataFrame]") -> list[str]:
     """Print success rates, and comparisons of pairs of detectors; return what these show."""
+    from egad.bench.stats import conclusion, mean_rate, simulated_in
     from egad.cli.terminal_tables import compared, succeeded
     from egad.report.trials import pairs
-    from egad.stats import conclusion, mean_rate, simulated_in
 
     engines = {name: simulated_in(table) for name, table in attempts.items()}
     if len(set(filter(None, engines.values()))) > 1:
@@ -198,14 +198,14 @@ def _tell_sequential(attempts: "Mapping[str, pd.DataFrame]") -> None:
     """Print the sequential test of pairs of detectors, simulated attempts grouped into rounds."""
     from itertools import combinations
 
-    from egad.cli.terminal_tables import decided
-    from egad.stats import (
+    from egad.bench.stats import (
         NothingInCommonError,
         attempts_in_a_row,
         engine_names,
         in_rounds,
         sequential_test,
     )
+    from egad.cli.terminal_tables import decided
 
     attempts = {
         name: in_rounds(table) if engine_names(table) else table for name, table in attempts.items()

@@ -30,8 +30,8 @@ def validate(
     attempts); both may have a column detector. Predicts the real success rate where more objects
     were simulated than tried.
     """
+    from egad.bench.stats import validate as compare_sides
     from egad.cli.terminal_tables import agreements, predicted
-    from egad.stats import validate as compare_sides
 
     simulated = tables if real else tables[:-1]
     if not simulated:
@@ -50,7 +50,7 @@ def validate(
 
 def _gather(paths: list[Path]) -> "dict[str, pd.DataFrame]":
     """Success rates of the objects in several files, by detector."""
-    from egad.stats import read_rates
+    from egad.bench.stats import read_rates
 
     found: dict[str, pd.DataFrame] = {}
     for path in paths:

@@ -123,10 +123,9 @@ def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "GraspScene"
     Raises:
         UserError: The file is not a mesh, or the mesh cannot be repaired.
     """
-    from egad.geometry import ENLARGED, rescale, units_doubt
-    from egad.grasping import Labeller
+    from egad.geometry import ENLARGED, center_of_mass, rescale, units_doubt
+    from egad.grasps.sampling import Labeller
     from egad.io import read_mesh
-    from egad.measures import center_of_mass
     from egad.random import generator
     from egad.report.viewer import GraspScene
     from egad.tables import parquet

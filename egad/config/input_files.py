@@ -9,10 +9,10 @@ from egad.config.settings import Settings
 from egad.detectors import fingerprint
 from egad.errors import TableError, UserError
 from egad.exchange import NamedGripper, check_format
+from egad.grasps.samplers import check_sampler
 from egad.grippers import Gripper, files_of
 from egad.io import EVERY_FILE, check_unit_known, mesh_files
 from egad.measures import source_hash
-from egad.samplers import check_sampler
 from egad.tables.evolution import GENOME
 from egad.tables.parquet import check_columns
 

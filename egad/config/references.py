@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Mapping
 
+from egad.bench.failures import check_searchable
 from egad.config.settings import Settings
 from egad.detectors import IN_ANY_DIRECTION, check_gripper
 from egad.errors import UserError
-from egad.failures import check_searchable
 from egad.grippers import ANTIPODAL
 
 

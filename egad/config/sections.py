@@ -4,13 +4,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import (
-    Fraction,
-    Length,
-    Name,
-    Parameters,
-    UserPath,
-)
+from egad._util.parameters import Fraction, Length, Name, Parameters, UserPath
 from egad.exchange import EVALUATION_SET, Format, ObjectFormat, ObjectSet
 from egad.geometry import SHELL_THICKNESS, OpenSurfaces
 from egad.measures import MAX_CANDIDATES

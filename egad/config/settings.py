@@ -3,28 +3,22 @@
 from pydantic import Field
 
 from egad._util.parameters import Name, Parameters, Seed
-from egad.config.sections import (
-    DatasetSection,
-    Postprocess,
-    Release,
-    Schedule,
-    Targets,
-)
-from egad.cppn import Envelope, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
-from egad.detectors import DETECTORS, DetectorConfig
-from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.bench import Clutter, NaiveGrasp, TrialProtocol
+from egad.bench.failures import FailureSearch
+from egad.config.sections import DatasetSection, Postprocess, Release, Schedule, Targets
+from egad.detectors import DETECTORS, DetectorConfig, ImageNoise
+from egad.evalset import Engraving, PrintCheck, PrintExport, SelectEval
+from egad.evolution import Envelope, Evolution, Hole, KeepSolid, Limits, Neat, Shape, Symmetry
 from egad.exchange import Acronym, DexNet
-from egad.failures import FailureSearch
-from egad.geometry import Material, Rescale
+from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import GraspLabel, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
 from egad.learning import Training, VgnTraining
-from egad.map_elites import Evolution
+from egad.learning.images import CAMERAS, Camera, Render
+from egad.learning.scenes import TrainingScenes
 from egad.measures import Complexity, CustomMeasures, Graspability, MeasureSpace, SizeEffect
-from egad.perception import CAMERAS, Camera, ImageNoise, Render
-from egad.reeb import Similarity
-from egad.scenes import TrainingScenes
-from egad.sim import Clutter, LabelAgreement, NaiveGrasp, SimulatedLabel, TrialProtocol
+from egad.measures.reeb import Similarity
+from egad.sim import LabelAgreement, SimulatedLabel
 
 
 class Settings(Parameters):

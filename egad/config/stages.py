@@ -7,30 +7,23 @@ stages that read it and no others.
 from typing import TypeVar
 
 from egad._util.parameters import ParameterGroup
+from egad.bench import ClutterParameters, NaiveGraspParameters, TrialParameters
+from egad.bench.failures import FailureParameters
 from egad.config.sections import Postprocess, Release
 from egad.config.settings import Settings
-from egad.cppn import Shape
 from egad.detectors import DetectorConfig
-from egad.evalset import Bundle, Engraving, PrintCheck, PrintExport, SelectEval
+from egad.evalset import Engraving, PrintCheck, PrintExport, SelectEval
+from egad.evolution import EvolutionParameters, Shape
 from egad.exchange import DexNet
-from egad.failures import FailureParameters
-from egad.geometry import Material, Rescale
+from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import LabelParameters, Quality
 from egad.grippers import Gripper
 from egad.learning import Training, VgnTraining
-from egad.map_elites import EvolutionParameters
+from egad.learning.images import RenderParameters
+from egad.learning.scenes import SceneParameters
 from egad.measures import MeasureParameters, MeasureSpace, SizeEffectParameters, space_of
-from egad.perception import RenderParameters
-from egad.reeb import Similarity
-from egad.scenes import SceneParameters
-from egad.sim import (
-    ClutterParameters,
-    Lifting,
-    NaiveGraspParameters,
-    SimulatedLabel,
-    SimulatedLabelParameters,
-    TrialParameters,
-)
+from egad.measures.reeb import Similarity
+from egad.sim import Lifting, SimulatedLabel, SimulatedLabelParameters
 
 
 class MeasureMeshes(MeasureParameters):

@@ -1,4 +1,4 @@
-"""Grasp detectors: their interface, those that egad ships, and your own."""
+"""Grasp detectors and what they see: their interface, those that egad ships, and your own."""
 
 import lazy_loader
 

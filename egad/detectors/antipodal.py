@@ -7,17 +7,11 @@ from scipy import ndimage
 
 from egad._util.arrays import Floats
 from egad.detectors.base import MIN_DEPTH, Grasp, depth_weight, rank_grasps
+from egad.detectors.camera import View, Window
+from egad.detectors.heightmap import Heightmap, heightmap_of, min_fingertip_height, window_of
+from egad.detectors.restoration import restore
 from egad.grasps import TABLE_CLEARANCE, roomy
 from egad.grippers import Gripper, check_jaws
-from egad.perception import (
-    Heightmap,
-    View,
-    Window,
-    heightmap_of,
-    min_fingertip_height,
-    restore,
-    window_of,
-)
 
 MAX_EDGES = 400
 MAX_CANDIDATES = 400
@@ -52,7 +46,7 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     vertical pads. Two edges are a candidate if the line between them lies in the friction cones
     of both (in the plane), and the hand opens wide enough. The hand goes as deep as table,
     neighboring surface and palm allow. Holes and noise of the image are removed first, as
-    `egad.perception.restore` does. The quality, from 0 to 1, is
+    `egad.detectors.restore` does. The quality, from 0 to 1, is
 
         cos^2(angle) / sqrt(1 + (100 / m * distance)^2) * min(penetration / 20 mm, 1),
 

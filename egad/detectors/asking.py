@@ -10,18 +10,13 @@ import numpy as np
 
 from egad._util.arrays import Floats, Ints
 from egad.detectors.base import DetectorError, Grasp, first_possible
-from egad.detectors.poses import (
-    GraspPoses,
-    PoseGrasp,
-    best_pose,
-    by_score,
-    infeasibility,
-    pose_of,
-)
+from egad.detectors.camera import View
+from egad.detectors.observation import Observation, PointCloud
+from egad.detectors.poses import GraspPoses, PoseGrasp, best_pose, by_score, infeasibility, pose_of
+from egad.detectors.tsdf import Tsdf
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
-from egad.outcomes import Outcome
-from egad.perception import Observation, PointCloud, Tsdf, View
+from egad.tables.outcomes import Outcome
 
 Seen = View | tuple[View, ...] | PointCloud | tuple[PointCloud, ...] | Tsdf | Observation
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad.grippers import Gripper
-from egad.outcomes import Outcome
+from egad.tables.outcomes import Outcome
 
 MAX_GRASPS = 50  # kept from the candidates of a detector
 SEARCH = 0.01  # metres that a suction cup searches beyond where it should meet an object

@@ -6,10 +6,10 @@ import numpy as np
 
 from egad._util.arrays import Floats, Ints
 from egad.detectors.collision import in_collision
+from egad.detectors.observation import PointCloud
 from egad.detectors.poses import GraspPoses, best_poses
 from egad.grasps import hand_poses, roomy
 from egad.grippers import Gripper, check_jaws
-from egad.perception import PointCloud
 
 MAX_POINTS = 800  # that can be contacts
 MAX_PAIRS = 1000  # that are rated

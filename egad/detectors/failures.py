@@ -14,7 +14,7 @@ import pandas as pd
 
 from egad.detectors.base import DetectorError, DetectorTimeoutError
 from egad.errors import UserError
-from egad.outcomes import SIMULATION_FAILURES, Outcome
+from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")

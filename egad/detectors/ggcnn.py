@@ -1,7 +1,7 @@
 """ggcnn: grasps from the networks of GG-CNN, for every pixel of a depth image.
 
 Morrison, Corke and Leitner, "Learning robust, real-time, reactive robotic grasping", IJRR 2020.
-`egad.learning.targets` describes what is theirs; how deep the hand reaches is ours.
+`egad.detectors.maps` describes what is theirs; how deep the hand reaches is ours.
 """
 
 import zipfile
@@ -16,19 +16,14 @@ from scipy import ndimage
 from egad._util.arrays import Floats, Ints
 from egad._util.extras import needed_for
 from egad.detectors.base import FULL_DEPTH, MIN_DEPTH, WHERE, Grasp, depth_weight, rank_grasps
-from egad.detectors.parameters import Execution
+from egad.detectors.camera import View
+from egad.detectors.heightmap import Heightmap, heightmap_of, min_fingertip_height
+from egad.detectors.maps import Answer, peaks, prepare_input, read_as_published, read_maps
+from egad.detectors.parameters import SIZE, Execution
+from egad.detectors.restoration import fill_missing, restore
 from egad.errors import UserError
 from egad.grasps import TABLE_CLEARANCE
 from egad.grippers import Gripper
-from egad.learning import SIZE, Answer, peaks, prepare_input, read_as_published, read_maps
-from egad.perception import (
-    Heightmap,
-    View,
-    fill_missing,
-    heightmap_of,
-    min_fingertip_height,
-    restore,
-)
 
 MAX_BYTES = 1 << 24  # about 50 times the size of the published ones
 GGCNN_WEIGHTS = (
@@ -111,7 +106,7 @@ class MapDetector:
         """Take a network.
 
         Args:
-            infer: Maps depths (300, 300) of `targets.prepare_input` to quality, cos 2a, sin 2a and
+            infer: Maps depths (300, 300) of `maps.prepare_input` to quality, cos 2a, sin 2a and
                 width (4, 300, 300).
             execution: Where the hand goes: see `__call__`.
         """
@@ -128,10 +123,10 @@ class MapDetector:
         our own execution.
 
         The input is the middle 300 x 300 pixels; a smaller image is enlarged, and pixels without
-        depth are filled. The four output images are smoothed (see `egad.learning.targets`).
+        depth are filled. The four output images are smoothed (see `egad.detectors.maps`).
 
         As in `antipodal-depth`, the hand goes as deep as table, neighboring surface and palm allow
-        (`egad.perception.min_fingertip_height`) at a pixel where the network sees a grasp. The
+        (`egad.detectors.min_fingertip_height`) at a pixel where the network sees a grasp. The
         penetration is how far the fingertips get below the surface seen there. Below 5 mm there is
         no grasp; otherwise its quality is that of the network times min(penetration / 20 mm, 1).
         A pixel is proposed if it is the best of the 21 x 21 pixels around it.
@@ -139,7 +134,7 @@ class MapDetector:
         The hand opens as wide as the network says or as it can. It is placed where the ray of the
         pixel is 10 mm below the surface, or half way down to the table if that is less. There its
         contacts are 10 mm below the surface, or half as deep as the fingertips get. Surfaces and
-        heights are those of the image without holes and noise (`egad.perception.restore`); the
+        heights are those of the image without holes and noise (`egad.detectors.restore`); the
         network sees the noise.
         """
         if not np.isfinite(view.depth).any():
@@ -171,8 +166,8 @@ class GGCNN(MapDetector):
         """
         self._weights = path = check_ggcnn(weights)
         with needed_for("GG-CNN"):
-            from egad.learning import networks  # noqa: PLC0415 (an extra)
-            from egad.learning import weights as files  # noqa: PLC0415
+            from egad.detectors import networks  # noqa: PLC0415 (an extra)
+            from egad.detectors import weights as files  # noqa: PLC0415
         try:
             super().__init__(networks.inference(files.read(path)), execution)
         except files.WeightsError as error:
@@ -184,7 +179,7 @@ class GGCNN(MapDetector):
 
 
 def middle(depth: NDArray[np.float32]) -> NetworkInput:
-    """The middle of a depth image, gaps filled (`egad.perception.fill_missing`)."""
+    """The middle of a depth image, gaps filled (`egad.detectors.fill_missing`)."""
     side = min(SIZE, *depth.shape)
     top, left = ((size - side) // 2 for size in depth.shape)
     cut = fill_missing(depth)[top : top + side, left : left + side].astype(np.float64)

@@ -9,10 +9,10 @@ from egad._util.arrays import Floats
 from egad._util.extras import needed_for
 from egad.detectors.base import WHERE
 from egad.detectors.messages import packed, unpacked
+from egad.detectors.observation import PointCloud
 from egad.detectors.poses import GraspPoses, poses_of
 from egad.errors import UserError
 from egad.grippers import Gripper
-from egad.perception import PointCloud
 
 GREETING_TIME = 60_000  # milliseconds; it may still be busy with an earlier question
 GRASPS = 200  # of each object

@@ -5,14 +5,25 @@ model of contacts knows neither gravity nor the table, and there are grasps that
 labelled.
 """
 
+import logging
+
 import numpy as np
 import pandas as pd
+import trimesh
 
 from egad._util.arrays import Floats
 from egad.detectors.base import SEARCH, Grasp, rank_grasps
-from egad.grasps import MIN_DEPTH, roomy, vectors
+from egad.detectors.camera import View
+from egad.detectors.heightmap import heightmap_of, min_fingertip_height
+from egad.detectors.restoration import restore
+from egad.errors import RejectedError
+from egad.grasps import MIN_DEPTH, LabelParameters, roomy, vectors
+from egad.grasps.sampling import dataset_grasps
 from egad.grippers import Gripper, finger_span
-from egad.perception import View, heightmap_of, min_fingertip_height, restore
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
+
+log = logging.getLogger(__name__)
 
 TILT = np.radians(15)  # of the closing axis, which the hand holds level
 CUP_TILT = np.radians(10)  # of the approach of a suction cup, which the hand holds upright
@@ -86,3 +97,14 @@ class Labels:
         axis, width = np.tile([1.0, 0.0], (len(down), 1)), np.zeros(len(down))
         depth = np.clip(center[:, 2], 0.0, SEARCH)
         return rank_grasps(center, axis, width, depth, self._quality[down] * cosine[down])
+
+
+def grasps_if_any(
+    mesh: trimesh.Trimesh, object_id: str, parameters: LabelParameters
+) -> pd.DataFrame:
+    """Like `dataset_grasps`, but if there are none, an empty table and a line in the log."""
+    try:
+        return dataset_grasps(mesh, object_id, parameters)
+    except RejectedError as reason:
+        log.info("%s has no grasps: %s", object_id, reason)
+        return empty(GRASPS)

@@ -9,9 +9,11 @@ import msgpack
 import numpy as np
 
 from egad.detectors.base import Grasp
+from egad.detectors.camera import Intrinsics, View
+from egad.detectors.observation import Observation, PointCloud
 from egad.detectors.poses import GraspPoses, poses_of
+from egad.detectors.tsdf import Tsdf
 from egad.grippers import Gripper
-from egad.perception import Intrinsics, Observation, PointCloud, Tsdf, View
 
 PROTOCOL = 1
 PARTS = ("view", "views", "tsdf", "cloud")  # of an observation, for detectors that ask for them

@@ -1,14 +1,17 @@
-"""Settings of grasp detectors."""
+"""Settings of grasp detectors, and of the noise of what they see."""
 
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Parameters, UserPath
+from egad._util.parameters import Fraction, Parameters, UserPath
 from egad.errors import UserError
 from egad.grippers import Gripper
 
+SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
+NoiseName = Literal["none", "stereo", "gamma", "dex", "points"]
+NOISES: tuple[NoiseName, ...] = get_args(NoiseName)
 Execution = Literal["deepest", "published"]
 # Written by `egad train`. Not by way of `egad.data`: its other files do not affect detectors.
 NETWORKS = Path(__file__).parents[1] / "data" / "networks"
@@ -142,3 +145,24 @@ def check_gripper(detector: str, gripper: Gripper) -> None:
 
 
 DETECTORS = {name: DetectorConfig(detector=name) for name in SHIPPED}
+
+
+class ImageNoise(Parameters):
+    """Noise of a real depth camera in the rendered images; off by default."""
+
+    disparity: float = Field(
+        0.0,
+        ge=0,
+        le=10,
+        description="standard deviation of the disparity, pixels; the depth error grows with the "
+        "square of the depth: 0.1 pixels are 1.7 mm at 0.6 m; errors of pixels less than 7 apart "
+        "are correlated",
+    )
+    holes: bool = Field(
+        False,
+        description="whether depth is missing where the second imager sees nothing (beside edges), "
+        "and where the line of sight is within 10 degrees of the surface",
+    )
+    missing: Fraction = Field(
+        0.0, description="fraction of the pixels that have no depth, in small spots"
+    )

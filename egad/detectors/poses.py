@@ -8,7 +8,7 @@ from egad._util.arrays import Floats, Ints
 from egad.detectors.base import MAX_GRASPS, Grasp
 from egad.grasps import hand_poses
 from egad.grippers import Gripper, tip_reach
-from egad.outcomes import Outcome
+from egad.tables.outcomes import Outcome
 
 RIGID = 1e-3  # largest entry of R^T R - 1; networks answer in single precision
 

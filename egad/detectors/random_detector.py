@@ -3,9 +3,10 @@
 import numpy as np
 
 from egad.detectors.base import Grasp
+from egad.detectors.camera import View
+from egad.detectors.restoration import restore
 from egad.grasps import TABLE_CLEARANCE
 from egad.grippers import Gripper, check_jaws
-from egad.perception import View, restore
 
 
 def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:

@@ -11,11 +11,14 @@ from scipy.spatial import KDTree
 
 from egad._util.arrays import Flags, Floats
 from egad.detectors.base import SEARCH, Grasp, rank_grasps
+from egad.detectors.camera import View
+from egad.detectors.heightmap import heightmap_of
+from egad.detectors.observation import PointCloud
 from egad.detectors.poses import GraspPoses, best_poses
+from egad.detectors.restoration import restore
 from egad.errors import UserError
 from egad.grasps import TABLE_CLEARANCE, hand_poses
 from egad.grippers import Gripper, SuctionCup
-from egad.perception import PointCloud, View, heightmap_of, restore
 
 MAX_CANDIDATES = 500
 RIM = 1.1  # times the radius of the ring: how far out the surface must be flat
@@ -46,7 +49,7 @@ class _Discs(NamedTuple):
 def suction_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
     """Flat and level spots in a depth image, near the middle of the object.
 
-    Holes and noise of the image are removed first, as `egad.perception.restore` does. A candidate
+    Holes and noise of the image are removed first, as `egad.detectors.restore` does. A candidate
     is one of 500 pixels that see the object with points all around it and nothing above it where
     the cup comes down. The quality, from 0 to 1, is
 

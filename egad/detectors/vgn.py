@@ -10,16 +10,19 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
-from egad._util.arrays import Singles
+from egad._util.arrays import Floats, Singles
 from egad._util.extras import needed_for
 from egad.detectors.base import WHERE
 from egad.detectors.collision import in_collision
+from egad.detectors.observation import Observation
 from egad.detectors.poses import GraspPoses, best_poses
+from egad.detectors.tsdf import Tsdf
 from egad.errors import UserError
-from egad.grippers import Gripper
-from egad.learning import encode, hand_in_network_frame
-from egad.perception import Observation, Tsdf
+from egad.grippers import Gripper, finger_span
 
+# Open3D's uniform volume, which VGN was trained with, leaves out what is further from a surface.
+FAR = 0.98  # of the truncation
+FINGER_DEPTH = 0.05  # metres; VGN's origin lies this far before the fingertips
 VGN_WEIGHTS = "the published ones are in the data of the project ethz-asl/vgn: vgn_conv.pth"
 SMOOTHING = 1.0  # voxels
 NEAR_SURFACE = 2  # voxels
@@ -55,8 +58,8 @@ class Vgn:
             raise UserError(f"{WHERE}: {missing}; {VGN_WEIGHTS}")
         self._weights = weights
         with needed_for("vgn"):
-            from egad.learning import networks  # noqa: PLC0415 (an extra)
-            from egad.learning import weights as files  # noqa: PLC0415
+            from egad.detectors import networks  # noqa: PLC0415 (an extra)
+            from egad.detectors import weights as files  # noqa: PLC0415
         try:
             self._infer = networks.inference(files.read_vgn(weights))
             own = files.notes_in(weights).get("threshold", THRESHOLD)
@@ -128,3 +131,23 @@ def _peaks(quality: Singles, threshold: float) -> NDArray[np.bool_]:
     """Voxels whose quality is above the threshold and above that of all others nearby."""
     high = np.where(quality >= threshold, quality, 0)
     return np.asarray((high > 0) & (high == ndimage.maximum_filter(high, APART)))
+
+
+def encode(tsdf: Tsdf) -> Singles:
+    """A field as the network sees it: from 0 inside to 1 outside, 0 far from surfaces."""
+    near = (tsdf.weights > 0) & (tsdf.distances < FAR) & (tsdf.distances >= -FAR)
+    grid: Singles = np.where(near, (tsdf.distances + 1) / 2, 0).astype(np.float32)
+    return grid
+
+
+def hand_in_network_frame(gripper: Gripper) -> Floats:
+    """Our frame of the hand in that of VGN, (4, 4).
+
+    VGN closes along y, we along x. Its origin lies 5 cm before the fingertips, ours between the
+    contacts. A pose of VGN times this one is a pose of ours, and one of ours times its inverse is
+    one of VGN.
+    """
+    frame = np.eye(4)
+    frame[:3, :3] = Rotation.from_euler("z", np.pi / 2).as_matrix()
+    frame[2, 3] = FINGER_DEPTH - finger_span(gripper)[1]
+    return frame

@@ -1,4 +1,4 @@
-"""The evaluation set: selection, printability, plates, labels, datasheet, simulation bundle."""
+"""The evaluation set: selection, printability, plates, engraved labels, datasheet."""
 
 import lazy_loader
 

@@ -1,9 +1,3 @@
-from .bundle import SimulationObject as SimulationObject
-from .bundle import make_simulation_object as make_simulation_object
-from .bundle import part_rows as part_rows
-from .bundle import read_parts as read_parts
-from .bundle import simulation_object as simulation_object
-from .bundle import warn_of_row as warn_of_row
 from .datasheet import ATTEMPTS as ATTEMPTS
 from .datasheet import ForGripper as ForGripper
 from .engraving import Patch as Patch
@@ -16,15 +10,10 @@ from .filament import print_settings as print_settings
 from .given_labels import labels_by_name as labels_by_name
 from .given_labels import read_labels as read_labels
 from .given_labels import take as take
-from .parameters import Bundle as Bundle
 from .parameters import Engraving as Engraving
 from .parameters import PrintCheck as PrintCheck
 from .parameters import PrintExport as PrintExport
 from .parameters import SelectEval as SelectEval
-from .parts import PartsWarning as PartsWarning
-from .parts import make_parts as make_parts
-from .parts import measure_parts as measure_parts
-from .parts import warn_if_beyond as warn_if_beyond
 from .plates import PrintItem as PrintItem
 from .plates import plan_prints as plan_prints
 from .printability import print_problems as print_problems

@@ -7,7 +7,7 @@ that was trained on one of them has in a sense seen the other.
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 
-from egad.map_elites import Lineage
+from egad.evolution import Lineage
 from egad.random import entropy
 
 

@@ -5,7 +5,6 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from egad._util.parameters import Length, Name, Parameters, PositiveFraction
-from egad.geometry import DEVIATION, MAX_PARTS, MAX_VERTICES, VOLUME_ERROR
 
 Side = Annotated[float, Field(ge=0, le=10)]  # metres
 
@@ -96,36 +95,3 @@ class Engraving(Parameters):
         description="largest height difference of the surface below the label, metres; objects "
         "without an area this flat get no label",
     )
-
-
-class Bundle(Parameters):
-    """Files for simulators: convex parts, URDF and MJCF."""
-
-    method: Literal["cut", "coacd"] = Field(
-        "cut",
-        description="how the convex parts are made: cut: by cutting along planes; coacd: by CoACD, "
-        "which needs `pip install 'egad[coacd]'`",
-    )
-    max_parts: int = Field(
-        MAX_PARTS, ge=1, description="maximum number of convex parts of an object"
-    )
-    volume_error: float = Field(
-        VOLUME_ERROR,
-        gt=0,
-        lt=1,
-        description="largest relative excess volume of the parts; objects that exceed it are "
-        "flagged",
-    )
-    deviation: float = Field(
-        DEVIATION,
-        gt=0,
-        description="99 % of the surface that fingers can touch lies at most this deep in a part, "
-        "metres (method: cut); objects that exceed it are flagged",
-    )
-    max_vertices: int = Field(
-        MAX_VERTICES, ge=8, description="maximum number of vertices of a part"
-    )
-    coacd_threshold: float = Field(
-        0.05, ge=0.01, le=1, description="largest concavity of a part (method: coacd)"
-    )
-    friction: float = Field(0.5, gt=0, le=2, description="sliding friction of the objects")

@@ -7,8 +7,7 @@ import trimesh
 
 from egad._util.arrays import Floats
 from egad.errors import RejectedError
-from egad.geometry import mass_properties, to_solid
-from egad.geometry.stable_poses import stable_poses
+from egad.geometry import mass_properties, resting_poses, to_solid
 
 LAYER = 0.0002  # metres
 LIKELY = 0.02  # poses that an object comes to rest in less often are too shaky to print in
@@ -43,7 +42,7 @@ def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -
         along: The axis for the longer side of the footprint.
     """
     try:
-        poses = stable_poses(mesh, mass_properties(mesh, 1.0).com)
+        poses = resting_poses(mesh, mass_properties(mesh, 1.0).com)
     except RejectedError:
         return _pose(mesh, np.eye(3), np.nan, angle, along)
     chosen = poses[0]

@@ -1,4 +1,4 @@
-"""Objects, grasps and images in the formats of other programs: see `registry.py`."""
+"""Formats of other programs, in and out (`registry.py`), and datasets that anyone can host."""
 
 import lazy_loader
 

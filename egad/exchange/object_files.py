@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from egad.evalset import SimulationObject
+from egad.geometry import SimulationObject
 from egad.io import write_obj
 
 VISUAL, PARTS, POSES = "visual.obj", "parts", "poses.json"

@@ -5,8 +5,7 @@ from typing import NamedTuple, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Fraction, ParameterGroup, Parameters
-from egad.evalset import Bundle
-from egad.geometry import Material
+from egad.geometry import Bundle, Material
 from egad.grasps import Quality, Robust
 from egad.grippers import Gripper
 

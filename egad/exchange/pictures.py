@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from egad.perception import SPLITS, ImageGrasps, RenderedImage
+from egad.learning.images import SPLITS, ImageGrasps, RenderedImage
 
 log = logging.getLogger(__name__)
 NOTHING = 0.0  # what readers of these sets take for a missing depth

@@ -1,7 +1,7 @@
 """The formats of other programs, each a module with its name in the folder of its kind.
 
 - `objects/NAME.py`: `write(folder, name, made, friction)` writes one object into an existing
-  folder. `made` is an `egad.evalset.SimulationObject`: mesh, convex parts, mass and stable poses.
+  folder. `made` is an `egad.geometry.SimulationObject`: mesh, convex parts, mass and stable poses.
 - `images/NAME.py`: `write(pictures, gripper, folder)` writes rendered images into an empty folder
   and returns how many; it raises UserError if they do not fit the format.
 - `grasps/NAME.py`: `run(settings, ..., out)` writes the grasps of a run, and makes `out`. Its

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from egad.evalset import SimulationObject
+from egad.geometry import SimulationObject
 from egad.io import write_mesh
 
 

@@ -1,15 +1,14 @@
-"""Mass properties of solids of uniform density; repair and weigh any mesh."""
+"""Mass properties of solids of uniform density."""
 
 from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from egad.errors import RejectedError
+from egad._util.arguments import check_array
+from egad._util.arrays import Floats
 from egad.geometry.checks import check_solid
-from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
-from egad.geometry.repair import Repaired, repair_for_files
 
 
 class MassProperties(NamedTuple):
@@ -60,37 +59,8 @@ def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
     )
 
 
-class Body(NamedTuple):
-    """A repaired mesh and its mass properties."""
-
-    repaired: Repaired
-    mass: MassProperties
-
-
-def repair_and_weigh(
-    mesh: trimesh.Trimesh,
-    density: float,
-    min_volume: float = 0.0,
-    open_surfaces: OpenSurfaces = "reject",
-    thickness: float = SHELL_THICKNESS,
-) -> Body:
-    """Repair a mesh, round its coordinates to single precision, and weigh it.
-
-    Args:
-        mesh: In metres.
-        density: kg/m3.
-        min_volume: The least volume that an object may have, m3.
-        open_surfaces: See `egad.geometry.repair.repair`.
-        thickness: Wall thickness of the shells that open surfaces become, metres.
-
-    Raises:
-        RejectedError: The mesh cannot be repaired, or is too small.
-    """
-    repaired = repair_for_files(mesh, open_surfaces, thickness)
-    mass = mass_properties(repaired.mesh, density)
-    if mass.volume < min_volume:
-        raise RejectedError(
-            f"volume of {mass.volume:.3g} m3 is below {min_volume:.3g} m3: "
-            "is the unit of the mesh right?"
-        )
-    return Body(repaired, mass)
+def center_or_given(mesh: trimesh.Trimesh, given: ArrayLike | None) -> Floats:
+    """The center of mass that is given, or that of the solid."""
+    if given is None:
+        return mass_properties(mesh, 1.0).com
+    return check_array("center_of_mass", given, (3,), "3 finite numbers")

@@ -13,7 +13,13 @@ from egad._util.arguments import check_positive
 from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
 from egad.errors import RejectedError, check_name
-from egad.geometry.checks import check_surface, cone_volumes, is_closed
+from egad.geometry.checks import (
+    DroppedBodiesWarning,
+    check_surface,
+    cone_volumes,
+    is_closed,
+    warn_user,
+)
 from egad.geometry.manifold import Solid, arrays, bodies, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
 from egad.geometry.precision import in_single_precision, is_single
@@ -212,6 +218,14 @@ def repair_for_files(
         return found
     rounded = in_single_precision(found.mesh)
     return found._replace(mesh=rounded) if _is_sound(rounded) else found
+
+
+def repair_with_warning(mesh: trimesh.Trimesh) -> Repaired:
+    """A mesh as `repair_for_files` repairs it, with a warning if bodies were left out."""
+    repaired = repair_for_files(mesh)
+    if repaired.dropped:
+        warn_user(f"only the largest body is used: {repaired.dropped}", DroppedBodiesWarning)
+    return repaired
 
 
 def dropped_text(bodies: int, volume: float) -> str:

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
+from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
@@ -11,6 +12,7 @@ from egad._util.arrays import Floats, Ints
 from egad._util.display import facts_html
 from egad.errors import RejectedError
 from egad.geometry.checks import check_mesh
+from egad.geometry.mass import center_or_given
 
 ROUNDING = 1e-9  # products of unit vectors differ by less, however they are added up
 
@@ -84,8 +86,33 @@ class _Facets(NamedTuple):
     beyond: Ints
 
 
-def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
-    """All faces of the convex hull that a solid can rest on, the most probable first.
+def stable_poses(
+    mesh: trimesh.Trimesh, center_of_mass: ArrayLike | None = None
+) -> list[StablePose]:
+    """The poses in which a solid can rest on a table, the most probable first.
+
+    Args:
+        mesh: A closed surface, in any unit; any surface if the center of mass is given, because
+            then only its convex hull matters.
+        center_of_mass: (3,) in the unit of the mesh; by default that of a solid of uniform density.
+
+    Returns:
+        At least one pose, with probabilities that add up to 1. `pose.matrix` is the (4, 4)
+        transform from the frame of the mesh to that of the table: z points up, the table is at
+        z = 0, and the center of mass is above the origin.
+
+    Raises:
+        RejectedError: The mesh is flat, or the center of mass is not inside its hull. Or the
+            center of mass is not given, and the mesh is open or inside out.
+        UserError: It is not a mesh, or the center of mass is not 3 finite numbers.
+
+    Source: after Goldberg et al., Part pose statistics, 1999 (quasi-static estimate).
+    """
+    return resting_poses(mesh, center_or_given(mesh, center_of_mass))
+
+
+def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
+    """The poses of `stable_poses` about a known center of mass.
 
     An object in a random orientation lands on the face that the vertical through its center of mass
     meets, with a probability of that face's solid angle / 4 pi. If the center of mass is not above
@@ -96,14 +123,9 @@ def stable_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
         mesh: Any surface, in any unit; only its hull counts.
         center: Center of mass, (3,), strictly inside the hull.
 
-    Returns:
-        At least one pose; the probabilities add up to 1.
-
     Raises:
         RejectedError: The mesh is flat, empty or not finite, or the center is not inside its hull.
         UserError: It is not a mesh.
-
-    Source: after Goldberg et al., Part pose statistics, 1999 (quasi-static estimate).
     """
     check_mesh(mesh)
     facets = _facets(np.asarray(mesh.vertices, dtype=np.float64), center)

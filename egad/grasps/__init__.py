@@ -1,4 +1,4 @@
-"""Parallel-jaw grippers and their antipodal grasps: sampling, quality, collisions, labels."""
+"""Grasps: antipodal and suction, their sampling, quality, labels and collisions of the hand."""
 
 import lazy_loader
 

@@ -1,3 +1,8 @@
+from .antipodal import ContactPairs as ContactPairs
+from .antipodal import SamplingStatistics as SamplingStatistics
+from .antipodal import join as join
+from .antipodal import sample_contacts as sample_contacts
+from .antipodal import valid_contacts as valid_contacts
 from .approach import first_approaches as first_approaches
 from .approach import touching_turns as touching_turns
 from .collision import FIXED_SIDE_CLEARANCE as FIXED_SIDE_CLEARANCE
@@ -24,7 +29,9 @@ from .parameters import LabelParameters as LabelParameters
 from .parameters import Perturbation as Perturbation
 from .parameters import Quality as Quality
 from .parameters import Robust as Robust
+from .parameters import RobustSuction as RobustSuction
 from .parameters import Sampling as Sampling
+from .posed import label_cups as label_cups
 from .posed import label_poses as label_poses
 from .posed import posed_table as posed_table
 from .poses import PANDA_REACH as PANDA_REACH
@@ -35,11 +42,6 @@ from .poses import panda_poses as panda_poses
 from .quality import ferrari_canny as ferrari_canny
 from .quality import quality_bound as quality_bound
 from .robust import robust_ferrari_canny as robust_ferrari_canny
-from .sampler import ContactPairs as ContactPairs
-from .sampler import SamplingStatistics as SamplingStatistics
-from .sampler import join as join
-from .sampler import sample_contacts as sample_contacts
-from .sampler import valid_contacts as valid_contacts
 from .simulated import FREE as FREE
 from .simulated import TABLE as TABLE
 from .simulated import antipodal_success_rates as antipodal_success_rates

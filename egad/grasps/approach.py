@@ -11,8 +11,8 @@ import numpy as np
 
 from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
+from egad.grasps.antipodal import ContactPairs
 from egad.grasps.collision import blocked_turns
-from egad.grasps.sampler import ContactPairs
 from egad.grippers import HandBody, Part
 
 STRAIGHT = np.zeros(1)  # radians; not turned

@@ -12,7 +12,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from egad._util.arrays import Floats
-from egad.grasps.sampler import ContactPairs
+from egad.grasps.antipodal import ContactPairs
 from egad.grippers import HandBody, ModelBody
 
 

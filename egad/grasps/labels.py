@@ -10,6 +10,7 @@ from egad._util.arrays import Floats
 from egad._util.parameters import from_arguments
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, check_solid
+from egad.grasps.antipodal import ContactPairs, SamplingStatistics, sample_contacts
 from egad.grasps.approach import best_approaches
 from egad.grasps.jaws import JawFaces
 from egad.grasps.opening import needed_openings
@@ -25,7 +26,6 @@ from egad.grasps.parameters import (
 )
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import robust_ferrari_canny
-from egad.grasps.sampler import ContactPairs, SamplingStatistics, sample_contacts
 from egad.grippers import Gripper, HandBody
 
 

@@ -5,10 +5,11 @@ import pandas as pd
 
 from egad._util.arrays import Flags, Floats
 from egad.geometry import RayCaster
+from egad.grasps.antipodal import ContactPairs
 from egad.grasps.approach import touching_turns
 from egad.grasps.opening import needed_openings
-from egad.grasps.sampler import ContactPairs
-from egad.grippers import HandBody
+from egad.grasps.suction import collision_free, seal_cups
+from egad.grippers import HandBody, SuctionCup
 from egad.tables.columns import vector_names
 
 
@@ -108,3 +109,39 @@ def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float)
     hits = caster.first_hits(centers + reach * outwards, -outwards)
     met = hits.entering & (hits.distances < 2 * reach)
     return np.where(met[:, None], hits.normals, np.nan)
+
+
+def label_cups(
+    caster: RayCaster, cup: SuctionCup, poses: Floats, quality: Floats, *, is_rate: bool
+) -> pd.DataFrame:
+    """Label suction grasps that are given as poses.
+
+    Args:
+        caster: Ray caster of the object, closed, metres.
+        cup: The cup.
+        poses: (n, 4, 4) poses of the cup, see `suction_poses`, metres.
+        quality: (n,) not negative.
+        is_rate: Whether the quality is the share of perturbed copies that hold.
+
+    Returns:
+        Columns of `tables.grasping.GRASPS` without `id` and `label`. Both contacts are the origin
+        of the pose, both normals the opposite of the approach; the width is 0. Deviation and
+        success rate are missing if the quality is not a rate.
+    """
+    origins, frames = poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
+    depths = seal_cups(caster, cup, origins, frames).depths
+    standing = cup.model_copy(update={"approach": 0.0})
+    fits, free = (collision_free(caster, each, origins, frames, depths) for each in (standing, cup))
+    table = posed_table(
+        origins,
+        frames,
+        contacts=np.stack([origins] * 2, axis=1),
+        normals=np.stack([-frames[:, 2]] * 2, axis=1),
+        quality=quality,
+        fits=fits,
+        free=free,
+    )
+    if not is_rate:
+        return table
+    deviation = np.sqrt(quality * (1 - quality))
+    return table.assign(robust_quality_std=deviation, robust_success_rate=quality)

@@ -7,7 +7,7 @@ from the frame of the hand to that of the object.
 import numpy as np
 
 from egad._util.arrays import Floats
-from egad.grasps.sampler import approach_directions
+from egad.grasps.antipodal import approach_directions
 
 # From the origin of ACRONYM's hand, the flange of a Franka Panda, to its fingertips, metres.
 PANDA_REACH = 0.11217

@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster
+from egad.grasps.antipodal import ContactPairs
 from egad.grasps.jaws import JawFaces
 from egad.grasps.parameters import Quality, Robust
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import ContactPairs
 
 
 def robust_ferrari_canny(

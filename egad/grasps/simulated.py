@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.tables.grasping import NAIVE_RATES
+from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 FREE, TABLE = "free", "table"  # where an object is when naive grasps are tried
 
@@ -77,7 +77,7 @@ def success_rate(outcomes: Iterable[str]) -> SuccessRate:
     """Success rate of grasps that were sampled independently of each other.
 
     Args:
-        outcomes: Values of `egad.outcomes.Outcome`.
+        outcomes: Values of `egad.tables.outcomes.Outcome`.
     """
     known = [each == Outcome.SUCCESS for each in outcomes if each not in SIMULATION_FAILURES]
     if not known:

@@ -19,12 +19,12 @@ import trimesh
 from scipy.spatial import ConvexHull, QhullError
 from typing_extensions import override
 
+from egad import io
 from egad._util.arrays import Floats, Ints
 from egad.errors import RejectedError, UserError
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, GripperModel
 from egad.grippers.parameters import Gripper
 from egad.grippers.robot import model_of
-from egad.io import read_mesh
 
 CLEARANCE = 1e-4  # metres between a contact as wide as the opening and the finger
 # metres between a contact and the fixed jaw of an open hand that has one; its convex parts fill up
@@ -287,7 +287,7 @@ def hand_body(gripper: Gripper) -> HandBody:
     if gripper.file is not None or gripper.mesh is None:
         return body_of(gripper)
     try:
-        return BoxBody(gripper, read_mesh(Path(gripper.mesh), "m"))
+        return BoxBody(gripper, io.read_mesh(Path(gripper.mesh), "m"))
     except RejectedError as reason:
         raise UserError(
             f"the mesh {gripper.mesh} of a gripper cannot be used: {reason}"

@@ -17,12 +17,7 @@ import numpy as np
 import trimesh
 
 from egad._util.arrays import Floats, Ints
-from egad._util.input_limits import (
-    MAX_FACES,
-    MAX_UNPACKED_BYTES,
-    MAX_VERTICES,
-    check_at_most,
-)
+from egad._util.input_limits import MAX_FACES, MAX_UNPACKED_BYTES, MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
 from egad.geometry import difference
 from egad.io.content import Content

@@ -1,4 +1,4 @@
-"""Grasp networks: datasets of rendered images, training and evaluation."""
+"""Training of grasp networks: rendered images, labelled scenes, datasets and evaluation."""
 
 import lazy_loader
 

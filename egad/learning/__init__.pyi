@@ -8,7 +8,6 @@ from .evaluation import score_table as score_table
 from .evaluation import total_score as total_score
 from .model_card import TrainedNetwork as TrainedNetwork
 from .model_card import card as card
-from .parameters import SIZE as SIZE
 from .parameters import NetworkName as NetworkName
 from .parameters import Training as Training
 from .parameters import VgnTraining as VgnTraining
@@ -18,10 +17,3 @@ from .scene_scores import DECISION_THRESHOLD as DECISION_THRESHOLD
 from .scene_scores import SceneScore as SceneScore
 from .scene_scores import scene_score as scene_score
 from .scene_scores import scene_score_table as scene_score_table
-from .targets import Answer as Answer
-from .targets import peaks as peaks
-from .targets import prepare_input as prepare_input
-from .targets import read_as_published as read_as_published
-from .targets import read_maps as read_maps
-from .volumes import encode as encode
-from .volumes import hand_in_network_frame as hand_in_network_frame

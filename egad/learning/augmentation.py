@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad.learning.parameters import SIZE
-from egad.perception import Rectangles, half_turn
+from egad.detectors import SIZE
+from egad.learning.images import Rectangles, half_turn
 
 AIMED = 0.75  # fraction of the crops that show a positive grasp, if the image has one
 

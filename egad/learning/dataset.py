@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad.detectors import SIZE, fill_missing, prepare_input
 from egad.errors import TableError, UserError
 from egad.learning.augmentation import (
     WHOLE,
@@ -27,17 +28,8 @@ from egad.learning.augmentation import (
     sample_change,
     sample_crop,
 )
-from egad.learning.parameters import SIZE
-from egad.learning.targets import prepare_input, targets
-from egad.perception import (
-    Rectangles,
-    check_splits,
-    depth_of,
-    files,
-    fill_missing,
-    half_turn,
-    pixels,
-)
+from egad.learning.images import Rectangles, check_splits, depth_of, files, half_turn, pixels
+from egad.learning.targets import targets
 from egad.random import generator
 from egad.tables import parquet
 from egad.tables.row_groups import RowGroups

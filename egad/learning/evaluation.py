@@ -12,10 +12,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from egad.bench.stats import mean_rate
+from egad.detectors import read_maps
+from egad.detectors.maps import best
 from egad.learning.dataset import ImageDataset, example
-from egad.learning.targets import best, read_maps
-from egad.perception import Rectangles, agrees, half_turn
-from egad.stats import mean_rate
+from egad.learning.images import Rectangles, agrees, half_turn
 from egad.tables.training import SCORE
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def score_image(network: "nn.Module", depth: NDArray[np.float32], truth: Rectang
     """Compare a network's answer to an image with the positive grasps (n, 5) in it.
 
     The grasp that counts is the one at the highest peak of the smoothed quality
-    (`egad.perception.rectangles.agrees` says how).
+    (`egad.learning.images.rectangles.agrees` says how).
     """
     import torch  # noqa: PLC0415 (an extra)
 

@@ -12,7 +12,7 @@ import pandas as pd
 from egad import __version__
 from egad._util.markdown import table
 from egad.learning.evaluation import OutlineScore, Score
-from egad.perception import SPLITS
+from egad.learning.images import SPLITS
 
 PACKAGES = ("torch", "safetensors", "numpy", "scipy", "pillow")
 PAGE = """# {title}, trained on {source}

@@ -5,10 +5,9 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Length, Parameters, PositiveFraction
-from egad.perception import NoiseName
+from egad.detectors import SIZE, NoiseName
 
 NetworkName = Literal["ggcnn", "ggcnn2", "vgn"]
-SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 
 
 class Training(Parameters):

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats, Singles
+from egad.detectors import NoiseName, Observation, Tsdf, add_noise, encode, hand_in_network_frame
 from egad.grippers import Gripper
 from egad.learning.dataset import Passes
-from egad.learning.volumes import encode, hand_in_network_frame
-from egad.perception import NoiseName, Observation, Tsdf, add_noise
 from egad.random import generator
 
 WINDOW = 128  # scenes that are shuffled together, about

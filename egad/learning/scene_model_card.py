@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from egad._util.markdown import table
+from egad.learning.images import SPLITS
 from egad.learning.model_card import versions
 from egad.learning.scene_scores import DECISION_THRESHOLD, SceneEstimate, SceneScore
-from egad.perception import SPLITS
 
 PAGE = """# {title}, trained on {source}
 

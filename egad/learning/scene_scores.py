@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
-from egad.stats import Interval, bootstrap
+from egad.bench.stats import Interval, bootstrap
 from egad.tables.training import SCENE_SCORE
 
 DECISION_THRESHOLD = 0.5  # quality from which a grasp is predicted to succeed

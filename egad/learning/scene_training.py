@@ -16,6 +16,7 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
+from egad.detectors.vgn_network import VgnNetwork
 from egad.errors import UserError
 from egad.grippers import Gripper
 from egad.learning.parameters import VgnTraining
@@ -28,7 +29,6 @@ from egad.learning.scene_examples import (
 )
 from egad.learning.scene_scores import GraspAnswers, joint_average_precision, mean_loss
 from egad.learning.training import LearningSchedule, spread, thread_pool
-from egad.learning.vgn import VgnNetwork
 
 WIDTH_WEIGHT = 0.01
 MIN_PROBABILITY = 1e-12  # a smaller probability, of an answer that is quite wrong, counts as this

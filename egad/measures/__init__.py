@@ -1,4 +1,4 @@
-"""Measures of an object: complexity, graspability, similarity; the grid they span."""
+"""Measures of shapes: complexity, graspability and similarity."""
 
 import lazy_loader
 

@@ -5,7 +5,6 @@ from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
 from .custom import source_hash as source_hash
 from .graspability import GraspabilityEstimate as GraspabilityEstimate
-from .graspability import center_of_mass as center_of_mass
 from .graspability import grasped_size as grasped_size
 from .graspability import rough_graspability as rough_graspability
 from .graspability import spaced_graspability as spaced_graspability

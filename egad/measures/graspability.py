@@ -16,9 +16,8 @@ import trimesh
 from numpy.typing import ArrayLike
 
 from egad._util.arrays import Floats, Ints
-from egad._util.kernels import kernel
 from egad.errors import NoGraspError, RejectedError
-from egad.geometry import RayCaster, bounding_box, box_sides, check_mesh, scale_factor
+from egad.geometry import RayCaster, box_sides, center_of_mass, check_mesh, scale_factor
 from egad.grasps import (
     ContactPairs,
     Sampling,
@@ -30,6 +29,7 @@ from egad.grasps import (
     sample_contacts,
     valid_contacts,
 )
+from egad.grasps.samplers import draw_grasps
 from egad.grippers import ANTIPODAL, SUCTION
 from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MAP_RULE, MeasureParameters
@@ -39,7 +39,6 @@ from egad.measures.percentile import (
     percentile_rank,
     percentile_std,
 )
-from egad.samplers import draw_grasps
 
 MAX_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
@@ -293,40 +292,6 @@ class _RatedGrasps:
         return GraspabilityEstimate(
             value, percentile_std(self._sample, percent), confidence, len(self)
         )
-
-
-def center_of_mass(mesh: trimesh.Trimesh) -> Floats:
-    """The centroid of the volume; that of the surface if the former is not within the bounds."""
-    triangles = np.asarray(mesh.vertices)[mesh.faces]
-    center = _volume_centroid(triangles)
-    low, high = bounding_box(triangles)
-    inside = bool(np.all((center >= low) & (center <= high)))  # False for NaN
-    return center if inside else np.asarray(mesh.centroid)
-
-
-@kernel()
-def _volume_centroid(triangles: Floats) -> Floats:
-    """The centroid of a solid from its (n, 3, 3) triangles; NaN or infinite without volume.
-
-    The same as `trimesh.Trimesh.center_mass`, without the inertia tensor, which takes most of its
-    time.
-    """
-    moment, volume = np.zeros(3), 0.0
-    a, b, c = np.empty(3), np.empty(3), np.empty(3)
-    for i in range(len(triangles)):
-        for k in range(3):  # from the first corner, for precision far from the origin
-            start = triangles[0, 0, k]
-            a[k], b[k] = triangles[i, 0, k] - start, triangles[i, 1, k] - start
-            c[k] = triangles[i, 2, k] - start
-        six_volumes = 0.0
-        for k in range(3):
-            m, n = (k + 1) % 3, (k + 2) % 3
-            six_volumes += a[k] * (b[m] * c[n] - b[n] * c[m])
-        volume += six_volumes
-        for k in range(3):
-            moment[k] += six_volumes * (a[k] + b[k] + c[k])
-    center: Floats = triangles[0, 0] + moment / (4 * volume)
-    return center
 
 
 def _principal_box(vertices: ArrayLike) -> tuple[Floats, Floats, Floats]:

@@ -24,7 +24,7 @@ from egad._util.parameters import (
 from egad.geometry import SIDE_FRACTION, Material
 from egad.grasps import Quality, Robust, Sampling
 from egad.grippers import SUCTION, Gripper
-from egad.reeb import Similarity
+from egad.measures.reeb import Similarity
 
 MAX_CANDIDATES = 32768  # of the final estimate of graspability
 MAP_RULE: ScaleRule = "exact"  # at this size the objects of the map are measured

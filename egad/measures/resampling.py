@@ -16,7 +16,7 @@ from egad._util.arrays import Floats
 from egad.geometry import VOXELS, check_mesh
 from egad.measures.complexity import complexity
 from egad.measures.parameters import BINS
-from egad.measures.voxel_fit import Fit, Grid, Target, aligned, deviation, fit
+from egad.measures.voxel_fit import Fit, FitTarget, Grid, aligned, deviation, fit
 
 SIDES = np.arange(24, 25.4, 0.2)  # voxels along objects of the dataset, after smoothing
 OWN = (0.65, 1.0)  # distances of the vertices of evolved and published objects, voxels
@@ -85,10 +85,10 @@ def resampled_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     Source: ours; marching cubes and smoothing as in EGAD, section III-B.
     """
     check_mesh(mesh)
-    return complexity(closest_voxels(Target(mesh)).surface, bins)
+    return complexity(closest_voxels(FitTarget(mesh)).surface, bins)
 
 
-def closest_voxels(target: Target) -> Fit:
+def closest_voxels(target: FitTarget) -> Fit:
     """The voxels that a mesh was made from, or else some that are close to it.
 
     Args:
@@ -116,7 +116,7 @@ def _clearly_better(best: Fit, other: Fit) -> Fit:
     return other if better else best
 
 
-def _search(target: Target, frame: Floats, sides: Floats, most: int = 3) -> Fit:
+def _search(target: FitTarget, frame: Floats, sides: Floats, most: int = 3) -> Fit:
     """The best fit among grids with so many voxels along the longest side.
 
     Args:
@@ -146,7 +146,7 @@ def _deviation(each: Fit) -> float:
     return each.deviation
 
 
-def _refined(target: Target, best: Fit, times: int, rounds: int, turn: bool) -> Fit:
+def _refined(target: FitTarget, best: Fit, times: int, rounds: int, turn: bool) -> Fit:
     """A fit on grids that are moved as long as that brings the surface closer."""
     for _ in range(times):
         other = fit(target, aligned(target, best, turn), rounds)
@@ -156,7 +156,7 @@ def _refined(target: Target, best: Fit, times: int, rounds: int, turn: bool) -> 
     return best
 
 
-def _grids(target: Target, frame: Floats, sides: Floats) -> Iterator[list[Grid]]:
+def _grids(target: FitTarget, frame: Floats, sides: Floats) -> Iterator[list[Grid]]:
     """For each pitch, grids: the middle of the box is the middle of a cube or between two.
 
     Along axes without such symmetry, planes between cubes are where most faces are that follow the
@@ -189,7 +189,7 @@ def _planes(normals: Floats, positions: Floats, pitch: float) -> Floats:
     return -np.array(phases) * pitch / (2 * np.pi)
 
 
-def _face_axes(target: Target) -> Floats:
+def _face_axes(target: FitTarget) -> Floats:
     """Three axes at right angles that most of the area follows, as rows."""
     best, most = np.eye(3), -1.0
     for start in _STARTS:

@@ -13,14 +13,13 @@ import trimesh
 
 from egad._util.arrays import Floats
 from egad.errors import NoGraspError
-from egad.geometry import RayCaster, box_sides
+from egad.geometry import RayCaster, box_sides, center_of_mass
 from egad.grasps import ferrari_canny, sample_contacts
+from egad.grasps.samplers import draw_grasps
 from egad.grippers import ANTIPODAL
-from egad.measures.graspability import center_of_mass
 from egad.measures.parameters import SizeEffectParameters
 from egad.measures.percentile import percentile
 from egad.random import generator
-from egad.samplers import draw_grasps
 from egad.tables.grasping import SIZE_EFFECT
 
 

@@ -18,7 +18,7 @@ REVERTED = 0.3  # voxels that a change that did not help is moved away from
 CLOSE = 0.05  # voxels: surfaces further apart count less in an alignment
 
 
-class Target:
+class FitTarget:
     """A mesh to fit voxels to: its longest side has 25 units, its box is centered on the origin."""
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
@@ -55,7 +55,7 @@ class Target:
 
 
 class Grid(NamedTuple):
-    """Cubes in the units of a `Target`.
+    """Cubes in the units of a `FitTarget`.
 
     Attributes:
         origin: (3,) center of the first.
@@ -70,7 +70,7 @@ class Grid(NamedTuple):
     shape: tuple[int, ...]
 
     @classmethod
-    def around(cls, target: Target, frame: Floats, pitch: float, plane: Floats) -> Self:
+    def around(cls, target: FitTarget, frame: Floats, pitch: float, plane: Floats) -> Self:
         """The grid around a target, given where along each axis a plane between cubes is, (3,)."""
         along = target.vertices @ frame.T
         first = np.floor((along.min(axis=0) - plane) / pitch - 0.5) - 1
@@ -115,7 +115,7 @@ class Fit(NamedTuple):
         return self.deviation * self.grid.pitch
 
 
-def fit(target: Target, grid: Grid, rounds: int) -> Fit | None:
+def fit(target: FitTarget, grid: Grid, rounds: int) -> Fit | None:
     """Voxels whose surface is close to the target; None if no cube's center is inside.
 
     Smoothing moves the surface away from the voxels' faces. So in each round, cubes become solid or
@@ -147,7 +147,7 @@ def fit(target: Target, grid: Grid, rounds: int) -> Fit | None:
     return best
 
 
-def compare(target: Target, grid: Grid, voxels: Flags) -> Fit:
+def compare(target: FitTarget, grid: Grid, voxels: Flags) -> Fit:
     """How far the surface of voxels is from the target, seen from both."""
     sharp, surface, normals = _surface(voxels)
     points = np.asarray(surface.vertices)
@@ -166,7 +166,7 @@ def compare(target: Target, grid: Grid, voxels: Flags) -> Fit:
     return Fit(grid, voxels, surface, normals, deviation, total / np.maximum(count, 1), errors)
 
 
-def deviation(target: Target, grid: Grid, most: int) -> float:
+def deviation(target: FitTarget, grid: Grid, most: int) -> float:
     """The deviation of the cubes with centers in the target, from at most about `most` vertices."""
     voxels = target.inside(grid.centers()).reshape(grid.shape)
     if not voxels.any():
@@ -178,7 +178,7 @@ def deviation(target: Target, grid: Grid, most: int) -> float:
     return float(np.sqrt(np.mean(np.clip(heights / grid.pitch, -1, 1) ** 2)))
 
 
-def aligned(target: Target, best: Fit, turn: bool) -> Grid:
+def aligned(target: FitTarget, best: Fit, turn: bool) -> Grid:
     """The grid of voxels moved, scaled and perhaps turned so that their surface fits better."""
     grid, points = best.grid, np.asarray(best.surface.vertices)
     placed = grid.place(points)

@@ -9,12 +9,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from egad.bench.stats import Area, Bin, Rate, area, engine_names, gain, rate, reliability
 from egad.evalset import cell_of_label, in_grid
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
 from egad.report.page import Section, section_of
 from egad.report.trial_charts import draw_rates, outcome_counts
-from egad.stats import Area, Bin, Rate, area, engine_names, gain, rate, reliability
 
 QUALITIES = {
     "quality": "nominal quality",
@@ -131,7 +131,7 @@ def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Seque
     """Success over the rank by quality, and the ROC area of each quality in each row of the set.
 
     Args:
-        bins: From `egad.stats.roc`, by quality.
+        bins: From `egad.bench.stats.roc`, by quality.
         areas: Areas in each row of the evaluation set, and then over all, by quality.
 
     Returns:

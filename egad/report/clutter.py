@@ -7,10 +7,8 @@ from itertools import combinations
 
 import pandas as pd
 
-from egad.report.drawing import data_uri
-from egad.report.page import Section, render_template, section_of
-from egad.sim import CUSTOM
-from egad.stats import (
+from egad.bench import CUSTOM
+from egad.bench.stats import (
     Clearing,
     ClearingComparison,
     NothingInCommonError,
@@ -22,6 +20,8 @@ from egad.stats import (
     engine_names,
     unusual,
 )
+from egad.report.drawing import data_uri
+from egad.report.page import Section, render_template, section_of
 from egad.tables import parquet
 
 

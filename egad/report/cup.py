@@ -4,11 +4,11 @@ import numpy as np
 import trimesh
 import yaml
 
+from egad.grasps.suction import limits, ring_vertices
 from egad.grippers import Gripper, SuctionCup
 from egad.report.hand_shape import Colored, hand_shapes, painted
 from egad.report.page import render_template
 from egad.report.viewer import GraspScene, viewer_data
-from egad.suction import limits, ring_vertices
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 

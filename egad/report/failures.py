@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from egad._util.arrays import Floats
+from egad.bench.stats import Rate
 from egad.measures import MeasureSpace, cell_name, labels
 from egad.report.axes import AxisPair
 from egad.report.colors import FAINT, INK, LINES, SOFT, UNKNOWN
@@ -17,7 +18,6 @@ from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
 from egad.report.failure_map import dataset_map, failure_map, lowest_difference
 from egad.report.page import render_template
 from egad.report.trial_charts import outcome_chart, outcome_counts
-from egad.stats import Rate
 
 MAX_OF_CELL = 2  # failures per cell among the worst
 BEYOND = 0.6  # of the range of solved objects; charts of features extend this far on either side

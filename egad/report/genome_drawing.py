@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import NamedTuple
 
-from egad.cppn import INPUT_NAMES, ExpressionNode, Row, used_nodes
+from egad.evolution import INPUT_NAMES, ExpressionNode, Row, used_nodes
 from egad.report.colors import FONTS, INK, LINES, SOFT
 from egad.report.page import render_template
 

@@ -9,10 +9,7 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Ints
-from egad.report.drawing import svg_uri
-from egad.report.page import render_template
-from egad.report.trial_charts import outcome_chart, rate_bars, trial_heat_map
-from egad.stats import (
+from egad.bench.stats import (
     Clearing,
     Lead,
     Mean,
@@ -25,6 +22,9 @@ from egad.stats import (
     ranks,
     trial_grid,
 )
+from egad.report.drawing import svg_uri
+from egad.report.page import render_template
+from egad.report.trial_charts import outcome_chart, rate_bars, trial_heat_map
 from egad.tables.clutter import ROUND
 
 ROWS, COLUMNS = 7, 7

@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from egad._util.progress import duration, rate_text
-from egad.cppn import unpack
-from egad.map_elites import Archive, Elite
+from egad.evolution import Archive, Elite, unpack
 from egad.measures import MeasureSpace, cell_name, complexity_cells, difficulty_cells
 from egad.report.axes import USUAL, AxisPair, named_axes
 from egad.report.drawing import data_uri

@@ -1,6 +1,6 @@
 """A page to log grasp attempts with a real robot, which needs no network and no other file.
 
-`egad.stats.read` reads the CSV file that it exports; `LOG_COLUMNS` there are its columns.
+`egad.bench.stats.read` reads the CSV file that it exports; `LOG_COLUMNS` there are its columns.
 """
 
 import base64
@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from egad.bench.stats import LOG_COLUMNS, LOG_SCHEMA
 from egad.errors import UserError
-from egad.outcomes import DETECTOR_FAILURES, OBSERVABLE, Outcome
 from egad.random import generator
 from egad.report.page import render_template
-from egad.stats import LOG_COLUMNS, LOG_SCHEMA
+from egad.tables.outcomes import DETECTOR_FAILURES, OBSERVABLE, Outcome
 
 PURPOSE = "log sheet"  # of the random numbers
 MAX_DETECTORS = len(string.ascii_uppercase)

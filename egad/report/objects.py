@@ -5,13 +5,13 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from egad.bench.stats import by_object
 from egad.grippers import Gripper
 from egad.measures import cell_name
 from egad.report.axes import AxisPair
 from egad.report.drawing import data_uri
 from egad.report.page import DASH, Section, section_of
 from egad.report.viewer import GraspScene, viewer_data
-from egad.stats import by_object
 
 TIMES = "\N{MULTIPLICATION SIGN}"
 

@@ -10,12 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
+from egad.bench.stats import Mean, Rate, TrialGrid, by_object, trial_grid
 from egad.evalset import SelectEval, cell_of_label, in_grid, label_at
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import FAINT, INK, SOFT, ink_on, line_color
 from egad.report.drawing import new_figure, show_percent
 from egad.report.page import DASH
-from egad.stats import Mean, Rate, TrialGrid, by_object, trial_grid
 
 GAP = 0.35
 MAX_BARS = 30
@@ -50,7 +50,7 @@ def trial_heat_map(
     """Success rate of every object, with the rates of whole rows and columns, as in the paper.
 
     Args:
-        grid: Rates from `egad.stats.rates.trial_grid`.
+        grid: Rates from `egad.bench.stats.rates.trial_grid`.
         rows: Letters of the evaluation set; the easiest is at the bottom.
         columns: Digits of the evaluation set.
         present: Labels of the objects in the set; all other cells are hatched.

@@ -10,21 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from egad.evalset import cell_of_label
-from egad.report.axes import USUAL, AxisPair
-from egad.report.colors import LINES, SOFT, line_color
-from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
-from egad.report.page import Section, render_template, section_of
-from egad.report.trial_charts import (
-    draw_intervals,
-    draw_rates,
-    outcome_chart,
-    outcome_counts,
-    rate_bars,
-    trial_chart,
-    trial_heat_map,
-)
-from egad.stats import (
+from egad.bench.stats import (
     Bin,
     Comparison,
     Mean,
@@ -38,6 +24,20 @@ from egad.stats import (
     simulated_in,
     trend,
     trial_grid,
+)
+from egad.evalset import cell_of_label
+from egad.report.axes import USUAL, AxisPair
+from egad.report.colors import LINES, SOFT, line_color
+from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
+from egad.report.page import Section, render_template, section_of
+from egad.report.trial_charts import (
+    draw_intervals,
+    draw_rates,
+    outcome_chart,
+    outcome_counts,
+    rate_bars,
+    trial_chart,
+    trial_heat_map,
 )
 
 
@@ -214,7 +214,7 @@ def reliability_chart(bins: Sequence[Bin]) -> str:
     """Success rate against the quality that a detector gave, with Wilson intervals of 95 %.
 
     Args:
-        bins: From `egad.stats.roc`, at least one.
+        bins: From `egad.bench.stats.roc`, at least one.
 
     Returns:
         SVG text. If all qualities lie between 0 and 1, a diagonal shows where they would equal the

@@ -1,4 +1,4 @@
-"""Grasp trials in simulation: the world, the gripper, and the protocol of a trial."""
+"""The simulated world: physics engines, hands and arms, and the execution of a grasp."""
 
 import lazy_loader
 

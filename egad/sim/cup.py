@@ -12,11 +12,11 @@ from typing_extensions import override
 
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster, joined
+from egad.grasps.suction import Seals, ring_depths, seal_cups
 from egad.grippers import SuctionCup
-from egad.outcomes import Outcome
 from egad.sim.gripper import Fingers, Hand
 from egad.sim.world import TIME_STEP
-from egad.suction import Seals, ring_depths, seal_cups
+from egad.tables.outcomes import Outcome
 
 EVACUATION_TIME = 0.1  # seconds that the cup rests on an object before it holds it
 PRESS = 0.001  # metres that the ring is pressed beyond where it lies on an object

@@ -11,13 +11,12 @@ import numpy as np
 from egad._util.arrays import Floats
 from egad.detectors import Grasp
 from egad.grasps import FIXED_SIDE_CLEARANCE, expected_distance
-from egad.outcomes import Outcome
 from egad.sim.arms import Arm, HandPose, UnreachableError
 from egad.sim.cup import CupHand
 from egad.sim.gripper import HEAVIEST, Hand
-from egad.sim.parameters import Lifting
-from egad.sim.protocols import COLLISION_FORCE
+from egad.sim.parameters import COLLISION_FORCE, Lifting
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
+from egad.tables.outcomes import Outcome
 
 START_ABOVE = 0.02  # fingertips start this far above the object
 DESCENT_SPEED = 0.25  # mean, m/s
@@ -48,7 +47,7 @@ class Execution(NamedTuple):
     """The result of a grasp.
 
     Attributes:
-        outcome: One of `egad.outcomes.EXECUTION`, or failed; for a suction cup also no_seal.
+        outcome: One of `egad.tables.outcomes.EXECUTION`, or failed; for a suction cup also no_seal.
         lifted: Height that the object's center of mass gained, metres.
         end: Final pose of the object; None if the simulation broke down. If the object lay still in
             the hand before the lift was complete, where it would be after the whole lift.

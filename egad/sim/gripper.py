@@ -6,11 +6,11 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad.grippers import JAW_CLEARANCE
-from egad.outcomes import Outcome
 from egad.sim.arms import Arm, HandPose
-from egad.sim.protocols import COLLISION_FORCE
+from egad.sim.parameters import COLLISION_FORCE
 from egad.sim.robot import Robot
 from egad.sim.world import TIME_STEP, World
+from egad.tables.outcomes import Outcome
 
 CLOSING_TIME = 1.0
 STALLED_SPEED = 0.0005

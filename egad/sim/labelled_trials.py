@@ -17,7 +17,6 @@ from egad._util.arrays import Floats
 from egad.detectors import Grasp
 from egad.grasps import hand_poses
 from egad.grippers import Gripper, check_jaws, finger_span
-from egad.outcomes import Outcome
 from egad.random import generator
 from egad.sim.arms import ARMS
 from egad.sim.engines import open_world
@@ -28,6 +27,7 @@ from egad.sim.world import Pose
 from egad.tables import parquet
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT
+from egad.tables.outcomes import Outcome
 
 CLEAR = 0.1  # metres of air below the object at least
 RATINGS = ("quality", "robust_quality", "robust_success_rate")

@@ -7,8 +7,9 @@ import numpy as np
 import trimesh
 
 from egad._util.arrays import Floats
-from egad.evalset import Bundle, make_simulation_object
-from egad.geometry import MassProperties
+from egad.geometry import Bundle, MassProperties, Material, make_simulation_object
+from egad.grippers import Gripper
+from egad.objects import NamedMesh, scaled_solid
 
 # kg; PyBullet's solver does not converge for lighter bodies under large grip forces:
 # studies/engines/README.md
@@ -122,3 +123,23 @@ def build(mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "
     """
     made = make_simulation_object(mesh, density, settings, name)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)
+
+
+def simulated(target: NamedMesh, gripper: Gripper, rule: str) -> tuple[trimesh.Trimesh, Model]:
+    """The mesh of an object as it is grasped, and its default model for simulations.
+
+    Args:
+        target: The object.
+        gripper: What it is scaled to.
+        rule: See `egad.rescale`.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, is flat, or has no convex parts.
+        UserError: It is not a mesh, or its file is missing.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests a unit other than the metre.
+        PartsWarning: The object needs more convex parts than are allowed.
+    """
+    mesh = scaled_solid(target, gripper, rule)
+    return mesh, build(mesh, Material().density, Bundle(), target.label)

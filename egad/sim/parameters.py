@@ -1,37 +1,19 @@
-"""Settings of simulated grasping trials."""
+"""Settings of simulated grasps."""
 
 import importlib.util
-from functools import partial
-from typing import Annotated, Literal, Self, get_args
+from typing import Literal, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field
 
-from egad._util.parameters import (
-    Length,
-    ParameterGroup,
-    Parameters,
-    Pixels,
-    Range,
-    Seed,
-    UserParameters,
-    by_name,
-)
+from egad._util.parameters import ParameterGroup, Parameters
 from egad.errors import UserError, check_name
 from egad.grasps import Quality
 from egad.grippers import Gripper
-from egad.perception import SCENE_KINDS, NoiseName, SceneKind
-from egad.sim.protocols import COLLISION_FORCE, NAMED_PROTOCOLS, Protocol
 
+# A Panda stops at about this contact force; lighter contacts only push the object aside.
+COLLISION_FORCE = 20.0
 EngineName = Literal["mujoco", "pybullet"]  # the default first
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
-Offset = Annotated[float, Field(ge=0, le=0.1)]
-PlanningTime = Annotated[
-    float,
-    Field(
-        gt=0,
-        description="time limit of a detector, seconds; an attempt that exceeds it fails",
-    ),
-]
 
 
 def check_engine(name: str) -> None:
@@ -65,178 +47,6 @@ class Lifting(Parameters):
     )
 
 
-class CellErrors(UserParameters):
-    """Errors of a real cell: none, typical (docs/trials.md), or a section of your own.
-
-    Values are standard deviations of normal distributions; factors are uniform within ranges.
-    """
-
-    calibration: Offset = Field(
-        0.0,
-        description="error of the calibrated camera position along each axis, metres; sampled once "
-        "for 20 attempts at an object, or for a round",
-    )
-    calibration_turn: float = Field(
-        0.0,
-        ge=0,
-        le=10,
-        description="error of the calibrated camera rotation about each axis through the middle of "
-        "the table, where it was calibrated, degrees; sampled together with `calibration`",
-    )
-    positioning: Offset = Field(
-        0.0,
-        description="error of the hand's position along each axis, metres; sampled per attempt",
-    )
-    opening: Offset = Field(
-        0.0,
-        description="error of the hand's opening before it closes, metres; sampled per attempt",
-    )
-    friction: Range = Field(
-        (1.0, 1.0),
-        description="range of the factor on the friction of the pads; sampled per attempt",
-    )
-    mass: Range = Field(
-        (1.0, 1.0),
-        description="range of the factor on the mass of an object; sampled per attempt",
-    )
-    stopping_force: Range = Field(
-        (1.0, 1.0),
-        description="range of the factor on the force that stops the hand; sampled per attempt",
-    )
-
-    def __str__(self) -> str:
-        """The name of these errors, or their values."""
-        names = [name for name, errors in NAMED_ERRORS.items() if errors == self]
-        return names[0] if names else super().__str__()
-
-    @model_validator(mode="after")
-    def _factors_can_be_drawn(self) -> Self:
-        for name in ("friction", "mass", "stopping_force"):
-            low, high = getattr(self, name)
-            if not 0 < low <= high:
-                raise ValueError(f"{name} must go from a positive low to high, got {low} to {high}")
-        return self
-
-
-NAMED_ERRORS = {
-    "none": CellErrors(),
-    "typical": CellErrors(
-        calibration=0.0025,
-        calibration_turn=0.5,
-        positioning=0.001,
-        opening=0.0005,
-        friction=(0.75, 1.25),
-        mass=(0.9, 1.1),
-        stopping_force=(0.8, 1.2),
-    ),
-}
-
-
-Errors = Annotated[CellErrors, BeforeValidator(partial(by_name, "errors", NAMED_ERRORS))]
-
-
-class ContactRule(Parameters):
-    """What a contact of the hand on its way down means."""
-
-    contact: Literal["collided", "close"] = Field(
-        "collided",
-        description="what a contact on the way down means: collided: the attempt fails; close: the "
-        "fingers close where the hand was stopped, as on the robot of EGAD",
-    )
-    stopping_force: float = Field(
-        COLLISION_FORCE,
-        gt=0,
-        le=1000,
-        description="contact force that stops the hand on its way down, newtons; the robot of EGAD "
-        "closed its fingers at 10 and gave up at 20",
-    )
-
-
-class TrialProtocol(ContactRule, Lifting):
-    """Attempts to grasp single objects in simulation."""
-
-    attempts: int = Field(10, ge=1, description="attempts per object")
-    reset: Literal["continue", "redrop"] = Field(
-        "continue",
-        description="continue: after a success the hand tilts and drops the object, after a "
-        "failure the object stays where it is, as with a real robot; redrop: every attempt starts "
-        "with a drop in a random orientation, the same for all detectors",
-    )
-    drop_height: Length = Field(
-        0.1,
-        description="height of the lowest point of the object above the table before a drop, "
-        "metres",
-    )
-    workspace: Length = Field(
-        0.12, description="objects further than this from the center are moved back, metres"
-    )
-    image: tuple[Pixels, Pixels] = Field(
-        (640, 480), description="width and height of the depth image, pixels"
-    )
-    field_of_view: float = Field(
-        75.0, gt=1, lt=170, description="horizontal field of view of the camera, degrees"
-    )
-    camera_height: Length = Field(0.6, description="height of the camera above the table, metres")
-    depth_noise: float = Field(
-        0.0,
-        ge=0,
-        le=10,
-        description="standard deviation of the disparity, as in a stereo camera, pixels; about 0.1 "
-        "for a D435; if not 0, the image also has holes beside edges and on steep surfaces",
-    )
-    errors: Errors = Field(
-        NAMED_ERRORS["none"],
-        description="errors of a real cell: none, typical, or a section of your own",
-    )
-    planning_time: PlanningTime = 60.0
-    keep_going: bool = Field(
-        False,
-        description="whether to continue with a detector that fails in every attempt at the first "
-        "three objects",
-    )
-
-
-class Clutter(Parameters):
-    """Rounds of clearing a table of several objects."""
-
-    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
-    scenes: tuple[SceneKind, ...] = Field(
-        SCENE_KINDS,
-        min_length=1,
-        description="kinds of scenes: single: one object, dropped; packed: objects upright side by "
-        "side; pile: objects dropped on top of each other",
-    )
-    protocol: Protocol = Field(
-        NAMED_PROTOCOLS["egad"],
-        description="rules of a published benchmark (egad, vgn, giga, edgegrasp), or a section of "
-        "your own",
-    )
-    noise: tuple[NoiseName, ...] | None = Field(
-        None,
-        min_length=1,
-        description="kinds of noise added to depth images: none; stereo: as with "
-        "`trials.depth_noise` of 0.1 pixels; gamma: as in Dex-Net 2.0 and the later code of VGN; "
-        "dex: as in GIGA; points: 0.8 mm on the points of the cloud only, as in EdgeGrasp; "
-        "nothing: those of the protocol",
-    )
-    rounds: int = Field(100, ge=1, description="rounds for each kind of scene and noise")
-    objects: int = Field(5, ge=1, le=20, description="objects in packed and piled scenes")
-    errors: Errors = Field(
-        NAMED_ERRORS["none"], description="errors of a real cell, as in `trials.errors`"
-    )
-    planning_time: PlanningTime = 60.0
-    keep_going: bool = Field(
-        False,
-        description="whether to continue with a detector that fails in every attempt of the first "
-        "three rounds",
-    )
-
-    @property
-    def noises(self) -> tuple[NoiseName, ...]:
-        """The kinds of noise: those given, or else those of the protocol."""
-        return self.noise or self.protocol.noise
-
-
 class LabelAgreement(Parameters):
     """Labelled grasps executed in simulation, to validate their quality."""
 
@@ -256,18 +66,6 @@ class SimulatedLabel(Parameters):
     )
 
 
-class NaiveGrasp(Parameters):
-    """Naive grasps, whose simulated success rate says how forgiving an object is."""
-
-    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
-    grasps: int = Field(
-        160,
-        ge=1,
-        description="grasps of each object in free space, and as many on a table; the standard "
-        "errors of the success rates are at most 0.5 / the square root of this number",
-    )
-
-
 class SimulatedLabelParameters(ParameterGroup):
     """The settings that simulated labels depend on."""
 
@@ -275,24 +73,6 @@ class SimulatedLabelParameters(ParameterGroup):
     quality: Quality
     trials: Lifting
     simulated_label: SimulatedLabel
-
-
-class NaiveGraspParameters(ParameterGroup):
-    """The settings that naive grasps depend on."""
-
-    seed: Seed
-    gripper: Gripper
-    quality: Quality
-    trials: Lifting
-    naive_grasp: NaiveGrasp
-
-
-class TrialParameters(ParameterGroup):
-    """The settings that simulated trials depend on."""
-
-    seed: Seed
-    gripper: Gripper
-    trials: TrialProtocol
 
 
 class LabelTrialParameters(ParameterGroup):
@@ -303,11 +83,3 @@ class LabelTrialParameters(ParameterGroup):
     quality: Quality
     trials: Lifting
     agreement: LabelAgreement
-
-
-class ClutterParameters(ParameterGroup):
-    """The settings that rounds of clearing a table depend on."""
-
-    seed: Seed
-    gripper: Gripper
-    clutter: Clutter

@@ -10,11 +10,11 @@ from typing_extensions import override
 from egad._util.arrays import Floats
 from egad.detectors import SEARCH
 from egad.grippers import tip_reach
-from egad.outcomes import Outcome
 from egad.sim.cup import Cup
 from egad.sim.gripper import Fingers, minimum_jerk
-from egad.sim.protocols import COLLISION_FORCE
+from egad.sim.parameters import COLLISION_FORCE
 from egad.sim.world import TIME_STEP, Pose, UnstableError, World
+from egad.tables.outcomes import Outcome
 
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 STANDOFF = 0.05  # metres before the grasp, where the approach begins

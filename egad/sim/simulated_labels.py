@@ -14,18 +14,17 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad.grippers import Gripper, check_jaws
-from egad.outcomes import SIMULATION_FAILURES, Outcome
 from egad.sim.arms import Arm, HandPose, TurningAxis
 from egad.sim.engines import open_world
 from egad.sim.execution import lift_and_hold
 from egad.sim.gripper import Hand
 from egad.sim.labelled_trials import floating_pose
 from egad.sim.model import Model
-from egad.sim.parameters import Lifting, SimulatedLabelParameters
-from egad.sim.protocols import COLLISION_FORCE
+from egad.sim.parameters import COLLISION_FORCE, Lifting, SimulatedLabelParameters
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 from egad.tables import parquet
 from egad.tables.grasping import MOTIONS
+from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 # The hand moves by at most 26 mm and accelerates at 11 m/s2, a little more than gravity. It turns
 # by at most 25 degrees, with the same acceleration 6 cm off its axis. ACRONYM gives no numbers.

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster
+from egad.grasps.suction import resists
 from egad.sim.model import Model
 from egad.sim.robot import PALM, TIP, Box, Robot
-from egad.suction import resists
 
 GRAVITY = 9.81
 DOWN = (0.0, 0.0, -GRAVITY)
@@ -244,9 +244,9 @@ class World(ABC):
         """Let the suction cup of the robot hold an object where it is now.
 
         The object is held only as long as the cup resists its load, which is checked after every
-        time step (`egad.suction.resists`; the friction is that of the cup times `friction_factor`).
-        A real cup gives way, but this one is rigid: so the load does not count before the object
-        has been off the table for 0.05 s.
+        time step (`egad.grasps.suction.resists`; the friction is that of the cup times
+        `friction_factor`). A real cup gives way, but this one is rigid: so the load does not count
+        before the object has been off the table for 0.05 s.
 
         Args:
             number: The object.
@@ -286,7 +286,7 @@ class World(ABC):
         return self._casters[number]
 
     def cup_pose(self) -> Floats:
-        """The frame of the suction cup of the robot (`egad.suction.seal`) in the world, (4, 4)."""
+        """The frame of the suction cup (`egad.grasps.suction.seal`) in the world, (4, 4)."""
         return self._link_pose(TIP)
 
     def _link_pose(self, name: str) -> Floats:

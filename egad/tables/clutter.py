@@ -2,15 +2,15 @@
 
 import pyarrow as pa
 
-from egad.outcomes import (
+from egad.tables.columns import FLOAT, INT, STRING, Result, column
+from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, SUCCESS
+from egad.tables.outcomes import (
     POSE_FAILURES,
     SIMULATION_FAILURES,
     SUCTION_FAILURES,
     Outcome,
     listed,
 )
-from egad.tables.columns import FLOAT, INT, STRING, Result, column
-from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, SUCCESS
 
 GRASP_POSE = tuple(f"pose_{row}{part}" for row in "xyz" for part in ("x", "y", "z", "t"))
 ROUND = ["scene", "noise", "round"]  # columns that tell rounds apart

@@ -2,14 +2,6 @@
 
 import pyarrow as pa
 
-from egad.outcomes import (
-    DETECTOR_FAILURES,
-    EXECUTION,
-    NOTED_BY_HAND,
-    SIMULATION_FAILURES,
-    SUCTION_FAILURES,
-    listed,
-)
 from egad.tables.columns import (
     BOOL,
     CELLS,
@@ -28,6 +20,14 @@ from egad.tables.columns import (
     optional,
     pose,
     vector,
+)
+from egad.tables.outcomes import (
+    DETECTOR_FAILURES,
+    EXECUTION,
+    NOTED_BY_HAND,
+    SIMULATION_FAILURES,
+    SUCTION_FAILURES,
+    listed,
 )
 
 VOLUME_ERROR = column("volume_error", FLOAT, "total volume of the parts / volume of the object - 1")

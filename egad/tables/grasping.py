@@ -2,7 +2,6 @@
 
 import pyarrow as pa
 
-from egad.outcomes import EXECUTION, SHAKEN, SIMULATION_FAILURES, listed
 from egad.tables.columns import (
     BOOL,
     FLOAT,
@@ -18,6 +17,7 @@ from egad.tables.columns import (
     optional,
     vector,
 )
+from egad.tables.outcomes import EXECUTION, SHAKEN, SIMULATION_FAILURES, listed
 
 GRASPS = pa.schema(
     [

@@ -2,16 +2,7 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import (
-    BINARY,
-    BOOL,
-    FLOAT,
-    INT,
-    POSE_PARTS,
-    STRING,
-    Result,
-    column,
-)
+from egad.tables.columns import BINARY, BOOL, FLOAT, INT, POSE_PARTS, STRING, Result, column
 
 SCENES = pa.schema(
     [

@@ -12,9 +12,9 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.config.stages import SimulationBundle
-from egad.evalset import SimulationObject, make_simulation_object
-from egad.evalset.bundle import page
 from egad.exchange import write_simulation_object
+from egad.exchange.simulation_page import page
+from egad.geometry import SimulationObject, make_simulation_object
 from egad.io import object_names, write_sums
 from egad.tables import parquet
 from egad.tables.columns import inertia_columns

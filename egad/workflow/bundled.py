@@ -8,15 +8,16 @@ from typing import Any, TypeVar
 
 import pandas as pd
 
+from egad.bench import Models
 from egad.config import Settings
 from egad.exchange import read_simulation_object
 from egad.grippers import Gripper
-from egad.named_meshes import NamedMesh, named_meshes, simulated
-from egad.objects import EVALUATION_SET, load
-from egad.outcomes import Outcome
-from egad.sim import Model, Models, model_of
+from egad.objects import EVALUATION_SET, NamedMesh, load, named_meshes
+from egad.sim import Model, model_of
+from egad.sim.model import simulated
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
+from egad.tables.outcomes import Outcome
 
 log = logging.getLogger(__name__)
 ENGINE_TIME = 60.0  # seconds; an attempt takes less than one, unless the engine hangs

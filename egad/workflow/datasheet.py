@@ -7,12 +7,12 @@ import pandas as pd
 
 from egad._util.files import atomic_output, write_text
 from egad._util.progress import phase
+from egad.bench.stats import template
 from egad.config.stages import DataSheets
 from egad.evalset import ATTEMPTS, ForGripper, empty_cells, in_grid
 from egad.evalset.datasheet import page
 from egad.io import read_mesh
 from egad.report.evaluation import contact_sheet
-from egad.stats import template
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 

@@ -12,8 +12,7 @@ from egad._util.progress import progress
 from egad.config.stages import DexNetObjects
 from egad.errors import RejectedError
 from egad.exchange import MEASURES, DexnetObject, add_object, check_key, writing
-from egad.geometry import StablePose, distance_field, mass_properties
-from egad.geometry.stable_poses import stable_poses
+from egad.geometry import StablePose, distance_field, mass_properties, resting_poses
 from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
@@ -69,7 +68,7 @@ def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> Dexne
 
 def _poses(mesh: trimesh.Trimesh, com: Floats, least: float, label: str) -> list[StablePose]:
     try:
-        return [pose for pose in stable_poses(mesh, com) if pose.probability >= least]
+        return [pose for pose in resting_poses(mesh, com) if pose.probability >= least]
     except RejectedError as reason:
         log.warning("%s is written without stable poses: %s", label, reason)
         return []

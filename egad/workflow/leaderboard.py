@@ -20,6 +20,7 @@ from pydantic import AfterValidator, Field, StringConstraints
 
 from egad._util.files import atomic_output, write_text
 from egad._util.parameters import Name, Parameters, from_file
+from egad.bench import ClutterParameters, Models, TrialParameters
 from egad.config import Settings
 from egad.config.check import check
 from egad.config.files import defaults, merged, read_values
@@ -27,12 +28,12 @@ from egad.config.stages import select
 from egad.errors import EgadError, UserError
 from egad.grippers import Gripper
 from egad.objects import EVALUATION_SET, load
-from egad.outcomes import Outcome
 from egad.report.leaderboard import Board, Protocol, Refusal, SubmittedTable, page
-from egad.sim import ClutterParameters, Models, TrialParameters, check_engine
+from egad.sim import check_engine
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, ROUND
 from egad.tables.evaluation import TRIALS
+from egad.tables.outcomes import Outcome
 from egad.workflow.bundled import evaluation_set_models
 from egad.workflow.replays import film_attempt, film_clearing
 from egad.workflow.verification import gaps, groups_of, verify_groups

@@ -10,6 +10,8 @@ import pandas as pd
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
+from egad.bench.failures import MatchedSet
+from egad.bench.failures.matched_page import introduction
 from egad.config import Settings
 from egad.config.stages import (
     CellsAndDiversities,
@@ -20,16 +22,14 @@ from egad.config.stages import (
     SimulationBundle,
     select,
 )
-from egad.cppn import Shape, packed_surface
 from egad.errors import RejectedError
 from egad.evalset import SelectEval, take
-from egad.failures import MatchedSet
-from egad.failures.matched_page import introduction
-from egad.grasping import dataset_grasps
+from egad.evolution import Shape, packed_surface
 from egad.grasps import LabelParameters
+from egad.grasps.sampling import dataset_grasps
 from egad.io import read_mesh
-from egad.reeb import graph as reeb
-from egad.reeb import similarity_matrix
+from egad.measures.reeb import graph as reeb
+from egad.measures.reeb import similarity_matrix
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import ARCHIVE

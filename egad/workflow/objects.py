@@ -16,8 +16,8 @@ from egad._util.workers import workers
 from egad.config.stages import CellsAndDiversities
 from egad.io import write_obj
 from egad.measures import complexity_cells, difficulty_cells, labels
-from egad.reeb import diversities
-from egad.reeb import graph as reeb
+from egad.measures.reeb import diversities
+from egad.measures.reeb import graph as reeb
 
 
 def arrange(

@@ -13,17 +13,17 @@ from egad._util.kernel_cache import compiled_marker
 from egad._util.workers import workers
 from egad.config import Settings
 from egad.config.stages import select
-from egad.cppn import Shape
-from egad.cppn.surface import surface
+from egad.detectors import Intrinsics, View, camera_above, fuse
+from egad.evolution import Shape
+from egad.evolution.surface import surface
 from egad.geometry import decompose
 from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps
 from egad.grippers import BoxBody
 from egad.measures import MeasureParameters, rough_graspability
 from egad.measures.complexity import complexity
-from egad.perception import Intrinsics, View, camera_above, fuse
+from egad.measures.reeb import Forest, diversities, extract, similarities
 from egad.random import generator
-from egad.reeb import Forest, diversities, extract, similarities
 
 
 def compile_grasps() -> None:

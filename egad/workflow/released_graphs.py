@@ -11,12 +11,11 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
-from egad.cppn import Shape
 from egad.data import released_graphs
-from egad.named_meshes import NamedMesh, named_meshes
-from egad.objects import Dataset, load
-from egad.reeb import Similarity
-from egad.reeb import graph as reeb
+from egad.evolution import Shape
+from egad.measures.reeb import Similarity
+from egad.measures.reeb import graph as reeb
+from egad.objects import Dataset, NamedMesh, load, named_meshes
 from egad.tables import parquet
 from egad.tables.objects import GRAPHS
 

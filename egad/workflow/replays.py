@@ -8,22 +8,19 @@ import numpy as np
 
 from egad._util.arrays import RgbImage
 from egad._util.progress import phase_if_slow
-from egad.errors import UserError
-from egad.sim import (
-    ARMS,
+from egad.bench import (
     END,
     Attempt,
     ClutterParameters,
-    Film,
     Models,
     TrialParameters,
     TrialRunner,
     columns_of,
     film_round,
-    open_world,
     read_attempt,
-    write_film,
 )
+from egad.errors import UserError
+from egad.sim import ARMS, Film, open_world, write_film
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import TRIALS

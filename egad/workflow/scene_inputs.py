@@ -8,17 +8,18 @@ import pandas as pd
 
 from egad.config.stages import MakeScenes
 from egad.errors import UserError
-from egad.evalset import read_parts
+from egad.evolution import Lineage
+from egad.geometry import read_parts
 from egad.io import read_mesh
-from egad.map_elites import Lineage
-from egad.scenes import (
+from egad.learning.images import model_at_size
+from egad.learning.scenes import (
     PlannedScene,
     SceneParameters,
     Splits,
     planned_scenes,
     split_objects,
 )
-from egad.sim import Model, model_at_size
+from egad.sim import Model
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.evolution import LINEAGE

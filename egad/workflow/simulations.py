@@ -10,30 +10,27 @@ from typing import Any
 import pandas as pd
 import trimesh
 
-from egad.clearing import Cleared, open_table
+from egad.bench import Round, run_attempts, try_naive_grasps
+from egad.bench.clearing import Cleared, open_table
 from egad.config.stages import ClearedTables, NaiveGrasps, SimulatedLabels, SimulatedTrials
 from egad.detectors import IN_SCENES, LABELS, Detector, Labels, check_views_will_do, opened
 from egad.errors import RejectedError, UserError
-from egad.evalset import simulation_object
-from egad.geometry import Material
+from egad.geometry import Material, simulation_object
 from egad.io import read_mesh
-from egad.outcomes import Outcome
 from egad.sim import (
     LabelTrialParameters,
     Model,
-    Round,
     SimulatedGrasp,
     chosen_grasps,
     execute_labelled_grasps,
     model_of,
-    run_attempts,
     simulate_labels,
-    try_naive_grasps,
     with_simulated_labels,
 )
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS
+from egad.tables.outcomes import Outcome
 from egad.workflow.bundled import model_in, rows_by_id
 
 log = logging.getLogger(__name__)

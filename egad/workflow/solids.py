@@ -6,7 +6,7 @@ import trimesh
 
 from egad.config.stages import PostprocessSolids
 from egad.measures import measure_repeatably
-from egad.reeb import graph as reeb
+from egad.measures.reeb import graph as reeb
 from egad.tables.columns import inertia_columns
 from egad.workflow.repair import repaired_body
 

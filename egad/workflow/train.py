@@ -21,7 +21,7 @@ from egad.learning import (
     score_table,
     total_score,
 )
-from egad.perception import files
+from egad.learning.images import files
 from egad.report.training import training_chart
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
@@ -61,7 +61,8 @@ def train(
         TableError: A shard cannot be read.
     """
     with needed_for("training"):
-        from egad.learning import networks, training, weights  # noqa: PLC0415 (an extra)
+        from egad.detectors import networks, weights  # noqa: PLC0415 (an extra)
+        from egad.learning import training  # noqa: PLC0415 (an extra)
     plan, seed = settings.training, settings.seed
     shards = open_dataset(images, settings)
     if start is None:
@@ -150,7 +151,7 @@ def fingerprint(settings: TrainNetwork, images: Sequence[Path], start: Path | No
         **start_notes(start),
         "images": [checksum(path) for folder in images for path in files(folder)],
         "torch": torch.__version__,
-        "code": [code_version(f"egad.learning.{name}") for name in ("networks", "training")],
+        "code": list(map(code_version, ("egad.detectors.networks", "egad.learning.training"))),
     }
     return json.dumps(known, sort_keys=True)
 

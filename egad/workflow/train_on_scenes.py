@@ -19,8 +19,8 @@ from egad.learning import (
     scene_score,
     scene_score_table,
 )
+from egad.learning.scenes import SceneDataset, load_scenes
 from egad.report.training import scene_training_chart
-from egad.scenes import SceneDataset, load_scenes
 from egad.tables import parquet
 from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
 from egad.workflow.code_version import code_version
@@ -66,7 +66,9 @@ def train_on_scenes(
         TableError: A shard cannot be read.
     """
     with needed_for("training"):
-        from egad.learning import networks, scene_training, training, vgn, weights  # noqa: PLC0415
+        from egad.detectors import networks, weights  # noqa: PLC0415
+        from egad.detectors import vgn_network as vgn  # noqa: PLC0415
+        from egad.learning import scene_training, training  # noqa: PLC0415
     check_device(device)
     plan, seed = settings.training_vgn, settings.seed
     scenes = open_scenes(folders)

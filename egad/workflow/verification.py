@@ -8,12 +8,7 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.config import Settings
-from egad.config.stages import select
-from egad.errors import UserError
-from egad.outcomes import SIMULATION_FAILURES, Outcome
-from egad.random import generator
-from egad.sim import (
+from egad.bench import (
     ClutterParameters,
     Difference,
     Models,
@@ -23,7 +18,12 @@ from egad.sim import (
     verify_attempts,
     verify_rounds,
 )
+from egad.config import Settings
+from egad.config.stages import select
+from egad.errors import UserError
+from egad.random import generator
 from egad.tables.clutter import ROUND
+from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 
 
 def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.DataFrame]:

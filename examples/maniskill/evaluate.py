@@ -14,7 +14,7 @@ from policy import LiftPolicy
 from prepare import GRASPS
 
 import egad
-from egad.stats import by_object, mean_rate
+from egad.bench.stats import by_object, mean_rate
 
 
 def attempt(env: gym.Env, grasps: egad.Grasps, label: str, seed: int) -> dict:

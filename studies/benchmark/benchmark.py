@@ -22,18 +22,7 @@ from PIL import Image
 
 import egad
 from egad._util.files import atomic_output
-from egad.benchmark import clear_tables
-from egad.clearing import prepare_objects
-from egad.detectors import DetectorConfig
-from egad.geometry import joined_primitives
-from egad.geometry.manifold import to_mesh
-from egad.geometry.primitives import loose_piece, solid_of
-from egad.grippers import GRIPPERS
-from egad.io import object_names, read_mesh
-from egad.named_meshes import NamedMesh, named_meshes
-from egad.perception import NoiseName
-from egad.random import generator
-from egad.sim import (
+from egad.bench import (
     NAMED_PROTOCOLS,
     Clutter,
     ClutterParameters,
@@ -42,7 +31,17 @@ from egad.sim import (
     picture_of,
     rounds_of,
 )
-from egad.stats import Clearing, by_difficulty, clearing_rates
+from egad.bench.benchmark import clear_tables
+from egad.bench.clearing import prepare_objects
+from egad.bench.stats import Clearing, by_difficulty, clearing_rates
+from egad.detectors import DetectorConfig, NoiseName
+from egad.geometry import joined_primitives
+from egad.geometry.manifold import to_mesh
+from egad.geometry.primitives import loose_piece, solid_of
+from egad.grippers import GRIPPERS
+from egad.io import object_names, read_mesh
+from egad.objects import NamedMesh, named_meshes
+from egad.random import generator
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 

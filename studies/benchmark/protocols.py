@@ -25,23 +25,22 @@ from scipy.spatial.transform import Rotation
 import egad
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output
-from egad.clearing import SceneObject, clear_rounds, prepare_objects
-from egad.detectors import GraspPoses
-from egad.detectors.vgn import THRESHOLD, Vgn
-from egad.grippers import GRIPPERS, Gripper
-from egad.named_meshes import NamedMesh, named_meshes
-from egad.perception import Observation, Tsdf
-from egad.random import generator
-from egad.sim import (
+from egad.bench import (
     NAMED_PROTOCOLS,
     Clutter,
     ClutterParameters,
     ClutterProtocol,
-    Model,
     SceneCameras,
     rounds_of,
 )
-from egad.stats import Mean, clearing_rates
+from egad.bench.clearing import SceneObject, clear_rounds, prepare_objects
+from egad.bench.stats import Mean, clearing_rates
+from egad.detectors import GraspPoses, Observation, Tsdf
+from egad.detectors.vgn import THRESHOLD, Vgn
+from egad.grippers import GRIPPERS, Gripper
+from egad.objects import NamedMesh, named_meshes
+from egad.random import generator
+from egad.sim import Model
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 

@@ -8,8 +8,8 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.clearing import SceneObject
-from egad.evalset import Bundle
+from egad.bench.clearing import SceneObject
+from egad.geometry import Bundle
 from egad.sim import build
 
 

@@ -13,13 +13,11 @@ import manifold3d
 import numpy as np
 import trimesh
 
-from egad.evalset import Bundle
-from egad.geometry import buried_share, to_mesh, union_of_parts
+from egad.geometry import Bundle, buried_share, to_mesh, union_of_parts
 from egad.geometry.convex_parts import decompose
 from egad.geometry.manifold import Solid, box, union
 from egad.grippers import as_gripper
-from egad.named_meshes import named_meshes, scaled_solid
-from egad.objects import load
+from egad.objects import load, named_meshes, scaled_solid
 
 DEVIATIONS = (0.0005, 0.002)
 BAR = 0.003  # metres, thickness of the bars of the basket

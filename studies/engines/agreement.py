@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from egad._util.files import write_text
+from egad.bench.stats import Area
 from egad.config import Settings
 from egad.report.agreement import agreement
-from egad.stats import Area
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT
 

@@ -20,8 +20,9 @@ from typing_extensions import override
 
 from egad._util.progress import progress
 from egad._util.workers import workers
+from egad.bench import CellErrors, TrialProtocol, TrialRunner, read_attempt
 from egad.grippers import GRIPPERS
-from egad.sim import ARMS, ENGINES, CellErrors, TrialProtocol, TrialRunner, open_world, read_attempt
+from egad.sim import ARMS, ENGINES, open_world
 from egad.sim.pybullet_world import PyBulletWorld
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS

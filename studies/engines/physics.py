@@ -13,23 +13,11 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from egad.evalset import Bundle
+from egad.bench import InitialPose, TrialProtocol, initial_poses
+from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.random import generator
-from egad.sim import (
-    ARMS,
-    TIME_STEP,
-    Arm,
-    Hand,
-    HandPose,
-    InitialPose,
-    Model,
-    Pose,
-    TrialProtocol,
-    World,
-    build,
-    initial_poses,
-)
+from egad.sim import ARMS, TIME_STEP, Arm, Hand, HandPose, Model, Pose, World, build
 from egad.sim.mujoco_world import MujocoWorld
 from egad.sim.pybullet_world import PyBulletWorld
 from egad.workflow.bundled import model_in, rows_by_id

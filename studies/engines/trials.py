@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from egad.bench.stats import object_positions, trend, trial_grid
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, select
-from egad.outcomes import EXECUTION, Outcome
-from egad.stats import object_positions, trend, trial_grid
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
+from egad.tables.outcomes import EXECUTION, Outcome
 from egad.workflow.bundled import bundle_models
 from egad.workflow.replays import repeat_attempt
 

@@ -22,15 +22,15 @@ import trimesh
 from failures import detectors
 
 from egad._util.files import atomic_output
+from egad.bench.failures import Examination, FailureAtlas, FailureParameters
+from egad.bench.failures.attempts import pairs_of
+from egad.bench.failures.search import scaled_surface
+from egad.bench.stats import Rate
 from egad.detectors import DetectorConfig, opened
 from egad.errors import RejectedError
-from egad.failures import Examination, FailureAtlas, FailureParameters
-from egad.failures.attempts import pairs_of
-from egad.failures.search import scaled_surface
 from egad.geometry import to_mesh, to_solid
 from egad.geometry.repair import repair
 from egad.random import generator
-from egad.stats import Rate
 
 CHANGES = ("none", "simplified", "noise", "smaller", "larger")
 WHO = ("detector", "reference")

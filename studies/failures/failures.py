@@ -25,10 +25,10 @@ import egad
 from egad._util.arrays import Floats
 from egad._util.files import write_text
 from egad._util.markdown import table as markdown
+from egad.bench.failures import FailureAtlas
+from egad.bench.failures.atlas import CELL
+from egad.bench.failures.parameters import Strategy
 from egad.detectors import DetectorConfig
-from egad.failures import FailureAtlas
-from egad.failures.atlas import CELL
-from egad.failures.parameters import Strategy
 from egad.report.colors import line_color
 from egad.report.drawing import new_figure
 

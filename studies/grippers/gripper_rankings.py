@@ -15,11 +15,10 @@ import pandas as pd
 
 import egad
 from egad._util.progress import progress
-from egad.geometry import RayCaster
+from egad.geometry import RayCaster, center_of_mass
 from egad.grasps import ferrari_canny, label_parameters, sample_for_labels
 from egad.grasps.approach import best_approaches
 from egad.grippers import Gripper, body_of
-from egad.measures import center_of_mass
 from egad.random import generator
 
 GRASPS, PERCENTILE = 200, 75.0

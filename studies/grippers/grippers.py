@@ -35,6 +35,7 @@ import egad
 from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
 from egad._util.progress import progress
+from egad.bench.trials import Trials
 from egad.geometry import RayCaster
 from egad.grasps import ContactPairs, hand_poses, label_parameters, sample_for_labels
 from egad.grasps.approach import Approaches, best_approaches
@@ -52,7 +53,6 @@ from egad.grippers import (
 from egad.random import generator
 from egad.report.hand_shape import hand_shapes
 from egad.sim.film import draw
-from egad.trials import Trials
 
 COLORS = {0: (0.72, 0.74, 0.78), -1: (0.36, 0.56, 0.80), 1: (0.95, 0.62, 0.29)}
 CAMERA, NEAR = (0.58, 35.0, -12.0), (0.26, 40.0, -20.0)  # metres, yaw and pitch, degrees

@@ -21,7 +21,7 @@ import pandas as pd
 
 import egad
 from egad._util.files import atomic_output
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import Gripper, model_of
 from egad.sim.arms import HandPose, TurningAxis
 from egad.sim.engines import open_world

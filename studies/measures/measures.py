@@ -27,9 +27,9 @@ from egad.io import mesh_files, read_mesh
 from egad.measures import MeasureParameters
 from egad.measures.complexity import complexity
 from egad.measures.graspability import rough_graspability, spaced_graspability
+from egad.measures.reeb import Similarity, similarity_matrix
+from egad.measures.reeb import graph as reeb
 from egad.random import generator
-from egad.reeb import Similarity, similarity_matrix
-from egad.reeb import graph as reeb
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import new_figure
 

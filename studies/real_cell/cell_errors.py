@@ -22,21 +22,15 @@ import pandas as pd
 import egad
 from egad._util.files import atomic_output
 from egad._util.workers import workers
+from egad.bench import NAMED_ERRORS, TrialParameters, TrialProtocol, run_attempts
+from egad.bench.stats import Interval, compare, mean_rate, results
 from egad.detectors import DETECTORS, GGCNN, Detector, Labels, make_detector
-from egad.grasping import dataset_grasps
 from egad.grasps import label_parameters
+from egad.grasps.sampling import dataset_grasps
 from egad.grippers import GRIPPERS
-from egad.named_meshes import NamedMesh, named_meshes, simulated
-from egad.sim import (
-    ENGINES,
-    NAMED_ERRORS,
-    EngineName,
-    Model,
-    TrialParameters,
-    TrialProtocol,
-    run_attempts,
-)
-from egad.stats import Interval, compare, mean_rate, results
+from egad.objects import NamedMesh, named_meshes
+from egad.sim import ENGINES, EngineName, Model
+from egad.sim.model import simulated
 
 HAND = GRIPPERS["egad_75mm"]
 TYPICAL = NAMED_ERRORS["typical"]

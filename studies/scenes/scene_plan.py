@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from pydantic import Field, ValidationError
 
 from egad._util.parameters import Fraction, Name, Parameters, UserPath
+from egad.bench import NAMED_PROTOCOLS, SceneCameras
 from egad.config import Settings
 from egad.config.check import check
 from egad.errors import UserError
-from egad.sim import NAMED_PROTOCOLS, SceneCameras
 
 FOLDER = "results/scene_study"
 PAIRS = (("evolved", "primitives"), ("tuned-evolved", "tuned-primitives"))  # ours and its rival

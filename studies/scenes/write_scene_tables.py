@@ -17,8 +17,8 @@ from scene_plan import PAIRS, PUBLISHED
 from egad._util.arrays import Floats
 from egad._util.files import write_text
 from egad._util.markdown import table as markdown
+from egad.bench.stats import by_difficulty
 from egad.random import generator
-from egad.stats import by_difficulty
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, ROUND
 from egad.tables.objects import OBJECTS

@@ -12,8 +12,8 @@ import trimesh
 from numpy.typing import NDArray
 
 import egad
-from egad.cppn import Shape
-from egad.cppn.surface import surface
+from egad.evolution import Shape
+from egad.evolution.surface import surface
 from egad.grasps import ferrari_canny
 from egad.measures import attainable_graspability, default_measures
 

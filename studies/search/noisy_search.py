@@ -34,10 +34,9 @@ from egad._util.files import write_text
 from egad._util.kernel_cache import compile_kernels
 from egad.config import Settings
 from egad.config.stages import select
-from egad.cppn import packed_surface
-from egad.map_elites import Archive, Elite, EvolutionParameters
-from egad.map_elites.evaluation import measure
-from egad.map_elites.island import Island
+from egad.evolution import Archive, Elite, EvolutionParameters, packed_surface
+from egad.evolution.evaluation import measure
+from egad.evolution.island import Island
 from egad.measures import MeasureSpace, rough_graspability
 from egad.random import generator
 from egad.report.colors import line_color

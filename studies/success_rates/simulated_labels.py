@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from egad.bench.stats import area, trend
 from egad.grasps import antipodal_success_rates
-from egad.stats import area, trend
 from egad.tables import parquet
 from egad.tables.grasping import SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS

@@ -34,21 +34,16 @@ from scipy.spatial.transform import Rotation
 import egad
 from egad._util.arrays import Floats, RgbImage
 from egad._util.files import atomic_output
+from egad.bench import TrialProtocol, TrialRunner
 from egad.detectors.suction import suction_depth
 from egad.errors import RejectedError
-from egad.evalset import Bundle
-from egad.geometry import Material, RayCaster, mass_properties
+from egad.geometry import Bundle, Material, RayCaster, mass_properties
+from egad.grasps import RobustSuction
+from egad.grasps.suction import collision_free, robust_suction_quality, sample_suction, seal_cups
 from egad.grippers import SuctionCup
 from egad.report.colors import COLOR_MAP, UNKNOWN
-from egad.sim import ARMS, ENGINES, Film, TrialProtocol, TrialRunner, build, open_world
+from egad.sim import ARMS, ENGINES, Film, build, open_world
 from egad.sim.film import draw
-from egad.suction import (
-    RobustSuction,
-    collision_free,
-    robust_suction_quality,
-    sample_suction,
-    seal_cups,
-)
 
 FOLDER = Path(__file__).parent
 DOCS = FOLDER.parents[1] / "docs"

@@ -20,10 +20,10 @@ from pictures import chosen, save_sheet, typical  # type: ignore[import-not-foun
 from study import read_study
 
 from egad._util.arrays import RgbImage
+from egad.bench import TrialProtocol
 from egad.config.stages import SimulatedTrials, select
-from egad.detectors import Grasp
-from egad.perception import DepthCamera, Intrinsics, camera_above
-from egad.sim import Model, Pose, TrialProtocol
+from egad.detectors import DepthCamera, Grasp, Intrinsics, camera_above
+from egad.sim import Model, Pose
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 from egad.workflow.bundled import bundle_models

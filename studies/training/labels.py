@@ -8,7 +8,7 @@ import pandas as pd
 
 from egad._util.markdown import table
 from egad.learning import Training
-from egad.perception import COLUMNS, NARROW, files, summary
+from egad.learning.images import COLUMNS, NARROW, files, summary
 from egad.tables import parquet
 
 COUNTED = ["objects", "images", "without_good", "good"]

@@ -8,8 +8,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import chi2, t, ttest_1samp, ttest_ind
 
+from egad.bench.stats import Interval, bootstrap, by_object, clearing_rates
 from egad.errors import UserError
-from egad.stats import Interval, bootstrap, by_object, clearing_rates
 from egad.tables import parquet
 
 Floats = NDArray[np.float64]

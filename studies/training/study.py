@@ -16,15 +16,15 @@ from pydantic import ConfigDict, Field, GetCoreSchemaHandler, ValidationError, m
 from typing_extensions import TypedDict
 
 from egad._util.parameters import Name, ParameterGroup, Parameters, UserPath
+from egad.bench import TrialProtocol
 from egad.config import Settings
 from egad.config.check import check
 from egad.config.files import read_values
 from egad.config.references import unknown_names
-from egad.detectors import DetectorConfig
+from egad.detectors import STEREO, DetectorConfig, ImageNoise
 from egad.errors import UserError
 from egad.learning import Training
-from egad.perception import STEREO, ImageNoise, Render
-from egad.sim import TrialProtocol
+from egad.learning.images import Render
 
 FOLDER = Path("results/training_study")
 SET_SECTIONS = ("render", "image_noise", "training")  # those that a training set may change

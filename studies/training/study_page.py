@@ -23,12 +23,12 @@ from numpy.typing import NDArray
 from study import SET_SECTIONS, Network, PageSettings, TrainingSet
 from study_charts import Row, learning_chart, success_chart
 
+from egad.bench.stats import Mean, mean_rate
 from egad.evalset import cell_of_label
 from egad.report.colors import ink_on
 from egad.report.drawing import svg_uri
 from egad.report.page import render_template
 from egad.report.trial_charts import outcome_chart, rate_color
-from egad.stats import Mean, mean_rate
 from egad.tables import parquet
 
 NOISE_TITLES = {"none": "no noise", "stereo": "stereo noise"}

@@ -8,8 +8,8 @@ from study import Network, Plan
 from study_page import Images, Training, object_sides
 from study_tables import CLEARED, COMPARED
 
-from egad.perception import files
-from egad.stats import read
+from egad.bench.stats import read
+from egad.learning.images import files
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import EVAL49

@@ -18,8 +18,8 @@ from network_statistics import (
 from scipy import stats
 from study_tables import CLEARED
 
+from egad.bench.stats import clearing_rates
 from egad.errors import UserError
-from egad.stats.clearing import clearing_rates
 from egad.tables import parquet
 
 OBJECTS = [f"{letter}{digit}" for letter in "ABC" for digit in range(3)]

@@ -19,7 +19,7 @@ from study import (
 from egad.config.check import check
 from egad.config.stages import ClearedTables, SimulatedTrials, TrainNetwork, select
 from egad.errors import UserError
-from egad.perception.parameters import RenderParameters
+from egad.learning.images import RenderParameters
 from egad.workflow.code_version import used_names
 
 STUDY = Path(__file__).parent
@@ -150,7 +150,7 @@ def test_the_page_reads_the_sets_that_are_compared_and_their_images():
 
 def test_a_page_is_no_reason_to_train_again():
     """The workflow trains again for the code of these modules."""
-    for module in ("egad.learning.training", "egad.learning.weights"):
+    for module in ("egad.learning.training", "egad.detectors.weights"):
         assert not [name for name, _ in used_names(module) if name.startswith("egad.report")]
 
 

@@ -15,15 +15,21 @@ from timing import timed
 
 from egad.config import Settings
 from egad.config.stages import select
-from egad.cppn import constraints, surface
-from egad.cppn import query as cppn
-from egad.map_elites import archive, evaluation, island
-from egad.map_elites.archive import Archive, elites_of
-from egad.map_elites.parameters import EvolutionParameters
+from egad.evolution import (
+    Archive,
+    EvolutionParameters,
+    archive,
+    constraints,
+    elites_of,
+    evaluation,
+    island,
+    surface,
+)
+from egad.evolution import query as cppn
 from egad.measures import graspability
 from egad.measures import measure as coordinates
-from egad.reeb import graph as reeb
-from egad.reeb import neighbors
+from egad.measures.reeb import graph as reeb
+from egad.measures.reeb import neighbors
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 

@@ -14,25 +14,27 @@ from scipy.spatial import ConvexHull
 
 from egad.config import Settings
 from egad.config.stages import select
-from egad.cppn import query as cppn
-from egad.cppn.constraints import UNBOUND
-from egad.cppn.surface import packed_surface
 from egad.errors import RejectedError
+from egad.evolution import (
+    UNBOUND,
+    Archive,
+    EvolutionParameters,
+    GenomeVoxels,
+    breed,
+    evolve,
+    express,
+    packed_surface,
+)
+from egad.evolution import query as cppn
+from egad.evolution.evaluation import measure
 from egad.geometry.convex_parts import decompose, union_of_parts
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
 from egad.grippers import BoxBody
-from egad.map_elites.archive import Archive
-from egad.map_elites.evaluation import GenomeVoxels, express, measure
-from egad.map_elites.island import evolve
-from egad.map_elites.parameters import EvolutionParameters
-from egad.map_elites.variation import breed
 from egad.measures.graspability import graspability, rough_graspability, spaced_graspability
-from egad.reeb import graph as reeb
-from egad.reeb.forest import Forest
-from egad.reeb.neighbors import Neighborhood
-from egad.reeb.similarity import similarities, similarity_matrix
+from egad.measures.reeb import Forest, Neighborhood, similarities, similarity_matrix
+from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 

@@ -9,20 +9,19 @@ from collections import Counter
 import pytest
 from timing import timed
 
+from egad.bench import TrialRunner, run_attempts
 from egad.config import Settings
 from egad.config.stages import SimulatedTrials, select
-from egad.cppn.surface import packed_surface
 from egad.data import released
 from egad.detectors.registry import QUICK
 from egad.evalset.selection import candidates_by_cell
+from egad.evolution import packed_surface
 from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
 from egad.sim import execution
-from egad.sim.attempts import run_attempts
 from egad.sim.gripper import Hand
 from egad.sim.model import build
 from egad.sim.parameters import ENGINES
-from egad.sim.trial import TrialRunner
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 

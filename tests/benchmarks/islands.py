@@ -17,9 +17,7 @@ import pandas as pd
 
 from egad.config import Settings
 from egad.config.stages import select
-from egad.map_elites.archive import Archive, elites_of, merge
-from egad.map_elites.island import evolve
-from egad.map_elites.parameters import EvolutionParameters
+from egad.evolution import Archive, EvolutionParameters, elites_of, evolve, merge
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 

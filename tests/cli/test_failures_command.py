@@ -9,7 +9,7 @@ from failure_searches import FEW, QUICK, SHAPE, coarse_objects, parts_kept
 from partial_tables import write_rows
 
 from egad._util.progress import MARKS
-from egad.failures import FailureAtlas
+from egad.bench.failures import FailureAtlas
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 from egad.tables.objects import OBJECTS

@@ -8,10 +8,7 @@ from egad.cli import main
 from egad.config import Settings
 from egad.config.stages import select
 from egad.grippers import BoxBody
-from egad.perception.image_rows import encoded
-from egad.perception.parameters import RenderParameters
-from egad.perception.rendering import pictures
-from egad.perception.splits import SPLITS, Share
+from egad.learning.images import SPLITS, RenderParameters, Share, encoded, pictures
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 from egad.tables.images import IMAGES

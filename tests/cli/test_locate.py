@@ -12,13 +12,12 @@ from egad.config import Settings
 from egad.config.archive_settings import provenance
 from egad.config.stages import MeasureMeshes, select
 from egad.errors import TableError, UserError
+from egad.evolution import Archive, EvolutionParameters, evolve
 from egad.geometry.repair import repair
 from egad.io import read_mesh, write_obj
-from egad.map_elites import Archive, EvolutionParameters
-from egad.map_elites.island import evolve
 from egad.measures import MeasureSpace
-from egad.reeb import graph as reeb
-from egad.reeb.similarity import similarity
+from egad.measures.reeb import graph as reeb
+from egad.measures.reeb.similarity import similarity
 from egad.report.locations import location_map, page
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH

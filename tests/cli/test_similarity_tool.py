@@ -6,9 +6,9 @@ import trimesh
 
 from egad.cli.similarity import graph_of, similarity_of_files
 from egad.errors import UserError
-from egad.reeb import Similarity
-from egad.reeb import graph as reeb
-from egad.reeb.similarity import similarity
+from egad.measures.reeb import Similarity
+from egad.measures.reeb import graph as reeb
+from egad.measures.reeb.similarity import similarity
 
 SETTINGS = Similarity(vertices=600, base_count=15)
 

@@ -5,7 +5,7 @@ from egad.config import Settings
 from egad.config.archive_settings import check_provenance, provenance
 from egad.config.stages import MeasureMeshes, select
 from egad.errors import TableError, UserError
-from egad.map_elites.parameters import EvolutionParameters
+from egad.evolution import EvolutionParameters
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, EPOCH
 

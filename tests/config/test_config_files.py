@@ -10,7 +10,7 @@ from egad.config import Settings, files, manual
 from egad.config.check import check
 from egad.config.files import merged
 from egad.config.schema import node_at, schema
-from egad.scenes import TrainingScenes
+from egad.learning.scenes import TrainingScenes
 
 ROOT = Path(__file__).parents[2]
 DATASETS = ["datasets/ycb.yaml", "datasets/egad.yaml"]

@@ -6,9 +6,9 @@ from pydantic import BaseModel, ValidationError
 from egad._util.parameters import ParameterGroup, Parameters
 from egad.config import DatasetSection, Settings
 from egad.config.stages import RescaleMeshes, select
+from egad.evolution import EvolutionParameters
 from egad.exchange import FORMATS, settings_class
 from egad.grippers import Gripper
-from egad.map_elites.parameters import EvolutionParameters
 from egad.measures import MeasureParameters, SizeEffectParameters
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.perception import (
+from egad.detectors import (
     DepthCamera,
     Intrinsics,
     Observation,

@@ -4,13 +4,20 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.detectors import (
+    DepthCamera,
+    ImageNoise,
+    Intrinsics,
+    View,
+    add_sensor_noise,
+    camera_above,
+    heightmap_of,
+    table_depth,
+)
 from egad.detectors.antipodal import _Edges, _edges, _pairs, _uneven, antipodal_depth
 from egad.detectors.base import Grasp
+from egad.detectors.camera import WHOLE
 from egad.grippers import GRIPPERS, Gripper
-from egad.perception import ImageNoise
-from egad.perception.camera import WHOLE, DepthCamera, Intrinsics, View, camera_above, table_depth
-from egad.perception.heightmap import heightmap_of
-from egad.perception.noise import add_sensor_noise
 
 HAND = GRIPPERS["egad_75mm"]
 CAMERA = Intrinsics.spanning(300, 300, 40.0)

@@ -5,9 +5,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from egad.detectors import PointCloud
 from egad.detectors.cloud import MIN_CLEARANCE, TORQUE_SCALING, antipodal_cloud
 from egad.grippers import GRIPPERS, BoxBody
-from egad.perception import PointCloud
 
 HAND = GRIPPERS["panda"]
 

@@ -8,11 +8,11 @@ import pytest
 import trimesh
 import yaml
 
+from egad.bench.stats.records import COLUMNS
 from egad.config.check import check
 from egad.detectors import DetectorConfig
 from egad.detectors.registry import make_detector
 from egad.grippers import GRIPPERS
-from egad.stats.records import COLUMNS
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE, RESULTS = ((DOCS / name).read_text() for name in ("detectors.md", "compare.md"))

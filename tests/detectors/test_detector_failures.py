@@ -20,7 +20,7 @@ from egad.detectors.failures import (
 )
 from egad.detectors.registry import with_checked_answers
 from egad.errors import UserError
-from egad.outcomes import Outcome
+from egad.tables.outcomes import Outcome
 
 
 def divides(_view, _gripper, _rng):

@@ -9,14 +9,11 @@ import trimesh
 from scipy import ndimage
 
 import egad.learning
+from egad.detectors import ImageNoise, View, add_sensor_noise, camera_above, prepare_input
 from egad.detectors.base import MIN_DEPTH
 from egad.detectors.ggcnn import GGCNN, MapDetector, check_ggcnn, middle
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
-from egad.learning.targets import prepare_input
-from egad.perception import ImageNoise
-from egad.perception.camera import View, camera_above
-from egad.perception.noise import add_sensor_noise
 
 HAND = GRIPPERS["egad_75mm"]
 BAR = trimesh.creation.box((0.03, 0.12, 0.04))
@@ -250,8 +247,8 @@ def test_without_weights_the_message_says_where_they_are():
 
 def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
     for name in ("networks", "weights"):
-        monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
-        monkeypatch.delattr(egad.learning, name, raising=False)
+        monkeypatch.delitem(sys.modules, f"egad.detectors.{name}", raising=False)
+        monkeypatch.delattr(egad.detectors, name, raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     (tmp_path / "weights.pt").touch()
     with pytest.raises(UserError, match=r"egad\[vision\]"):

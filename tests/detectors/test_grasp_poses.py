@@ -7,7 +7,7 @@ from egad.detectors import GraspPoses, PoseGrasp
 from egad.detectors.base import Grasp
 from egad.detectors.poses import best_pose, best_poses, infeasibility, pose_of, poses_of
 from egad.grippers import GRIPPERS, finger_span
-from egad.outcomes import Outcome
+from egad.tables.outcomes import Outcome
 
 HAND = GRIPPERS["panda"]
 

@@ -6,12 +6,11 @@ import msgpack
 import numpy as np
 import pytest
 
-from egad.detectors import DetectorConfig, DetectorError, choose, opened
+from egad.detectors import DetectorConfig, DetectorError, PointCloud, choose, opened
 from egad.detectors import graspgen as module
 from egad.detectors.graspgen import GraspGen
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
-from egad.perception import PointCloud
 
 zmq = pytest.importorskip("zmq")
 HAND = GRIPPERS["panda"]

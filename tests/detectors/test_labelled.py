@@ -5,17 +5,14 @@ import pandas as pd
 import pytest
 import trimesh
 
+from egad.bench import TrialProtocol, TrialRunner
+from egad.detectors import DepthCamera, ImageNoise, Intrinsics, add_sensor_noise, camera_above
 from egad.detectors.labels import Labels
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
-from egad.perception import ImageNoise
-from egad.perception.camera import DepthCamera, Intrinsics, camera_above
-from egad.perception.noise import add_sensor_noise
-from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
 from egad.sim.engines import open_world
 from egad.sim.model import build
-from egad.sim.trial import TrialRunner
 
 BUNDLE = Bundle()
 HAND = GRIPPERS["egad_75mm"]

@@ -1,11 +1,9 @@
 import numpy as np
 import trimesh
 
+from egad.detectors import ImageNoise, View, add_sensor_noise
 from egad.detectors.random_detector import random_grasp
 from egad.grippers import GRIPPERS
-from egad.perception import ImageNoise
-from egad.perception.camera import View
-from egad.perception.noise import add_sensor_noise
 
 HAND = GRIPPERS["egad_75mm"]
 

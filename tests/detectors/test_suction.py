@@ -6,15 +6,14 @@ import trimesh
 from scipy.spatial import KDTree
 
 import egad
+from egad.detectors import DepthCamera, Intrinsics, PointCloud, View, camera_above
 from egad.detectors.base import SEARCH
 from egad.detectors.labels import Labels
 from egad.detectors.registry import IN_SCENES, QUICK
 from egad.detectors.suction import FLAT, TORQUE_SCALING, suction_cloud, suction_depth
 from egad.geometry import RayCaster
+from egad.grasps.suction import seal_cups
 from egad.grippers import GRIPPERS
-from egad.perception import DepthCamera, Intrinsics, PointCloud, camera_above
-from egad.perception.camera import View
-from egad.suction import seal_cups
 
 CUP = GRIPPERS["cup_30mm"]
 RADIUS = 0.015

@@ -8,11 +8,18 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.detectors import Vgn, wanted_input
+from egad.detectors import (
+    DepthCamera,
+    Intrinsics,
+    Tsdf,
+    Vgn,
+    cameras_around,
+    encode,
+    fuse,
+    wanted_input,
+)
 from egad.errors import UserError
 from egad.grippers import GRIPPERS, finger_span
-from egad.learning import encode
-from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
 
 HAND = GRIPPERS["panda"]
 WEIGHTS = os.environ.get("EGAD_VGN")
@@ -97,8 +104,8 @@ def test_colliding_grasps_come_last(observation):
 
 def test_the_threshold_is_that_of_the_weights_or_that_of_vgn(tmp_path):
     torch = pytest.importorskip("torch")
-    weights = pytest.importorskip("egad.learning.weights")
-    network = pytest.importorskip("egad.learning.vgn").new_vgn(0)
+    weights = pytest.importorskip("egad.detectors.weights")
+    network = pytest.importorskip("egad.detectors.vgn_network").new_vgn(0)
     torch.save(network.state_dict(), tmp_path / "published.pth")
     assert Vgn(str(tmp_path / "published.pth"))._threshold == 0.9
     path = tmp_path / "trained.safetensors"

@@ -8,7 +8,7 @@ import pytest
 
 from egad.data import evaluation_set, released, released_ancestry
 from egad.evalset.family_splits import families, split_by_family, with_parents_and_children
-from egad.map_elites.ancestry import Lineage
+from egad.evolution import Lineage
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, LINEAGE
 

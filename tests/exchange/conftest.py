@@ -7,13 +7,11 @@ import trimesh
 
 from egad.config import Settings
 from egad.config.stages import RescaleMeshes, select
-from egad.evalset import Bundle, make_simulation_object, part_rows
-from egad.geometry import RayCaster
+from egad.geometry import Bundle, RayCaster, center_of_mass, make_simulation_object, part_rows
 from egad.geometry.mass import mass_properties
 from egad.grasps import LabelParameters, rate_grasps, sample_for_labels
 from egad.grippers import hand_body
 from egad.io import read_mesh, write_obj
-from egad.measures import center_of_mass
 from egad.random import generator
 from egad.sim import SimulatedLabelParameters, model_of, simulate_labels
 from egad.tables import parquet

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 from egad.cli.commands import app
 from egad.config import Settings
 from egad.data import released
+from egad.grippers.rescaling import rescale
 from egad.io import read_mesh
-from egad.meshes import rescale
 from egad.objects import load
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
@@ -90,7 +90,7 @@ def test_the_objects_of_an_archive_are_exported(archive, tmp_path):
 )
 def test_the_chosen_objects_are_given_to_the_export(monkeypatch, source, options, expected):
     asked = []
-    module = importlib.import_module("egad.export")
+    module = importlib.import_module("egad.exchange.export")
     monkeypatch.setattr(module, "export", lambda objects, *_: asked.append(objects))
     given = ["export", source, "--gripper", GRIPPER, "--format", "obj", "--out", "x", *options]
     done = CliRunner().invoke(app, given, catch_exceptions=False)

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import write_simulation_object
 from egad.exchange.objects import mjcf, robosuite
+from egad.geometry import Bundle, make_simulation_object
 
 WRITERS = {
     "mjcf": mjcf.write,

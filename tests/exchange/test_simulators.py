@@ -6,8 +6,8 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
-from egad.evalset import Bundle, make_simulation_object
 from egad.exchange import read_simulation_object, write_simulation_object
+from egad.geometry import Bundle, make_simulation_object
 
 
 def row_of(made):

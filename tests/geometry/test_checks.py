@@ -12,19 +12,20 @@ import egad
 from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import EgadError, RejectedError, UserError
+from egad.geometry import repair_and_weigh
 from egad.geometry.checks import UnitsWarning, check_mesh, check_solid, check_units
 from egad.geometry.convex_parts import decompose
-from egad.geometry.mass import mass_properties, repair_and_weigh
+from egad.geometry.mass import mass_properties
 from egad.geometry.repair import repair
 from egad.geometry.scaling import box_sides, rescale
-from egad.geometry.stable_poses import stable_poses
+from egad.geometry.stable_poses import resting_poses
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grippers import BoxBody
 from egad.measures.complexity import complexity
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
-from egad.reeb import graph as reeb
+from egad.measures.reeb import graph as reeb
 
 SETTINGS = Settings()
 LABELS = select(SETTINGS, LabelParameters)
@@ -56,7 +57,7 @@ FUNCTIONS = {
     "box_sides": box_sides,
     "rescale": lambda mesh: rescale(mesh, "paper", 0.075, 0.8),
     "convex_parts": lambda mesh: decompose(mesh, 64, 0.06),
-    "stable_poses": lambda mesh: stable_poses(mesh, np.zeros(3)),
+    "stable_poses": lambda mesh: resting_poses(mesh, np.zeros(3)),
     "complexity": complexity,
     "graded": lambda mesh: measure_repeatably(mesh, select(SETTINGS, MeasureParameters), 10),
     "label": lambda mesh: label_grasps(

@@ -3,7 +3,7 @@ import pytest
 import trimesh
 
 import egad
-from egad.cppn.surface import surface
+from egad.evolution.surface import surface
 from egad.geometry import is_single, rescale, to_single
 from egad.geometry.repair import repair, repair_for_files
 

@@ -6,11 +6,11 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.mass import mass_properties
-from egad.geometry.stable_poses import group_poses, rotation_to_table, stable_poses
+from egad.geometry.stable_poses import group_poses, resting_poses, rotation_to_table
 
 
 def poses_of(mesh):
-    return stable_poses(mesh, mass_properties(mesh, 1.0).com)
+    return resting_poses(mesh, mass_properties(mesh, 1.0).com)
 
 
 def blob(seed):
@@ -57,7 +57,7 @@ def test_a_leaning_prism_falls_off_its_small_faces():
 
 def test_a_heavy_end_lies_below():
     bar = trimesh.creation.box((0.02, 0.02, 0.1))
-    poses = stable_poses(bar, np.array([0.0, 0.0, -0.049]))
+    poses = resting_poses(bar, np.array([0.0, 0.0, -0.049]))
     down = next(pose for pose in poses if pose.normal[2] < -0.99)
     assert down.height == pytest.approx(0.001)
     assert bar.vertices[down.face][:, 2] == pytest.approx([-0.05] * 4)
@@ -86,7 +86,7 @@ def test_nearly_the_same_poses_of_a_round_object_are_joined_with_all_their_chanc
 def test_poses_stand_on_the_table_and_their_chances_add_up(seed):
     mesh = blob(seed)
     center = mass_properties(mesh, 1.0).com
-    poses = stable_poses(mesh, center)
+    poses = resting_poses(mesh, center)
     assert sum(pose.probability for pose in poses) == pytest.approx(1)
     for pose in poses:
         placed = trimesh.transform_points(mesh.vertices, pose.matrix)
@@ -103,7 +103,7 @@ def test_at_rest_the_center_of_mass_is_lower_than_in_any_pose_nearby(seed):
     mesh = blob(seed)
     center = mass_properties(mesh, 1.0).com
     nearby = np.random.default_rng(seed).normal(scale=1e-3, size=(500, 3))
-    for pose in stable_poses(mesh, center):
+    for pose in resting_poses(mesh, center):
         if pose.margin < 0.01:
             continue
         tilted = pose.normal + nearby
@@ -132,7 +132,7 @@ def test_units_and_order_do_not_matter():
 def test_a_center_of_mass_that_is_not_inside_is_rejected(center):
     bar = trimesh.creation.box((0.02, 0.02, 0.1))
     with pytest.raises(RejectedError, match="center of mass is not inside"):
-        stable_poses(bar, np.array(center, dtype=float))
+        resting_poses(bar, np.array(center, dtype=float))
 
 
 @pytest.mark.parametrize("squeeze", [(1, 1, 0), (1, 0, 0), (0, 0, 0), (1, 1, np.nan)])
@@ -140,14 +140,14 @@ def test_what_has_no_hull_is_rejected(squeeze):
     box = trimesh.creation.box((0.02, 0.03, 0.04))
     flat = trimesh.Trimesh(box.vertices * squeeze, box.faces, process=False)
     with pytest.raises(RejectedError, match=r"flat|not finite"):
-        stable_poses(flat, np.zeros(3))
+        resting_poses(flat, np.zeros(3))
 
 
 @pytest.mark.parametrize("thickness", [1e-6, 1e-9, 1e-12, 1e-15])
 def test_a_sheet_of_no_thickness_to_speak_of_lies_on_its_sides_or_is_rejected(thickness):
     sheet = trimesh.creation.box((0.1, 0.1, thickness))
     try:
-        poses = stable_poses(sheet, np.zeros(3))
+        poses = resting_poses(sheet, np.zeros(3))
     except RejectedError:
         assert thickness < 1e-9
     else:

@@ -4,9 +4,9 @@ import trimesh
 
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
+from egad.grasps import ContactPairs
 from egad.grasps.approach import best_approaches, first_approaches
 from egad.grasps.collision import blocked_turns, box_meets_triangle
-from egad.grasps.sampler import ContactPairs
 from egad.grippers import BoxBody, Gripper, Part
 
 HAND = Gripper(

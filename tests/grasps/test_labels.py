@@ -7,10 +7,9 @@ from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
-from egad.grasps import GraspLabel
+from egad.grasps import GraspLabel, SamplingStatistics, sample_contacts
 from egad.grasps.labels import label_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
-from egad.grasps.sampler import SamplingStatistics, sample_contacts
 from egad.grippers import BoxBody
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS

@@ -3,10 +3,9 @@ import pytest
 import trimesh
 
 from egad.geometry.rays import RayCaster
-from egad.grasps import Sampling
+from egad.grasps import ContactPairs, Sampling, sample_contacts
 from egad.grasps.approach import best_approaches
 from egad.grasps.opening import graspable_fraction, graspable_widths, needed_openings
-from egad.grasps.sampler import ContactPairs, sample_contacts
 from egad.grippers import BoxBody, Gripper, finger_span
 
 HAND = Gripper(opening=0.06, finger_length=0.05, finger_width=0.02, finger_thickness=0.01)

@@ -3,10 +3,9 @@ import pytest
 import trimesh
 
 from egad.geometry.rays import RayCaster
-from egad.grasps import Quality, Robust, Sampling
+from egad.grasps import ContactPairs, Quality, Robust, Sampling, sample_contacts
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import close_fingers, robust_ferrari_canny
-from egad.grasps.sampler import ContactPairs, sample_contacts
 
 CALM = {
     "grasp_translation_sigma": 0.0,

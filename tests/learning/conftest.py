@@ -12,7 +12,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from egad.cli.commands import app
-from egad.perception.camera import Intrinsics, View, camera_above
+from egad.detectors import Intrinsics, View, camera_above
 
 FOCAL, FAR, SIZE = 417.0, 0.6, 300
 PARTS = {"train": 0.7, "validation": 0.15, "test": 0.15}
@@ -137,7 +137,7 @@ def view(pictures):
 @pytest.fixture
 def check_start(tmp_path):
     """Trains with few small steps from weights and from others, and compares what comes of it."""
-    files = pytest.importorskip("egad.learning.weights")
+    files = pytest.importorskip("egad.detectors.weights")
 
     def check(way, start, layer):
         for name, more in (("further", ["--start", str(start)]), ("fresh", [])):

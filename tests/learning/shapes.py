@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 import trimesh
 
+from egad.detectors import DepthCamera, Intrinsics, Observation, Tsdf, cameras_around
 from egad.grasps import hand_poses
-from egad.perception import DepthCamera, Intrinsics, Observation, Tsdf, cameras_around
 
 SIDE = 20  # voxels; an eighth of the work of 40
 CUBE, BELOW = 0.3, 0.05

@@ -5,7 +5,7 @@ import pytest
 
 from egad.learning.dataset import ImageDataset, PositiveFilter
 from egad.learning.evaluation import narrow_side_grasp, outline_score
-from egad.perception.rectangles import agrees
+from egad.learning.images import agrees
 
 
 @pytest.mark.parametrize("angle", [-1.2, -0.4, 0.0, 0.7, 1.5])

@@ -7,6 +7,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from shapes import ShapeScenes, look_at_a_box
 
+from egad.detectors import DepthCamera, Intrinsics, Tsdf, cameras_around, encode, fuse
 from egad.grippers import GRIPPERS, finger_span
 from egad.learning.scene_examples import (
     Move,
@@ -16,8 +17,6 @@ from egad.learning.scene_examples import (
     moved_grid,
     scene_example,
 )
-from egad.learning.volumes import encode
-from egad.perception import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
 
 HAND = GRIPPERS["panda"]
 CAMERA = Intrinsics(320, 240, 208.0, (159.5, 119.5))

@@ -89,7 +89,7 @@ def test_the_score_is_that_of_all_grasps():
 
 def test_intervals_are_those_of_drawn_scenes(monkeypatch):
     """The slow way: join the grasps of the scenes that are drawn, and score them anew."""
-    monkeypatch.setattr("egad.stats.rates.DRAWS", 60)
+    monkeypatch.setattr("egad.bench.stats.rates.DRAWS", 60)
     found, seen = answers(1), []
 
     def watched(statistic, count):

@@ -17,7 +17,7 @@ from egad.tables.training import SCENE_HISTORY
 torch = pytest.importorskip("torch")
 training = pytest.importorskip("egad.learning.training")
 lessons = pytest.importorskip("egad.learning.scene_training")
-vgn = pytest.importorskip("egad.learning.vgn")
+vgn = pytest.importorskip("egad.detectors.vgn_network")
 
 HAND = GRIPPERS["panda"]
 SHORT = VgnTraining(examples=10, epoch=4, batch=3, validation=2, rise=1)

@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 
-from egad.learning.targets import MAX_PEAKS, best, peaks, prepare_input, read_maps, targets
-from egad.perception.rectangles import agrees
+from egad.detectors import peaks, prepare_input, read_maps
+from egad.detectors.maps import MAX_PEAKS, best
+from egad.learning.images import agrees
+from egad.learning.targets import targets
 
 
 def twin(rectangles, size):

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import egad.learning
 from egad.cli.commands import app
 from egad.config import Settings
 from egad.config.stages import TrainNetwork, select
+from egad.detectors import prepare_input
 from egad.detectors.ggcnn import GGCNN, middle
 from egad.errors import TableError, UserError
-from egad.learning import Training, prepare_input
+from egad.learning import Training
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 from egad.workflow.train import open_dataset, train
@@ -93,7 +93,7 @@ def test_the_chart_is_drawn(trained):
 
 def test_the_detector_takes_the_weights(trained, view):
     safetensors = pytest.importorskip("safetensors.torch")
-    networks = pytest.importorskip("egad.learning.networks")
+    networks = pytest.importorskip("egad.detectors.networks")
     path, seen = trained / "words/weights.safetensors", prepare_input(middle(view.depth).depth)
     network = networks.new_network("ggcnn", 0)
     before = networks.inference(network)(seen)
@@ -180,9 +180,15 @@ def test_a_folder_of_something_else_is_a_mistake(tmp_path):
 
 
 def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
-    for name in ("networks", "weights", "training", "evaluation"):
-        monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
-        monkeypatch.delattr(egad.learning, name, raising=False)
+    pytorch = (
+        "detectors.networks",
+        "detectors.weights",
+        "learning.training",
+        "learning.evaluation",
+    )
+    for name in pytorch:
+        monkeypatch.delitem(sys.modules, f"egad.{name}", raising=False)
+        monkeypatch.delattr(f"egad.{name}", raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(UserError, match=r"egad\[vision\]"):
         train(SETTINGS, [tmp_path], tmp_path)

@@ -13,17 +13,16 @@ import trimesh
 from shapes import grasps_of
 from typer.testing import CliRunner
 
-import egad.learning
 from egad.cli.commands import app
 from egad.config.stages import TrainOnScenes
-from egad.detectors import DetectorConfig
+from egad.detectors import DepthCamera, DetectorConfig, Intrinsics, cameras_around, render_scene
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
 from egad.learning import VgnTraining
-from egad.perception import DepthCamera, Intrinsics, cameras_around, pose_values, render_scene
-from egad.scenes import MadeScene, SceneDataset, write_shard
-from egad.scenes.making import view_columns
+from egad.learning.images import pose_values
+from egad.learning.scenes import MadeScene, SceneDataset, write_shard
+from egad.learning.scenes.making import view_columns
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
 from egad.tables.scenes import SCENE_GRASPS
@@ -181,12 +180,12 @@ def test_a_trained_network_proposes_grasps_from_the_threshold_of_its_weights(sce
 
 def test_training_begins_with_given_weights(trained, scenes, check_start, tmp_path):
     """A few small steps hardly change them; those of another network are refused."""
-    files = pytest.importorskip("egad.learning.weights")
+    files = pytest.importorskip("egad.detectors.weights")
     start = trained / "words/weights.safetensors"
     config = configuration(tmp_path / "slow.yaml", learning_rate=0.0001)
     way = ["train", str(scenes), "--config", config, "--seed", "4"]
     check_start(way, start, "conv_qual.weight")
-    networks = pytest.importorskip("egad.learning.networks")
+    networks = pytest.importorskip("egad.detectors.networks")
     files.write(networks.new_network("ggcnn", 0), tmp_path / "ggcnn.safetensors", {})
     with pytest.raises(UserError, match="not weights of VGN"):
         train_on_scenes(
@@ -197,8 +196,8 @@ def test_training_begins_with_given_weights(trained, scenes, check_start, tmp_pa
 
 
 def test_weights_of_another_network_are_a_sentence(trained, tmp_path):
-    networks = pytest.importorskip("egad.learning.networks")
-    weights = pytest.importorskip("egad.learning.weights")
+    networks = pytest.importorskip("egad.detectors.networks")
+    weights = pytest.importorskip("egad.detectors.weights")
     weights.write(networks.new_network("ggcnn", 0), tmp_path / "ggcnn.safetensors", {})
     wrong = [
         ("vgn", tmp_path / "ggcnn.safetensors", "not weights of VGN"),
@@ -296,21 +295,21 @@ def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
 
 
 CHANGED = [
-    ("scenes/reading.py", "chosen = range(self.view_count)", "chosen = range(1)", True),
-    ("sim/clutter.py", "POINT_SIGMA = ", "POINT_SIGMA = 2 * ", True),
-    ("perception/tsdf.py", "def fuse(", "def fuse(_more=1, *, ", True),
-    ("learning/volumes.py", "FAR = 0.98", "FAR = 0.97", True),
+    ("learning/scenes/reading.py", "chosen = range(self.view_count)", "chosen = range(1)", True),
+    ("bench/clutter.py", "POINT_SIGMA = ", "POINT_SIGMA = 2 * ", True),
+    ("detectors/tsdf.py", "def fuse(", "def fuse(_more=1, *, ", True),
+    ("detectors/vgn.py", "FAR = 0.98", "FAR = 0.97", True),
     ("learning/scene_examples.py", "WINDOW = 128", "WINDOW = 64", True),
-    ("learning/vgn.py", "REACH = 5", "REACH = 3", True),
+    ("detectors/vgn_network.py", "REACH = 5", "REACH = 3", True),
     ("learning/training.py", "torch.optim.Adam(", "torch.optim.SGD(", True),
     ("learning/scene_training.py", "WIDTH_WEIGHT = 0.01", "WIDTH_WEIGHT = 0.1", True),
     ("learning/scene_scores.py", "THRESHOLDS = (0.5, ", "THRESHOLDS = (0.4, ", True),
     ("learning/scene_scores.py", "DECISION_THRESHOLD = 0.5", "DECISION_THRESHOLD = 0.6", True),
     ("learning/scene_model_card.py", "## Score", "## Scores", True),
-    ("learning/weights.py", "sort_keys=True", "sort_keys=False", True),
+    ("detectors/weights.py", "sort_keys=True", "sort_keys=False", True),
     ("workflow/train_on_scenes.py", '"test", plan.test', '"validation", plan.test', True),
     # of other networks, and of nothing that is stored
-    ("learning/targets.py", "WIDEST = 150.0", "WIDEST = 100.0", False),
+    ("detectors/maps.py", "WIDEST = 150.0", "WIDEST = 100.0", False),
     ("learning/model_card.py", "## Score", "## Scores", False),
     ("detectors/vgn.py", "SMOOTHING = 1.0", "SMOOTHING = 2.0", False),
 ]
@@ -335,9 +334,10 @@ def test_the_fingerprint_has_the_version_of_the_code(scenes):
 
 
 def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
-    for name in ("networks", "weights", "training", "scene_training", "vgn"):
-        monkeypatch.delitem(sys.modules, f"egad.learning.{name}", raising=False)
-        monkeypatch.delattr(egad.learning, name, raising=False)
+    detectors = ("detectors.networks", "detectors.weights", "detectors.vgn_network")
+    for name in (*detectors, "learning.training", "learning.scene_training"):
+        monkeypatch.delitem(sys.modules, f"egad.{name}", raising=False)
+        monkeypatch.delattr(f"egad.{name}", raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     with pytest.raises(UserError, match=r"egad\[vision\]"):

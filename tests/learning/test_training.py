@@ -13,7 +13,7 @@ from egad.learning.dataset import ImageDataset, PositiveFilter, example
 from egad.tables.training import HISTORY
 
 torch = pytest.importorskip("torch")
-networks = pytest.importorskip("egad.learning.networks")
+networks = pytest.importorskip("egad.detectors.networks")
 training = pytest.importorskip("egad.learning.training")
 checkpoint = pytest.importorskip("egad.learning.training")
 SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2, crop=96)

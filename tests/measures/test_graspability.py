@@ -5,25 +5,20 @@ import trimesh
 from egad.config import Settings
 from egad.config.stages import select
 from egad.errors import RejectedError
+from egad.geometry import center_of_mass
 from egad.geometry.rays import RayCaster
+from egad.grasps import join, sample_contacts, valid_contacts
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.sampler import join, sample_contacts, valid_contacts
 from egad.measures.graspability import (
     _apply,
     _principal_box,
-    center_of_mass,
     graspability,
     rough_graspability,
     spaced_graspability,
 )
 from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MeasureParameters
-from egad.measures.percentile import (
-    BoundedSample,
-    confidence_between,
-    percentile,
-    percentile_std,
-)
+from egad.measures.percentile import BoundedSample, confidence_between, percentile, percentile_std
 
 
 def parameters(sampling=None, confidence=0.0, **settings):

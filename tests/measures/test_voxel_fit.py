@@ -4,7 +4,7 @@ import trimesh
 
 import egad
 from egad.geometry import Smoothing, voxel_surface
-from egad.measures.voxel_fit import Grid, Target, aligned, compare, deviation, fit
+from egad.measures.voxel_fit import FitTarget, Grid, aligned, compare, deviation, fit
 
 UPRIGHT = np.eye(3)
 
@@ -14,7 +14,7 @@ def known(request):
     """An object, and the grid that its voxels are on."""
     voxels = np.asarray(egad.load("released")[request.param].voxels)
     _, surface = voxel_surface(voxels, Smoothing())
-    target = Target(surface)
+    target = FitTarget(surface)
     low, high = surface.bounds - 1
     pitch = 25 / (high - low).max()
     grid = Grid(-(low + high) / 2 * pitch, UPRIGHT, pitch, voxels.shape)
@@ -57,14 +57,14 @@ def test_few_vertices_tell_about_the_same_deviation(known):
 
 
 def test_a_grid_that_misses_a_thin_mesh_fits_nothing():
-    plate = Target(trimesh.creation.box([1, 1, 0.001]))
+    plate = FitTarget(trimesh.creation.box([1, 1, 0.001]))
     grid = Grid.around(plate, UPRIGHT, 1.0, np.array([0.0, 0.0, 0.5 - 0.2]))
     assert fit(plate, grid, 2) is None
     assert deviation(plate, grid, 100) == np.inf
 
 
 def test_the_grid_surrounds_the_mesh():
-    target = Target(trimesh.creation.icosphere(3, 7.0).apply_translation([40, 2, 1]))
+    target = FitTarget(trimesh.creation.icosphere(3, 7.0).apply_translation([40, 2, 1]))
     frame = trimesh.transformations.rotation_matrix(0.4, [1, 1, 0])[:3, :3]
     grid = Grid.around(target, frame, 1.1, np.zeros(3))
     inside = target.inside(grid.centers()).reshape(grid.shape)

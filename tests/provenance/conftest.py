@@ -9,7 +9,7 @@ from noted_stage import stage
 
 from egad.config import Settings
 from egad.config.stages import CellsAndDiversities, PostprocessSolids, select
-from egad.map_elites.parameters import EvolutionParameters
+from egad.evolution import EvolutionParameters
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 

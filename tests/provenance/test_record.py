@@ -9,8 +9,8 @@ import pytest
 from egad import __version__
 from egad.config import Settings
 from egad.config.stages import CellsAndDiversities, select
+from egad.evolution import EvolutionParameters
 from egad.io.sums import checksum, read_sums, write_sums
-from egad.map_elites.parameters import EvolutionParameters
 from egad.provenance.record import recorded, settings_hash
 from egad.tables import parquet
 from egad.tables.objects import REJECTED

@@ -3,10 +3,9 @@
 import numpy as np
 from svg_text import texts
 
+from egad.bench.stats import Area, Rate, reliability
 from egad.report.agreement import agreement as viewed
 from egad.report.agreement import agreement_chart
-from egad.stats.rates import Rate
-from egad.stats.roc import Area, reliability
 
 
 def test_grasps_that_could_not_be_carried_out_are_left_out_of_rates(agreement):

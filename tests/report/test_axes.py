@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from egad.bench.stats import trial_grid
 from egad.cli.terminal_tables import measured
 from egad.measures import CustomMeasures, MeasureSpace
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
@@ -11,7 +12,6 @@ from egad.report.axes import USUAL, axis_pair
 from egad.report.locations import location_map
 from egad.report.space_map import collage
 from egad.report.trial_charts import trial_heat_map
-from egad.stats.rates import trial_grid
 from egad.workflow.report_page import build
 
 OWN = CustomMeasures(complexity="a.py:wall_thickness", graspability="b.c:slenderness")

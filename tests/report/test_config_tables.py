@@ -1,8 +1,8 @@
 import yaml
 
+from egad.bench import TrialProtocol
 from egad.config import Settings
 from egad.config.check import check
-from egad.sim import TrialProtocol
 from egad.workflow.config_tables import changed_parameters, settings_text
 
 

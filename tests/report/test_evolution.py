@@ -3,11 +3,7 @@ import pandas as pd
 import pytest
 
 from egad.measures import MeasureSpace
-from egad.report.evolution import (
-    coverage_curves,
-    coverage_history,
-    re_evaluation,
-)
+from egad.report.evolution import coverage_curves, coverage_history, re_evaluation
 from egad.tables.evolution import HISTORY
 
 SPACE = MeasureSpace(cells=5, elites_per_cell=2)

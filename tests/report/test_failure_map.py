@@ -8,7 +8,7 @@ import pytest
 from partial_tables import fill_columns
 from svg_text import texts
 
-from egad.cppn.voxels import pack
+from egad.evolution.voxels import pack
 from egad.measures import MeasureSpace
 from egad.report.axes import USUAL
 from egad.report.failure_map import (

@@ -10,8 +10,8 @@ import pytest
 import trimesh
 from PIL import Image
 
+from egad.evolution import Lineage
 from egad.grippers import GRIPPERS
-from egad.map_elites import Lineage
 from egad.report.axes import USUAL
 from egad.report.gallery import details, sheets
 from egad.report.gallery.dataset import GalleryData

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 import egad
-from egad.cppn import used_nodes
+from egad.evolution import used_nodes
 from egad.report.genome_drawing import NEGATIVE, POSITIVE, genome_svg
 
 SVG = "{http://www.w3.org/2000/svg}"

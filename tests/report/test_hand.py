@@ -11,14 +11,7 @@ import yaml
 from described_hands import PANDA, box_urdf, jaw_urdf, linkage_mjcf
 
 from egad.grippers import Gripper, model_of
-from egad.report.hand import (
-    hand_doubts,
-    hand_entry,
-    hand_facts,
-    hand_page,
-    hand_scene,
-    jaw_table,
-)
+from egad.report.hand import hand_doubts, hand_entry, hand_facts, hand_page, hand_scene, jaw_table
 from egad.report.viewer import viewer_data
 
 

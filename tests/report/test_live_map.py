@@ -8,8 +8,8 @@ import pytest
 
 from egad.config import Settings
 from egad.config.stages import select
-from egad.cppn.voxels import pack
-from egad.map_elites.parameters import EvolutionParameters
+from egad.evolution import EvolutionParameters
+from egad.evolution.voxels import pack
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.report import live_map as module
 from egad.report.live_map import EpochOfIsland, LiveMap

@@ -9,10 +9,10 @@ import trimesh
 from chromium import CHROMIUM, IN_CHROMIUM, QUIET, STANDARDS
 from commands import egad
 
-from egad.outcomes import OBSERVABLE
+from egad.bench.stats import LOG_COLUMNS, read, wilson
 from egad.report.log_sheet import LogObject, page, plan
 from egad.report.pictures import png_bytes, render
-from egad.stats import LOG_COLUMNS, read, wilson
+from egad.tables.outcomes import OBSERVABLE
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = IN_CHROMIUM

@@ -7,10 +7,10 @@ from itertools import groupby
 
 import pytest
 
+from egad.bench.stats import LOG_COLUMNS
 from egad.errors import UserError
-from egad.outcomes import DETECTOR_FAILURES, EXECUTION, OBSERVABLE, observable
 from egad.report.log_sheet import MEANINGS, LogObject, attempt_order, order_table, page, plan
-from egad.stats import LOG_COLUMNS
+from egad.tables.outcomes import DETECTOR_FAILURES, EXECUTION, OBSERVABLE, observable
 
 LABELS = ["A0", "C4", "G6"]
 OBJECTS = [LogObject(label, f"id-{label}", b"PNG") for label in LABELS]

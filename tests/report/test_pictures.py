@@ -5,9 +5,9 @@ import pytest
 import trimesh
 from PIL import Image
 
-from egad.cppn import Shape
-from egad.cppn.surface import surface
 from egad.errors import RejectedError
+from egad.evolution import Shape
+from egad.evolution.surface import surface
 from egad.report.pictures import CAMERA, FILL, png_bytes, render, voxel_picture, voxel_png
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from svg_text import SVG, texts
 
-from egad.outcomes import Outcome
+from egad.bench.stats import Trend, object_positions, reliability, trial_grid
 from egad.report.trial_charts import (
     OUTCOMES,
     outcome_chart,
@@ -17,9 +17,8 @@ from egad.report.trial_charts import (
     trial_heat_map,
 )
 from egad.report.trials import reliability_chart, trend_chart
-from egad.stats.rates import Trend, object_positions, trial_grid
-from egad.stats.roc import reliability
 from egad.tables.evaluation import RESULTS, TRIALS
+from egad.tables.outcomes import Outcome
 
 ROBOT = {"slipped", "other"}  # what people note of a robot
 

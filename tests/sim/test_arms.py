@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, start
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.sim.arms import ARMS, PANDA_READY, HandPose, Panda, UnreachableError
 from egad.sim.model import build
 from egad.sim.parameters import EngineName

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from described_hands import box_urdf, linkage_mjcf
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import Gripper, model_of
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world

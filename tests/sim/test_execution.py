@@ -8,17 +8,16 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, start
 
+from egad.bench import Attempt, TrialProtocol, TrialRunner
 from egad.detectors.base import Grasp
 from egad.detectors.registry import QUICK
-from egad.evalset import Bundle
-from egad.outcomes import Outcome
-from egad.sim import TrialProtocol
+from egad.geometry import Bundle
 from egad.sim.arms import ARMS
 from egad.sim.execution import Execution, Stillness, Stopping, execute
 from egad.sim.model import Model, build
 from egad.sim.parameters import EngineName
-from egad.sim.trial import Attempt, TrialRunner
 from egad.sim.world import TIME_STEP, Pose, World
+from egad.tables.outcomes import Outcome
 
 BUNDLE = Bundle()
 SIDE = 0.04

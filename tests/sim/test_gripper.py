@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, hand_at, start, twist
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import GRIPPERS, Gripper
 from egad.sim.arms import HandPose
 from egad.sim.gripper import COLLISION_FORCE, Hand

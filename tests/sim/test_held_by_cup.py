@@ -9,11 +9,10 @@ from scipy.spatial.transform import Rotation
 from worlds import EACH_ARM, EACH_ENGINE
 
 import egad
+from egad.bench import TrialProtocol
 from egad.detectors import Grasp
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grippers import Gripper
-from egad.outcomes import Outcome
-from egad.sim import TrialProtocol
 from egad.sim.arms import ARMS
 from egad.sim.engines import open_world
 from egad.sim.execution import LIFT_SPEED, Execution, execute
@@ -22,6 +21,7 @@ from egad.sim.parameters import EngineName
 from egad.sim.pose_execution import RETREAT, RETREAT_SPEED, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.world import GRAVITY, TIME_STEP, Pose, World
+from egad.tables.outcomes import Outcome
 
 SIDES = (0.06, 0.06, 0.04)
 DENSITY = 1000.0

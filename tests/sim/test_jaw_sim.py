@@ -7,7 +7,7 @@ from described_hands import jaw_urdf
 from scipy.spatial.transform import Rotation
 
 from egad.detectors import Grasp
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grasps import FIXED_SIDE_CLEARANCE
 from egad.grippers import JAW_CLEARANCE, Gripper, finger_span, model_of
 from egad.sim.arms import ARMS, HandPose

@@ -8,10 +8,9 @@ from worlds import EACH_ENGINE, start
 
 from egad.config import Settings
 from egad.config.stages import select
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.grasps.poses import hand_poses
 from egad.grippers import finger_span
-from egad.outcomes import Outcome
 from egad.sim.labelled_trials import (
     execute_labelled_grasps,
     failed_labelled_grasps,
@@ -23,6 +22,7 @@ from egad.sim.parameters import LabelTrialParameters
 from egad.sim.world import DOWN, WEIGHTLESS
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT
+from egad.tables.outcomes import Outcome
 
 SETTINGS = select(Settings(), LabelTrialParameters, "egad_75mm")
 HAND = SETTINGS.gripper

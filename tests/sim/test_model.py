@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.sim.model import MIN_MASS, build
 
 BUNDLE = Bundle()

@@ -4,36 +4,20 @@ import numpy as np
 import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
+from standing_cube import CUBE, DOWN, SIDE, UPRIGHT, grasp, stand
 from worlds import EACH_ENGINE, HAND
 
-from egad.evalset import Bundle
-from egad.grasps import hand_poses
+from egad.geometry import Bundle
 from egad.grippers import finger_span
-from egad.outcomes import Outcome
 from egad.sim.engines import open_world
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.pose_execution import RETREAT, STANDOFF, ContactRules, FreeHand, execute_pose
 from egad.sim.robots import free_hand
-from egad.sim.world import Pose, World
+from egad.sim.world import Pose
+from egad.tables.outcomes import Outcome
 
-SIDE = 0.04
-CUBE = build(trimesh.creation.box((SIDE,) * 3), 1000.0, Bundle())
 TALL = build(trimesh.creation.box((SIDE, SIDE, 0.2)), 500.0, Bundle())
-UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
-DOWN = [0.0, 0.0, -1.0]
-
-
-def grasp(center: list[float], axis: list[float], approach: list[float]) -> np.ndarray:
-    return np.asarray(
-        hand_poses(*(np.array([each], float) for each in (center, axis, approach)))[0]
-    )
-
-
-def stand(world: World, height: float) -> None:
-    upright = Rotation.from_matrix(world.model.to_principal[:3, :3].T).as_quat()
-    world.place(Pose(np.array([0, 0, height / 2 + 1e-4]), upright), number=0)
-    world.step(24)
 
 
 @EACH_ENGINE

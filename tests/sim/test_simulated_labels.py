@@ -6,8 +6,7 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, HAND
 
-from egad.evalset import Bundle
-from egad.outcomes import Outcome
+from egad.geometry import Bundle
 from egad.sim import simulated_labels
 from egad.sim.gripper import Hand
 from egad.sim.model import build
@@ -15,6 +14,7 @@ from egad.sim.parameters import Lifting, SimulatedLabel, SimulatedLabelParameter
 from egad.sim.simulated_labels import simulate_labels
 from egad.tables.columns import vector_names
 from egad.tables.grasping import MOTIONS
+from egad.tables.outcomes import Outcome
 
 SIDE = 0.04
 CUBE = trimesh.creation.box((SIDE,) * 3)

@@ -12,7 +12,7 @@ import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, hand_at, start
 
 from egad.errors import UserError
-from egad.evalset import Bundle
+from egad.geometry import Bundle
 from egad.sim import mujoco_world
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
@@ -20,14 +20,7 @@ from egad.sim.gripper import Hand
 from egad.sim.model import Model, build
 from egad.sim.mujoco_model import scene_spec
 from egad.sim.parameters import EngineName, check_engine
-from egad.sim.world import (
-    GRAVITY,
-    TABLE_FRICTION,
-    TIME_STEP,
-    Pose,
-    UnstableError,
-    World,
-)
+from egad.sim.world import GRAVITY, TABLE_FRICTION, TIME_STEP, Pose, UnstableError, World
 
 BUNDLE = Bundle()
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])

@@ -15,9 +15,9 @@ from peak_memory import MEGABYTE, MEMORY, measured
 
 from egad.cli.export_meshes import write_meshes
 from egad.config import Settings
-from egad.cppn.surface import packed_surface
 from egad.data import released
 from egad.errors import RejectedError, TableError, UserError
+from egad.evolution import packed_surface
 from egad.tables import parquet
 from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE

@@ -258,14 +258,14 @@ USED = [
     ("evalset/print_poses.py", "LAYER = 0.0002", "LAYER = 0.0003", PRINTED),
     ("evalset/datasheet.py", "ATTEMPTS = 20", "ATTEMPTS = 10", {"datasheet"}),
     (
-        "map_elites/variation.py",
+        "evolution/variation.py",
         "MIN_WEIGHT = 0.25",
         "MIN_WEIGHT = 0.5",
         {"evolve", "search_failures"},
     ),
     ("geometry/convex_parts.py", "SLIVER = 1e-6", "SLIVER = 1e-5", DECOMPOSED),
     ("io/plates.py", "MILLIMETRES = 1000.0", "MILLIMETRES = 1.0", {"print_export"}),
-    ("stats/rates.py", "DRAWS = 10_000", "DRAWS = 1_000", {"report", "explain_failures"}),
+    ("bench/stats/rates.py", "DRAWS = 10_000", "DRAWS = 1_000", {"report", "explain_failures"}),
     # code
     ("evalset/selection.py", "range(restarts)", "range(1)", {"select_eval"}),
     ("geometry/mass.py", "/ size)", "/ (2 * size))", WEIGHED),
@@ -273,9 +273,9 @@ USED = [
     # defaults of functions
     ("grasps/quality.py", "friction: ArrayLike = 0.5,", "friction: ArrayLike = 0.4,", RATED),
     # defaults, bounds and descriptions of settings
-    ("cppn/parameters.py", "Field(25, ge=8", "Field(24, ge=8", SHAPED | {"report"}),
-    ("cppn/parameters.py", "Field(25, ge=8", "Field(25, ge=9", set()),
-    ("cppn/parameters.py", "voxels along each side", "number of voxels on a side", set()),
+    ("evolution/parameters.py", "Field(25, ge=8", "Field(24, ge=8", SHAPED | {"report"}),
+    ("evolution/parameters.py", "Field(25, ge=8", "Field(25, ge=9", set()),
+    ("evolution/parameters.py", "voxels along each side", "number of voxels on a side", set()),
     ("evalset/parameters.py", "Field(0.005,", "Field(0.006,", PRINTED | {"report"}),
     # columns of tables
     ("tables/evolution.py", "bias of each node", "biases", BRED),

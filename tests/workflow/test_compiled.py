@@ -23,7 +23,7 @@ print(*{{kernel.__module__ for kernel in kernels}})
     return set(done.stdout.split())
 
 
-@pytest.mark.parametrize("name", ["reeb/test_graph.py", "cppn/test_voxels.py"])
+@pytest.mark.parametrize("name", ["measures/reeb/test_graph.py", "evolution/test_voxels.py"])
 def test_reading_the_source_finds_the_kernels_that_importing_loads(name):
     assert reached_kernels(HERE / name) == loaded_kernels(HERE / name)
 

@@ -159,7 +159,7 @@ from egad.config.archive_settings import provenance
 from egad.config.check import check
 from egad.config.schema import node_at
 from egad.config.stages import select
-from egad.map_elites.parameters import EvolutionParameters
+from egad.evolution import EvolutionParameters
 name = "egad.measures.compactness:compactness"
 axes = CustomMeasures(complexity=name, compactness_power=2)
 print(node_at(("measures", "compactness_power"))["description"])

@@ -13,11 +13,12 @@ import pytest
 import trimesh
 
 import egad
+from egad.bench import TrialParameters, TrialProtocol, run_attempts
 from egad.cli import main
 from egad.detectors import Grasp
 from egad.geometry import mass_properties
 from egad.grippers import GRIPPERS
-from egad.sim import TrialParameters, TrialProtocol, model_of, run_attempts
+from egad.sim import model_of
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import TRIALS

@@ -11,7 +11,7 @@ from described_hands import PANDA, box_urdf
 from failure_searches import FEW, QUICK
 
 from egad.config import Settings
-from egad.perception.image_shards import read
+from egad.learning.images import read
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
@@ -152,7 +152,7 @@ def test_an_edited_script_re_runs_its_rules(copy, script, old, new, rules):
 def test_a_touched_or_commented_module_or_script_re_runs_nothing(copy):
     copy.take_library()
     scripts = [str(path) for path in (copy.folder / "workflow/scripts").glob("*.py")]
-    modules = ["egad/tables/objects.py", "egad/random.py", "egad/map_elites/island.py"]
+    modules = ["egad/tables/objects.py", "egad/random.py", "egad/evolution/island.py"]
     for module in (*modules, *scripts):
         path = copy.folder / module
         path.write_text(f"# a comment\n{path.read_text()}\n\n")
@@ -568,7 +568,7 @@ def test_failures_are_searched_if_that_is_asked_for(copy):
     assert SEARCHED.items() <= copy.planned(configs=configs).items()
     copy.make("--cores", 2, configs=configs)
     assert copy.planned(configs=configs) == {}
-    folder = copy.results / f"egad/failures/{GRIPPER}"
+    folder = copy.results / f"egad/bench/failures/{GRIPPER}"
     tables = {path.name: path.read_bytes() for path in folder.iterdir()}
     ends = (".parquet", ".examined.parquet", ".attempts.parquet", ".html", ".html.sha256")
     assert set(tables) == {f"own{end}" for end in ends}

@@ -3,8 +3,8 @@ import pytest
 
 import egad
 from egad.data import released_graphs
-from egad.reeb import Similarity
-from egad.reeb import graph as reeb
+from egad.measures.reeb import Similarity
+from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.objects import GRAPHS
 from egad.workflow.released_graphs import dataset_graphs

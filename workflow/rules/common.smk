@@ -34,10 +34,10 @@ from egad.io import files_below, missing_files
 from egad._util.kernel_cache import compile_kernels
 from egad._util.progress import MARKS
 from egad.measures import source_hash
-from egad.samplers import own_samplers
+from egad.grasps.samplers import own_samplers
 from egad.detectors import NETWORKS, fingerprint
-from egad.perception import shard_count
-from egad.scenes import shard_count as scene_shard_count
+from egad.learning.images import shard_count
+from egad.learning.scenes import shard_count as scene_shard_count
 
 try:
     SETTINGS = check_engines(check(config))

@@ -10,7 +10,7 @@ before extend a finished run.
 """
 
 from egad.config.stages import CellsAndDiversities
-from egad.map_elites import EvolutionParameters
+from egad.evolution import EvolutionParameters
 
 
 localrules:

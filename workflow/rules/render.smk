@@ -9,7 +9,7 @@ Steps: shards of images are rendered (their number depends on that of the images
 """
 
 from egad.config.stages import RenderImages
-from egad.perception import RenderParameters
+from egad.learning.images import RenderParameters
 
 
 localrules:

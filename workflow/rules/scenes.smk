@@ -8,7 +8,7 @@ Steps: shards of scenes are made (their number depends on that of the scenes); t
 """
 
 from egad.config.stages import MakeScenes
-from egad.scenes import SceneParameters
+from egad.learning.scenes import SceneParameters
 
 
 localrules:

@@ -8,12 +8,8 @@ import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
-from egad.perception import evenly
-from egad.sim import (
-    LabelTrialParameters,
-    failed_labelled_grasps,
-    sample_labelled_grasps,
-)
+from egad.learning.images import evenly
+from egad.sim import LabelTrialParameters, failed_labelled_grasps, sample_labelled_grasps
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.grasping import GRASPS

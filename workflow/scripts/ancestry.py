@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad.map_elites import ancestors
+from egad.evolution import ancestors
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, LINEAGE
 from egad.workflow.job import run_job

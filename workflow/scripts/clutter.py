@@ -8,16 +8,13 @@ import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
-from egad.clearing import Cleared
+from egad.bench import failed_round, rounds_of
+from egad.bench.clearing import Cleared
 from egad.config.stages import ClearedTables
 from egad.detectors import STARTING_TIME, FailureMonitor, keep_failure
-from egad.outcomes import Outcome
-from egad.sim import (
-    failed_round,
-    rounds_of,
-)
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
+from egad.tables.outcomes import Outcome
 from egad.workflow.bundled import ENGINE_TIME, rows_by_id
 from egad.workflow.job import run_job
 from egad.workflow.simulations import open_clutter

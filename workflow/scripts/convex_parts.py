@@ -8,7 +8,7 @@ import pandas as pd
 from egad._util.progress import progress
 from egad.config.stages import SimulationBundle
 from egad.errors import RejectedError
-from egad.evalset import make_simulation_object, part_rows
+from egad.geometry import make_simulation_object, part_rows
 from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS

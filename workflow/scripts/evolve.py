@@ -8,7 +8,7 @@ from egad._util.progress import phase
 from egad._util.workers import workers
 from egad.config.archive_settings import check_provenance, provenance
 from egad.errors import UserError, most_common
-from egad.map_elites import Archive, EvolutionParameters, Watch, elites_of, evolve, rules_of
+from egad.evolution import Archive, EvolutionParameters, Watch, elites_of, evolve, rules_of
 from egad.measures import check_measures
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY, LINEAGE

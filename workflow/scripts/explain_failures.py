@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from egad.failures import FailureAtlas, write_page
+from egad.bench.failures import FailureAtlas
+from egad.report.failure_atlas import write_page
 from egad.workflow.job import run_job
 
 

@@ -16,15 +16,13 @@ from egad._util.files import atomic_output, write_text
 from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
 from egad.config.stages import Gallery
-from egad.cppn import Row, Rules, genome_text, packed_surface
 from egad.errors import RejectedError
+from egad.evolution import Lineage, Row, Rules, express, genome_text, packed_surface, rules_of
 from egad.exchange import is_simulated
+from egad.exchange.release import file_stems
 from egad.geometry.repair import repair_for_files
 from egad.io import read_mesh
-from egad.map_elites import Lineage, rules_of
-from egad.map_elites.evaluation import express
 from egad.measures import attainable_graspability
-from egad.release import file_stems
 from egad.report.axes import AxisPair, axis_pair
 from egad.report.gallery.dataset import GalleryData
 from egad.report.gallery.details import Download, GenomeText, ObjectPage, ancestor_data, object_data

@@ -7,10 +7,10 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.grasping import Labeller
+from egad.geometry import center_of_mass
 from egad.grasps import LabelParameters, statistics_row
+from egad.grasps.sampling import Labeller
 from egad.io import read_mesh
-from egad.measures import center_of_mass
 from egad.random import generator
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SAMPLING

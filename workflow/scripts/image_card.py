@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from egad._util.files import write_text
-from egad.perception import COLUMNS, RenderParameters, card, files, summary
+from egad.learning.images import COLUMNS, RenderParameters, card, files, summary
 from egad.report.training import openings_chart
 from egad.tables import parquet
 from egad.tables.objects import REJECTED

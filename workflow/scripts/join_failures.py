@@ -3,8 +3,8 @@
 import logging
 from pathlib import Path
 
+from egad.bench.failures import Found, join
 from egad.config.stages import DetectorFailures
-from egad.failures import Found, join
 from egad.tables import parquet
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
 from egad.workflow.job import run_job

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from egad._util.progress import phase
 from egad.config.stages import CellsAndDiversities
-from egad.map_elites import merge
+from egad.evolution import merge
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 from egad.workflow.job import run_job

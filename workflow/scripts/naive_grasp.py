@@ -8,12 +8,12 @@ import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
+from egad.bench import naive_outcomes
 from egad.config.stages import NaiveGrasps
-from egad.outcomes import Outcome
-from egad.sim import naive_outcomes
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import NAIVE_GRASPS
+from egad.tables.outcomes import Outcome
 from egad.workflow.bundled import ENGINE_TIME
 from egad.workflow.job import run_job
 from egad.workflow.simulations import open_naive_grasps

@@ -11,15 +11,10 @@ import trimesh
 
 from egad._util.progress import progress
 from egad.config import DatasetSection
-from egad.config.archive_settings import (
-    MEASURING,
-    archive_notes,
-    check_provenance,
-    differences,
-)
+from egad.config.archive_settings import MEASURING, archive_notes, check_provenance, differences
 from egad.config.stages import PostprocessSolids
-from egad.cppn import packed_surface
 from egad.errors import RejectedError
+from egad.evolution import packed_surface
 from egad.geometry import joined_primitives
 from egad.io import EVERY_FILE, objects_in, read_mesh
 from egad.random import generator

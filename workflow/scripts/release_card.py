@@ -15,9 +15,7 @@ from egad.config import Release
 from egad.config.stages import ReleaseCard
 from egad.detectors import NETWORKS
 from egad.errors import UserError
-from egad.io import checksum, files_of
-from egad.provenance.graph import provenance_graph
-from egad.release import (
+from egad.exchange.release import (
     ABSTRACT,
     CREATOR,
     LICENSE_URL,
@@ -33,6 +31,8 @@ from egad.release import (
     croissant_json,
     licence_text,
 )
+from egad.io import checksum, files_of
+from egad.provenance.graph import provenance_graph
 from egad.tables import parquet
 from egad.tables.release import RELEASED_GRASPS, RELEASED_OBJECTS
 from egad.workflow.job import run_job

@@ -7,8 +7,8 @@ from pathlib import Path
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
+from egad.exchange.release import file_stems
 from egad.io import read_mesh, write_glb
-from egad.release import file_stems
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 from egad.workflow.job import run_job

@@ -10,10 +10,10 @@ from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.config.stages import ReleaseTables
 from egad.evalset import families, split_by_family, with_parents_and_children
+from egad.evolution import Lineage
+from egad.exchange.release import in_files, released_grasps, released_objects, simulated_grasps
 from egad.grasps import antipodal_success_rates
-from egad.map_elites import Lineage
-from egad.perception import SPLITS
-from egad.release import in_files, released_grasps, released_objects, simulated_grasps
+from egad.learning.images import SPLITS
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import LINEAGE

@@ -14,12 +14,11 @@ from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.config.stages import RenderImages
 from egad.errors import RejectedError, UserError
-from egad.evalset import read_parts
-from egad.geometry import RayCaster, mass_properties
+from egad.geometry import RayCaster, mass_properties, read_parts
 from egad.grasps import ContactPairs
 from egad.grippers import HandBody, hand_body
 from egad.io import read_mesh
-from egad.perception import (
+from egad.learning.images import (
     PlacedObject,
     RenderedImage,
     RenderParameters,
@@ -27,16 +26,14 @@ from egad.perception import (
     draw_width,
     encoded,
     first_good,
+    model_at_size,
     pictures,
     place,
     sample_factor,
-    shares,
-    views_of,
-)
-from egad.sim import (
-    model_at_size,
     settle_scene,
+    shares,
     simulate_contacts,
+    views_of,
 )
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
@@ -88,7 +85,7 @@ def run(
         meshes: Folder of the scaled meshes.
         shard: Number of this shard, and number of shards.
         out: Depth images with grasps for gripper G. Made if `targets.render` is true. Read the
-            folder with `egad.perception.image_shards.read`. See `docs/vision.md`.
+            folder with `egad.learning.images.image_shards.read`. See `docs/vision.md`.
         rejected: The objects and scenes without images, with reasons.
         evaluation: Evaluation set to hold out.
         convex_parts: Convex parts of the objects; needed for scenes of several objects, and to

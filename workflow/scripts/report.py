@@ -17,6 +17,7 @@ from egad._util.arrays import RgbImage
 from egad._util.files import write_text
 from egad._util.progress import phase, progress
 from egad._util.workers import Mapper, workers
+from egad.bench import ClutterParameters, picture_of, rounds_of
 from egad.config import Settings
 from egad.config.stages import select
 from egad.io import read_mesh
@@ -24,7 +25,6 @@ from egad.report.pictures import png_bytes, render
 from egad.report.scenes import scenes
 from egad.report.space_map import shown_objects
 from egad.report.summary import MOST_SHOWN, name_stages
-from egad.sim import ClutterParameters, picture_of, rounds_of
 from egad.sim.world import UnstableError
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER

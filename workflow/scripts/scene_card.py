@@ -3,7 +3,7 @@
 import logging
 from pathlib import Path
 
-from egad.scenes import SceneParameters, describe_set
+from egad.learning.scenes import SceneParameters, describe_set
 from egad.tables.shards import remove_leftovers
 from egad.workflow.job import run_job
 from egad.workflow.scene_inputs import read_plan

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from egad._util.progress import phase, progress
 from egad.config.stages import MakeScenes
-from egad.scenes import make_scene, scenes_of_shard, set_notes, write_shard
+from egad.learning.scenes import make_scene, scenes_of_shard, set_notes, write_shard
 from egad.workflow.job import run_job
 from egad.workflow.scene_inputs import StoredModels, read_plan
 

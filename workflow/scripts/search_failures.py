@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from egad._util.progress import phase, shared_progress
+from egad.bench.failures import ObjectVerdict, attempts_of, run_shard
 from egad.config.archive_settings import MEASURING, check_provenance, differences
 from egad.config.stages import DetectorFailures
 from egad.detectors import keep_failure
-from egad.failures import ObjectVerdict, attempts_of, run_shard
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS

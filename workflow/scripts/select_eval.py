@@ -29,9 +29,9 @@ from egad.evalset import (
     take_all,
 )
 from egad.geometry import rescale
+from egad.measures.reeb import graph as reeb
+from egad.measures.reeb import similarity_matrix
 from egad.random import generator
-from egad.reeb import graph as reeb
-from egad.reeb import similarity_matrix
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS

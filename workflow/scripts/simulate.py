@@ -8,12 +8,9 @@ import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
+from egad.bench import failed_attempts
 from egad.config.stages import SimulatedTrials
-from egad.detectors import (
-    FailureMonitor,
-    keep_failure,
-)
-from egad.sim import failed_attempts
+from egad.detectors import FailureMonitor, keep_failure
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.workflow.bundled import ENGINE_TIME, rows_by_id, run_or_replace

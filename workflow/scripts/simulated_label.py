@@ -9,9 +9,9 @@ import pandas as pd
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.config.stages import SimulatedLabels
-from egad.outcomes import Outcome
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS
+from egad.tables.outcomes import Outcome
 from egad.workflow.bundled import ENGINE_TIME
 from egad.workflow.job import run_job
 from egad.workflow.simulations import failed_labels, open_labels

@@ -22,7 +22,6 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade, Vt
 from egad import __version__
 from egad._util.arrays import Singles
 from egad._util.display import thumbnail
-from egad.evalset import Bundle, SimulationObject
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.object_files import write_poses
@@ -30,6 +29,7 @@ from egad.exchange.objects import usd
 from egad.exchange.parameters import AllObjects, NamedGripper
 from egad.exchange.simulated import COLUMNS, check_simulated
 from egad.exchange.whole_sets import write_all
+from egad.geometry import Bundle, SimulationObject
 from egad.grasps import Grasps
 from egad.grippers import hand_body
 from egad.tables.columns import vector_names

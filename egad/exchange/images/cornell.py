@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from egad.detectors import table_depth
 from egad.errors import UserError
 from egad.exchange.pictures import corners, write_by_split, write_depth
 from egad.grippers import Gripper
-from egad.perception import ImageGrasps, RenderedImage, table_depth
+from egad.learning.images import ImageGrasps, RenderedImage
 
 WIDTH, HEIGHT = 640, 480  # pixels of the images, which readers rely on
 

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad.detectors import fill_missing
 from egad.errors import UserError
 from egad.grippers import Gripper
-from egad.perception import RenderedImage, fill_missing, pose_values
+from egad.learning.images import RenderedImage, pose_values
 
 log = logging.getLogger(__name__)
 Image = NDArray[np.float32]

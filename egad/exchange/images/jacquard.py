@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from egad.errors import UserError
 from egad.exchange.pictures import write_by_split, write_depth, write_mask
 from egad.grippers import Gripper
-from egad.perception import RenderedImage
+from egad.learning.images import RenderedImage
 
 Kind = TypeVar("Kind", np.float32, np.bool_)
 SIDE = 1024  # pixels of the images, which readers rely on

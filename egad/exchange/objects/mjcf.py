@@ -11,9 +11,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from egad.evalset import SimulationObject
 from egad.exchange.object_files import GREY, MeshFiles, write_object_meshes, write_poses
 from egad.exchange.xml_text import moments, number_text, xml_document
+from egad.geometry import SimulationObject
 
 
 class GeomGroups(NamedTuple):

@@ -10,10 +10,10 @@ from xml.etree import ElementTree
 import numpy as np
 import trimesh
 
-from egad.evalset import SimulationObject
 from egad.exchange.object_files import MeshFiles, write_object_meshes, write_poses
 from egad.exchange.objects.mjcf import GeomGroups, add_solid, mjcf_model
 from egad.exchange.xml_text import number_text, xml_document
+from egad.geometry import SimulationObject
 
 GROUPS = GeomGroups(visual="1", collision="0")
 SITE_RADIUS = 0.005  # metres; robosuite reads positions only

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 
 from egad.errors import RejectedError, UserError
-from egad.evalset import SimulationObject, simulation_object, warn_of_row
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.object_files import PARTS, VISUAL, write_object_meshes, write_poses
 from egad.exchange.objects.mjcf import mjcf_text
 from egad.exchange.objects.urdf import urdf_text
-from egad.geometry import MassProperties
+from egad.geometry import MassProperties, SimulationObject, simulation_object, warn_of_row
 from egad.io import read_mesh
 from egad.tables.columns import inertia_tensor
 from egad.tables.evaluation import CONVEX_PARTS

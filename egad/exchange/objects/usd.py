@@ -17,9 +17,8 @@ from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
-from egad.evalset import SimulationObject
 from egad.exchange.object_files import write_poses
-from egad.geometry import MassProperties
+from egad.geometry import MassProperties, SimulationObject
 from egad.io import GREY_LINEAR, ROUGHNESS
 
 MESHES = Sdf.Path("/Meshes")  # abstract: not part of the scene

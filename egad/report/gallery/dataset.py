@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
+from egad.evolution import Lineage
 from egad.grasps import antipodal_success_rates
-from egad.map_elites import Lineage
 from egad.report.gallery.details import ObjectPage, Relatives
 from egad.report.gallery.index import Membership
 from egad.tables.evaluation import EVAL49

@@ -8,11 +8,11 @@ from typing import Any
 import pandas as pd
 import trimesh
 
-from egad.map_elites import Lineage
+from egad.bench.stats import rate, wilson
+from egad.evolution import Lineage
 from egad.report.axes import AxisPair
 from egad.report.gallery.files import rounded
 from egad.report.viewer import LABELS, GraspScene, label_codes, pack
-from egad.stats import rate, wilson
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from egad.release import MAX_FILES
+from egad.exchange.release import MAX_FILES
 from egad.report.axes import AxisPair
 from egad.report.gallery.dataset import GalleryData
 from egad.report.gallery.details import Download

@@ -28,7 +28,7 @@ function make(name, text = "", properties = {}) {
 const arrived = new Map();
 window.egadData = (name, data) => arrived.set(name, data);
 
-// Where the file of one of `count` things is; the same as file_stems in egad/release/tables.py.
+// Where the file of one of `count` things is; the same as file_stems in egad/exchange/release/tables.py.
 const stem = (name, number, count) => count > MAX_FILES ? `${String(Math.floor(number / MAX_FILES)).padStart(2, "0")}/${name}` : name;
 
 function load(kind, name, file = name) {

@@ -7,11 +7,15 @@ import trimesh
 from egad.config import Settings
 from egad.config.stages import select
 from egad.grasps.collision import SIDE_CLEARANCE
-from egad.perception import CAMERAS
-from egad.perception.arrangement import PlacedObject, TableGrasps
-from egad.perception.parameters import RenderParameters
-from egad.perception.rendering import Labelled, views_of
-from egad.perception.splits import Share
+from egad.learning.images import (
+    CAMERAS,
+    PlacedObject,
+    RenderParameters,
+    Share,
+    TableGrasps,
+    views_of,
+)
+from egad.learning.images.rendering import Labelled
 
 SIDES = np.array([0.03, 0.06, 0.04])
 AXES = np.vstack([np.eye(3), [[1.0, 0, 0]]])

@@ -15,7 +15,7 @@ from egad.errors import UserError
 from egad.exchange.images.cornell import write_image as write_cornell
 from egad.exchange.images.jacquard import write_image as write_jacquard
 from egad.grippers import GRIPPERS
-from egad.perception import CAMERAS
+from egad.learning.images import CAMERAS
 
 GRIPPER = GRIPPERS["egad_75mm"]
 

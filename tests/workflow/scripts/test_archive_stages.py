@@ -12,7 +12,7 @@ from egad.config import Settings
 from egad.config.archive_settings import provenance
 from egad.config.stages import CellsAndDiversities, PostprocessSolids, select
 from egad.errors import UserError
-from egad.map_elites.parameters import EvolutionParameters
+from egad.evolution import EvolutionParameters
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, EPOCH
 

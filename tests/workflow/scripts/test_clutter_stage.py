@@ -12,16 +12,22 @@ import trimesh
 from PIL import Image
 from report import scene_pictures
 
+from egad.bench import (
+    ClutterParameters,
+    failed_round,
+    proposed_by,
+    rounds_of,
+    run_round,
+    verify_rounds,
+)
 from egad.cli import main
 from egad.config import Settings
 from egad.config.stages import ClearedTables, SimulationBundle, select
 from egad.errors import UserError
 from egad.io import write_obj
-from egad.outcomes import Outcome
-from egad.sim import ClutterParameters, failed_round, proposed_by, run_round, verify_rounds
-from egad.sim.rounds import rounds_of
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
+from egad.tables.outcomes import Outcome
 from egad.workflow.bundle import any_objects, write_bundle
 from egad.workflow.bundled import bundle_models, model_in, rows_by_id
 from egad.workflow.replays import film_clearing

@@ -8,7 +8,7 @@ import trimesh
 
 from egad.config import Settings
 from egad.config.stages import SimulationBundle, select
-from egad.evalset import make_simulation_object, simulation_object
+from egad.geometry import make_simulation_object, simulation_object
 from egad.io import write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS

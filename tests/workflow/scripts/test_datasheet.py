@@ -7,13 +7,13 @@ import pytest
 import trimesh
 from partial_tables import fill_columns, write_rows
 
+from egad.bench.stats import read
 from egad.config import Settings
 from egad.config.stages import DataSheets, select
 from egad.errors import UserError
 from egad.evalset import ForGripper, PrintExport
 from egad.evalset.datasheet import page
 from egad.io import write_stl_mm
-from egad.stats.records import read
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS

@@ -18,8 +18,8 @@ import egad
 from egad.config import Settings
 from egad.config.stages import Gallery, select
 from egad.data import released
+from egad.exchange.release import tables as release_files
 from egad.measures import MeasureSpace
-from egad.release import tables as release_files
 from egad.report.gallery import page as gallery_files
 from egad.report.viewer import STEPS
 from egad.tables import parquet

@@ -11,13 +11,13 @@ import egad
 from egad.config import Settings
 from egad.config.stages import RescaleMeshes, select
 from egad.errors import UserError
-from egad.grasping import dataset_grasps
 from egad.grasps import GraspLabel
 from egad.grasps.labels import label_parameters
 from egad.grasps.parameters import LabelParameters
+from egad.grasps.sampling import dataset_grasps
 from egad.grippers import Gripper, hand_body
 from egad.io import write_obj
-from egad.named_meshes import named_meshes, scaled_solid
+from egad.objects import named_meshes, scaled_solid
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS

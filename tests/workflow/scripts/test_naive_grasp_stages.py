@@ -8,12 +8,13 @@ import simulated_success_rate
 import trimesh
 from dying_worker import Dying
 
+from egad.bench import try_naive_grasps
 from egad.config import Settings
 from egad.config.stages import NaiveGrasps, select
 from egad.errors import UserError
-from egad.evalset import Bundle, make_simulation_object, part_rows
+from egad.geometry import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
-from egad.sim import build, try_naive_grasps
+from egad.sim import build
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJECTS

@@ -23,10 +23,10 @@ from script_jobs import run_as_job
 from egad.config import Settings
 from egad.config.stages import ReleaseCard, ReleaseTables, SimulationBundle, select
 from egad.errors import UserError
-from egad.evalset import Bundle, make_simulation_object, part_rows
+from egad.exchange.release import tables as release_files
+from egad.geometry import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
 from egad.provenance.verify import verify
-from egad.release import tables as release_files
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.evolution import LINEAGE

@@ -12,8 +12,7 @@ from egad.config import Settings
 from egad.config.stages import RenderImages, select
 from egad.errors import UserError
 from egad.io import read_mesh, write_obj
-from egad.perception.image_shards import read
-from egad.perception.parameters import RenderParameters
+from egad.learning.images import RenderParameters, read
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.grasping import SCALES

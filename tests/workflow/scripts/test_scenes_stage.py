@@ -11,7 +11,7 @@ from egad.config import Settings
 from egad.config.stages import MakeScenes, select
 from egad.errors import UserError
 from egad.io import write_obj
-from egad.scenes import SceneParameters, load_scenes
+from egad.learning.scenes import SceneParameters, load_scenes
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.evolution import LINEAGE

@@ -7,7 +7,7 @@ from partial_tables import write_rows
 
 from egad.config import Settings
 from egad.config.stages import EvalSelection, select
-from egad.reeb import graph as reeb
+from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS

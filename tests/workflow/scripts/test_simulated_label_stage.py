@@ -10,7 +10,7 @@ from dying_worker import Dying
 from egad.config import Settings
 from egad.config.stages import SimulatedLabels, select
 from egad.errors import UserError
-from egad.evalset import Bundle, make_simulation_object, part_rows
+from egad.geometry import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS

@@ -52,5 +52,5 @@ def test_every_stage_can_be_imported_without_pytorch():
     shared = [name for folder in folders for name in modules(folder)]
     known = {"evolve", "egad.workflow.train", "egad.exchange.grasps.dexnet"}
     assert known <= {*scripts, *shared}
-    networks = ["egad.learning.networks", "egad.learning.weights"]
+    networks = ["egad.detectors.networks", "egad.detectors.weights"]
     assert set(failures([*scripts, *shared, *networks])) == set(networks)

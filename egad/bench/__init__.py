@@ -1,0 +1,5 @@
+"""Detectors tried on objects: trials, cleared tables, failures, statistics."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

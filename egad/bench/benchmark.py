@@ -1,0 +1,255 @@
+"""Clearing tables of objects with a grasp detector, from Python."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.display import table_html
+from egad._util.files import as_path
+from egad._util.parameters import SCALE_RULES, from_arguments
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.bench.clearing import SceneObject, check_detector, clear_rounds, prepare_objects
+from egad.bench.parameters import CellErrors, Clutter, ClutterParameters
+from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
+from egad.bench.rounds import film_round, rounds_of
+from egad.bench.stats import (
+    Clearing,
+    ClearingComparison,
+    clearing_rates,
+    compare_clearing,
+    engine_names,
+)
+from egad.detectors import (
+    IN_SCENES,
+    LABELS,
+    SHIPPED_NETWORKS,
+    Detect,
+    DetectorConfig,
+    FailureMonitor,
+    NoiseName,
+    knows_scene,
+    wanted_input,
+)
+from egad.errors import UserError, check_name
+from egad.grippers import Gripper, as_gripper
+from egad.io import check_ending
+from egad.objects import Dataset, named_meshes
+from egad.sim import ENDINGS, EngineName, Model, check_engine, write_film
+from egad.tables.clutter import ROUND
+
+SHARDS = 4  # per job, so that no job waits long for the others
+
+
+class Scenes(NamedTuple):
+    """The objects of some rounds, by id, and their settings."""
+
+    models: Mapping[str, Model]
+    settings: ClutterParameters
+
+
+class Benchmark:
+    """Rounds of clearing a table.
+
+    Attributes:
+        table: One row per attempt; columns as in `results/README.md`, "clutter".
+        planning_time: Median time from the depth images to the grasps, seconds; NaN if unknown.
+    """
+
+    def __init__(
+        self,
+        table: pd.DataFrame,
+        planning_time: float = float("nan"),
+        scenes: Scenes | None = None,
+    ) -> None:
+        """Wrap a table.
+
+        Args:
+            table: Columns of `tables.clutter.CLUTTER`.
+            planning_time: Median, seconds.
+            scenes: Objects and settings of the rounds, needed to film them.
+        """
+        self.table = table.reset_index(drop=True)
+        self.planning_time = planning_time
+        self._scenes = scenes
+
+    def __repr__(self) -> str:
+        """The rates of each kind of scene and noise, one per line."""
+        rates = [
+            f"{each.scene}, noise {each.noise}, {each.rounds} rounds: success {each.success}; "
+            f"cleared {each.cleared}"
+            for each in self.rates()
+        ]
+        return "\n".join([self._title(), *rates])
+
+    def _repr_html_(self) -> str:
+        """The same as a table, for notebooks."""
+        return table_html(self._title(), pd.DataFrame(self.rates()))
+
+    def _title(self) -> str:
+        rules = [f", protocol {name}" for name in self.table["protocol"].unique() if name]
+        where = f"{engine_names(self.table)}{''.join(rules)}"
+        return f"Benchmark in {where}: {len(self.table)} attempts"
+
+    def rates(self) -> list[Clearing]:
+        """Success rate and share of objects cleared for each kind of scene and noise."""
+        return clearing_rates(self.table)
+
+    def compare(self, other: "Benchmark") -> list[ClearingComparison]:
+        """The differences to another detector, over the rounds with the same scene for both.
+
+        Raises:
+            UserError: There is no such round.
+        """
+        return compare_clearing(self.table, other.table)
+
+    def film(
+        self, scene: SceneKind, number: int, out: str | Path, noise: NoiseName = "none"
+    ) -> None:
+        """Repeat a round exactly, without its detector, and film it.
+
+        Args:
+            scene: How the objects lay.
+            number: Number of the round, from 0.
+            out: File to write: `.gif`, or `.mp4` if ffmpeg is installed.
+            noise: Noise added to the depth images.
+
+        Raises:
+            UserError: There is no such round, the file has another ending, or the table was read
+                from a file.
+        """
+        path = as_path("out", out)
+        check_ending(path, ENDINGS)
+        if self._scenes is None:
+            raise UserError("only results returned by `egad.run_benchmark` can be filmed")
+        write_film(film_round(self.table, scene, noise, number, *self._scenes), path)
+
+
+def run_benchmark(
+    detect: Detect | str,
+    objects: Dataset | Mapping[str, trimesh.Trimesh],
+    gripper: Gripper | str = "panda",
+    *,
+    scenes: Sequence[SceneKind] = SCENE_KINDS,
+    protocol: str | Mapping[str, Any] | ClutterProtocol = "egad",
+    noise: Sequence[NoiseName] | None = None,
+    rounds: int = 100,
+    per_scene: int = 5,
+    scale: tuple[float, float] | None = None,
+    errors: str | Mapping[str, Any] | CellErrors = "none",
+    seed: int = 0,
+    rule: str = "paper",
+    engine: EngineName = "mujoco",
+    jobs: int = 1,
+    keep_going: bool = False,
+) -> Benchmark:
+    """Let a detector clear a table, as in the experiments of VGN (Breyer et al. 2020, section V).
+
+    In each round some of the objects are put on the table: one alone, upright side by side, or in a
+    pile. Six depth cameras look at them, the detector proposes grasps, and a hand without an arm
+    carries out the best one. Whatever the hand then holds is removed. The round ends when nothing
+    is left, nothing is proposed, or two attempts in a row have failed. Published benchmarks have
+    other rules; `protocol` selects them.
+
+    An error of the detector counts as a failed attempt. Its traceback is in the column `failure`;
+    that of the first error is also logged. An endless loop is not interrupted.
+
+    Args:
+        detect: A function or object that is called with the input it asks for
+            (`egad.detectors.wanted_input`), the gripper and a random generator, and returns poses,
+            widths and scores (`egad.detectors.GraspPoses`), or grasps from above; or the name of a
+            detector that needs no file: `antipodal-cloud`, `antipodal-depth`, `random`,
+            `ggcnn2-evolved` or `vgn-evolved` (networks that egad ships; they need PyTorch);
+            `suction-cloud`, `suction-depth` for a suction cup; or `labels`, which knows where the
+            objects are and proposes the best of 100 sampled grasps of each.
+        objects: A dataset, or meshes in metres by name.
+        gripper: The gripper, or its name.
+        scenes: Kinds of scenes: single, packed, pile.
+        protocol: Rules of a published benchmark: egad, vgn, giga, edgegrasp; or your own.
+        noise: Kinds of noise: none, stereo, gamma, dex, points; None for those of the protocol.
+        rounds: Rounds of each kind of scene and noise.
+        per_scene: Objects in packed and piled scenes.
+        scale: Range of the sizes of the objects, relative to their sizes by the rule; None for that
+            of the protocol.
+        errors: Errors of a real cell, as for `egad.run_trials`.
+        seed: The same seed gives the same scenes, for all detectors and kinds of noise.
+        rule: How objects are scaled to the gripper: see `egad.rescale`.
+        engine: What computes the physics: `mujoco` or `pybullet`.
+        jobs: Number of processes; the result does not depend on it.
+        keep_going: Whether to go on with a detector that fails in every attempt of three rounds.
+
+    Raises:
+        UserError: The detector fails in every attempt of three rounds. There is no such gripper,
+            detector, scene, noise or rule, the detector is for jaws and the gripper has a suction
+            cup or the other way round, the engine is not installed, a number is out of bounds, or
+            there are no objects that can be simulated.
+
+    Warns:
+        UnitsWarning: The size of a mesh suggests a unit other than the metre.
+        PartsWarning: An object needs more convex parts than are allowed.
+    """
+    hand = as_gripper(gripper)
+    check_name("rule", rule, SCALE_RULES)
+    check_engine(engine)
+    clutter = from_arguments(
+        Clutter,
+        engine=engine,
+        scenes=tuple(scenes),
+        protocol=protocol,
+        noise=None if noise is None else tuple(noise),
+        rounds=rounds,
+        objects=per_scene,
+        errors=errors,
+        keep_going=keep_going,
+    )
+    if scale is not None:
+        rules = dict(clutter.protocol) | {"scale": scale, "packed_scale": None}
+        clutter = clutter.model_copy(update={"protocol": ClutterProtocol(**rules)})
+    settings = from_arguments(ClutterParameters, seed=seed, gripper=hand, clutter=clutter)
+    if isinstance(detect, str):
+        detect = DetectorConfig(
+            detector=check_name("detector", detect, (LABELS, *SHIPPED_NETWORKS, *IN_SCENES))
+        )
+    elif not callable(detect) and not isinstance(detect, DetectorConfig):
+        raise UserError(f"a detector is a function or the name of one, got {detect!r}")
+    if not isinstance(detect, DetectorConfig):
+        wanted_input(detect)
+    label_seed = seed if knows_scene(detect) else None
+    targets = named_meshes(objects)
+    check_detector(detect, settings)
+    known = prepare_objects(targets, hand, rule, label_seed, jobs)
+    return clear_tables(detect, known, settings, jobs)
+
+
+def clear_tables(
+    detect: Detect, objects: Sequence[SceneObject], settings: ClutterParameters, jobs: int = 1
+) -> Benchmark:
+    """Let a detector clear tables of prepared objects.
+
+    Args:
+        detect: See `run_benchmark`; `labels` needs objects with grasps.
+        objects: The objects to choose from.
+        settings: Seed, gripper, scenes and cameras.
+        jobs: Number of processes; the result does not depend on it.
+    """
+    todo = rounds_of([each.id for each in objects], settings)
+    shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
+    work = partial(clear_rounds, objects=objects, detect=detect, settings=settings)
+    done, monitor = [], FailureMonitor(len(todo), settings.clutter.keep_going, "rounds")
+    with workers(jobs) as mapper:
+        for cleared in progress(mapper(work, shards), "clearing", len(shards)):
+            for _, rows in cleared[0].groupby(ROUND, sort=False):
+                monitor.check(rows)
+            done.append(cleared)
+    by_round = {key: rows for table, _ in done for key, rows in table.groupby(ROUND)}
+    seconds = [time for _, times in done for time in times]
+    return Benchmark(
+        pd.concat([by_round[this[:3]] for this in todo]),
+        float(np.median(seconds)) if seconds else float("nan"),
+        Scenes({each.id: each.model for each in objects}, settings),
+    )

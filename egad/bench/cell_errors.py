@@ -1,0 +1,76 @@
+"""Randomly drawn errors of a real cell, and how an attempt deviates because of them."""
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from egad._util.arrays import Floats
+from egad.bench.parameters import CellErrors
+from egad.detectors import Grasp, PoseGrasp
+from egad.grippers import Gripper
+from egad.random import generator
+
+SESSION = 20  # attempts at an object between two calibrations
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How one attempt deviates from the plan.
+
+    Attributes:
+        motion: (4, 4) from where the hand should be to where it is, world frame.
+        opening: How much too wide the hand opens, metres.
+        friction: Friction of the pads / that of the gripper.
+        mass: Mass of an object / that of its model.
+        stopping_force: Force that stops the hand / that of the settings.
+    """
+
+    motion: Floats = field(default_factory=lambda: np.eye(4))
+    opening: float = 0.0
+    friction: float = 1.0
+    mass: float = 1.0
+    stopping_force: float = 1.0
+
+    def grasp(self, planned: Grasp, gripper: Gripper) -> Grasp:
+        """A grasp from above as the hand executes it; the hand stays vertical."""
+        x, y, z = (self.motion[:3, :3] @ planned.center + self.motion[:3, 3]).tolist()
+        cosine, sine = math.cos(planned.angle), math.sin(planned.angle)
+        along, across, _ = self.motion[:3, :3] @ [cosine, sine, 0.0]
+        turn = math.atan2(cosine * across - sine * along, cosine * along + sine * across)
+        width = self._width(planned.width, gripper)
+        return replace(planned, center=(x, y, z), angle=planned.angle + turn, width=width)
+
+    def pose(self, planned: PoseGrasp, gripper: Gripper) -> PoseGrasp:
+        """A grasp in any direction as the hand executes it."""
+        width = self._width(planned.width, gripper)
+        return PoseGrasp(self.motion @ planned.pose, width, planned.score)
+
+    def _width(self, planned: float, gripper: Gripper) -> float:
+        return min(max(planned + self.opening, 0.0), gripper.opening)
+
+
+EXACT: Deviation = Deviation()
+
+
+def draw(errors: CellErrors, calibration: int, seed: int) -> Deviation:
+    """Draw the deviation of an attempt; the draw for one error does not depend on the others.
+
+    Args:
+        errors: How large the errors are.
+        calibration: Seed of the calibration, the same for all attempts until the next one.
+        seed: Seed of the attempt.
+    """
+    calibrated, attempt = generator(calibration, "calibration"), generator(seed, "errors")
+    shift, turn = calibrated.normal(size=(2, 3))
+    *placed, opened = attempt.normal(size=4)
+    shares = attempt.uniform(size=3)
+    motion = np.eye(4)
+    motion[:3, :3] = Rotation.from_rotvec(np.radians(errors.calibration_turn) * turn).as_matrix()
+    motion[:3, 3] = errors.calibration * shift + errors.positioning * np.array(placed)
+    ranges = (errors.friction, errors.mass, errors.stopping_force)
+    friction, mass, force = (
+        float(low + share * (high - low)) for (low, high), share in zip(ranges, shares, strict=True)
+    )
+    return Deviation(motion, float(errors.opening * opened), friction, mass, force)

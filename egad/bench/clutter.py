@@ -1,0 +1,273 @@
+"""Rounds of clearing a table, one object after the other (Breyer et al. 2020, section V)."""
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from egad._util.arrays import Floats
+from egad.bench.cell_errors import EXACT, Deviation, draw
+from egad.bench.parameters import Clutter
+from egad.bench.protocols import ClutterProtocol, SceneCameras, SceneKind
+from egad.bench.scenes import EGAD, WORKSPACE, RestingObject, make_scene, put, settle_from
+from egad.detectors import (
+    DepthCamera,
+    Detector,
+    Failure,
+    Intrinsics,
+    NoiseName,
+    Observation,
+    PoseGrasp,
+    View,
+    add_noise,
+    camera_above,
+    cameras_around,
+    choose,
+    render_scene,
+    seen_by,
+    try_to_plan,
+)
+from egad.grippers import Gripper
+from egad.random import entropy, generator
+from egad.sim import ContactRules, Fingers, UnstableError, World, execute_pose
+from egad.tables.outcomes import Outcome
+
+Generator = np.random.Generator
+Proposal: TypeAlias = PoseGrasp | Outcome | Failure
+Propose = Callable[[Observation, Sequence[RestingObject], Generator], Proposal]
+
+OVERHEAD = Intrinsics.spanning(640, 480, 75.0)
+OVERHEAD_HEIGHT = 0.6
+POINT_SIGMA = 0.0008  # metres, of the noise `points`
+
+
+@dataclass(frozen=True)
+class ClutterAttempt:
+    """The result of an attempt.
+
+    Attributes:
+        outcome: As in `PoseExecution`, or one of `egad.tables.outcomes.POSE_FAILURES`.
+        present: The objects on the table before it.
+        grasp: The grasp that was tried, if any.
+        held: Number of the object that was held.
+        stopped: How far before the grasp the hand was stopped, metres.
+        failure: What the detector did wrong, if it failed.
+    """
+
+    outcome: Outcome
+    present: tuple[RestingObject, ...]
+    grasp: PoseGrasp | None = None
+    held: int | None = None
+    stopped: float = 0.0
+    failure: str = ""
+
+
+class ClutterRunner:
+    """A table with objects, cameras all around it and a hand that clears it."""
+
+    def __init__(self, world: World, settings: Clutter) -> None:
+        """Set up.
+
+        Args:
+            world: A running simulation of the objects of a round, with walls for a pile, and the
+                robot `egad.sim.robots.free_hand`.
+            settings: Rules, and errors of the cell.
+        """
+        self.world = world
+        self._errors = settings.errors
+        self._protocol = settings.protocol
+        self._gripper = Fingers(world).gripper
+        self._rendered = [DepthCamera(model.mesh) for model in world.models]
+
+    def clear(
+        self, propose: Propose, kind: SceneKind, noise: NoiseName, seed: int
+    ) -> Iterator[ClutterAttempt]:
+        """Grasp one object after the other, until none is left or the round ends.
+
+        A round ends after two failures in a row, when nothing is proposed (other protocols have
+        other numbers), or when the simulation goes wrong. The result depends only on the
+        arguments, and the initial scene only on kind and seed.
+
+        Args:
+            propose: Proposes the grasps.
+            kind: How the objects lie.
+            noise: Noise added to the depth images.
+            seed: Seed of the scene and, independently of it, of detector and cameras.
+        """
+        try:
+            present = self.begin(kind, seed)
+        except UnstableError:
+            yield ClutterAttempt(Outcome.FAILED, ())
+            return
+
+        def ask(number: int, present: Sequence[RestingObject]) -> Proposal:
+            poses = camera_poses(self._protocol.cameras, generator(seed, "views", number))
+            view = self.observe(present, noise, poses, generator(seed, "cameras", number))
+            return propose(view, present, generator(seed, "detector", number))
+
+        yield from self._attempts(ask, present, seed)
+
+    def _attempts(
+        self,
+        ask: Callable[[int, Sequence[RestingObject]], Proposal],
+        present: Sequence[RestingObject],
+        seed: int,
+    ) -> Iterator[ClutterAttempt]:
+        """The attempts of a round that began: `ask` returns the grasp for each number."""
+        number = failures = skips = 0
+        while present and failures < self._protocol.failures and skips < self._protocol.skips:
+            grasp = ask(number, present)
+            attempt, present = self.carry_out(grasp, present, self._deviation(seed, number))
+            yield attempt
+            number += 1
+            if attempt.outcome == Outcome.FAILED:
+                return
+            if attempt.outcome == Outcome.NO_GRASP:
+                skips += 1
+            else:
+                failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
+
+    def begin(self, kind: SceneKind, seed: int) -> list[RestingObject]:
+        """Put the objects on the table.
+
+        Raises:
+            UnstableError: The simulation went wrong.
+        """
+        return make_scene(self.world, kind, generator(seed, "scene", kind), self._protocol)
+
+    def repeat(
+        self, grasps: Sequence[PoseGrasp | Outcome], kind: SceneKind, seed: int
+    ) -> Iterator[ClutterAttempt]:
+        """Repeat a round that began, without its detector: the same, bit by bit.
+
+        It ends by the rules of a round, not with the last grasp: after that, none is proposed.
+
+        Args:
+            grasps: The grasp tried in each attempt, or why there was none.
+            kind: How the objects lie.
+            seed: Seed of the round.
+        """
+        known = dict(enumerate(grasps))
+        present = self.begin(kind, seed)
+        yield from self._attempts(
+            lambda number, _: known.get(number, Outcome.NO_GRASP), present, seed
+        )
+
+    def observe(
+        self,
+        present: Sequence[RestingObject],
+        noise: NoiseName,
+        poses: Sequence[Floats],
+        rng: Generator,
+    ) -> Observation:
+        """What the cameras see of objects at rest, from the given poses and from above."""
+        rendered = [self._rendered[each.number] for each in present]
+        matrices = [each.pose.matrix for each in present]
+
+        def seen(intrinsics: Intrinsics, pose: Floats) -> View:
+            return add_noise(noise, render_scene(rendered, matrices, intrinsics, pose), rng)
+
+        intrinsics = intrinsics_of(self._protocol.cameras)
+        views = tuple(seen(intrinsics, pose) for pose in poses)
+        above = seen(OVERHEAD, camera_above(OVERHEAD_HEIGHT))
+        if noise != "points":
+            return Observation(above, views, WORKSPACE)
+        return Observation(above, views, WORKSPACE, POINT_SIGMA, int(rng.integers(2**63)))
+
+    def _deviation(self, seed: int, number: int) -> Deviation:
+        """The deviation of an attempt; the camera is calibrated once per round."""
+        return draw(self._errors, seed, entropy(seed, "attempt", number))
+
+    def carry_out(
+        self,
+        grasp: Proposal,
+        present: Sequence[RestingObject],
+        deviation: Deviation = EXACT,
+    ) -> tuple[ClutterAttempt, list[RestingObject]]:
+        """Try a grasp, if there is one; return the result and the objects left at rest.
+
+        If the simulation goes wrong while the objects settle, none are left.
+        """
+        if isinstance(grasp, Failure):
+            failed = ClutterAttempt(grasp.outcome, tuple(present), failure=grasp.text)
+            return failed, list(present)
+        if isinstance(grasp, Outcome):
+            return ClutterAttempt(grasp, tuple(present)), list(present)
+        self.world.mass_factor, self.world.friction_factor = deviation.mass, deviation.friction
+        put(self.world, present)
+        rules = self._protocol
+        asked = grasp._replace(width=self._gripper.opening) if rules.opening == "full" else grasp
+        done = deviation.pose(asked, self._gripper)
+        force = rules.stopping_force * deviation.stopping_force
+        contacts = ContactRules(
+            rules.contact, force, rules.success == "pinched", rules.removed == "first"
+        )
+        result = execute_pose(self.world, done.pose, done.width, contacts)
+        attempt = ClutterAttempt(result.outcome, tuple(present), grasp, result.held, result.stopped)
+        try:
+            numbers = [each.number for each in present if each.number != result.held]
+            moved = [RestingObject(number, self.world.pose(number)) for number in numbers]
+            return attempt, settle_from(self.world, moved)
+        except UnstableError:
+            return attempt, []
+
+
+def camera_poses(cameras: SceneCameras, rng: Generator) -> list[Floats]:
+    """Where the cameras around a table are, (4, 4) each.
+
+    Args:
+        cameras: Ranges to draw from; all cameras have the same distance and tilt.
+        rng: Random number generator.
+    """
+    ranges = (cameras.distance, cameras.tilt, cameras.azimuth)
+    shares = rng.uniform(size=len(ranges)).tolist()
+    distance, tilt, azimuth = (
+        low + share * (high - low) for (low, high), share in zip(ranges, shares, strict=True)
+    )
+    target = np.array([0.0, 0.0, cameras.aim])
+    return cameras_around(
+        target, cameras.views, distance, float(np.radians(tilt)), float(np.radians(azimuth))
+    )
+
+
+def intrinsics_of(cameras: SceneCameras) -> Intrinsics:
+    """Intrinsics of each camera around a table."""
+    width, height = cameras.image
+    focal = np.float64(cameras.focal)  # keeps the noise in double precision
+    return Intrinsics(width, height, focal, ((width - 1) / 2, (height - 1) / 2))
+
+
+def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = EGAD) -> Propose:
+    """A proposer that shows a detector the input that it asks for.
+
+    Args:
+        detect: Proposes grasps.
+        gripper: The hand.
+        protocol: Which of them is tried: the one with the highest score, or another one.
+    """
+    least = -math.inf if protocol.threshold is None else protocol.threshold
+
+    def propose(observation: Observation, _: Sequence[RestingObject], rng: Generator) -> Proposal:
+        order = rng.spawn(1)[0] if protocol.choice == "random" else None
+        return try_to_plan(
+            lambda: choose(
+                detect(seen_by(detect, observation), gripper, rng), gripper, least, order
+            )
+        )
+
+    return propose
+
+
+def timed(propose: Propose, seconds: list[float]) -> Propose:
+    """The same, but record how long each proposal took, from the depth images to the grasp."""
+
+    def ask(observation: Observation, present: Sequence[RestingObject], rng: Generator) -> Proposal:
+        begin = time.perf_counter()
+        grasp = propose(observation, present, rng)
+        seconds.append(time.perf_counter() - begin)
+        return grasp
+
+    return ask

@@ -1,0 +1,313 @@
+"""Whether an object is a failure: screened with few attempts, confirmed with fresh ones.
+
+An object is a failure of a detector if it can be grasped, but the detector does not grasp it: the
+reference holds it in at least 80 % of the attempts, and at least 50 percentage points more often
+than the detector from the same poses. Both must hold with 95 % confidence, in every physics engine,
+on drops that were not used to choose anything. These are the default settings.
+"""
+
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import Literal
+
+import pandas as pd
+import trimesh
+
+from egad.bench.failures.attempts import failed_drops
+from egad.bench.failures.evidence import Claim, PairedDrop
+from egad.bench.failures.parameters import FailureParameters, FailureSearch
+from egad.bench.failures.recorder import Drop, Recorder
+from egad.bench.failures.reference import ReferencePolicy
+from egad.bench.failures.table import Bench, open_bench
+from egad.bench.failures.verdict import Examined, ObjectVerdict
+from egad.detectors import Detector, asked_for
+from egad.errors import RejectedError, UserError
+from egad.evalset import print_problems
+from egad.geometry import PartsWarning
+from egad.grasps.sampling import dataset_grasps
+from egad.sim import Model, build
+from egad.tables.grasping import GRASPS
+from egad.tables.outcomes import Outcome
+from egad.tables.parquet import empty
+
+ON_ROUGH = ("screen", "choose")  # purposes of attempts on few convex parts
+ROUGH = 0.002  # metres: deviation of convex parts while it is uncertain whether they matter
+SOLVED = 0.5  # of the success rate that a failure may have: above this, examination ends
+TRIES = 3  # grasps of the reference per drop, while it is chosen
+HOPELESS = 0.3  # fraction of the drops without a grasp that holds, above which the choice ends
+PATIENCE = 2  # drops for each one wanted, as the object does not come to rest in all
+
+
+def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
+    """The approach of a detector: from the settings, or else from the input that it asks for.
+
+    Raises:
+        UserError: It grasps from above and asks for more than the view of a camera there.
+    """
+    sees = asked_for(detect)
+    if search.approach == "above" and sees != "view":
+        raise UserError(
+            f"the detector asks for `{sees}`, but for grasps from above it gets a view from above; "
+            "with the approach `any` it gets what it asks for"
+        )
+    return search.approach or ("above" if sees == "view" else "any")
+
+
+def model_of_attempts(
+    mesh: trimesh.Trimesh, purpose: str, settings: FailureParameters, name: str = "the mesh"
+) -> Model:
+    """An object as simulated for a purpose: with few convex parts until it may be a failure.
+
+    Args:
+        mesh: A closed surface, scaled to the gripper, metres.
+        purpose: As in `tables.failures.FAILURE_ATTEMPTS`.
+        settings: Density and convex parts.
+        name: Its name in warnings.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or has no convex parts.
+    """
+    bundle = settings.bundle
+    if purpose not in ON_ROUGH:
+        return build(mesh, settings.material.density, bundle, name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PartsWarning)
+        rough = bundle.model_copy(update={"deviation": ROUGH})
+        return build(mesh, settings.material.density, rough, name)
+
+
+class Examination:
+    """Examines one object with one detector."""
+
+    def __init__(
+        self,
+        mesh: trimesh.Trimesh,
+        object_id: str,
+        detect: Detector,
+        settings: FailureParameters,
+        report: Callable[[int], object] = int,
+    ) -> None:
+        """Prepare; nothing is simulated yet.
+
+        Args:
+            mesh: A closed surface wound outwards, scaled to the gripper, metres.
+            object_id: Determines all drops, with the seed of the settings.
+            detect: The detector.
+            settings: Gripper, engines, numbers of attempts.
+            report: Called with 1 after every attempt.
+        """
+        self._mesh, self._id = mesh, object_id
+        self._settings, self._search = settings, settings.failures
+        self._from_above = approach_of(detect, settings.failures) == "above"
+        self._recorder = Recorder(object_id, detect, settings.seed, report)
+        self._reference = ReferencePolicy()
+        self._solved = 0  # attempts in which the detector succeeded, before fresh ones
+
+    def run(self) -> Examined:
+        """Screen, choose the reference, and confirm, as far as necessary."""
+        try:
+            verdict, reason = self._verdict()
+        except RejectedError as problem:
+            verdict, reason = ObjectVerdict.NOT_SIMULATED, str(problem)
+        return Examined(verdict, reason, self._recorder.table())
+
+    def _verdict(self) -> tuple[ObjectVerdict, str]:
+        rough = model_of_attempts(self._mesh, "screen", self._settings, self._id)
+        with self._benches(rough, empty(GRASPS)) as benches:
+            if (found := self._screen(benches)) is not None:
+                return found
+        grasps = self._labelled()
+        with self._benches(rough, grasps) as benches:
+            if (verdict := self._choose(benches)) is not None:
+                return verdict, ""
+        if problems := print_problems(self._mesh, self._settings.print_check):
+            return ObjectVerdict.NOT_PRINTABLE, ", ".join(problems)
+        exact = model_of_attempts(self._mesh, "confirm", self._settings, self._id)
+        with self._benches(exact, grasps) as benches:
+            is_failure = self._confirm(benches)
+        return ObjectVerdict.FAILURE if is_failure else ObjectVerdict.NOT_CONFIRMED, ""
+
+    def explain(self, attempts: pd.DataFrame) -> pd.DataFrame:
+        """Try the other proposals of the detector where it failed and the reference did not.
+
+        Args:
+            attempts: Attempts at this object, columns of `tables.failures.FAILURE_ATTEMPTS`.
+
+        Returns:
+            The further attempts at each drop, until one succeeds; none if nothing was proposed.
+        """
+        recorder, engine = self._recorder, self._search.engines[0]
+        exact = model_of_attempts(self._mesh, "explain", self._settings, self._id)
+        failed = failed_drops(attempts, engine)[: self._search.explain]
+        with self._benches(exact, empty(GRASPS)) as (bench, *_):
+            for number in failed:
+                drop = recorder.drop(bench, "confirm", number)
+                if drop is None:
+                    continue
+                proposed = recorder.propose(drop)
+                drop = drop._replace(purpose="explain")
+                for rank, grasp in enumerate(proposed if isinstance(proposed, list) else []):
+                    if rank and recorder.execute(drop, "detector", grasp, rank):
+                        break
+        return recorder.table()
+
+    def paired(
+        self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
+    ) -> pd.DataFrame:
+        """Try detector and reference from a fixed number of drops in each engine.
+
+        The reference keeps what it learned before. If its choice was cut short, it is completed
+        first.
+
+        Args:
+            purpose: Purpose of the drops, which determines them; must be new for this object.
+            count: Drops in each engine.
+            before: All attempts at this object so far, in their order, columns of
+                `tables.failures.FAILURE_ATTEMPTS`.
+            least: Both must succeed this often in each engine; once one cannot, trying stops. By
+                default all drops are tried, whatever the results.
+
+        Returns:
+            The further attempts, with the same columns.
+
+        Raises:
+            RejectedError: The object cannot be simulated, or does not come to rest.
+        """
+        self._reference = ReferencePolicy.of(before)
+        grasps = self._labelled()
+        chosen = before.loc[before["purpose"] == "choose", "drop"]
+        left = range(int(chosen.max()) + 1 if len(chosen) else 0, self._search.choose)
+        if left:
+            rough = model_of_attempts(self._mesh, "choose", self._settings, self._id)
+            with self._benches(rough, grasps) as benches:
+                for number in left:
+                    self._choose_at(benches, number)
+        exact = model_of_attempts(self._mesh, purpose, self._settings, self._id)
+        with self._benches(exact, grasps) as benches:
+            for bench in benches:
+                if not self._try_pairs(bench, purpose, count, least):
+                    break
+        return self._recorder.table()
+
+    def _try_pairs(self, bench: Bench, purpose: str, count: int, least: int) -> bool:
+        """Try both from `count` drops; return False once one cannot succeed often enough."""
+        pairs: list[PairedDrop] = []
+        for number in range(PATIENCE * count):
+            pair = self._paired(bench, purpose, number)
+            if pair is None:
+                continue
+            pairs.append(pair)
+            lost = max(len(pairs) - sum(won) for won in zip(*pairs, strict=True))
+            if count - lost < least:
+                return False
+            if len(pairs) == count:
+                return True
+        raise RejectedError(f"it comes to rest in {len(pairs)} of {PATIENCE * count} drops")
+
+    @contextmanager
+    def _benches(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[Bench]]:
+        """A bench in each engine, for the duration of the `with` block."""
+        with ExitStack() as stack:
+            yield [
+                stack.enter_context(
+                    open_bench(
+                        engine,
+                        model,
+                        grasps,
+                        self._settings.gripper,
+                        from_above=self._from_above,
+                        depth_noise=self._search.depth_noise,
+                        contact=self._settings.trials,
+                    )
+                )
+                for engine in self._search.engines
+            ]
+
+    def _labelled(self) -> pd.DataFrame:
+        try:
+            return dataset_grasps(self._mesh, self._id, self._settings.labels)
+        except RejectedError:
+            return empty(GRASPS)
+
+    def _screen(self, benches: Sequence[Bench]) -> tuple[ObjectVerdict, str] | None:
+        """Make a few attempts with the detector alone; None if the object is worth examining."""
+        drops = 0
+        for number in range(self._search.screen):
+            bench = benches[number % len(benches)]
+            drop = self._recorder.drop(bench, "screen", number)
+            if drop is None:
+                continue
+            drops += 1
+            self._solved += self._recorder.ask(drop, self._reference)
+            if self._is_solved(self._search.screen):
+                return ObjectVerdict.DETECTOR_SUCCEEDS, ""
+        return None if drops else (ObjectVerdict.NOT_SIMULATED, "it does not come to rest")
+
+    def _is_solved(self, planned: int) -> bool:
+        """Whether the detector succeeds too often for a failure, given the planned attempts."""
+        return self._solved > SOLVED * (1 - self._search.least_difference) * planned
+
+    def _choose(self, benches: Sequence[Bench]) -> ObjectVerdict | None:
+        """Let the reference try grasps, then the detector; None if there is no verdict yet."""
+        lost, planned = 0, self._search.screen + self._search.choose
+        for number in range(self._search.choose):
+            lost += not self._choose_at(benches, number)
+            if lost > HOPELESS * self._search.choose:
+                return ObjectVerdict.NOT_GRASPABLE
+            if self._is_solved(planned):
+                return ObjectVerdict.DETECTOR_SUCCEEDS
+        return None
+
+    def _choose_at(self, benches: Sequence[Bench], number: int) -> bool:
+        """Whether the reference holds the object at a drop; if so, the detector also tries."""
+        bench = benches[number % len(benches)]
+        drop = self._recorder.drop(bench, "choose", number)
+        if drop is None or not self._try_reference(drop):
+            return False
+        self._solved += self._recorder.ask(drop, self._reference)
+        return True
+
+    def _try_reference(self, drop: Drop) -> bool:
+        """Whether one of the best grasps of the reference holds; it learns from all of them."""
+        for rank in range(TRIES):
+            known = self._reference.ranked(drop.bench, drop.rest)
+            if not known:
+                return False
+            success = self._recorder.execute(drop, "reference", known[0], rank)
+            self._reference.remember(drop.rest, known[0], success)
+            if success:
+                return True
+        return False
+
+    def _confirm(self, benches: Sequence[Bench]) -> bool:
+        """Try both from fresh drops until it is clear whether the object is a failure.
+
+        The engines take turns, so that the test ends early if it is not a failure in one of them.
+        """
+        search = self._search
+        claim = Claim(search.least_reference, search.least_difference, search.confidence)
+        open_ones = {bench: list[PairedDrop]() for bench in benches}
+        for number in range(search.confirm):
+            for bench, pairs in list(open_ones.items()):
+                pair = self._paired(bench, "confirm", number)
+                if pair is None:
+                    return False
+                pairs.append(pair)
+                if claim.is_shown(pairs):
+                    del open_ones[bench]
+                elif claim.is_hopeless(pairs, search.confirm):
+                    return False
+        return not open_ones
+
+    def _paired(self, bench: Bench, purpose: str, number: int) -> PairedDrop | None:
+        """Try both at a fresh drop; None if the object does not come to rest."""
+        drop = self._recorder.drop(bench, purpose, number)
+        if drop is None:
+            return None
+        known = self._reference.ranked(bench, drop.rest)
+        if known:
+            won = self._recorder.execute(drop, "reference", known[0])
+        else:
+            won = self._recorder.note(drop, "reference", Outcome.NO_GRASP)
+        return PairedDrop(won, self._recorder.ask(drop))

@@ -1,0 +1,131 @@
+"""Settings of the search for failures of a detector."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from egad._util.parameters import Fraction, ParameterGroup, Parameters, PositiveFraction, Seed
+from egad.bench.parameters import ContactRule
+from egad.detectors import DetectorConfig, check_gripper
+from egad.errors import UserError
+from egad.evalset import PrintCheck
+from egad.evolution import EvolutionParameters
+from egad.geometry import Bundle, Material, Rescale
+from egad.grasps import LabelParameters
+from egad.grippers import Gripper
+from egad.sim import ENGINES, EngineName
+
+Strategy = Literal["evolution", "screening", "mutation", "random"]
+
+
+class FailureSearch(Parameters):
+    """Search for objects that a detector fails to grasp although they can be grasped."""
+
+    attempts: int = Field(
+        6000, ge=1, description="total number of simulated grasps, including those of the reference"
+    )
+    shards: int = Field(
+        2, ge=1, le=1000, description="independent searches that share the attempts, one job each"
+    )
+    strategy: Strategy = Field(
+        "evolution",
+        description="where objects come from: screening: the archive; random: random genomes; "
+        "mutation: children of the archive; evolution: the archive, random genomes and children of "
+        "failures, most of them from the source that yields the most failures",
+    )
+    approach: Literal["above", "any"] | None = Field(
+        None,
+        description="above: grasps straight from above; any: from any direction; nothing: above if "
+        "the input of the detector is a view from above, any otherwise",
+    )
+    depth_noise: float = Field(
+        0.1,
+        ge=0,
+        le=10,
+        description="noise of the depth images, as in `trials.depth_noise`, pixels; with the "
+        "approach `any`, everything above 0 is 0.1",
+    )
+    engines: tuple[EngineName, ...] = Field(
+        ENGINES,
+        min_length=1,
+        description="physics engines; a failure must be one in all of them",
+    )
+    screen: int = Field(
+        5,
+        ge=1,
+        description="maximum number of attempts of the detector to decide whether to examine an "
+        "object further",
+    )
+    choose: int = Field(8, ge=1, description="drops used to choose the grasps of the reference")
+    confirm: int = Field(
+        24, ge=1, description="maximum number of fresh drops in each engine to confirm a failure"
+    )
+    explain: int = Field(
+        6,
+        ge=0,
+        description="failed drops at which the other proposals of the detector are also tried",
+    )
+    least_reference: PositiveFraction = Field(
+        0.8, lt=1, description="minimum success rate of the reference at a failure"
+    )
+    least_difference: Fraction = Field(
+        0.5,
+        lt=1,
+        description="minimum difference between the success rates of the reference and the "
+        "detector at a failure",
+    )
+    confidence: PositiveFraction = Field(
+        0.95,
+        lt=1,
+        description="confidence of `least_reference` and `least_difference`, in each engine",
+    )
+    elites_per_cell: int = Field(
+        3, ge=1, description="failures that a cell keeps: the least similar ones"
+    )
+    planning_time: float = Field(
+        60.0,
+        gt=0,
+        description="time limit of the detector, seconds; an attempt that exceeds it fails",
+    )
+
+
+class FailureParameters(ParameterGroup):
+    """The settings that a search for failures depends on.
+
+    Attributes:
+        seed: Decides all that is random.
+        gripper: What objects are scaled to and grasped with.
+        rescale: How they are scaled.
+        failures: The search.
+        trials: What a contact on the way down means, for grasps from above.
+        material: Of the objects.
+        bundle: Their convex parts in the simulation.
+        print_check: A failure can be printed.
+        labels: Grasps that the reference begins with.
+        breeding: How genomes are bred and measured, and the cells.
+    """
+
+    seed: Seed
+    gripper: Gripper
+    rescale: Rescale
+    failures: FailureSearch
+    trials: ContactRule = ContactRule()
+    material: Material
+    bundle: Bundle
+    print_check: PrintCheck
+    labels: LabelParameters
+    breeding: EvolutionParameters
+
+
+def check_searchable(detector: DetectorConfig, gripper: Gripper) -> None:
+    """Make sure that failures of a detector can be searched for.
+
+    Raises:
+        UserError: It is for another kind of gripper, or knows where objects lie.
+    """
+    if detector.detector == "labels":
+        raise UserError(
+            "the detector labels knows where objects lie, as the reference does; search for "
+            "failures of a detector that has to see them"
+        )
+    check_gripper(detector.name, gripper)

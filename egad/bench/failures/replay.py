@@ -1,0 +1,90 @@
+"""Repeating attempts of a search from their rows alone, without the detector, and filming them."""
+
+from collections import defaultdict
+from collections.abc import Callable
+
+import pandas as pd
+import trimesh
+
+from egad._util.arrays import RgbImage
+from egad.bench.failures.examine import ON_ROUGH, model_of_attempts
+from egad.bench.failures.parameters import FailureParameters
+from egad.bench.failures.reference import read_attempt
+from egad.bench.failures.table import Bench, open_bench
+from egad.errors import UserError
+from egad.sim import EngineName, Film
+from egad.tables.grasping import GRASPS
+from egad.tables.outcomes import Outcome
+from egad.tables.parquet import empty, records
+
+
+def repeat_attempts(
+    mesh: trimesh.Trimesh,
+    attempts: pd.DataFrame,
+    settings: FailureParameters,
+    watch: Callable[[int, Bench], object] = lambda *_: None,
+) -> list[Outcome]:
+    """The outcomes of grasps of an object when they are executed again.
+
+    Args:
+        mesh: The object, scaled as in the search.
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object.
+        settings: Settings of the search.
+        watch: Called before each attempt, with its number in the table and its bench.
+
+    Returns:
+        The outcomes, in the order of the table.
+
+    Raises:
+        UserError: One of the attempts has no grasp.
+    """
+    if (attempts["pose"].map(len) == 0).any():
+        raise UserError("there is no grasp to repeat: the detector proposed nothing")
+    groups = defaultdict[tuple[str, EngineName], list[int]](list)
+    for number, (purpose, engine) in enumerate(attempts[["purpose", "engine"]].to_numpy()):
+        groups["screen" if purpose in ON_ROUGH else "confirm", engine].append(number)
+    models = {
+        purpose: model_of_attempts(mesh, purpose, settings)
+        for purpose in dict.fromkeys(purpose for purpose, _ in groups)
+    }
+    outcomes, tried = {}, list(map(read_attempt, records(attempts)))
+    for (purpose, engine), numbers in groups.items():
+        with open_bench(
+            engine,
+            models[purpose],
+            empty(GRASPS),
+            settings.gripper,
+            from_above=settings.failures.approach == "above",
+            depth_noise=settings.failures.depth_noise,
+            contact=settings.trials,
+        ) as bench:
+            for number in numbers:
+                watch(number, bench)
+                outcomes[number] = bench.execute(*tried[number])
+    return [outcomes[number] for number in range(len(attempts))]
+
+
+def film_attempts(
+    mesh: trimesh.Trimesh, attempts: pd.DataFrame, settings: FailureParameters
+) -> list[list[RgbImage]]:
+    """The frames of grasps of an object that are executed again, 20 per second.
+
+    Args:
+        mesh: The object, scaled as in the search.
+        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object.
+        settings: Settings of the search.
+
+    Raises:
+        UserError: One of the attempts has no grasp, or ends differently.
+    """
+    films: dict[int, Film] = {}
+    again = repeat_attempts(
+        mesh, attempts, settings, lambda number, bench: films.update({number: Film(bench.world)})
+    )
+    for row, outcome in zip(attempts.to_dict("records"), again, strict=True):
+        if row["outcome"] != outcome:
+            raise UserError(
+                f"{row['id']}, drop {row['drop']} in {row['engine']}: {row['outcome']} became "
+                f"{outcome}; machine, settings or the version of the engine must differ"
+            )
+    return [films[number].frames for number in range(len(attempts))]

@@ -1,0 +1,270 @@
+"""A table with one object to try grasps on: dropped, seen by a detector, and grasped.
+
+Grasps from above need a hand on a vertical axis and a camera above (`TrialRunner`); grasps from any
+direction need a hand without an arm and six cameras (`ClutterRunner`). Both have one interface.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import islice
+from typing import TypeAlias
+
+import numpy as np
+import pandas as pd
+from typing_extensions import override
+
+from egad.bench.clutter import ClutterRunner, camera_poses
+from egad.bench.parameters import Clutter, ContactRule, TrialProtocol
+from egad.bench.protocols import SceneCameras
+from egad.bench.scene_labels import SceneLabels
+from egad.bench.scenes import RestingObject, make_scene, put
+from egad.bench.trial_runner import TrialRunner
+from egad.detectors import (
+    SEARCH,
+    Detector,
+    Failure,
+    Grasp,
+    GraspPoses,
+    Labels,
+    NoiseName,
+    PoseGrasp,
+    from_above,
+    infeasibility,
+    ranked,
+    seen_by,
+    try_to_plan,
+)
+from egad.grippers import Gripper, tip_reach
+from egad.sim import (
+    ARMS,
+    EngineName,
+    Model,
+    Pose,
+    UnstableError,
+    World,
+    execute_pose,
+    free_hand,
+    open_world,
+)
+from egad.tables.outcomes import Outcome
+
+MIN_DOWN = np.cos(np.radians(10))  # of the approach of a grasp that is executed from above
+MAX_PROPOSALS = 10
+Proposals: TypeAlias = list[Grasp] | GraspPoses
+
+
+class Bench(ABC):
+    """A table with one object; the result of each method depends only on its arguments.
+
+    Attributes:
+        engine: The physics engine.
+        gripper: The hand.
+        world: The table with the object and the hand.
+    """
+
+    engine: EngineName
+    gripper: Gripper
+    world: World
+
+    @abstractmethod
+    def drop(self, rng: np.random.Generator) -> Pose | None:
+        """Drop the object in a random orientation.
+
+        Returns:
+            Where it lies; None if it never lies still where the cameras see it.
+        """
+
+    def propose(
+        self, detect: Detector, rest: Pose, rng: np.random.Generator
+    ) -> list[PoseGrasp] | Outcome | Failure:
+        """Proposals of a detector for an object at rest.
+
+        Returns:
+            At most ten grasps that the hand can execute, best first; or why there is none.
+        """
+        camera_rng, detector_rng = rng.spawn(2)
+
+        def plan() -> list[PoseGrasp] | Outcome:
+            answer = self._ask(detect, rest, camera_rng, detector_rng)
+            return ranked(answer, self.gripper, MAX_PROPOSALS)
+
+        return try_to_plan(plan)
+
+    @abstractmethod
+    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+        """Labelled grasps that are possible where the object lies, best first."""
+
+    @abstractmethod
+    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
+        """Execute a grasp."""
+
+    def can_do(self, grasp: PoseGrasp) -> bool:
+        """Whether the hand can execute a grasp."""
+        return infeasibility(grasp, self.gripper) is None
+
+    @abstractmethod
+    def _ask(
+        self,
+        detect: Detector,
+        rest: Pose,
+        camera_rng: np.random.Generator,
+        detector_rng: np.random.Generator,
+    ) -> Proposals:
+        """The answer of a detector; it may raise any error."""
+
+
+class BenchFromAbove(Bench):
+    """Grasps straight from above."""
+
+    def __init__(self, runner: TrialRunner, grasps: pd.DataFrame) -> None:
+        """Set up.
+
+        Args:
+            runner: Runner with a world of the object.
+            grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
+        """
+        self.engine, self.gripper = runner.trials.engine, runner.gripper
+        self.world = runner.world
+        self._runner, self._labels = runner, Labels(grasps)
+
+    @override
+    def drop(self, rng: np.random.Generator) -> Pose | None:
+        ready = self._runner.begin(rng)
+        return None if ready is None else ready.rest
+
+    @override
+    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+        self._place(rest)
+        matrix = rest.matrix @ self.world.model.to_principal
+        found = self._labels.propose(matrix, self._runner.render_view(), self.gripper)
+        grasps = ranked(found, self.gripper, MAX_PROPOSALS)
+        return [] if isinstance(grasps, Outcome) else grasps
+
+    @override
+    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
+        outcome = self._runner.carry_out(rest, _upright(grasp, self.gripper)).outcome
+        return outcome or Outcome.FAILED
+
+    @override
+    def can_do(self, grasp: PoseGrasp) -> bool:
+        return -grasp.pose[2, 2] >= MIN_DOWN and super().can_do(grasp)
+
+    @override
+    def _ask(
+        self,
+        detect: Detector,
+        rest: Pose,
+        camera_rng: np.random.Generator,
+        detector_rng: np.random.Generator,
+    ) -> Proposals:
+        self._place(rest)
+        return from_above(detect(self._runner.noisy_view(camera_rng), self.gripper, detector_rng))
+
+    def _place(self, rest: Pose) -> None:
+        self.world.reset()
+        self.world.place(rest)
+
+
+def _upright(grasp: PoseGrasp, gripper: Gripper) -> Grasp:
+    """The grasp straight from above at the same place: the inverse of `pose_of`."""
+    (x, y, z), axis = grasp.pose[:3, 3].tolist(), grasp.pose[:3, 0]
+    depth = min(SEARCH, z) if gripper.cup else 0.0
+    height = z if gripper.cup else z - tip_reach(gripper)
+    angle = float(np.arctan2(axis[1], axis[0]))
+    return Grasp((x, y, height), angle, grasp.width, depth, grasp.score)
+
+
+class BenchFromAnywhere(Bench):
+    """Grasps from any direction."""
+
+    def __init__(
+        self,
+        engine: EngineName,
+        world: World,
+        grasps: pd.DataFrame,
+        gripper: Gripper,
+        *,
+        noise: bool,
+    ) -> None:
+        """Set up.
+
+        Args:
+            engine: Engine of the world.
+            world: World with the object and the robot `egad.sim.free_hand`.
+            grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
+            gripper: The hand.
+            noise: Whether depth images have the noise of a stereo camera.
+        """
+        self.engine, self.gripper, self.world = engine, gripper, world
+        self._noise: NoiseName = "stereo" if noise else "none"
+        self._runner = ClutterRunner(world, Clutter())
+        self._labels = SceneLabels([grasps], world.models, gripper)
+
+    @override
+    def drop(self, rng: np.random.Generator) -> Pose | None:
+        try:
+            return make_scene(self.world, "single", rng)[0].pose
+        except UnstableError:
+            return None
+
+    @override
+    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+        return list(islice(self._labels.possible([RestingObject(0, rest)]), MAX_PROPOSALS))
+
+    @override
+    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
+        put(self.world, [RestingObject(0, rest)])
+        return execute_pose(self.world, grasp.pose, grasp.width).outcome
+
+    @override
+    def _ask(
+        self,
+        detect: Detector,
+        rest: Pose,
+        camera_rng: np.random.Generator,
+        detector_rng: np.random.Generator,
+    ) -> Proposals:
+        cameras = camera_poses(SceneCameras(), camera_rng)
+        seen = self._runner.observe([RestingObject(0, rest)], self._noise, cameras, camera_rng)
+        return detect(seen_by(detect, seen), self.gripper, detector_rng)
+
+
+@contextmanager
+def open_bench(
+    engine: EngineName,
+    model: Model,
+    grasps: pd.DataFrame,
+    gripper: Gripper,
+    *,
+    from_above: bool,
+    depth_noise: float,
+    contact: ContactRule | None = None,
+) -> Iterator[Bench]:
+    """A bench, for the duration of the `with` block.
+
+    Args:
+        engine: The physics engine.
+        model: The object.
+        grasps: Its labelled grasps, columns of `tables.grasping.GRASPS`.
+        gripper: The hand.
+        from_above: Whether grasps come straight from above, or from any direction.
+        depth_noise: Noise of the depth images, pixels; from any direction, any nonzero value means
+            0.1.
+        contact: What a contact on the way down means; by default the attempt fails. From any
+            direction, the hand always closes where it was stopped, as in the protocol `egad`.
+    """
+    if from_above:
+        arm = ARMS["axis"](gripper)
+        with open_world(engine, [model], arm.robot) as world:
+            rule = contact or ContactRule()
+            trials = TrialProtocol(
+                engine=engine,
+                depth_noise=depth_noise,
+                contact=rule.contact,
+                stopping_force=rule.stopping_force,
+            )
+            yield BenchFromAbove(TrialRunner(world, arm, trials), grasps)
+        return
+    with open_world(engine, [model], free_hand(gripper)) as world:
+        yield BenchFromAnywhere(engine, world, grasps, gripper, noise=depth_noise > 0)

@@ -1,0 +1,324 @@
+"""One grasp trial: drop the object, take an image, plan, and carry out the grasp."""
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from egad._util.arrays import Floats
+from egad.bench.cell_errors import EXACT, Deviation
+from egad.bench.parameters import TrialProtocol
+from egad.detectors import (
+    DepthCamera,
+    Detector,
+    Failure,
+    Grasp,
+    ImageNoise,
+    Intrinsics,
+    Labels,
+    View,
+    add_sensor_noise,
+    best_grasp,
+    camera_above,
+    from_above,
+    try_to_plan,
+)
+from egad.sim import TIME_STEP, Arm, Pose, UnstableError, World
+from egad.sim.execution import Stopping, execute
+from egad.tables.outcomes import Outcome
+
+log = logging.getLogger(__name__)
+
+SETTLING_TIME = 4.0  # seconds, at most
+REST_SPEED = 0.003  # m/s
+REST_TURNING = 0.05  # rad/s
+REST_TIME = 0.1  # seconds that the object must be slower than that
+DROP_SPREAD = 0.03  # the center of mass is dropped at most this far from the middle, both ways
+DROPS = 5
+# Released upright, nearly all objects lie as before, and the same grasp works 20 times.
+TILT = np.pi / 2
+MOVED = 0.01  # metres; if no point moved further, a detector would try the same again
+
+
+class InitialPose(NamedTuple):
+    """The object at rest in some pose, from which it falls.
+
+    Attributes:
+        kind: dropped: placed above the middle in a random orientation; from_hand: released there by
+            the hand that held it; left: where the previous attempt left it.
+        pose: Pose of the object.
+    """
+
+    kind: str
+    pose: Pose
+
+
+def initial_poses(
+    mesh: trimesh.Trimesh, height: float, left: InitialPose | None, rng: np.random.Generator
+) -> Iterator[InitialPose]:
+    """Initial poses to try in turn, until the object lies still in the workspace.
+
+    Args:
+        mesh: The object, in the frame of its poses.
+        height: Height of its lowest point when it is dropped, metres.
+        left: Where the previous attempt left it: lying, or in the hand, which tilts and turns it
+            randomly above the middle; None if it is dropped again.
+        rng: Random number generator.
+    """
+    if left is not None and left.kind == "from_hand":
+        turned = _tilted(left.pose.quaternion, rng)
+        yield InitialPose("from_hand", _above(mesh, height, turned, rng))
+    elif left is not None:
+        yield left
+    for _ in range(DROPS):
+        quaternion = rng.normal(size=4)
+        quaternion /= np.linalg.norm(quaternion)
+        yield InitialPose("dropped", _above(mesh, height, quaternion, rng))
+
+
+def has_moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
+    """Whether any point of an object moved by more than `MOVED`."""
+    change = after.matrix - before.matrix
+    shifts = mesh.vertices @ change[:3, :3].T + change[:3, 3]
+    return bool((np.linalg.norm(shifts, axis=1) > MOVED).any())
+
+
+def _above(
+    mesh: trimesh.Trimesh, height: float, quaternion: Floats, rng: np.random.Generator
+) -> Pose:
+    """A pose above the middle of the table, within `DROP_SPREAD`."""
+    x, y = rng.uniform(-DROP_SPREAD, DROP_SPREAD, size=2)
+    turned = mesh.vertices @ Pose(np.zeros(3), quaternion).matrix[2, :3]
+    return Pose(np.array([x, y, height - turned.min()]), quaternion)
+
+
+def _tilted(quaternion: Floats, rng: np.random.Generator) -> Floats:
+    """Tilt a quaternion (x, y, z, w) any way by at most `TILT`, and turn it about the vertical."""
+    turn, way = rng.uniform(-np.pi, np.pi, size=2)
+    axis = np.array([np.cos(way), np.sin(way), 0.0])
+    tilt = Rotation.from_rotvec(axis * rng.uniform(0, TILT))
+    tilted: Floats = (
+        Rotation.from_euler("z", turn) * tilt * Rotation.from_quat(quaternion)
+    ).as_quat()
+    return tilted
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """The result of an attempt.
+
+    Attributes:
+        outcome: As in `Execution`, or one of `egad.tables.outcomes.DETECTOR_FAILURES`; None if it
+            was repeated without a grasp, as it is not known why there was none.
+        start: Where the object fell from; None if it never came to rest.
+        rest: Where it lay when the camera image was taken.
+        grasp: The grasp that was tried, if any.
+        lifted: Height that the object's center of mass gained, metres.
+        end: Its final pose; None if the simulation broke down.
+        stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
+        failure: What the detector did wrong, if it failed.
+    """
+
+    outcome: Outcome | None
+    start: InitialPose | None = None
+    rest: Pose | None = None
+    grasp: Grasp | None = None
+    lifted: float = 0.0
+    end: Pose | None = None
+    stopped: float = 0.0
+    failure: str = ""
+
+
+class Ready(NamedTuple):
+    """An object that lies still in the workspace.
+
+    Attributes:
+        start: Where it fell from.
+        rest: Where it lies.
+    """
+
+    start: InitialPose
+    rest: Pose
+
+
+class TrialRunner:
+    """A table with an object, a camera and a hand, to try grasps on."""
+
+    def __init__(self, world: World, arm: Arm, trials: TrialProtocol) -> None:
+        """Set up.
+
+        Args:
+            world: A running simulation of the arm's robot.
+            arm: The arm that carries the hand.
+            trials: Camera, workspace and lift.
+        """
+        self.world = world
+        self.arm = arm
+        self.gripper = arm.robot.gripper
+        self.trials = trials
+        self.eye = DepthCamera(world.model.mesh)
+        self.intrinsics = Intrinsics.spanning(*trials.image, trials.field_of_view)
+        self.camera = camera_above(trials.camera_height)
+
+    def attempt(
+        self,
+        detect: Detector | Labels,
+        seed: int,
+        before: Attempt | None = None,
+        deviation: Deviation = EXACT,
+    ) -> Attempt:
+        """Make one attempt, from drop to hold; the result depends only on the arguments.
+
+        Args:
+            detect: The grasp detector.
+            seed: Seed of the drops and, independently of these, of the detector and the camera.
+            before: The previous attempt, if this one continues from it.
+            deviation: How the attempt deviates from the plan.
+        """
+        self._vary(deviation)
+        drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
+        ready = self.begin(drop_rng, before)
+        if ready is None:
+            return Attempt(Outcome.FAILED)
+        grasp = self._plan(detect, self.noisy_view(camera_rng), detector_rng)
+        if isinstance(grasp, Failure):
+            return Attempt(grasp.outcome, *ready, end=ready.rest, failure=grasp.text)
+        if isinstance(grasp, Outcome):
+            return Attempt(grasp, *ready, end=ready.rest)
+        return self._carried_out(grasp, ready, deviation)
+
+    def repeat(
+        self, start: InitialPose, grasp: Grasp | None, deviation: Deviation = EXACT
+    ) -> Attempt:
+        """Repeat an attempt without its detector, from its initial pose and the proposed grasp.
+
+        Args:
+            start: Where the object falls from.
+            grasp: The grasp to try, if any.
+            deviation: How the attempt deviates from the plan.
+
+        Returns:
+            The same as the first time, bit by bit, except that it does not say why there is no
+            grasp.
+        """
+        self._vary(deviation)
+        rest = self._settled(start)
+        if rest is None:
+            return Attempt(Outcome.FAILED)
+        ready = Ready(start, rest)
+        if grasp is None:
+            return Attempt(None, *ready, end=rest)
+        return self._carried_out(grasp, ready, deviation)
+
+    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
+        """Try a grasp of an object that lies still, in a world that is reset first.
+
+        Args:
+            rest: Where it lies.
+            grasp: The grasp to try.
+        """
+        self.world.reset()
+        self.world.place(rest)
+        return self._carried_out(grasp, Ready(InitialPose("left", rest), rest))
+
+    def render_view(self) -> View:
+        """A depth image of the object at its current pose."""
+        return self.eye.render(self.world.pose().matrix, self.intrinsics, self.camera)
+
+    def noisy_view(self, rng: np.random.Generator) -> View:
+        """The same as the camera of the trials sees it, with its noise."""
+        view = self.render_view()
+        if self.trials.depth_noise == 0:
+            return view
+        return add_sensor_noise(
+            view, ImageNoise(disparity=self.trials.depth_noise, holes=True), rng
+        )
+
+    def _vary(self, deviation: Deviation) -> None:
+        self.world.mass_factor = deviation.mass
+        self.world.friction_factor = deviation.friction
+
+    def _carried_out(self, grasp: Grasp, ready: Ready, deviation: Deviation = EXACT) -> Attempt:
+        force = self.trials.stopping_force * deviation.stopping_force
+        result = execute(
+            self.world,
+            self.arm,
+            self.trials,
+            deviation.grasp(grasp, self.gripper),
+            stopping=Stopping(force, self.trials.contact == "close"),
+        )
+        return Attempt(
+            result.outcome, *ready, grasp, result.lifted, result.end, stopped=result.stopped
+        )
+
+    def _plan(
+        self, detect: Detector | Labels, view: View, rng: np.random.Generator
+    ) -> Grasp | Outcome | Failure:
+        """The grasp to try, or the outcome if there is none; errors of the detector are caught."""
+        place = self.world.pose().matrix @ self.world.model.to_principal
+        if isinstance(detect, Labels):
+            return try_to_plan(
+                lambda: best_grasp(detect.propose(place, view, self.gripper), self.gripper)
+            )
+        return try_to_plan(
+            lambda: best_grasp(from_above(detect(view, self.gripper, rng)), self.gripper)
+        )
+
+    def begin(self, rng: np.random.Generator, before: Attempt | None = None) -> Ready | None:
+        """Drop the object, or leave it, until it lies still in the workspace.
+
+        Args:
+            rng: Random number generator.
+            before: The previous attempt, if this one continues from it.
+
+        Returns:
+            None if it never lies still there.
+        """
+        mesh = self.world.model.mesh
+        left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
+        for start in initial_poses(mesh, self.trials.drop_height, left, rng):
+            rest = self._settled(start)
+            if rest is not None and self._in_workspace(rest):
+                return Ready(start, rest)
+        return None
+
+    def _left_by(self, before: Attempt) -> InitialPose | None:
+        """Where an attempt left the object; None if it is dropped again.
+
+        It is dropped again if the simulation broke down, or if it did not move (`MOVED`): a
+        detector would then try the same grasp again.
+        """
+        if before.end is None or before.rest is None:
+            return None
+        if before.outcome == Outcome.SUCCESS:
+            return InitialPose("from_hand", before.end)
+        elsewhere = has_moved(self.world.model.mesh, before.rest, before.end)
+        return InitialPose("left", before.end) if elsewhere else None
+
+    def _settled(self, start: InitialPose) -> Pose | None:
+        """Let the object fall in an empty world until it lies still; None if it never does."""
+        self.world.reset()
+        self.world.place(start.pose)
+        pause = round(REST_TIME / TIME_STEP)
+        still = 0
+        try:
+            for _ in range(round(SETTLING_TIME / TIME_STEP)):
+                self.world.step()
+                speed, turning = self.world.speeds()
+                still = still + 1 if speed < REST_SPEED and turning < REST_TURNING else 0
+                if still == pause:
+                    return self.world.pose()
+        except UnstableError as error:
+            log.warning("the object did not come to rest: %s", error)
+        return None
+
+    def _in_workspace(self, rest: Pose) -> bool:
+        """Whether the object is near the middle, and the camera sees all of it."""
+        if np.linalg.norm(rest.position[:2]) > self.trials.workspace:
+            return False
+        seen = (self.world.vertices() - self.camera[:3, 3]) @ self.camera[:3, :3]
+        return self.intrinsics.sees(seen)

@@ -1,0 +1,139 @@
+"""Check that the simulation reproduces a table of attempts, without the detector.
+
+The proposals of the detector are taken from the table. So this does not verify that the detector
+makes these proposals, the quality that it predicted, or why it proposed nothing.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from egad.bench.attempts import read_attempt, run_attempts
+from egad.bench.parameters import ClutterParameters, TrialParameters
+from egad.bench.rounds import Models, Round, repeat_round, round_name, rounds_of
+from egad.detectors import Grasp, View
+from egad.grippers import Gripper
+from egad.sim import Model, UnstableError
+from egad.tables import parquet
+from egad.tables.clutter import ROUND
+from egad.tables.outcomes import DETECTOR_FAILURES, Outcome
+
+UNSEEN = ("failure", "quality", "score")  # columns that only the detector determines
+PLAN_COLUMNS = ["objects", "factors", "seed"]
+
+
+class Difference(NamedTuple):
+    """A value of a table that the simulation does not reproduce.
+
+    Attributes:
+        place: Which row.
+        column: Its column.
+        said: Value in the table.
+        found: Value from the simulation.
+    """
+
+    place: str
+    column: str
+    said: object
+    found: object
+
+
+class _Recorded:
+    """A detector that returns the proposals in a table, attempt by attempt."""
+
+    def __init__(self, grasps: Sequence[Grasp | None]) -> None:
+        self._grasps = iter(grasps)
+
+    def __call__(self, _view: View, _gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:
+        grasp = next(self._grasps, None)
+        return [] if grasp is None else [grasp]
+
+
+def verify_attempts(
+    model: Model, rows: pd.DataFrame, settings: TrialParameters, tolerance: float = 0.0
+) -> list[Difference]:
+    """Run all attempts at an object again, starting from the seeds of the settings.
+
+    Args:
+        model: The object.
+        rows: Columns of `tables.evaluation.TRIALS`: its attempts in their order.
+        settings: Settings of the trials; number of attempts and engine are taken from the table.
+        tolerance: By how much numbers may differ; 0 on the same kind of processor.
+    """
+    rows = rows.reset_index(drop=True)
+    given = {"attempts": len(rows), "engine": rows["engine"].iloc[0]}
+    settings = settings.model_copy(update={"trials": settings.trials.model_copy(update=given)})
+    errors = settings.trials.errors
+    known = [read_attempt(row, errors)[1] for row in parquet.records(rows) if row["initial_pose"]]
+    label, name = rows["label"].iloc[0], rows["id"].iloc[0]
+    again = run_attempts(model, label, name, _Recorded(known), settings)
+    nothing = rows["width"].isna() & rows["outcome"].isin(DETECTOR_FAILURES)
+    again["outcome"] = again["outcome"].mask(
+        nothing & (again["outcome"] == Outcome.NO_GRASP), rows["outcome"]
+    )
+    places = [f"{label}, attempt {number}" for number in rows["attempt"]]
+    return _differences(rows, again, places, tolerance)
+
+
+def verify_rounds(
+    table: pd.DataFrame, models: Models, settings: ClutterParameters, tolerance: float = 0.0
+) -> list[Difference]:
+    """Clear tables again, starting from the seeds of the settings.
+
+    Args:
+        table: Columns of `tables.clutter.CLUTTER`; all rows of each round.
+        models: All objects by their names.
+        settings: Settings of the rounds; the engine is taken from the table.
+        tolerance: As in `verify_attempts`.
+    """
+    engine = {"engine": table["engine"].iloc[0]}
+    settings = settings.model_copy(update={"clutter": settings.clutter.model_copy(update=engine)})
+    planned: dict[object, Round] = {each[:3]: each for each in rounds_of(list(models), settings)}
+    found: list[Difference] = []
+    for (scene, noise, number), group in table.groupby(ROUND, sort=False):
+        rows = group.reset_index(drop=True)
+        place, first = round_name(scene, noise, number), rows.iloc[0]
+        noted, wanted = tuple(first[PLAN_COLUMNS]), None
+        if plan := planned.get((scene, noise, number)):
+            factors = " ".join(map(repr, plan.factors))
+            wanted = (" ".join(plan.ids), factors, f"{plan.seed:032x}")
+        if noted != wanted:
+            found.append(Difference(place, ", ".join(PLAN_COLUMNS), noted, wanted))
+        elif first["outcome"] != Outcome.CRASHED:
+            found += _of_round(rows, place, models, settings, tolerance)
+    return found
+
+
+def _of_round(
+    rows: pd.DataFrame, place: str, models: Models, settings: ClutterParameters, tolerance: float
+) -> list[Difference]:
+    """Differences in the rows of one round."""
+    try:
+        again = repeat_round(rows, models, settings)
+    except UnstableError:  # it did not begin
+        said = rows["outcome"].iloc[0]
+        return [] if said == Outcome.FAILED else [Difference(place, "outcome", said, "failed")]
+    if len(again) != len(rows):
+        return [Difference(place, "number of attempts", len(rows), len(again))]
+    places = [f"{place}, attempt {each}" for each in rows["attempt"]]
+    return _differences(rows, again, places, tolerance)
+
+
+def _differences(
+    said: pd.DataFrame, found: pd.DataFrame, places: Sequence[str], tolerance: float
+) -> list[Difference]:
+    """Differences between two tables of the same rows, row by row."""
+    differences = []
+    for column in (each for each in said.columns if each not in UNSEEN):
+        first, second = said[column].to_numpy(), found[column].to_numpy()
+        if said[column].dtype.kind == "f":
+            close = np.isclose(first, second.astype(np.float64), 0.0, tolerance, equal_nan=True)
+        else:
+            close = first == second
+        differences += [
+            (row, Difference(places[row], column, first[row], second[row]))
+            for row in np.flatnonzero(~close).tolist()
+        ]
+    return [each for _, each in sorted(differences, key=lambda pair: pair[0])]

@@ -1,0 +1,271 @@
+"""Constraints on shapes (ours): envelope, required solid, hole, symmetry, limits."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from egad._util.arrays import Floats
+from egad.errors import RejectedError, UserError
+from egad.evolution import voxels
+from egad.evolution.parameters import Limits, Region, Symmetry
+from egad.evolution.voxels import Solid
+from egad.geometry import RayCaster
+
+Points = NDArray[np.float32]
+Voxels = NDArray[np.bool_]
+AXES = "xyz"
+EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
+Reader = Callable[[str], trimesh.Trimesh]
+
+
+def folded(points: Points, symmetry: Symmetry) -> Points:
+    """Where a network is queried in place of each point.
+
+    A mirror takes the absolute value of a coordinate. A rotation multiplies the angle about its
+    axis by the fold: points 1 / fold of a turn apart meet, neighbors stay neighbors, and shapes may
+    still be twisted. With a mirror along the axis, all mirrors that the rotation makes of it are
+    obeyed.
+
+    Args:
+        points: (3, n) coordinates within [-1, 1].
+        symmetry: Mirrors and rotation.
+
+    Returns:
+        (3, n) float32. Points that are mirror images become equal to the last bit.
+    """
+    found = points.astype(np.float64).round(6)  # so that -a and a have the same magnitude
+    for axis in symmetry.mirror:
+        found[AXES.index(axis)] = np.abs(found[AXES.index(axis)])
+    if symmetry.fold > 1:
+        first, second = across(symmetry.axis)
+        radius = np.hypot(found[first], found[second])
+        angle = symmetry.fold * np.arctan2(found[second], found[first])
+        found[first], found[second] = radius * np.cos(angle), radius * np.sin(angle)
+        for place in (first, second):
+            if AXES[place] in symmetry.mirror:
+                kept = first if place == first and symmetry.fold % 2 else second
+                found[kept] = np.abs(found[kept])
+    return found.astype(np.float32)
+
+
+def across(axis: str) -> tuple[int, int]:
+    """The two coordinates across an axis, in the order of a rotation about it."""
+    place = AXES.index(axis)
+    return (place + 1) % 3, (place + 2) % 3
+
+
+def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
+    """Whether a body is its own image, and not one of several that are images of each other.
+
+    For symmetric bodies, it is enough that each image covers half of the body: voxels that a
+    rotation does not map onto voxels may differ.
+    """
+    images = [np.flip(voxels, AXES.index(axis)) for axis in symmetry.mirror]
+    if symmetry.fold > 1:
+        images.append(turned(voxels, symmetry))
+    return all(2 * np.count_nonzero(voxels & image) >= voxels.sum() for image in images)
+
+
+def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
+    """A body rotated about the middle by one fold, by nearest voxels; those outside are dropped."""
+    middle = (np.array(voxels.shape) - 1) / 2
+    offsets = np.indices(voxels.shape).reshape(3, -1) - middle[:, None]
+    first, second = across(symmetry.axis)
+    cosine, sine = np.cos(2 * np.pi / symmetry.fold), np.sin(2 * np.pi / symmetry.fold)
+    from_ = offsets.copy()
+    from_[first] = cosine * offsets[first] + sine * offsets[second]
+    from_[second] = cosine * offsets[second] - sine * offsets[first]
+    index = np.rint(from_ + middle[:, None]).astype(np.int64)
+    inside = np.all((index >= 0) & (index < np.array(voxels.shape)[:, None]), axis=0)
+    image = np.zeros(voxels.size, dtype=bool)
+    image[inside] = voxels[tuple(index[:, inside])]
+    return image.reshape(voxels.shape)
+
+
+def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None = None) -> Voxels:
+    """The voxels whose middles lie in a region.
+
+    Args:
+        region: Its kind is not `none`.
+        resolution: Voxels along each side of the cube.
+        mesh: For a region of the kind `mesh`: closed, wound outwards, of any size.
+
+    Returns:
+        (resolution, resolution, resolution).
+
+    Raises:
+        UserError: The region is a mesh, and none is given.
+    """
+    points = voxel_middles(resolution) - np.array(region.center)
+    if region.kind == "mesh":
+        if mesh is None:
+            raise UserError(f"the mesh {region.mesh} of a region was not read")
+        inside = RayCaster(_fitted(mesh, np.array(region.size))).contains(points)
+    else:
+        inside = _within_primitive(region, 2 * points / np.array(region.size))
+    return inside.reshape((resolution,) * 3)
+
+
+def voxel_middles(resolution: int) -> Floats:
+    """(resolution^3, 3) in C order, in a cube with sides of 1 and its middle at 0."""
+    indices = np.indices((resolution,) * 3).reshape(3, -1).T
+    return np.asarray((indices + 0.5) / resolution - 0.5)
+
+
+def _within_primitive(region: Region, scaled: Floats) -> Voxels:
+    """Which points lie in a region, given in halves of its sides from its middle."""
+    if region.kind == "box":
+        return np.asarray(np.abs(scaled).max(axis=1) <= EDGE)
+    if region.kind == "ellipsoid":
+        return np.asarray((scaled**2).sum(axis=1) <= EDGE)
+    along = "xyz".index(region.axis)
+    across = np.delete(scaled, along, axis=1)
+    return np.asarray(((across**2).sum(axis=1) <= EDGE) & (np.abs(scaled[:, along]) <= EDGE))
+
+
+def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
+    """The mesh, scaled uniformly until its box fits into another one about the origin."""
+    low, high = np.asarray(mesh.bounds)
+    vertices = (np.asarray(mesh.vertices) - (low + high) / 2) * np.min(size / (high - low))
+    return trimesh.Trimesh(vertices, mesh.faces, process=False)
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Constraints that every shape must obey; none by default.
+
+    Attributes:
+        allowed: Voxels that may be solid; None: all.
+        required: Voxels that must be solid, all of them allowed; None: none.
+        symmetry: Mirrors and rotation.
+        limits: Aspect ratio and volume.
+    """
+
+    allowed: Solid | None = None
+    required: Solid | None = None
+    symmetry: Symmetry = field(default_factory=Symmetry)
+    limits: Limits = field(default_factory=Limits)
+
+    def clip(self, solid: Solid) -> Solid:
+        """The solid with what is required, and without what is not allowed."""
+        joined = solid if self.required is None else solid | self.required
+        return joined if self.allowed is None else joined & self.allowed
+
+
+UNBOUND = Rules()
+
+
+def build_rules(
+    resolution: int,
+    read: Reader,
+    *,
+    envelope: Region,
+    keep_solid: Region,
+    hole: Region,
+    symmetry: Symmetry,
+    limits: Limits,
+) -> Rules:
+    """Turn constraints into voxels of the cube that shapes grow in.
+
+    Args:
+        resolution: Voxels along each side of the cube.
+        read: Gives the closed mesh of a file, for regions of the kind `mesh`.
+        envelope: Shapes stay inside it, except for what is kept solid.
+        keep_solid: Shapes contain it, except for the hole.
+        hole: Shapes stay out of it.
+        symmetry: Mirrors and rotation.
+        limits: Allowed values of numbers that describe a shape.
+
+    Raises:
+        UserError: Nothing could grow by these rules, or a mesh cannot be used.
+    """
+
+    def grid(region: Region) -> Solid | None:
+        if region.kind == "none":
+            return None
+        mesh = read(region.mesh) if region.kind == "mesh" else None
+        return region_voxels(region, resolution, mesh)
+
+    mirror, shape = symmetry.mirror, (resolution,) * 3
+    inside, solid, hollow = map(grid, (envelope, keep_solid, hole))
+    void = np.zeros(shape, dtype=bool) if hollow is None else with_images(hollow, mirror)
+    outside = np.zeros(shape, dtype=bool) if inside is None else with_images(~inside, mirror)
+    kept = np.zeros(shape, dtype=bool) if solid is None else with_images(solid, mirror) & ~void
+    allowed = (kept | ~outside) & ~void
+    if solid is not None and not kept.any():
+        raise UserError("keep_solid: all of its voxels are inside the hole")
+    if not allowed.any():
+        raise UserError("envelope and hole leave no voxel free for growth")
+    return Rules(
+        None if allowed.all() else allowed,
+        None if solid is None else kept,
+        symmetry,
+        limits,
+    )
+
+
+def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
+    """A solid joined with its mirror images."""
+    for axis in mirror:
+        solid = solid | np.flip(solid, AXES.index(axis))
+    return solid
+
+
+def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
+    """The one solid body that the output of a network describes within the rules.
+
+    Voxels above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
+    parts are removed by an opening with the 6-neighborhood, and only the largest body is kept.
+    Required voxels are added and voxels that are not allowed are cut away, both before hidden
+    voxels are filled and after thin parts are removed.
+
+    Returns:
+        Boolean array of its shape, not empty.
+
+    Raises:
+        RejectedError: Nothing is left, or what is left is against the rules.
+    """
+    filled = voxels.fill_orthographic(rules.clip(output > threshold))
+    body = voxels.largest_body(rules.clip(ndimage.binary_opening(filled)))
+    if rules.allowed is not None or rules.required is not None:
+        body = _without_voids(body, rules)
+    if not body.any():
+        raise RejectedError("empty")
+    if rules.required is not None and not body[rules.required].all():
+        raise RejectedError("does not contain all of keep_solid")
+    if not is_whole(body, rules.symmetry):
+        raise RejectedError("one of several mirrored or rotated copies")
+    _check_limits(body, rules.limits)
+    return body
+
+
+def _without_voids(body: Solid, rules: Rules) -> Solid:
+    """A body with its voids filled; one that must stay empty would be filled by repair later."""
+    full: Solid = ndimage.binary_fill_holes(body)
+    if rules.allowed is not None and (full & ~rules.allowed).any():
+        raise RejectedError("encloses space that must stay empty")
+    return full
+
+
+def _check_limits(body: Solid, limits: Limits) -> None:
+    if limits == UNBOUND.limits:
+        return
+    sides = box_sides(body)
+    volume = int(body.sum())
+    values = {
+        "aspect ratio": (sides.max() / sides.min(), limits.aspect_ratio),
+        "fraction of its box": (volume / sides.prod(), limits.box_fraction),
+        "fraction of the cube": (volume / body.size, limits.cube_fraction),
+    }
+    for name, (value, (low, high)) in values.items():
+        if not low <= value <= high:
+            raise RejectedError(f"{name} outside its limits ({value:.3g})")
+
+
+def box_sides(body: Solid) -> NDArray[np.int64]:
+    """Sides of the axis-aligned box of a body, in voxels, (3,)."""
+    return np.asarray(np.ptp(np.argwhere(body), axis=0) + 1)

@@ -1,0 +1,285 @@
+"""One epoch of an island: vary elites, evaluate the offspring, update the archive."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+
+from egad._util.display import facts_html
+from egad._util.progress import progress
+from egad._util.workers import Mapper
+from egad.errors import UserError, most_common
+from egad.evolution import voxels
+from egad.evolution.archive import Archive, Elite, Refine
+from egad.evolution.constraints import UNBOUND, Rules
+from egad.evolution.evaluation import Evaluate, GenomeVoxels, Measured, express, measure, refine
+from egad.evolution.parameters import EvolutionParameters, Shape
+from egad.evolution.surface import packed_surface
+from egad.evolution.variation import Offspring, breed
+from egad.measures import coverage_of, filled_part
+from egad.tables.evolution import HISTORY, LINEAGE
+
+EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
+UNMEASURED = 100  # objects without measures; this many end a search whose archive is empty
+SCORED = 10  # the QD-score is computed once in this many steps
+LINE = "coverage {coverage:.3f}, {elites} elites"
+Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
+
+
+@dataclass(frozen=True, repr=False)
+class Candidate:
+    """A new shape that is to be measured."""
+
+    offspring: Offspring
+    solid: GenomeVoxels
+    shape: Shape
+
+    def __repr__(self) -> str:
+        return f"Candidate({self.id!r})"
+
+    def _repr_html_(self) -> str:
+        """A thumbnail, for notebooks."""
+        facts = {"solid voxels": int(self.voxels.sum()), "resolution": self.shape.resolution}
+        return facts_html(repr(self), facts, self.mesh)
+
+    @property
+    def id(self) -> str:
+        """Hash of its voxels."""
+        return self.solid.id
+
+    @property
+    def voxels(self) -> NDArray[np.bool_]:
+        """Which cells of the cube are solid, (r, r, r)."""
+        return voxels.unpack(self.solid.packed, self.shape.resolution)
+
+    @cached_property
+    def mesh(self) -> trimesh.Trimesh:
+        """Its closed surface, metres."""
+        return packed_surface(self.solid.packed, self.shape)
+
+
+class Advance(NamedTuple):
+    """What a step did.
+
+    Attributes:
+        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
+            reason.
+        refined: How many of them were measured again.
+        accepted: Objects that the archive accepted.
+    """
+
+    outcomes: Counter[str]
+    refined: int
+    accepted: list[Elite]
+
+
+class Epoch(NamedTuple):
+    """What an epoch did.
+
+    Attributes:
+        history: The steps, with the columns of `tables.evolution.HISTORY`.
+        lineage: All objects that the archive accepted, even if they were removed again, with the
+            columns of `tables.evolution.LINEAGE`.
+        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
+            reason.
+    """
+
+    history: pd.DataFrame
+    lineage: pd.DataFrame
+    outcomes: Counter[str]
+
+
+class Step(NamedTuple):
+    """Identifies one step."""
+
+    epoch: int
+    island: int
+    step: int
+
+
+class Island:
+    """MAP-Elites on one archive, step by step: ask for candidates, measure them, tell."""
+
+    def __init__(
+        self,
+        archive: Archive,
+        settings: EvolutionParameters,
+        epoch: int,
+        island: int,
+        rules: Rules = UNBOUND,
+        mapper: Mapper = map,
+        evaluate: Evaluate | None = None,
+    ) -> None:
+        """Start an epoch.
+
+        Args:
+            archive: Changed in place.
+            settings: Everything about breeding and measuring.
+            epoch: Number of the epoch.
+            island: Number of the island.
+            rules: Constraints that every shape must obey.
+            mapper: An order-preserving `map`; where it runs does not change the result.
+            evaluate: Gives the measures of a solid, or the reason why it has none; by default
+                `measure`.
+        """
+        self._evaluate = evaluate or partial(measure, settings=settings)
+        once = evaluate or settings.measures.graspability or settings.evolution.estimator == "paper"
+        self._refiner: Refine | None = None if once else self._refine
+        self.archive, self.outcomes, self.refined = archive, Counter[str](), 0
+        self._unmeasured = Counter[str]()
+        self._settings, self._rules, self._mapper = settings, rules, mapper
+        self._step = Step(epoch, island, 0)
+
+    def ask(self) -> list[Candidate]:
+        """The offspring of the next step that are allowed and have voxels not seen before."""
+        settings = self._settings
+        offspring = breed(self.archive.elites, settings, *self._step)
+        work = partial(express, settings=settings, rules=self._rules)
+        solids = self._mapper(work, [each.genome for each in offspring])
+        self._step = self._step._replace(step=self._step.step + 1)
+        fresh: dict[str, Candidate] = {}
+        for each, solid in zip(offspring, solids, strict=True):
+            if isinstance(solid, str):
+                self.outcomes[_kind(solid)] += 1
+            elif solid.id in self.archive or solid.id in fresh:
+                self.outcomes[KNOWN] += 1
+            else:
+                fresh[solid.id] = Candidate(each, solid, settings.shape)
+        return list(fresh.values())
+
+    def tell(
+        self,
+        candidates: Sequence[Candidate],
+        results: Sequence[Measured | str],
+        refine: Refine | None = None,
+    ) -> None:
+        """Add candidates to the archive.
+
+        Args:
+            candidates: From `ask`.
+            results: The measures of each, or the reason why it has none.
+            refine: As for `Archive.add`.
+        """
+        elites = []
+        for each, result in zip(candidates, results, strict=True):
+            if isinstance(result, Measured):
+                self.outcomes[EVALUATED] += 1
+                elites.append(_elite(each, result, self._step.epoch))
+            else:
+                self.outcomes[_kind(result)] += 1
+        self.archive.add(elites, refine)
+
+    def _refine(self, elites: list[Elite]) -> list[Elite | None]:
+        self.refined += len(elites)
+        return list(self._mapper(partial(refine, settings=self._settings), elites))
+
+    def advance(self) -> Advance:
+        """One step: ask, measure and tell.
+
+        Raises:
+            UserError: `UNMEASURED` objects have no measures, and the archive is still empty.
+        """
+        outcomes, refined = self.outcomes.copy(), self.refined
+        candidates = self.ask()
+        results = list(self._mapper(self._evaluate, [each.solid for each in candidates]))
+        self.tell(candidates, results, self._refiner)
+        self._unmeasured.update(_kind(each) for each in results if isinstance(each, str))
+        if not len(self.archive) and self._unmeasured.total() >= UNMEASURED:
+            reasons = most_common(self._unmeasured)
+            raise UserError(
+                f"none of the first {self._unmeasured.total()} objects could be measured: {reasons}"
+            )
+        accepted = [self.archive[each.id] for each in candidates if each.id in self.archive]
+        return Advance(self.outcomes - outcomes, self.refined - refined, accepted)
+
+
+def evolve(
+    archive: Archive,
+    settings: EvolutionParameters,
+    epoch: int,
+    island: int,
+    rules: Rules = UNBOUND,
+    mapper: Mapper = map,
+    watch: Watch | None = None,
+) -> Epoch:
+    """Run the steps of one epoch of one island on its archive.
+
+    Args:
+        archive: Changed in place.
+        settings: Everything about breeding and measuring.
+        epoch: Number of the epoch.
+        island: Number of the island.
+        rules: Constraints that every shape must obey.
+        mapper: An order-preserving `map`; where it runs does not change the result.
+        watch: Called with the archive and the steps so far after each step; may not change them.
+    """
+    run = Island(archive, settings, epoch, island, rules, mapper)
+    rows: list[dict[str, Any]] = []
+    accepted: list[dict[str, Any]] = []
+    steps, size = settings.evolution.steps_per_epoch, settings.evolution.population
+    words = partial(_standing, rows)
+    for number in progress(range(steps), "evaluations", steps, scale=size, state=words):
+        done = run.advance()
+        scored = number % SCORED == SCORED - 1 or number == steps - 1
+        step = Step(epoch, island, number)._asdict()
+        rows.append(step | snapshot(archive, done, scored))
+        accepted += [step | elite.row() for elite in done.accepted]
+        if watch:
+            watch(archive, rows)
+    lineage = pd.DataFrame(accepted, columns=LINEAGE.names)
+    return Epoch(pd.DataFrame(rows, columns=HISTORY.names), lineage, run.outcomes)
+
+
+def snapshot(archive: Archive, done: Advance, scored: bool) -> dict[str, Any]:
+    """What a step did: columns of `tables.evolution.HISTORY` except for those that identify it.
+
+    Args:
+        archive: After the step.
+        done: What the step did.
+        scored: Whether to compute the QD-score, which needs all diversities.
+    """
+    counts, outcomes = archive.counts(), done.outcomes
+    return {
+        "offspring": outcomes.total(),
+        "refined": done.refined,
+        "evaluated": outcomes[EVALUATED],
+        "empty": outcomes[EMPTY],
+        "known": outcomes[KNOWN],
+        "elites": len(archive),
+        "coverage": coverage_of(counts, archive.space),
+        "filled_cells": filled_part(counts),
+        "qd_score": archive.qd_score if scored else math.nan,
+        "cells": counts.astype(np.uint8).tobytes(),
+    }
+
+
+def _standing(rows: list[dict[str, Any]]) -> str:
+    """Progress of the search; its QD-score is not computed at every step."""
+    scored = (row["qd_score"] for row in reversed(rows) if not math.isnan(row["qd_score"]))
+    score = next((f", QD-score {score:.1f}" for score in scored), "")
+    return LINE.format(**rows[-1]) + score if rows else ""
+
+
+def _kind(reason: str) -> str:
+    """A reason without its numbers."""
+    return reason.partition(" (")[0]
+
+
+def _elite(candidate: Candidate, measured: Measured, epoch: int) -> Elite:
+    return Elite(
+        id=candidate.id,
+        genome=candidate.offspring.genome,
+        voxels=candidate.solid.packed,
+        complexity=measured.complexity,
+        graspability=measured.graspability,
+        graph=measured.graph,
+        parents=candidate.offspring.parents,
+        epoch=epoch,
+    )

@@ -1,0 +1,120 @@
+"""Which genomes are bred next."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve
+
+from egad.evolution.genome import Row, child, neat_config, random_genome
+from egad.evolution.parameters import EvolutionParameters
+from egad.measures import MeasureSpace, complexity_cells, difficulty_cells
+from egad.random import entropy, generator
+
+MIN_WEIGHT = 0.25  # weight of a parent without empty slots around it: it may still be sampled
+
+
+class Parent(Protocol):
+    """What may have children: an elite of an archive."""
+
+    @property
+    def id(self) -> str:
+        """Its name."""
+
+    @property
+    def genome(self) -> Row:
+        """Columns of `tables.evolution.GENOME`."""
+
+    @property
+    def complexity(self) -> float:
+        """Its first measure."""
+
+    @property
+    def graspability(self) -> float:
+        """Its second measure."""
+
+
+@dataclass(frozen=True)
+class Offspring:
+    """A genome that has not been evaluated, and where it comes from."""
+
+    genome: Row
+    parents: tuple[str, ...]
+
+
+def breed(elites: Sequence[Parent], settings: EvolutionParameters, *index: int) -> list[Offspring]:
+    """The offspring of one step.
+
+    Parents are sampled from the whole archive, a second one with the crossover probability. If
+    there are no elites, the offspring are random genomes (EGAD, section III-D). Sampling parents
+    near empty slots, litters of siblings and restarts are ours.
+
+    Args:
+        elites: The archive, in a fixed order.
+        settings: Population, crossover and mutation.
+        *index: Identifies the step: epoch, island, step. Every child has its own random stream.
+    """
+    config = neat_config(settings.neat)
+    rng = generator(settings.seed, "parents", *index)
+    drawn = _parents(elites, settings, rng)
+    litter = []
+    for number, parents in enumerate(drawn):
+        seed = entropy(settings.seed, "child", *index, number)
+        genome = (
+            child(config, [parent.genome for parent in parents], seed)
+            if parents
+            else random_genome(config, seed)
+        )
+        litter.append(Offspring(genome, tuple(parent.id for parent in parents)))
+    return litter
+
+
+def _parents(
+    elites: Sequence[Parent], settings: EvolutionParameters, rng: np.random.Generator
+) -> list[list[Parent]]:
+    """The parents of each child; none for a random genome."""
+    evolution = settings.evolution
+    if not elites:
+        return [[]] * evolution.population
+    chances = (
+        _running(parent_odds(elites, settings.space)) if evolution.parents == "sparse" else None
+    )
+    drawn: list[list[Parent]] = []
+    while len(drawn) < evolution.population:
+        parents = [elites[_draw(rng, len(elites), chances)]]
+        if rng.random() < evolution.crossover_probability:
+            parents.append(elites[_draw(rng, len(elites), chances)])
+        if evolution.restart and rng.random() < evolution.restart:
+            parents = []
+        drawn += [parents] * evolution.siblings
+    return drawn[: evolution.population]
+
+
+def _running(odds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Running sums of probabilities, the last one 1."""
+    sums = np.cumsum(odds)
+    return np.asarray(sums / sums[-1])
+
+
+def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | None) -> int:
+    """A random index below `count`: uniform, or by the running sums of the probabilities."""
+    if chances is None:
+        return int(rng.integers(count))
+    return int(np.searchsorted(chances, rng.random(), side="right"))
+
+
+def parent_odds(elites: Sequence[Parent], space: MeasureSpace) -> NDArray[np.float64]:
+    """The probability of each of n elites to be a parent, (n,), by the empty slots near it (ours).
+
+    The weight of an elite is the number of empty slots in its cell and the eight cells around it,
+    plus `MIN_WEIGHT`.
+    """
+    columns = complexity_cells([elite.complexity for elite in elites], space)
+    rows = difficulty_cells([elite.graspability for elite in elites], space)
+    counts = np.zeros((space.cells, space.cells))
+    np.add.at(counts, (rows, columns), 1)
+    empty = convolve(space.elites_per_cell - counts, np.ones((3, 3)), mode="constant")
+    weights = empty[rows, columns] + MIN_WEIGHT
+    return np.asarray(weights / weights.sum())

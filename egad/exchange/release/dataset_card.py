@@ -1,0 +1,275 @@
+"""The dataset card of a release: a page with the front matter that Hugging Face reads.
+
+Source of the fields: the documentation of dataset cards, https://huggingface.co/docs/hub/datasets-cards.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+import yaml
+
+from egad._util.markdown import table
+from egad.learning.images import SPLITS
+from egad.tables.columns import markdown_table
+from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
+
+LICENSE = "CC-BY-4.0"
+LICENSE_URL = "https://creativecommons.org/licenses/by/4.0/"
+PAPER = {
+    "authors": "Douglas Morrison, Peter Corke and Jürgen Leitner",
+    "title": "EGAD! an Evolved Grasping Analysis Dataset for diversity and reproducibility in "
+    "robotic manipulation",
+    "journal": "IEEE Robotics and Automation Letters",
+    "volume": 5,
+    "issue": 3,
+    "start": 4368,
+    "end": 4375,
+    "year": 2020,
+    "doi": "10.1109/LRA.2020.2992195",
+}
+TAGS = ["robotics", "grasping", "robot-manipulation", "simulation", "3d", "quality-diversity"]
+SIZES = {  # bounds of Hugging Face's categories
+    "1K": 1e3,
+    "10K": 1e4,
+    "100K": 1e5,
+    "1M": 1e6,
+    "10M": 1e7,
+    "100M": 1e8,
+    "1B": 1e9,
+    "10B": 1e10,
+}
+
+
+@dataclass(frozen=True)
+class ReleaseFacts:
+    """What a card says about a release.
+
+    Attributes:
+        title: Name of the dataset for people.
+        gripper: Name of the gripper.
+        opening: Opening of the gripper, metres.
+        density: Density of the objects, kg/m3.
+        friction: Friction coefficient of the simulated labels.
+        grasps: Largest number of grasps per object.
+        engine: Physics engine of the simulated labels; empty without any.
+        program: Name and version of the program.
+    """
+
+    title: str
+    gripper: str
+    opening: float
+    density: float
+    friction: float
+    grasps: int
+    engine: str
+    program: str
+
+
+PAGE = """# {title}
+
+{objects:,} closed objects from simple to complex and from easy to hard to grasp, and {grasps:,}
+parallel-jaw grasps on them, each closed, shaken and lifted in simulation.
+
+{program} made these files. It implements the paper "{paper}"
+({authors}, {journal} {year}).
+The meshes that were published with the paper are not included.
+
+## Load it
+
+```python
+from datasets import load_dataset
+
+grasps = load_dataset("FOLDER", "grasps", split="train", streaming=True)
+grasp = next(iter(grasps))
+print(grasp["label"], grasp["simulated_success"], grasp["center_x"])
+```
+
+FOLDER is this folder, or its name where it is hosted. The configurations are `objects`, `grasps`
+and `evaluation_set`. `pandas.read_parquet("data/objects.parquet")` reads a table as well.
+`croissant.json` describes the same tables for other tools.
+
+## What is in it
+
+{contents}
+## Splits
+
+{splits}
+No family of objects is in both training and validation. A family is all objects with the same
+founder along the line of first parents. A first parent gives its child the structure of its genome;
+a second one gives only weights, and may be of another family. An object whose ancestors are not
+known is a family of its own.
+
+The test split is the evaluation set with all parents and children of its objects, so none of them
+is used for training. More distant relatives of them are in the other splits. To compare results
+with others, test on the rows with `in_evaluation_set`.
+
+Evolution sometimes finds nearly the same shape in two families. Splits by ancestry do not prevent
+an object from resembling one in another split.
+
+## Frames and units
+
+Lengths are metres, masses kilograms and angles radians, unless a column says otherwise. Meshes are
+not scaled. The measures and mass properties in `objects` are those of these meshes, at
+{density:g} kg/m3.
+
+Grasps are on the object scaled to the gripper `{gripper}`, which opens {opening:g} m. Multiply the
+coordinates of the mesh by the `scale_factor` of the object. A factor s multiplies the mass by s^3
+and the inertia by s^5.
+
+The frame of the hand has its origin midway between the contacts, where the pads meet the object.
+Its x is the closing axis, from the first contact to the second, its z is the approach, and
+y = z cross x. In the frame of the scaled object, its position is `center`, its x axis is `axis`,
+its z axis is `approach`, and its rotation is the quaternion `hand_qx` to `hand_qw`.
+
+GLB files are Y-up, as glTF requires. The point (x, y, z) of the tables is (x, z, -y) in the file,
+and Z-up programs convert it back.
+
+## What the labels mean
+
+Only `simulated_success` claims success: the fingers closed on the floating object, shook it and
+lifted it, and still held it at the end{engine}. The friction coefficient was {friction:g}. The
+value is missing where the engine could not tell. Only collision-free grasps were simulated, and at
+most {most} of each object are listed, so the share that held is not that of random grasps.
+`quality` and `robust_quality` are computed from the contacts, not simulated.
+
+`graspability` is a percentile of grasp quality and high for easy objects. `graspability_std` is its
+standard error, and `cell_confidence` the probability that the object lies in its cell. Cells count
+from 0 = simplest and 0 = easiest.
+
+## Limits
+
+- Grasps, labels and scales are for one gripper. They differ for another gripper, friction or
+  density.
+- Labels were simulated with rigid bodies, and with convex parts in place of the true surface. They
+  are not trials of a real robot.
+- Objects are abstract shapes of one uniform material, without texture or category.
+
+## Columns of `objects`
+
+{object_columns}
+## Columns of `grasps`
+
+{grasp_columns}
+## Columns of `evaluation_set`
+
+{evaluation_columns}
+## Licence and citation
+
+The data is under [{license}]({license_url}), see `LICENSE`. Please cite the paper and this dataset
+as `CITATION.cff` says. `sha256sum --check SHA256SUMS` finds damaged files, and `provenance.json`
+says what each file was made from.
+
+```bibtex
+@article{{morrison2020egad,
+  title   = {{{{EGAD!}} {bibtex_title}}},
+  author  = {{Morrison, Douglas and Corke, Peter and Leitner, J{{\\"u}}rgen}},
+  journal = {{{journal}}},
+  volume  = {{{volume}}},
+  number  = {{{issue}}},
+  pages   = {{{start}--{end}}},
+  year    = {{{year}}},
+  doi     = {{{doi}}}
+}}
+```
+"""
+
+
+def front_matter(title: str, objects: int, grasps: int) -> str:
+    """The front matter: licence, tasks, size, and the files of each configuration and split.
+
+    Args:
+        title: Name of the dataset for people.
+        objects: Number of objects.
+        grasps: Number of grasps.
+    """
+    splits = {"objects": "data/objects/{}.parquet", "grasps": "data/grasps/{}-*.parquet"}
+    configs = [
+        {
+            "config_name": name,
+            "data_files": [{"split": split, "path": path.format(split)} for split in SPLITS],
+            **({"default": True} if name == "objects" else {}),
+        }
+        for name, path in splits.items()
+    ]
+    evaluation = {"split": "test", "path": "data/evaluation_set.parquet"}
+    fields = {
+        "pretty_name": title,
+        "license": LICENSE.lower(),
+        "task_categories": ["robotics"],
+        "size_categories": [_size(objects + grasps)],
+        "tags": TAGS,
+        "configs": [*configs, {"config_name": "evaluation_set", "data_files": [evaluation]}],
+    }
+    return yaml.safe_dump(fields, sort_keys=False, allow_unicode=True)
+
+
+def card_page(
+    facts: ReleaseFacts,
+    objects: pd.DataFrame,
+    success: Mapping[str, float],
+    contents: Iterable[tuple[str, str, int, int]],
+) -> str:
+    """The page as Markdown, with the front matter.
+
+    Args:
+        facts: What is said about the release.
+        objects: Columns of `tables.release.RELEASED_OBJECTS`, of all splits.
+        success: Share of the judged grasps that held, by split; nothing without such grasps.
+        contents: For each pattern of files: the pattern, its meaning, and the numbers of files and
+            bytes.
+    """
+    grasps = int(objects["n_grasps"].sum())
+    text = PAGE.format(
+        title=facts.title,
+        program=facts.program,
+        objects=len(objects),
+        grasps=grasps,
+        paper=PAPER["title"],
+        bibtex_title=str(PAPER["title"]).removeprefix("EGAD! "),
+        **{name: value for name, value in PAPER.items() if name != "title"},
+        contents=table(
+            ["path", "what it is", "files", "size"],
+            [
+                (f"`{pattern}`", meaning, files, _bytes(size))
+                for pattern, meaning, files, size in contents
+            ],
+        ),
+        splits=_splits(objects, success),
+        density=facts.density,
+        gripper=facts.gripper,
+        opening=facts.opening,
+        engine=f" ({facts.engine})" if facts.engine else "",
+        friction=facts.friction,
+        most=facts.grasps,
+        object_columns=markdown_table(RELEASED_OBJECTS),
+        grasp_columns=markdown_table(RELEASED_GRASPS),
+        evaluation_columns=markdown_table(RELEASED_EVALUATION_SET),
+        license=LICENSE,
+        license_url=LICENSE_URL,
+    )
+    return f"---\n{front_matter(facts.title, len(objects), grasps)}---\n\n{text}"
+
+
+def _splits(objects: pd.DataFrame, success: Mapping[str, float]) -> str:
+    parts = [objects[objects["split"] == name] for name in SPLITS]
+    held = [success.get(name) for name in SPLITS]
+    rows = [
+        ("objects", *map(len, parts)),
+        ("of these, in the evaluation set", *(int(p["in_evaluation_set"].sum()) for p in parts)),
+        ("families", *(part["family"].nunique() for part in parts)),
+        ("grasps", *(int(part["n_grasps"].sum()) for part in parts)),
+        ("grasps that held", *("" if share is None else f"{share:.1%}" for share in held)),
+    ]
+    return table(["", *SPLITS], rows)
+
+
+def _size(count: int) -> str:
+    """The category of a number of rows, as Hugging Face names it."""
+    lower = [name for name, bound in SIZES.items() if bound <= count]
+    upper = next(name for name, bound in SIZES.items() if bound > count)
+    return f"{lower[-1]}<n<{upper}" if lower else f"n<{upper}"
+
+
+def _bytes(count: int) -> str:
+    return f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"

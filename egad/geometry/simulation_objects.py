@@ -1,0 +1,163 @@
+"""An object for simulators: convex parts, mass properties, stable poses, README."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad.geometry.manifold import wind_outwards
+from egad.geometry.mass import MassProperties, mass_properties
+from egad.geometry.parameters import Bundle
+from egad.geometry.parts import make_parts, measure_parts, warn_if_beyond
+from egad.geometry.stable_poses import StablePose, group_poses, resting_poses
+from egad.tables import parquet
+
+MIN_PROBABILITY = 0.001  # of the poses that are listed
+SAME_POSE = np.radians(5)
+
+
+@dataclass(frozen=True)
+class SimulationObject:
+    """An object in the frame of its mesh, metres.
+
+    Attributes:
+        mesh: The surface, wound outwards.
+        parts: Convex meshes that represent it in contacts.
+        physics: Mass properties of the solid within the surface, not of the parts.
+        volume_error: Volume of the union of the parts / volume of the object - 1.
+        deviation: Largest distance by which the parts protrude from the surface of the object.
+        buried: Share of the surface that fingers can touch which lies deeper in a part than the
+            setting `deviation`.
+        deviation_bound: The deviation that the parts meet at 99 % of that surface, metres: larger
+            than the setting if more than `max_parts` would be needed. NaN for CoACD.
+        within: Whether the parts are as close to the object as the settings require.
+    """
+
+    mesh: trimesh.Trimesh
+    parts: tuple[trimesh.Trimesh, ...]
+    physics: MassProperties
+    volume_error: float
+    deviation: float
+    buried: float
+    deviation_bound: float
+    within: bool
+
+    @cached_property
+    def poses(self) -> tuple[StablePose, ...]:
+        """Stable poses on a table: 5 degrees apart, and at least 0.1 % probable."""
+        poses = group_poses(resting_poses(self.mesh, self.physics.com), SAME_POSE)
+        return tuple(pose for pose in poses if pose.probability >= MIN_PROBABILITY)
+
+
+def make_simulation_object(
+    mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh"
+) -> SimulationObject:
+    """Prepare an object of uniform density for simulators.
+
+    Args:
+        mesh: A closed surface in metres, wound either way.
+        density: kg/m3.
+        settings: How the parts are made.
+        name: What warnings call it.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid, or has no such parts.
+        UserError: CoACD is requested but not installed.
+
+    Warns:
+        PartsWarning: The parts do not meet the bounds of the settings.
+    """
+    solid = wind_outwards(mesh)
+    found = make_parts(solid, settings)
+    physics = mass_properties(solid, density)
+    errors = measure_parts(solid, found.parts, settings)
+    within = errors.is_within(settings)
+    warn_if_beyond(name, within, errors.volume_error, found.deviation)
+    return SimulationObject(
+        mesh=solid,
+        parts=tuple(found.parts),
+        physics=physics,
+        deviation_bound=found.deviation,
+        within=within,
+        **errors._asdict(),
+    )
+
+
+def part_rows(made: SimulationObject) -> pd.DataFrame:
+    """The convex parts of an object, one row each.
+
+    Returns:
+        Columns of `tables.evaluation.CONVEX_PARTS`, without `label` and `id`.
+    """
+    return pd.DataFrame(
+        {
+            "part": range(len(made.parts)),
+            "vertices": [part.vertices.ravel() for part in made.parts],
+            "faces": [part.faces.ravel() for part in made.parts],
+            "volume_error": made.volume_error,
+            "deviation": made.deviation,
+            "buried": made.buried,
+            "deviation_bound": made.deviation_bound,
+            "within": made.within,
+        }
+    )
+
+
+def read_parts(rows: pd.DataFrame) -> tuple[trimesh.Trimesh, ...]:
+    """The convex parts of an object, metres.
+
+    Args:
+        rows: Columns of `tables.evaluation.CONVEX_PARTS`, of this object.
+
+    Warns:
+        PartsWarning: The parts do not meet the bounds that they were made with.
+    """
+    warn_of_row(parquet.records(rows.head(1))[0])
+    corners = [np.reshape(vertices, (-1, 3)) for vertices in rows["vertices"]]
+    faces = [np.reshape(each, (-1, 3)) for each in rows["faces"]]
+    return tuple(trimesh.Trimesh(*part, process=False) for part in zip(corners, faces, strict=True))
+
+
+def simulation_object(
+    mesh: trimesh.Trimesh, density: float, rows: pd.DataFrame
+) -> SimulationObject:
+    """An object whose convex parts were made before.
+
+    Args:
+        mesh: The closed surface that they were made from, in metres.
+        density: kg/m3.
+        rows: Columns of `tables.evaluation.CONVEX_PARTS`, of this object.
+
+    Raises:
+        RejectedError: The mesh does not bound a solid.
+
+    Warns:
+        PartsWarning: As for `read_parts`.
+    """
+    solid = wind_outwards(mesh)
+    physics = mass_properties(solid, density)
+    first = rows.iloc[0]
+    return SimulationObject(
+        mesh=solid,
+        parts=read_parts(rows),
+        physics=physics,
+        volume_error=float(first["volume_error"]),
+        deviation=float(first["deviation"]),
+        buried=float(first["buried"]),
+        deviation_bound=float(first["deviation_bound"]),
+        within=bool(first["within"]),
+    )
+
+
+def warn_of_row(row: Mapping[str, Any]) -> None:
+    """Warn if the convex parts of an object in a table exceed their bounds.
+
+    Args:
+        row: Columns of `tables.evaluation.CONVEX_PARTS` or `BUNDLE`.
+    """
+    name = row.get("label", row.get("id", "an object"))
+    warn_if_beyond(name, bool(row["within"]), row["volume_error"], row["deviation_bound"])

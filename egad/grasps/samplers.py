@@ -1,0 +1,167 @@
+"""Grasp samplers: antipodal grasps for jaws, suction for cups, or the user's own function.
+
+The user's own function is called as `sampler(mesh, gripper, n, rng)`: a closed `trimesh.Trimesh` in
+metres, the `egad.Gripper`, how many grasps at most, and a `numpy.random.Generator`. It returns
+poses, widths and qualities, as a grasp detector does:
+
+- (k, 4, 4) poses of the hand in the frame of the mesh. The origin is midway between the contacts,
+  on the surface for a cup; x is the closing axis, z the approach.
+- (k,) distances of the contacts, metres; zeros for a cup.
+- (k,) qualities, not negative, higher for better grasps.
+
+It may give fewer than n grasps. They must be independent draws, because graspability is a
+percentile of their quality.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+import trimesh
+
+from egad import plugins
+from egad._util.arrays import Flags, Floats
+from egad.errors import NoGraspError, RejectedError, UserError
+from egad.geometry import Material
+from egad.grasps.grasps import RIGID
+from egad.grasps.parameters import Robust, RobustSuction
+from egad.grasps.suction import sample_suction, suction_poses
+from egad.grippers import ANTIPODAL, SUCTION, Gripper
+
+OwnSampler = Callable[[trimesh.Trimesh, Gripper, int, np.random.Generator], Any]
+WHERE = "sampler"
+BUILT_IN = (ANTIPODAL, SUCTION)
+DENSITY = Material().density
+
+
+class Sampled(NamedTuple):
+    """Grasps of a sampler: poses (n, 4, 4), widths (n,) in metres, and qualities (n,)."""
+
+    poses: Floats
+    widths: Floats
+    quality: Floats
+
+
+def draw_grasps(
+    mesh: trimesh.Trimesh,
+    com: Floats,
+    gripper: Gripper,
+    n: int,
+    rng: np.random.Generator,
+    *,
+    robust: Robust | None = None,
+    density: float = DENSITY,
+) -> Sampled:
+    """Grasps of any sampler except the antipodal one.
+
+    Args:
+        mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
+        com: (3,) center of mass, metres.
+        gripper: A suction cup, or any gripper with the user's own sampler.
+        n: How many at most.
+        rng: Random number generator.
+        robust: Perturbed copies of suction grasps, and their spread.
+        density: Density of the object, kg/m3; determines the load on a cup.
+
+    Raises:
+        RejectedError: There is no grasp, or the user's sampler fails.
+        UserError: The user's sampler gives something other than grasps.
+    """
+    if gripper.grasps_with != SUCTION:
+        return _own(gripper, mesh, n, rng)
+    if gripper.cup is None:
+        raise UserError("the sampler `suction` is for a gripper with a cup")
+    table = sample_suction(
+        mesh,
+        gripper.cup,
+        n,
+        seed=int(rng.integers(2**32)),
+        density=density,
+        center_of_mass=com,
+        robust=RobustSuction() if robust is None else RobustSuction.of(robust),
+    )
+    return Sampled(suction_poses(table), np.zeros(n), table["quality"].to_numpy(np.float64))
+
+
+def check_sampler(gripper: Gripper) -> None:
+    """Make sure that the sampler of a gripper exists and is for its kind.
+
+    Raises:
+        UserError: It does not, or is not.
+    """
+    name = gripper.grasps_with
+    if name == ANTIPODAL and gripper.cup is not None:
+        raise UserError("the sampler `antipodal` is for jaws; the gripper has a cup")
+    if name == SUCTION and gripper.cup is None:
+        raise UserError("the sampler `suction` is for cups; the gripper has jaws")
+    if name not in BUILT_IN:
+        plugins.find(name, WHERE, "function")
+
+
+def own_samplers(grippers: Iterable[Gripper]) -> list[str]:
+    """Fingerprints of the files of the user's own samplers, which are not run.
+
+    Raises:
+        UserError: There is no such file.
+    """
+    names = [gripper.grasps_with for gripper in grippers]
+    return [plugins.source_hash(name, WHERE) for name in names if name not in BUILT_IN]
+
+
+def _own(gripper: Gripper, mesh: trimesh.Trimesh, n: int, rng: np.random.Generator) -> Sampled:
+    """The grasps of the user's own sampler."""
+    name = gripper.grasps_with
+    function: OwnSampler = plugins.find(name, WHERE, "function")
+    try:
+        given = function(mesh.copy(), gripper, n, rng)
+    except MemoryError:
+        raise  # says nothing about the object
+    except Exception as error:
+        what = f"{plugins.place_of(error)}: {type(error).__name__}: {error}"
+        raise RejectedError(f"the sampler {name} failed{what}") from error
+    found = _checked(gripper, given, n)
+    if not len(found.quality):
+        raise NoGraspError(f"the sampler {name} found no grasp")
+    return found
+
+
+def _checked(gripper: Gripper, given: Any, n: int) -> Sampled:  # noqa: ANN401 (whatever it gives)
+    """An answer as grasps.
+
+    Raises:
+        UserError: It is something else.
+    """
+    name = gripper.grasps_with
+    wanted = f"the sampler {name} must return poses (k, 4, 4), widths (k,) and qualities (k,)"
+    try:
+        poses, widths, quality = (np.asarray(part, dtype=np.float64) for part in given)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"{wanted}, but returned {type(given).__name__}: {error}") from error
+    shapes = f"{poses.shape}, {widths.shape} and {quality.shape}"
+    count = len(quality) if quality.ndim else 0
+    if (poses.shape, widths.shape, quality.shape) != ((count, 4, 4), (count,), (count,)):
+        raise UserError(f"{wanted}, but returned arrays of the shapes {shapes}")
+    if count > n:
+        raise UserError(
+            f"the sampler {name} was asked for at most {n} grasps, but returned {count}"
+        )
+    wrong = {
+        "a pose that is not finite": ~np.isfinite(poses).all(axis=(1, 2)),
+        "a pose that is not a rotation and a translation": ~_rigid(poses),
+        "a width that is negative or not finite": ~(np.isfinite(widths) & (widths >= 0)),
+        f"a width above the opening of {gripper.opening:g} m": widths > gripper.opening,
+        "a quality that is negative or not finite": ~(np.isfinite(quality) & (quality >= 0)),
+    }
+    for what, where in wrong.items():
+        if where.any():
+            raise UserError(f"the sampler {name} returned {what}: grasp {int(where.argmax())}")
+    return Sampled(poses, widths, quality)
+
+
+def _rigid(poses: Floats) -> Flags:
+    """(n,) whether each pose is a rotation and a translation."""
+    turns = poses[:, :3, :3]
+    with np.errstate(invalid="ignore"):
+        off = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(axis=(1, 2), initial=0)
+        last = np.abs(poses[:, 3] - [0, 0, 0, 1]).max(axis=1, initial=0)
+        return np.asarray((off <= RIGID) & (np.linalg.det(turns) > 0) & (last <= RIGID))

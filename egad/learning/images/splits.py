@@ -1,0 +1,180 @@
+"""Splits by object, and how many images each object gets (ours)."""
+
+from collections.abc import Collection
+from itertools import count
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from egad.bench import SceneKind
+from egad.errors import UserError
+from egad.learning.images.parameters import Render
+from egad.random import entropy, generator
+
+SPLITS = ("train", "validation", "test")
+SHARD = 500  # images, about: the number of shards follows from the settings alone
+VIEWS = 4  # images of a scene of several objects, at most
+
+
+def check_splits(index: pd.DataFrame, where: object) -> None:
+    """Make sure that no object is in two splits.
+
+    Args:
+        index: Columns `split` and `objects`, a list of ids, of images or scenes.
+        where: Where these come from, for messages.
+
+    Raises:
+        UserError: One is, or a split is not one of those known.
+    """
+    if unknown := set(index["split"]) - set(SPLITS):
+        raise UserError(f"{where}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
+    shared = index.explode("objects").groupby("objects")["split"].nunique() > 1
+    if shared.any():
+        raise UserError(f"{where}: the object {shared.idxmax()} is in more than one split")
+
+
+class Share(NamedTuple):
+    """An object, or a scene of several, and its images.
+
+    Attributes:
+        id: Id of the object, or a name of the scene.
+        label: Label of the object, or the same name.
+        split: `train`, `validation` or `test`.
+        first: Number of its first image in the dataset.
+        images: How many it has.
+        scene: How the objects lie.
+        members: Labels of the objects.
+    """
+
+    id: str
+    label: str
+    split: str
+    first: int
+    images: int
+    scene: SceneKind
+    members: tuple[str, ...]
+
+
+def shares(
+    objects: pd.DataFrame, evaluation: Collection[str], settings: Render, seed: int
+) -> list[Share]:
+    """The images of all objects of a dataset, in the order of their numbers.
+
+    Objects are shuffled, so that any run of images is a fair sample. Scenes of several objects
+    come last; all of their objects are in one split. All objects are split before the wanted ones
+    are taken: an object is in the same split whichever part of the dataset is rendered. A split has
+    its fraction of the images even if it has a larger one of the objects, so the number of training
+    images does not depend on the dataset; without objects it has none.
+
+    Args:
+        objects: Columns `id`, `label` and `complexity`.
+        evaluation: Ids of the objects that are in the split `test` in any case.
+        settings: How many images, which objects, and the parts of the splits.
+        seed: Seed of the configuration.
+    """
+    split = split_of(objects["id"].tolist(), evaluation, settings, seed)
+    wanted = _drawn(objects[_within(objects, settings.complexity)], settings.subset, seed)
+    chosen = sorted(
+        zip(wanted["id"], wanted["label"], strict=True),
+        key=lambda names: entropy(seed, "image order", names[0]),
+    )
+    members = {name: [label for i, label in chosen if split[i] == name] for name in SPLITS}
+    kinds = _kinds(settings)
+    counts = {name: iter(evenly(kinds[name]["single"], len(members[name]))) for name in SPLITS}
+    found = [
+        Share(
+            object_id,
+            label,
+            split[object_id],
+            0,
+            next(counts[split[object_id]]),
+            "single",
+            (label,),
+        )
+        for object_id, label in chosen
+    ]
+    for kind in ("packed", "pile"):
+        for name in SPLITS:
+            found += _scenes(kind, name, members[name], kinds[name][kind], settings.objects, seed)
+    firsts = np.cumsum([0, *(share.images for share in found)]).tolist()
+    return [share._replace(first=first) for share, first in zip(found, firsts, strict=False)]
+
+
+def _scenes(
+    kind: SceneKind, split: str, labels: list[str], images: int, objects: int, seed: int
+) -> list[Share]:
+    """Scenes of several objects of a split, each with a few images."""
+    counts = evenly(images, -(-images // VIEWS)) if labels else []
+    names = (f"{kind}-{split}-{number}" for number in count())
+    return [
+        Share(name, name, split, 0, shown, kind, _members(labels, objects, name, seed))
+        for name, shown in zip(names, counts, strict=False)
+    ]
+
+
+def _members(labels: list[str], objects: int, name: str, seed: int) -> tuple[str, ...]:
+    order = generator(seed, "scene", name).permutation(len(labels))[:objects]
+    return tuple(labels[number] for number in order)
+
+
+def shard_count(images: int) -> int:
+    """The number of shards of a set, given its number of images."""
+    return -(-images // SHARD)
+
+
+def split_of(
+    ids: Collection[str], evaluation: Collection[str], settings: Render, seed: int
+) -> dict[str, str]:
+    """The split of each object.
+
+    Objects of the evaluation set come first, the others follow in random order. The first are for
+    `test`, at least all of the evaluation set; the next are for `validation`. Numbers are rounded,
+    but with three objects or more, each split that is to have a part has at least one object, if
+    the evaluation set leaves any.
+    """
+    held_out = set(evaluation)
+    order = sorted(ids, key=lambda name: (name not in held_out, entropy(seed, "split", name)))
+    known = sum(name in held_out for name in order)
+    test = max(_part(settings.test, len(order)), known)
+    validation = min(_part(settings.validation, len(order)), max(len(order) - test - 1, 0))
+    names = ["test"] * test + ["validation"] * validation
+    names += ["train"] * (len(order) - len(names))
+    return dict(zip(order, names, strict=True))
+
+
+def evenly(total: int, parts: int) -> list[int]:
+    """A number cut into whole parts that differ by one at most, spread evenly; none if no parts."""
+    return [(i + 1) * total // parts - i * total // parts for i in range(parts)]
+
+
+def _part(fraction: float, count: int) -> int:
+    """A fraction of `count` objects, rounded; at least one of three or more, unless it is 0."""
+    return max(round(fraction * count), int(fraction > 0 and count > 2))
+
+
+def _kinds(settings: Render) -> dict[str, dict[SceneKind, int]]:
+    """The number of images of each split and kind of scene."""
+    test, validation = (round(p * settings.images) for p in (settings.test, settings.validation))
+    budgets = {"train": settings.images - test - validation, "validation": validation, "test": test}
+    found: dict[str, dict[SceneKind, int]] = {}
+    for name, images in budgets.items():
+        packed, pile = (round(part * images) for part in (settings.packed, settings.pile))
+        pile = min(pile, images - packed)
+        found[name] = {"single": images - packed - pile, "packed": packed, "pile": pile}
+    return found
+
+
+def _drawn(objects: pd.DataFrame, part: float, seed: int) -> pd.DataFrame:
+    """A random part of some objects, at least one if there are any."""
+    order = sorted(objects["id"], key=lambda name: entropy(seed, "part", name))
+    return objects[objects["id"].isin(order[: max(round(part * len(order)), 1)])]
+
+
+def _within(objects: pd.DataFrame, wanted: tuple[float, float]) -> "pd.Series[bool]":
+    """Which objects have a rank in complexity, 0 to 1, within a range."""
+    order = objects.sort_values(["complexity", "id"]).index
+    ranks = pd.Series((np.arange(len(order)) + 0.5) / max(len(order), 1), index=order)
+    low, high = wanted
+    inside = (ranks >= low) & (ranks < high)
+    return inside.reindex(objects.index)

@@ -1,0 +1,80 @@
+"""A table in a random pose, with a random camera above it."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from egad._util.arrays import Floats, Ints
+from egad.detectors import Intrinsics
+from egad.detectors.camera import LOOKING_DOWN
+from egad.geometry import StablePose
+from egad.learning.images.parameters import Camera
+
+
+class CameraScene(NamedTuple):
+    """How a table is turned, and where a camera is; the table is z = 0.
+
+    Attributes:
+        matrix: (4, 4) from the frame of the table, as objects were put on it, to the world.
+        intrinsics: The camera.
+        camera: (4, 4) from the frame of the camera (x right, y down, z forward) to the world.
+    """
+
+    matrix: Floats
+    intrinsics: Intrinsics
+    camera: Floats
+
+
+def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.Generator) -> Ints:
+    """Indices of the poses of `count` images, ascending, sampled by their probabilities.
+
+    The draws are evenly spaced in probability: a pose comes up as often as it should, rounded up
+    or down by chance.
+
+    Args:
+        poses: Their probabilities add up to 1.
+        count: How many to draw.
+        rng: Random number generator.
+    """
+    ends = np.cumsum([pose.probability for pose in poses])
+    levels = (rng.random() + np.arange(count)) / max(count, 1) * ends[-1]
+    return np.asarray(np.minimum(np.searchsorted(ends, levels, side="right"), len(poses) - 1))
+
+
+def sample_scene(center: Floats, settings: Camera, rng: np.random.Generator) -> CameraScene:
+    """A table turned and shifted, and a camera that looks at the middle of the world.
+
+    All is uniform within its range, as in Dex-Net (Mahler et al. 2017).
+
+    Args:
+        center: (3,) what a centered image shows in its middle, in the frame of the table.
+        settings: The ranges.
+        rng: Random number generator.
+    """
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_rotvec([0, 0, rng.uniform(0, 2 * np.pi)]).as_matrix()
+    matrix[:2, 3] = rng.uniform(-settings.shift, settings.shift, 2)
+    camera = _camera(settings, rng)
+    width, height = settings.image
+    middle = np.array([(width - 1) / 2, (height - 1) / 2])
+    intrinsics = Intrinsics(width, height, rng.uniform(*settings.focal), (middle[0], middle[1]))
+    if settings.centered:
+        seen = np.linalg.inv(camera) @ matrix @ np.append(center, 1)
+        u, v = 2 * middle - intrinsics.pixels(seen[None, :3])[0]
+        intrinsics = intrinsics._replace(center=(float(u), float(v)))
+    return CameraScene(matrix, intrinsics, camera)
+
+
+def _camera(settings: Camera, rng: np.random.Generator) -> Floats:
+    """A camera on a sphere around the origin; upright, x is to the right, see `camera_above`."""
+    distance = rng.uniform(*settings.distance)
+    tilt, roll = np.radians([rng.uniform(*settings.tilt), rng.uniform(*settings.roll)])
+    towards = rng.uniform(0, 2 * np.pi)
+    lean = Rotation.from_rotvec(tilt * np.array([np.cos(towards), np.sin(towards), 0]))
+    pose = np.eye(4)
+    turn = Rotation.from_rotvec([0, 0, roll]).as_matrix()
+    pose[:3, :3] = lean.as_matrix() @ LOOKING_DOWN @ turn
+    pose[:3, 3] = -distance * pose[:3, 2]
+    return pose

@@ -1,0 +1,223 @@
+"""Attempts: what succeeds, what fails and how, and that each can be repeated alone."""
+
+import numpy as np
+import pytest
+import trimesh
+from worlds import EACH_ENGINE, HAND, start
+
+from egad.bench import Attempt, InitialPose, TrialProtocol, TrialRunner
+from egad.detectors import View
+from egad.detectors.base import Grasp
+from egad.detectors.poses import Detector
+from egad.detectors.subprocess import DetectorTimeoutError
+from egad.geometry import Bundle
+from egad.grippers import Gripper
+from egad.sim.arms import ARMS
+from egad.sim.execution import Execution, Stillness, execute
+from egad.sim.model import build
+from egad.sim.parameters import EngineName
+from egad.sim.world import Pose, World
+from egad.tables.outcomes import Outcome
+
+BUNDLE = Bundle()
+AXIS = ARMS["axis"](HAND)
+CUBE = trimesh.creation.box((0.04, 0.04, 0.04))
+
+
+def always(shift: tuple[float, float, float], width: float = 0.07) -> Detector:
+    """A detector that knows only where the object is, and grasps beside its top by `shift`."""
+
+    def detect(view: View, _gripper: Gripper, _rng: np.random.Generator, /) -> list[Grasp]:
+        points = view.points().reshape(-1, 3)
+        standing = points[points[:, 2] > 0.005]
+        x, y, z = standing.mean(axis=0) * [1, 1, 0] + [0, 0, standing[:, 2].max()] + shift
+        return [Grasp((float(x), float(y), float(z)), 0.0, width, 0.0, 1.0)]
+
+    return detect
+
+
+def outcome(
+    mesh: trimesh.Trimesh,
+    detect: Detector,
+    density: float = 400.0,
+    engine: EngineName = "mujoco",
+    **gripper: float,
+) -> Attempt:
+    hand = HAND.model_copy(update=gripper)
+    with start(engine, build(mesh, density, BUNDLE), hand) as world:
+        return TrialRunner(world, ARMS["axis"](hand), TrialProtocol()).attempt(detect, 5)
+
+
+def test_the_drop_does_not_depend_on_the_detector() -> None:
+    places = []
+    with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
+        bench = TrialRunner(world, AXIS, TrialProtocol())
+
+        def thirsty(view: View, _gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
+            rng.random(len(places) * 10)
+            places.append(view.depth)
+            return []
+
+        for _ in range(2):
+            assert bench.attempt(thirsty, 3).outcome == "no_grasp"
+    np.testing.assert_array_equal(*places)
+
+
+def test_a_noisy_camera_has_holes_and_an_ideal_one_has_none() -> None:
+    views: list[View] = []
+
+    def watch(view: View, _gripper: Gripper, _rng: np.random.Generator, /) -> list[Grasp]:
+        views.append(view)
+        return []
+
+    with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
+        for noise in (0.0, 0.1, 0.1):
+            TrialRunner(world, AXIS, TrialProtocol(depth_noise=noise)).attempt(watch, 3)
+    ideal, first, second = (view.depth for view in views)
+    assert np.isfinite(ideal).all()
+    assert 20 < np.isnan(first).sum() < 1000
+    assert np.nanstd(first - ideal) == pytest.approx(0.0017, rel=0.05)
+    np.testing.assert_array_equal(first, second)
+
+
+@EACH_ENGINE
+def test_a_grasp_at_the_middle_succeeds(engine: EngineName) -> None:
+    attempt = outcome(CUBE, always((0, 0, -0.03)), engine=engine)
+    assert attempt.outcome == "success"
+
+
+@EACH_ENGINE
+def test_a_grasp_beside_the_object_misses(engine: EngineName) -> None:
+    attempt = outcome(CUBE, always((0, 0.1, -0.03)), engine=engine)
+    assert attempt.outcome == "missed"
+    assert attempt.lifted == pytest.approx(0, abs=0.001)
+
+
+@EACH_ENGINE
+def test_a_finger_on_top_of_the_object_collides(engine: EngineName) -> None:
+    assert outcome(CUBE, always((0.035, 0, -0.03)), engine=engine).outcome == "collided"
+
+
+@EACH_ENGINE
+def test_too_heavy_an_object_slips(engine: EngineName) -> None:
+    middle, density = always((0, 0, -0.03)), 2.5 / 0.04**3
+    attempt = outcome(CUBE, middle, density, engine, force=20.0, friction=0.5)
+    assert attempt.outcome == "slipped_lifting"
+    assert attempt.lifted < 0.05
+
+
+@pytest.mark.parametrize(
+    ("shift", "width", "name"),
+    [
+        ((0, 0, -0.03), 0.2, "too_wide"),
+        ((0, 0, -0.03), -0.01, "too_wide"),
+        ((0, 0, -0.03), np.inf, "not_finite"),
+        ((0, np.nan, 0), 0.07, "not_finite"),
+        ((0, 0, -0.1), 0.07, "below_table"),
+    ],
+)
+def test_a_grasp_that_the_hand_cannot_do_is_named(
+    shift: tuple[float, float, float], width: float, name: str
+) -> None:
+    attempt = outcome(CUBE, always(shift, width))
+    assert (attempt.outcome, attempt.grasp, attempt.lifted) == (name, None, 0.0)
+    assert attempt.end is attempt.rest
+
+
+@pytest.mark.parametrize("answer", [None, 3, ["grasp"], [(0, 0, 0)]])
+def test_an_answer_that_is_no_list_of_grasps_is_an_error(answer: object) -> None:
+    assert outcome(CUBE, lambda *_: answer).outcome == "error"  # type: ignore[arg-type,return-value]
+
+
+def test_a_detector_that_takes_too_long_has_failed() -> None:
+    def slow(*_: object) -> list[Grasp]:
+        raise DetectorTimeoutError
+
+    assert outcome(CUBE, slow).outcome == "timeout"
+
+
+def test_an_object_larger_than_the_view_fails() -> None:
+    huge = trimesh.creation.box((0.5, 0.5, 0.5))
+    assert outcome(huge, always((0, 0, 0))).outcome == "failed"
+
+
+@pytest.mark.parametrize(
+    ("end", "outcome", "begun"),
+    [
+        ((0.05, 0.03, 0.02), "missed", "left"),
+        ((0.15, 0.0, 0.02), "missed", "dropped"),
+        ((0.3, 0.0, 0.02), "slipped_lifting", "dropped"),
+        ((0.0, 0.0, 0.0201), "collided", "dropped"),
+        ((0.0, 0.0, 0.42), "success", "from_hand"),
+        (None, "failed", "dropped"),
+    ],
+)
+def test_how_an_attempt_begins(
+    end: tuple[float, float, float] | None, outcome: str, begun: str
+) -> None:
+    """From the hand after a success; put back where it left the workspace or was not touched."""
+    upright = [0.0, 0.0, 0.0, 1.0]
+    rest = Pose.of([0.0, 0.0, 0.02, *upright])
+    last = Pose.of([*end, *upright]) if end else None
+    before = Attempt(Outcome(outcome), InitialPose("dropped", rest), rest, None, 0.0, last)
+    with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
+        trials = TrialProtocol()
+        bench = TrialRunner(world, AXIS, trials)
+        after = bench.attempt(always((0, 0, -0.03)), 3, before)
+    assert after.start is not None
+    assert after.rest is not None
+    assert after.start.kind == begun
+    assert np.linalg.norm(after.rest.position[:2]) < trials.workspace
+    if begun == "from_hand":
+        begin = after.start.pose.matrix
+        lowest = (CUBE.vertices @ begin[:3, :3].T + begin[:3, 3])[:, 2].min()
+        assert lowest == pytest.approx(trials.drop_height)
+        assert -1e-9 < begin[2, 2] < 1 - 1e-9  # tilted, by 90 degrees at most
+
+
+def held_up(world: World) -> Execution:
+    world.place(Pose.of([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))
+    return execute(world, AXIS, TrialProtocol(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0))
+
+
+@EACH_ENGINE
+def test_an_object_that_is_lost_while_it_is_held_up_is_dropped(
+    engine: EngineName,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Somebody takes it out of the hand, in which it is never taken for still."""
+    monkeypatch.setattr(Stillness, "__call__", lambda _: False)
+    steps = []
+
+    def take(world: World) -> None:
+        steps.append(world.pose().position[2] > 0.4195)
+        if sum(steps) == 100:  # long after the lift
+            world.place(Pose.of([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0]))
+
+    with start(engine, build(CUBE, 400.0, BUNDLE)) as world:
+        assert held_up(world).outcome == "success"
+        world.reset()
+        world.watch = take
+        assert held_up(world).outcome == "dropped"
+
+
+@EACH_ENGINE
+@pytest.mark.parametrize("velocity", [(200.0, 0.0, 0.0), (np.nan, 0.0, 0.0)])
+def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
+    engine: EngineName,
+    velocity: tuple[float, float, float],
+) -> None:
+    def explode(world: World) -> None:
+        if 0.1 < world.pose().position[2] < 0.11 and world.forces().support == 0:
+            world.place(world.pose(), velocity)
+
+    with start(engine, build(CUBE, 400.0, BUNDLE)) as world:
+        bench = TrialRunner(world, AXIS, TrialProtocol(drop_height=0.05))
+        world.watch = explode
+        first = bench.attempt(always((0, 0, -0.03)), 3)
+        world.watch = None
+        second = bench.attempt(always((0, 0, -0.03)), 4, first)
+    assert (first.outcome, first.end, first.lifted) == ("failed", None, 0.0)
+    assert second.outcome == "success"
+    assert second.start is not None
+    assert second.start.kind == "dropped"
