@@ -89,7 +89,7 @@ def measure_repeatably(
         max_candidates: Maximum number of candidate grasps.
         factor: Scale factor, from `grasped_size`; by default that of the rule `exact`, as in the
             map.
-        resample: Measure complexity on the footing of evolved objects, see `map_complexity`;
+        resample: Measure the complexity that compares with evolved objects, see `map_complexity`;
             otherwise by the mesh's own triangles, as those of evolved objects.
 
     Raises:

@@ -36,7 +36,7 @@ class Measures(NamedTuple):
             0 = easiest; None for a suction cup, which has no place on the map.
         label: Name of the cell, such as `M14`: row M in difficulty, column 14 in complexity.
         cell_confidence: Probability that the percentile of all grasps lies in the same row.
-        raw_complexity: The same of the vertices of the mesh itself, as in the paper's table III.
+        raw_complexity: Complexity of the mesh's own triangles, as in the paper's table III.
         rule: The scale rule. The cells of the map are by `exact`.
         gripper: Name of the gripper; empty if it has none. The cells of the map are for `yumi`.
         opening: Widest opening of the gripper, metres.

@@ -1,8 +1,11 @@
-"""Complexity on the footing of the map: of the voxels whose surface is closest to a mesh.
+"""Complexity that compares with evolved objects: of the voxels that are closest to a mesh.
 
 The vertices of evolved objects lie where marching cubes put them, on voxels of a known size. The
 voxels of a released object are recovered from any mesh of its surface; any other mesh gets the
 voxels that an evolved object of its shape would have.
+
+The constants were set on released objects and their copies, other ones than those that
+docs/measures.md reports.
 """
 
 from collections.abc import Iterator
@@ -18,15 +21,19 @@ from egad.measures.complexity import complexity
 from egad.measures.parameters import BINS
 from egad.measures.voxel_fit import Fit, FitTarget, Grid, aligned, deviation, fit
 
-SIDES = np.arange(24, 25.4, 0.2)  # voxels along objects of the dataset, after smoothing
-OWN = (0.65, 1.0)  # distances of the vertices of evolved and published objects, voxels
-HALVES = 0.235  # of their triangles at least are halves of squares; of remeshed ones, fewer
-NOISE = 0.1  # bits that the own complexity is higher because of noise
+SIDES = np.linspace(24, 25.2, 7)  # voxels along objects of the dataset, after smoothing
+OWN_SPACING = (0.65, 1.0)  # distances of the vertices of evolved and published objects, voxels
+MIN_HALF_SQUARES = (
+    0.235  # of their triangles at least are halves of squares; of remeshed ones, fewer
+)
+NOISE = 0.1  # bits: an own complexity that is higher than the resampled one has noise
+REGULAR = 0.55  # of the resampled one: less is that of a regular grid, not of an evolved object
 SMALLEST = 6.5  # objects that are fewer voxels long are not looked for
 DENSITY = (0.7, 0.86)  # distances of the vertices of evolved objects, voxels
+CLEARLY = 0.7  # of the deviation on 25 voxels, on fewer
 GOOD, FAIR = 0.06, 0.07  # deviations, voxels: of recovered objects, and of others at least
-FEW = 1000  # vertices that tell a bad grid
-ROUNDS = 50  # of the search for axes
+SCORED = 1000  # vertices that tell a bad grid
+TURNS = 50  # of the search for axes
 FLAT = 0.9  # cosine between an axis and the normals of faces between two voxels
 _TURNS = [*np.eye(3) * np.pi / 8, *np.eye(3) * -np.pi / 8, *np.eye(3) * np.pi / 4]
 _STARTS = [np.eye(3), *Rotation.from_rotvec([*_TURNS, np.full(3, np.pi / 27**0.5)]).as_matrix()]
@@ -36,7 +43,8 @@ def map_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     """Complexity that places a mesh on the map, whatever its triangles.
 
     It is that of its own triangles if they are those of an evolved object, and otherwise the
-    resampled one; also if the own one is clearly higher, which noise does.
+    resampled one; also if the own one is clearly higher, which noise does, or much lower, as on a
+    regular grid.
 
     Args:
         mesh: A closed triangle mesh of any size, wound outwards.
@@ -46,7 +54,7 @@ def map_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
         Bits.
 
     Raises:
-        RejectedError: The mesh is empty, flat or not finite.
+        RejectedError: The mesh is empty or not finite.
         UserError: It is not a mesh.
 
     Source: ours.
@@ -55,7 +63,7 @@ def map_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     if not _is_of_voxels(mesh):
         return resampled
     own = complexity(mesh, bins)
-    return own if own < resampled + NOISE else resampled
+    return own if REGULAR * resampled < own < resampled + NOISE else resampled
 
 
 def _is_of_voxels(mesh: trimesh.Trimesh) -> bool:
@@ -63,13 +71,14 @@ def _is_of_voxels(mesh: trimesh.Trimesh) -> bool:
     spacing = np.sqrt(mesh.area / len(mesh.vertices)) * VOXELS / np.max(mesh.extents)
     angles = np.sort(mesh.face_angles, axis=1)
     halves = (np.abs(angles[:, 2] - np.pi / 2) < 0.2) & (np.abs(angles[:, 0] - np.pi / 4) < 0.17)
-    return bool(OWN[0] < spacing < OWN[1] and np.mean(halves) > HALVES)
+    return bool(OWN_SPACING[0] < spacing < OWN_SPACING[1] and np.mean(halves) > MIN_HALF_SQUARES)
 
 
 def resampled_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     """Complexity of the voxels whose smoothed surface is closest to a mesh.
 
-    Unlike `complexity`, it hardly depends on the triangles of the mesh.
+    Unlike `complexity`, it hardly depends on the triangles of the mesh. If no voxel fits, it is the
+    complexity of the mesh itself.
 
     Args:
         mesh: A closed triangle mesh of any size, wound outwards.
@@ -79,16 +88,17 @@ def resampled_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
         Bits.
 
     Raises:
-        RejectedError: The mesh is empty, flat or not finite.
+        RejectedError: The mesh is empty or not finite.
         UserError: It is not a mesh.
 
     Source: ours; marching cubes and smoothing as in EGAD, section III-B.
     """
     check_mesh(mesh)
-    return complexity(closest_voxels(FitTarget(mesh)).surface, bins)
+    closest = closest_voxels(FitTarget(mesh))
+    return complexity(closest.surface if closest else mesh, bins)
 
 
-def closest_voxels(target: FitTarget) -> Fit:
+def closest_voxels(target: FitTarget) -> Fit | None:
     """The voxels that a mesh was made from, or else some that are close to it.
 
     Args:
@@ -96,28 +106,26 @@ def closest_voxels(target: FitTarget) -> Fit:
 
     Returns:
         Voxels along the axes of its coordinates, or along those that most of its faces follow, if
-        they fit better: 25 along the longest side, or fewer if the mesh shows so.
+        they fit better: 25 along the longest side, or fewer if the mesh shows so. None if not one
+        voxel fits.
     """
     upright = np.eye(3)
     best = _search(target, upright, SIDES)
-    if best.deviation > FAIR:
+    if best and best.deviation > FAIR:
         low, high = VOXELS * np.array(DENSITY) / target.spacing
         few = np.arange(max(SMALLEST, low), min(SIDES[0], high), 0.2)
-        best = _clearly_better(best, _search(target, upright, few, 8)) if len(few) else best
-    if best.deviation > FAIR:
+        other = _search(target, upright, few, 8)
+        if other and other.size < best.size and other.deviation < CLEARLY * best.deviation:
+            best = other
+    if best is None or best.deviation > FAIR:
         frame = _face_axes(target)
-        if not np.allclose(frame, upright, atol=1e-3):
-            best = min(best, _search(target, frame, SIDES), key=_deviation)
+        turned = [] if np.allclose(frame, upright, atol=1e-3) else [_search(target, frame, SIDES)]
+        best = min(filter(None, [best, *turned]), key=_deviation, default=None)
     return best
 
 
-def _clearly_better(best: Fit, other: Fit) -> Fit:
-    better = other.size < best.size and other.deviation < 0.7 * best.deviation
-    return other if better else best
-
-
-def _search(target: FitTarget, frame: Floats, sides: Floats, most: int = 3) -> Fit:
-    """The best fit among grids with so many voxels along the longest side.
+def _search(target: FitTarget, frame: Floats, sides: Floats, most: int = 3) -> Fit | None:
+    """The best fit among grids with so many voxels along the longest side; None without any.
 
     Args:
         target: What to fit.
@@ -128,18 +136,18 @@ def _search(target: FitTarget, frame: Floats, sides: Floats, most: int = 3) -> F
     turn = not np.array_equal(frame, np.eye(3))
     starts = []
     for number, grids in enumerate(_grids(target, frame, sides)):
-        scores = [deviation(target, grid, FEW) for grid in grids]
+        scores = [deviation(target, grid, SCORED) for grid in grids]
         starts.append((min(scores), number, grids[int(np.argmin(scores))]))
     fits: list[Fit] = []
     for _, _, grid in sorted(starts, key=lambda start: start[:2]):
-        found = fit(target, grid, 2)
-        fits += [found] if found else []
+        fitted = fit(target, grid, 2)
+        fits += [fitted] if fitted else []
         if fits and fits[-1].deviation < GOOD:
             break
     good = [each for each in fits if each.deviation < GOOD]
     promising = good or sorted(fits, key=_deviation)[:most]
-    best = min((_refined(target, each, 1, 2, turn) for each in promising), key=_deviation)
-    return _refined(target, best, 3, 6, turn)
+    refined = [_refined(target, each, 1, 2, turn) for each in promising]
+    return _refined(target, min(refined, key=_deviation), 3, 6, turn) if refined else None
 
 
 def _deviation(each: Fit) -> float:
@@ -194,7 +202,7 @@ def _face_axes(target: FitTarget) -> Floats:
     best, most = np.eye(3), -1.0
     for start in _STARTS:
         frame = start
-        for _ in range(ROUNDS):
+        for _ in range(TURNS):
             cubes = (target.face_normals @ frame.T) ** 3 * target.areas[:, None]
             left, _, right = np.linalg.svd(np.einsum("ni,nj->ij", cubes, target.face_normals))
             frame = left @ right

@@ -6,50 +6,66 @@ import numpy as np
 import trimesh
 from scipy.ndimage import uniform_filter
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Flags, Floats
-from egad.geometry import VOXELS, RayCaster, Smoothing, spread, voxel_surface
+from egad.geometry import VOXELS, RayCaster, Smoothing, TriangleScene, spread, voxel_surface
 
 FINE, COARSE = 0.9, 2.0  # distances of points on the mesh, voxels
 MAX_POINTS, FEW_POINTS = 200_000, 20_000  # of a mesh of many triangles
-TURNED = 0.7  # voxels that a point with a normal at right angles is further away, over sqrt(2)
+NORMAL_WEIGHT = 0.7  # voxels in which normals of length 1 are compared together with points
+THIN, THICKENED = 0.6, 1.1  # units: less than 1 % of the surface of any released object is thin
 DEEP = 2  # voxels: further from the surface, all are alike
+INWARDS = 1e-4  # units under the surface, where rays start
 REVERTED = 0.3  # voxels that a change that did not help is moved away from
+MAX_SCALING, MAX_TURN = 0.05, 0.1  # of an alignment, fraction and radians
 CLOSE = 0.05  # voxels: surfaces further apart count less in an alignment
 
 
 class FitTarget:
-    """A mesh to fit voxels to: its longest side has 25 units, its box is centered on the origin."""
+    """A mesh to fit voxels to: its longest side has 25 units, its box is centered on the origin.
+
+    Walls thinner than 0.6 units, which evolved objects do not have, are thickened to 1.1.
+    """
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
         low, high = mesh.bounds
         vertices = (mesh.vertices - (low + high) / 2) * (VOXELS / (high - low).max())
         # rounded, so that the unit of the mesh does not matter
         scaled = trimesh.Trimesh(np.round(vertices, 9), mesh.faces, process=False)
+        scaled.remove_unreferenced_vertices()
         fine, coarse = spread(scaled, FINE), spread(scaled, COARSE)
-        thin = slice(None, None, 1 + len(fine.points) // MAX_POINTS)
-        self.points, self.normals = fine.points[thin], fine.normals[thin]
-        thin = slice(None, None, 1 + len(coarse.points) // FEW_POINTS)
-        self.few_points, self.few_normals = coarse.points[thin], coarse.normals[thin]
+        some = slice(None, None, 1 + len(fine.points) // MAX_POINTS)
+        positions, self.normals = fine.points[some], fine.normals[some]
+        self._rays = RayCaster(scaled)
+        self._positions = cKDTree(positions)
+        self._growth = _growth(scaled, positions, self.normals)
+        self.points = positions + self._growth[:, None] * self.normals
+        some = slice(None, None, 1 + len(coarse.points) // FEW_POINTS)
+        positions, self.few_normals = coarse.points[some], coarse.normals[some]
+        growth = _growth(scaled, positions, self.few_normals)
+        self.few_points = positions + growth[:, None] * self.few_normals
         self.face_normals, self.areas = np.asarray(scaled.face_normals), scaled.area_faces
         self.spacing = np.sqrt(scaled.area / len(scaled.vertices))  # of the mesh's own vertices
-        self._tree = cKDTree(np.hstack([self.points, TURNED * self.normals]))
+        self._tree = cKDTree(np.hstack([self.points, NORMAL_WEIGHT * self.normals]))
         self.vertices = np.asarray(scaled.vertices)
-        self._positions = cKDTree(self.points)
-        self._rays = RayCaster(scaled)
 
     def inside(self, points: Floats) -> Flags:
         """Whether points (n, 3) are inside the mesh, (n,)."""
+        if self._growth.any():
+            return self.depths(points, DEEP) > 0
         return self._rays.contains(points)
 
     def depths(self, points: Floats, most: float) -> Floats:
         """How deep points (n, 3) lie inside, (n,), at most a bound; negative outside."""
-        distances, _ = self._positions.query(points, distance_upper_bound=most)
-        return np.minimum(distances, most) * np.where(self.inside(points), 1, -1)
+        distances, index = self._positions.query(points, distance_upper_bound=most)
+        sides = np.where(self._rays.contains(points), 1, -1)
+        growth = np.append(self._growth, 0.0)[index]  # of points further away, the last
+        return np.asarray(np.minimum(distances, most) * sides + growth)
 
     def nearest(self, points: Floats, normals: Floats) -> tuple[Floats, Floats]:
         """Heights (n,) of the mesh over oriented points, (n, 3) each, and its normals there."""
-        _, index = self._tree.query(np.hstack([points, TURNED * normals]))
+        _, index = self._tree.query(np.hstack([points, NORMAL_WEIGHT * normals]))
         there = self.normals[index]
         return np.einsum("ij,ij->i", self.points[index] - points, there), there
 
@@ -115,6 +131,13 @@ class Fit(NamedTuple):
         return self.deviation * self.grid.pitch
 
 
+def _growth(mesh: trimesh.Trimesh, points: Floats, normals: Floats) -> Floats:
+    """How far the surface at points (n, 3) is moved outwards so that no wall is thin, (n,)."""
+    scene = TriangleScene(mesh.vertices, mesh.faces)
+    thickness = scene.distances(points - INWARDS * normals, -normals)
+    return np.where(thickness < THIN, (THICKENED - thickness) / 2, 0.0)
+
+
 def fit(target: FitTarget, grid: Grid, rounds: int) -> Fit | None:
     """Voxels whose surface is close to the target; None if no cube's center is inside.
 
@@ -135,13 +158,14 @@ def fit(target: FitTarget, grid: Grid, rounds: int) -> Fit | None:
     best, moved = compare(target, grid, depths > 0), np.zeros(grid.shape)
     for _ in range(rounds):
         moved += best.offsets
-        wanted = depths + moved > 0
-        if not wanted.any() or (wanted == best.voxels).all():
-            continue
-        other = compare(target, grid, wanted)
-        worse = (wanted != best.voxels) & (other.errors >= best.errors)
+        proposed = depths + moved > 0
+        if not proposed.any() or (proposed == best.voxels).all():
+            continue  # what is left of the offsets adds up until it changes a cube
+        other = compare(target, grid, proposed)
+        worse = (proposed != best.voxels) & (other.errors >= best.errors)
+        # not proposed again before the offsets add up again
         moved[worse] = np.where(best.voxels, REVERTED, -REVERTED)[worse] - depths[worse]
-        kept = np.where(worse, best.voxels, wanted)
+        kept = np.where(worse, best.voxels, proposed)
         if (kept != best.voxels).any():
             best = other if not worse.any() else compare(target, grid, kept)
     return best
@@ -156,8 +180,8 @@ def compare(target: FitTarget, grid: Grid, voxels: Flags) -> Fit:
     ends = [(np.floor(sharp), heights), (np.ceil(sharp), heights)]
     seen = (target.few_points - grid.origin) @ grid.frame.T / grid.pitch
     ways = target.few_normals @ grid.frame.T
-    tree = cKDTree(np.hstack([points, TURNED * normals]))
-    _, index = tree.query(np.hstack([seen, TURNED * ways]))
+    tree = cKDTree(np.hstack([points, NORMAL_WEIGHT * normals]))
+    _, index = tree.query(np.hstack([seen, NORMAL_WEIGHT * ways]))
     back = np.clip(np.einsum("ij,ij->i", seen - points[index], normals[index]), -1, 1)
     ends += [(np.round(seen - ways / 2), back), (np.round(seen + ways / 2), back)]
     count, total, squares = _sums(ends, grid.shape)
@@ -194,13 +218,12 @@ def aligned(target: FitTarget, best: Fit, turn: bool) -> Grid:
         matrix + 1e-9 * np.trace(matrix) * np.eye(len(matrix)),
         np.einsum("ni,n,n->i", terms, weights, heights),
     )
-    frame = grid.frame
-    if turn:
-        angle = float(np.linalg.norm(moves[4:]))
-        rotation = trimesh.transformations.rotation_matrix(angle, moves[4:])[:3, :3]
-        frame = frame @ rotation.T if angle else frame
-    pitch = grid.pitch * (1 + moves[0])
-    origin = middle + moves[1:4] + (1 + moves[0]) * (grid.origin - middle) @ grid.frame.T @ frame
+    scale = 1 + np.clip(moves[0], -MAX_SCALING, MAX_SCALING)
+    shift = np.clip(moves[1:4], -grid.pitch, grid.pitch)
+    rotation = Rotation.from_rotvec(np.clip(moves[4:], -MAX_TURN, MAX_TURN)) if turn else None
+    frame = rotation.apply(grid.frame) if rotation else grid.frame
+    pitch = grid.pitch * scale
+    origin = middle + shift + scale * (grid.origin - middle) @ grid.frame.T @ frame
     return Grid.around(target, frame, pitch, frame @ origin + pitch / 2)
 
 

@@ -104,7 +104,7 @@ LABEL = column(
 COMPLEXITY = column(
     "complexity",
     FLOAT,
-    "entropy of the angular deficits; of meshes that are not evolved, on voxels as those have",
+    "entropy of the angular deficits; for meshes that were not evolved, on the closest voxels",
     "bit",
 )
 RAW_COMPLEXITY = column(

@@ -82,10 +82,45 @@ def test_triangles_size_place_and_direction_of_a_cad_part_hardly_matter():
     assert resampled_complexity(part.copy().apply_transform(TURN)) == pytest.approx(value, abs=0.32)
 
 
+def beaker(wall):
+    outside = trimesh.creation.cylinder(35, 120, sections=64)
+    inside = trimesh.creation.cylinder(35 - wall, 120, sections=64).apply_translation([0, 0, wall])
+    return trimesh.boolean.difference([outside, inside])
+
+
+def test_walls_that_are_thinner_than_a_voxel_do_not_crumble():
+    values = [resampled_complexity(beaker(wall)) for wall in (0.5, 1, 2, 4)]
+    assert np.ptp(values) < 0.4
+    plate = trimesh.creation.box([100, 60, 0.3])
+    for each in (plate, plate.copy().apply_transform(TURN)):
+        assert 1 < resampled_complexity(each) < 3  # 6.5 if voxels are solid by chance
+
+
+def test_a_thin_fin_on_a_thick_block_does_not_crumble():
+    block = trimesh.creation.box([60, 40, 30])
+    fins = [trimesh.creation.box([wide, 40, 80]).apply_translation([0, 0, 40]) for wide in (1, 2)]
+    values = [resampled_complexity(trimesh.boolean.union([block, fin])) for fin in fins]
+    assert max(values) < 3.5  # 5 if walls are solid by chance
+
+
+def test_the_triangles_of_a_regular_grid_are_not_those_of_evolved_objects():
+    cube = trimesh.creation.box([1, 1, 1])
+    for _ in range(5):
+        cube = cube.subdivide()
+    assert complexity(cube) < 0.05
+    assert map_complexity(cube) == pytest.approx(1.23, abs=0.05)
+
+
 def test_a_cube_has_that_of_a_solid_of_voxels():
     cube = trimesh.creation.box([1, 1, 1])
     assert complexity(cube) == 0
     assert resampled_complexity(cube) == pytest.approx(1.23, abs=0.02)
+
+
+def test_vertices_without_faces_do_not_count():
+    ball = trimesh.creation.icosphere(3)
+    more = trimesh.Trimesh([*ball.vertices, [9, 9, 9]], ball.faces, process=False)
+    assert resampled_complexity(more) == resampled_complexity(ball)
 
 
 def test_nothing_has_no_complexity():

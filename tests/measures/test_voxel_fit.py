@@ -56,9 +56,9 @@ def test_few_vertices_tell_about_the_same_deviation(known):
     assert deviation(target, grid, 1000) == pytest.approx(fit(target, grid, 0).deviation, rel=0.2)
 
 
-def test_a_grid_that_misses_a_thin_mesh_fits_nothing():
+def test_a_grid_that_misses_the_mesh_fits_nothing():
     plate = FitTarget(trimesh.creation.box([1, 1, 0.001]))
-    grid = Grid.around(plate, UPRIGHT, 1.0, np.array([0.0, 0.0, 0.5 - 0.2]))
+    grid = Grid(np.full(3, 100.0), UPRIGHT, 1.0, (3, 3, 3))
     assert fit(plate, grid, 2) is None
     assert deviation(plate, grid, 100) == np.inf
 

@@ -82,7 +82,7 @@ def measure_objects(
         known: Graspability by id that evolution used for selection; empty for other meshes.
         out: Table with the columns of `tables.objects.SOLIDS`.
         rejected: Table of the rejected objects, with reasons.
-        resample: Measure complexity on the footing of evolved objects; for all others.
+        resample: See `egad.measures.measure_repeatably`; False for evolved objects.
     """
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
