@@ -59,12 +59,7 @@ def failed_attempts(
 def read_attempt(
     row: Mapping[str, Any], errors: CellErrors
 ) -> tuple[InitialPose, Grasp | None, Deviation]:
-    """The initial pose, the grasp and the deviation of an attempt in a table.
-
-    Args:
-        row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
-        errors: Errors of the cell in the trials.
-    """
+    """Initial pose, grasp and deviation of a row of `tables.evaluation.TRIALS` that began."""
     start = InitialPose(row["initial_pose"], Pose.of([row[name] for name in INITIAL]))
     deviation = draw(errors, *(_hexadecimal(row, name) for name in ("calibration", "seed")))
     if np.isnan(row["width"]):

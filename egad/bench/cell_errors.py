@@ -57,10 +57,7 @@ EXACT: Deviation = Deviation()
 def draw(errors: CellErrors, calibration: int, seed: int) -> Deviation:
     """Draw the deviation of an attempt; the draw for one error does not depend on the others.
 
-    Args:
-        errors: How large the errors are.
-        calibration: Seed of the calibration, the same for all attempts until the next one.
-        seed: Seed of the attempt.
+    `calibration` is a seed as well, the same for all attempts until the next calibration.
     """
     calibrated, attempt = generator(calibration, "calibration"), generator(seed, "errors")
     shift, turn = calibrated.normal(size=(2, 3))

@@ -69,13 +69,7 @@ class ClutterRunner:
     """A table with objects, cameras all around it and a hand that clears it."""
 
     def __init__(self, world: World, settings: Clutter) -> None:
-        """Set up.
-
-        Args:
-            world: A running simulation of the objects of a round, with walls for a pile, and the
-                robot `egad.sim.robots.free_hand`.
-            settings: Rules, and errors of the cell.
-        """
+        """Set up; for a pile, the world has walls, and its robot is `egad.sim.robots.free_hand`."""
         self.world = world
         self._errors = settings.errors
         self._protocol = settings.protocol
@@ -131,11 +125,7 @@ class ClutterRunner:
                 failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
 
     def begin(self, kind: SceneKind, seed: int) -> list[RestingObject]:
-        """Put the objects on the table.
-
-        Raises:
-            UnstableError: The simulation went wrong.
-        """
+        """Put the objects on the table; UnstableError if the simulation goes wrong."""
         return make_scene(self.world, kind, generator(seed, "scene", kind), self._protocol)
 
     def repeat(
@@ -216,12 +206,7 @@ class ClutterRunner:
 
 
 def camera_poses(cameras: SceneCameras, rng: Generator) -> list[Floats]:
-    """Where the cameras around a table are, (4, 4) each.
-
-    Args:
-        cameras: Ranges to draw from; all cameras have the same distance and tilt.
-        rng: Random number generator.
-    """
+    """Where the cameras around a table are, (4, 4) each; all have the same distance and tilt."""
     ranges = (cameras.distance, cameras.tilt, cameras.azimuth)
     shares = rng.uniform(size=len(ranges)).tolist()
     distance, tilt, azimuth = (
@@ -241,13 +226,7 @@ def intrinsics_of(cameras: SceneCameras) -> Intrinsics:
 
 
 def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = EGAD) -> Propose:
-    """A proposer that shows a detector the input that it asks for.
-
-    Args:
-        detect: Proposes grasps.
-        gripper: The hand.
-        protocol: Which of them is tried: the one with the highest score, or another one.
-    """
+    """A proposer that shows a detector its input and tries the grasp that the protocol says."""
     least = -math.inf if protocol.threshold is None else protocol.threshold
 
     def propose(observation: Observation, _: Sequence[RestingObject], rng: Generator) -> Proposal:

@@ -92,15 +92,7 @@ def draw_objects(
     protocol: ClutterProtocol,
     rng: np.random.Generator,
 ) -> tuple[tuple[str, ...], tuple[float, ...]]:
-    """Draw the objects of a scene, and their sizes.
-
-    Args:
-        ids: Names of the objects to choose from.
-        scene: How they will lie.
-        count: How many; fewer if there are not enough and objects may not repeat.
-        protocol: Whether objects may repeat, and the range of the sizes.
-        rng: Random number generator.
-    """
+    """Draw `count` objects and their sizes; fewer if the ids are few and may not repeat."""
     if protocol.repetition:
         chosen = rng.integers(len(ids), size=count)
     else:
@@ -204,11 +196,7 @@ def film_round(
 
 
 def picture_of(this: Round, models: Models, settings: ClutterParameters) -> RgbImage:
-    """A picture of the initial scene of a round, (height, width, 3).
-
-    Raises:
-        UnstableError: The simulation went wrong.
-    """
+    """Picture of the initial scene of a round, (height, width, 3); UnstableError as for `begin`."""
     with open_round(this, models, settings) as world:
         ClutterRunner(world, settings.clutter).begin(this.scene, this.seed)
         return Film(world).frame()
@@ -238,13 +226,7 @@ def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | Outcome:
 
 
 def open_round(this: Round, models: Models, settings: ClutterParameters) -> World:
-    """The world of a round, for a `with` block: objects at their sizes, a hand, perhaps walls.
-
-    Args:
-        this: The round.
-        models: At least its objects, by name.
-        settings: Gripper, rules and engine.
-    """
+    """The world of a round, for a `with` block: objects at their sizes, a hand, perhaps walls."""
     sized = [models[name].scaled(by) for name, by in zip(this.ids, this.factors, strict=True)]
     walls = BOX if this.scene == "pile" else None
     protocol = settings.clutter.protocol

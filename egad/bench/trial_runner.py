@@ -149,13 +149,7 @@ class TrialRunner:
     """A table with an object, a camera and a hand, to try grasps on."""
 
     def __init__(self, world: World, arm: Arm, trials: TrialProtocol) -> None:
-        """Set up.
-
-        Args:
-            world: A running simulation of the arm's robot.
-            arm: The arm that carries the hand.
-            trials: Camera, workspace and lift.
-        """
+        """Set up in a running simulation of the arm's robot."""
         self.world = world
         self.arm = arm
         self.gripper = arm.robot.gripper
@@ -215,12 +209,7 @@ class TrialRunner:
         return self._carried_out(grasp, ready, deviation)
 
     def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
-        """Try a grasp of an object that lies still, in a world that is reset first.
-
-        Args:
-            rest: Where it lies.
-            grasp: The grasp to try.
-        """
+        """Try a grasp of an object that lies still, in a world that is reset first."""
         self.world.reset()
         self.world.place(rest)
         return self._carried_out(grasp, Ready(InitialPose("left", rest), rest))
@@ -269,15 +258,7 @@ class TrialRunner:
         )
 
     def begin(self, rng: np.random.Generator, before: Attempt | None = None) -> Ready | None:
-        """Drop the object, or leave it, until it lies still in the workspace.
-
-        Args:
-            rng: Random number generator.
-            before: The previous attempt, if this one continues from it.
-
-        Returns:
-            None if it never lies still there.
-        """
+        """Drop the object, or leave it, until it lies still in the workspace; None if never."""
         mesh = self.world.model.mesh
         left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
         for start in initial_poses(mesh, self.trials.drop_height, left, rng):

@@ -40,12 +40,7 @@ class Claim(NamedTuple):
         return bool(min(self.evidence(pairs)) >= self._needed)
 
     def is_hopeless(self, pairs: Sequence[PairedDrop], most: int) -> bool:
-        """Whether the evidence can no longer suffice, whatever the results of the remaining pairs.
-
-        Args:
-            pairs: Pairs so far.
-            most: Total number of pairs.
-        """
+        """Whether the evidence cannot suffice, however the pairs up to `most` end."""
         best = [*pairs, *[PairedDrop(True, False)] * (most - len(pairs))]
         return not any(self.is_shown(best[:count]) for count in range(len(pairs), most + 1))
 

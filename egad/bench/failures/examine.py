@@ -42,8 +42,7 @@ PATIENCE = 2  # drops for each one wanted, as the object does not come to rest i
 def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
     """The approach of a detector: from the settings, or else from the input that it asks for.
 
-    Raises:
-        UserError: It grasps from above and asks for more than the view of a camera there.
+    UserError if it grasps from above and asks for more than the view of a camera there.
     """
     sees = asked_for(detect)
     if search.approach == "above" and sees != "view":
@@ -57,17 +56,7 @@ def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "an
 def model_of_attempts(
     mesh: trimesh.Trimesh, purpose: str, settings: FailureParameters, name: str = "the mesh"
 ) -> Model:
-    """An object as simulated for a purpose: with few convex parts until it may be a failure.
-
-    Args:
-        mesh: A closed surface, scaled to the gripper, metres.
-        purpose: As in `tables.failures.FAILURE_ATTEMPTS`.
-        settings: Density and convex parts.
-        name: Its name in warnings.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or has no convex parts.
-    """
+    """A scaled object as simulated for a purpose: few convex parts until it may be a failure."""
     bundle = settings.bundle
     if purpose not in ON_ROUGH:
         return build(mesh, settings.material.density, bundle, name)

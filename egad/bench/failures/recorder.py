@@ -41,14 +41,7 @@ class Recorder:
         seed: int,
         report: Callable[[int], object] = int,
     ) -> None:
-        """Begin without a row.
-
-        Args:
-            object_id: Determines all drops, with the seed.
-            detect: The detector.
-            seed: Seed of everything random.
-            report: Called with 1 after every attempt.
-        """
+        """Begin without a row; `report` is called with 1 after every attempt."""
         self._id, self._detect, self._seed, self._report = object_id, detect, seed, report
         self._rows: list[dict[str, Any]] = []
 

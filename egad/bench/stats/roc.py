@@ -39,17 +39,9 @@ class Area:
 
 
 def roc_area(rating: Floats, success: Flags) -> float:
-    """Area under the ROC curve: how often a success was rated higher than a failure.
+    """Area under the ROC curve: how often a success is rated above a failure; ties count half.
 
-    Args:
-        rating: (n,) rating of each grasp.
-        success: (n,) whether it held.
-
-    Returns:
-        1 if the rating separates perfectly, 0.5 if it says nothing; ties count half. NaN if there
-        are no successes, or no failures.
-
-    Source: Mann and Whitney's U over the number of pairs.
+    Mann and Whitney's U over the number of pairs; NaN without a success or without a failure.
     """
     good, bad = rating[success], rating[~success]
     if len(good) == 0 or len(bad) == 0:
@@ -163,11 +155,7 @@ def reliability(trials: pd.DataFrame) -> list[Bin]:
 
 
 def discrimination(trials: pd.DataFrame) -> float:
-    """The area under the ROC curve of the quality that the detector gave; see `roc_area`.
-
-    Args:
-        trials: Columns quality and success; attempts without a quality are left out.
-    """
+    """Area under the ROC curve of the quality, where the detector gave one; see `roc_area`."""
     return roc_area(*_known(trials))
 
 

@@ -254,10 +254,7 @@ def _violations(simulated: Floats, real: Floats) -> Floats:
 
 
 def _reliability(table: pd.DataFrame) -> float:
-    """Share of the variance of rates over objects that is not noise from few attempts.
-
-    NaN if attempts are not known, or there are fewer than two at some object.
-    """
+    """Share of the variance over objects that is not noise of few attempts; NaN if unknown."""
     rate, attempts = table["rate"], table["attempts"]
     variance = rate.var()
     if not variance > 0 or not (attempts > 1).all():
