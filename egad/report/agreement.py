@@ -85,14 +85,10 @@ def section(
 
 
 def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:
-    """Compute what the section shows.
+    """Compute what the section shows from `tables.evaluation.AGREEMENT`, at least one row.
 
     Grasps that the hand could not reach, because a convex part of the object sticks out or the
     simulation failed, say nothing about the qualities and are left out of all rates.
-
-    Args:
-        table: Columns of `tables.evaluation.AGREEMENT`, at least one row.
-        rows: Letters of the evaluation set, if it is a grid.
     """
     tried = table[~table["outcome"].isin(NOT_TRIED)]
     groups = [tried]
@@ -128,16 +124,10 @@ def _ratings(
 
 
 def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Sequence[Area]]) -> str:
-    """Success over the rank by quality, and the ROC area of each quality in each row of the set.
+    """SVG of success over the rank by quality, and of ROC areas by row of the set, then over all.
 
-    Args:
-        bins: From `egad.bench.stats.roc`, by quality.
-        areas: Areas in each row of the evaluation set, and then over all, by quality.
-
-    Returns:
-        SVG text with intervals of 95 %: left for other grasps of the same objects, right for other
-        objects. A bin lies where its grasps rank among all, from worst to best; grasps of equal
-        quality share a bin.
+    Intervals of 95 % are left for other grasps of the same objects, right for other objects. A bin
+    lies where its grasps rank among all, from worst to best; equal qualities share a bin.
     """
     with new_figure(8.6, 3.2) as drawing:
         left, right = drawing.figure.subplots(1, 2, width_ratios=[1, 1.25])

@@ -83,10 +83,7 @@ def axis_pair(axes: CustomMeasures) -> AxisPair:
 def named_axes(across: str | None, upwards: str | None) -> AxisPair:
     """Axes of measures with these names; high values of the second one come first.
 
-    Args:
-        across: Name of the first measure; None or empty: complexity.
-        upwards: Name of the second measure; None or empty: graspability, along the axis of
-            difficulty.
+    Without a name: complexity; and graspability, along the axis of difficulty.
     """
     return AxisPair(
         MeasureAxis(across, across, "low", "high", across) if across else COMPLEXITY,

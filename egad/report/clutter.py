@@ -44,11 +44,7 @@ class ClutterView:
 
 
 def section(datasets: Mapping[str, Mapping[str, ClutterView]]) -> Section:
-    """Cleared tables of each dataset with each gripper.
-
-    Args:
-        datasets: From `clutter_view`, by dataset and gripper.
-    """
+    """Cleared tables, from `clutter_view`, of each dataset with each gripper."""
     return section_of("clutter.html.j2", "Cleared tables", datasets=datasets)
 
 
@@ -57,12 +53,9 @@ def clutter_view(
     objects: pd.DataFrame,
     pictures: Mapping[str, Sequence[bytes]],
 ) -> ClutterView:
-    """Compute what the section shows.
+    """What the section shows of `tables.clutter.CLUTTER` by detector.
 
-    Args:
-        tables: Columns of `tables.clutter.CLUTTER`, by detector.
-        objects: Columns id, complexity and graspability of the objects in the scenes.
-        pictures: PNGs of scenes, by kind.
+    `objects` has the columns id, complexity and graspability; `pictures` are PNGs by kind of scene.
     """
     return ClutterView(
         engine_names(pd.concat(tables.values())),
@@ -107,11 +100,7 @@ class ClearingResults:
 
 
 def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
-    """Rates of detectors, and comparisons of those that have rounds in common.
-
-    Args:
-        tables: Columns of `tables.clutter.CLUTTER`, by detector.
-    """
+    """Rates from `tables.clutter.CLUTTER` by detector; comparisons of those with common rounds."""
     pairs, conclusions = {}, []
     for one, other in combinations(tables, 2):
         with suppress(NothingInCommonError):

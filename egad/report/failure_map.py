@@ -44,11 +44,7 @@ class LegendEntry(NamedTuple):
 
 
 def lowest_difference(table: pd.DataFrame) -> pd.Series:
-    """The lowest difference of each failure in any engine.
-
-    Args:
-        table: Columns of `tables.failures.FAILURES`.
-    """
+    """The lowest difference in any engine of each of `tables.failures.FAILURES`."""
     return table[list(DIFFERENCES)].min(axis=1)
 
 
@@ -58,19 +54,11 @@ def failure_map(
     space: MeasureSpace,
     axes: AxisPair = USUAL,
 ) -> str:
-    """The map of the difference: complexity to the right, difficulty upwards.
+    """SVG map of the difference: complexity to the right, difficulty upwards.
 
-    The color of a cell is the highest difference of its failures, each in the engine with the
-    lowest one; the picture is that failure. Cells are grey if objects were tried, but none failed.
-
-    Args:
-        table: Columns of `tables.failures.FAILURES`.
-        examined: Columns of `tables.failures.EXAMINED`.
-        space: The cells.
-        axes: What the axes are called.
-
-    Returns:
-        SVG text.
+    The color of a cell is the highest difference of its failures (`tables.failures.FAILURES`), each
+    in the engine with the lowest one; the picture is that failure. Cells are grey if objects were
+    tried (`tables.failures.EXAMINED`), but none failed.
     """
     tried = examined[examined["attempts"] > 0]
     cells = {
@@ -100,16 +88,7 @@ def failure_map(
 
 
 def dataset_map(objects: pd.DataFrame, space: MeasureSpace, axes: AxisPair) -> str:
-    """The map of the objects that a search may start from: how many each cell holds.
-
-    Args:
-        objects: Columns complexity and graspability.
-        space: The cells.
-        axes: What the axes are called.
-
-    Returns:
-        SVG text.
-    """
+    """SVG map of the objects that a search may start from: how many each cell holds."""
     placed = pd.DataFrame(
         {
             "complexity_cell": complexity_cells(objects["complexity"], space),

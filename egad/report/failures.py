@@ -166,7 +166,7 @@ def page(
     space: MeasureSpace,
     axes: AxisPair,
 ) -> str:
-    """Explain the failures of a detector.
+    """An HTML page that needs no other file and explains the failures of a detector.
 
     Args:
         table: Columns of `tables.failures.FAILURES`.
@@ -178,9 +178,6 @@ def page(
         examples: The worst failures, by id, in the order of the page.
         space: The cells.
         axes: What the axes of the map are called.
-
-    Returns:
-        An HTML page that needs no other file.
     """
     fresh = attempts[(attempts["purpose"] == "confirm") & attempts["id"].isin(set(table["id"]))]
     labelled = table.assign(label=failure_labels(table))
@@ -209,12 +206,7 @@ def page(
 
 
 def worst(table: pd.DataFrame, count: int) -> pd.DataFrame:
-    """The failures of the highest difference, by the lowest difference of any engine; worst first.
-
-    Args:
-        table: Columns of `tables.failures.FAILURES`.
-        count: How many, at most; there are at most two per cell.
-    """
+    """At most `count` failures of the highest, over engines lowest, difference, two per cell."""
     pairs = table[["n_pairs_mujoco", "n_pairs_pybullet"]].sum(axis=1)
     order = table.assign(difference=lowest_difference(table), pairs=pairs)
     order = order.sort_values(["difference", "pairs", "id"], ascending=[False, False, True])
@@ -237,14 +229,9 @@ def reasons_of(table: pd.DataFrame) -> list[Reason]:
 
 
 def lost_outcomes(fresh: pd.DataFrame) -> dict[str, tuple[int, int]]:
-    """How often each outcome of lost attempts occurs, and at how many failures it is the usual one.
+    """Numbers of lost fresh attempts by outcome, and of failures at which none is more frequent.
 
-    Args:
-        fresh: Attempts to confirm failures, columns of `tables.failures.FAILURE_ATTEMPTS`.
-
-    Returns:
-        By outcome, most frequent first: number of attempts, and number of failures at which no
-        other outcome of a lost attempt is more frequent.
+    The most frequent outcome comes first.
     """
     lost = fresh[(fresh["who"] == "detector") & ~fresh["success"].astype(bool)]
     usual = Counter(next(iter(outcome_counts(rows))) for _, rows in lost.groupby("id"))
@@ -321,13 +308,9 @@ def _engine_rates(row: pd.Series) -> Iterable[EngineRates]:
 
 
 def feature_chart(features: Sequence[FeatureShare]) -> str:
-    """Failures and solved objects along each feature, in units of the range of the solved ones.
+    """SVG of failures and solved objects along each feature, in units of the range of the solved.
 
-    Args:
-        features: At least one.
-
-    Returns:
-        SVG text: a row for each feature; values further out are drawn at the edge.
+    Values further out are drawn at the edge.
     """
     with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
         axes = drawing.figure.add_subplot()
@@ -359,14 +342,7 @@ def feature_chart(features: Sequence[FeatureShare]) -> str:
 
 
 def share_chart(features: Sequence[FeatureShare]) -> str:
-    """The share of the failures that each feature explains, with intervals of 95 %.
-
-    Args:
-        features: At least one.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of the share of the failures that each feature explains, with intervals of 95 %."""
     with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
         axes = drawing.figure.add_subplot()
         y = -np.arange(len(features))

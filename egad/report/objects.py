@@ -120,10 +120,5 @@ def _of_gripper(gripper: str, tables: GripperTables, labels: Mapping[str, str]) 
 
 
 def section(views: Mapping[str, ObjectsView], *, gripper: str) -> Section:
-    """The objects of each dataset.
-
-    Args:
-        views: From `objects_view`, by dataset.
-        gripper: Name of the gripper of the 3D viewer.
-    """
+    """The objects of each dataset, from `objects_view`; the 3D viewer shows this gripper."""
     return section_of("objects.html.j2", "Objects", views=views, gripper=gripper)

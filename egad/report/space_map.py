@@ -70,14 +70,7 @@ class SpaceMap:
 def section(
     maps: Mapping[str, SpaceMap], space: MeasureSpace, axes: AxisPair, limit: Attainable
 ) -> Section:
-    """The maps of all datasets.
-
-    Args:
-        maps: From `space_map`, by dataset.
-        space: The cells.
-        axes: What the axes of the space are called.
-        limit: Which rows objects are expected in; the others are hatched.
-    """
+    """The maps of all datasets, from `space_map`; rows outside of `limit` are hatched."""
     certain = any(cell.confidence >= 0 for each in maps.values() for cell in each.cells)
     values = {"space": space, "axes": axes, "certain": certain}
     hatched, legend = limit.rows, legend_of(limit, axes.upwards)
@@ -85,12 +78,7 @@ def section(
 
 
 def legend_of(limit: Attainable, axis: MeasureAxis) -> str:
-    """A legend for the hatched rows of a map; empty if there are none.
-
-    Args:
-        limit: Which rows objects are expected in.
-        axis: The axis that points upwards, for the names of its numbers.
-    """
+    """A legend for the hatched rows of a map along the axis upwards; empty if there are none."""
     if not limit.rows:
         return ""
     edge, best, most = (
@@ -122,15 +110,10 @@ def _by_diversity(objects: pd.DataFrame) -> pd.DataFrame:
 def space_map(
     objects: pd.DataFrame, pictures: Mapping[str, bytes], space: MeasureSpace
 ) -> SpaceMap:
-    """Lay out the objects of a dataset over the space.
+    """Lay out `tables.objects.OBJECTS` over the space, with PNGs by label of `shown_objects`.
 
     A cell is colored by the mean diversity of its objects and shows the picture of the most
     diverse one.
-
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        pictures: PNG by label, at least of `shown_objects`; or empty.
-        space: The cells.
     """
     ordered = _by_diversity(objects)
     groups = list(ordered.groupby(BY_CELL, sort=True))
