@@ -206,7 +206,7 @@ def page(
 
 
 def worst(table: pd.DataFrame, count: int) -> pd.DataFrame:
-    """At most `count` failures of the highest, over engines lowest, difference, two per cell."""
+    """At most `count` failures, worst first, by lowest difference in any engine; two per cell."""
     pairs = table[["n_pairs_mujoco", "n_pairs_pybullet"]].sum(axis=1)
     order = table.assign(difference=lowest_difference(table), pairs=pairs)
     order = order.sort_values(["difference", "pairs", "id"], ascending=[False, False, True])
@@ -229,9 +229,9 @@ def reasons_of(table: pd.DataFrame) -> list[Reason]:
 
 
 def lost_outcomes(fresh: pd.DataFrame) -> dict[str, tuple[int, int]]:
-    """Numbers of lost fresh attempts by outcome, and of failures at which none is more frequent.
+    """Lost fresh attempts by outcome, most frequent first, and failures at which it is usual.
 
-    The most frequent outcome comes first.
+    Usual: no other outcome of a lost attempt is more frequent there.
     """
     lost = fresh[(fresh["who"] == "detector") & ~fresh["success"].astype(bool)]
     usual = Counter(next(iter(outcome_counts(rows))) for _, rows in lost.groupby("id"))

@@ -21,7 +21,7 @@ CIRCLE = 32  # corners of a drawn circle
 
 
 def link_shapes(model: GripperModel, opening: float) -> list[Colored]:
-    """The convex parts of a hand from a file, opened by metres, in its own frame, with colors."""
+    """The convex parts of a hand from a file, at an opening (m), in its own frame, with colors."""
     return [
         (trimesh.convex.convex_hull(points), LINK_COLORS[link.body])
         for link, shapes in zip(model.links, model.points(opening), strict=True)
@@ -37,9 +37,10 @@ def painted(shapes: list[Colored]) -> Painted:
 
 
 def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) -> Painted | None:
-    """An object with the hand closed at its best collision-free grasp; None if there is none.
+    """An object (metres) with the hand closed at its best collision-free grasp; None without one.
 
-    The palm is shown as a box if it has a mesh. UserError if the file of the gripper is unusable.
+    Grasps are columns of `tables.grasping.GRASPS`, in the frame of the mesh. A mesh for the palm is
+    shown as a box. UserError if the file of the gripper cannot be used.
     """
     free = grasps[grasps["collision_free"].astype(bool)]
     if free.empty:
