@@ -46,23 +46,14 @@ POINT_SIGMA = 0.0008  # metres, of the noise `points`
 
 @dataclass(frozen=True)
 class ClutterAttempt:
-    """The result of an attempt.
+    """The result of an attempt."""
 
-    Attributes:
-        outcome: As in `PoseExecution`, or one of `egad.tables.outcomes.POSE_FAILURES`.
-        present: The objects on the table before it.
-        grasp: The grasp that was tried, if any.
-        held: Number of the object that was held.
-        stopped: How far before the grasp the hand was stopped, metres.
-        failure: What the detector did wrong, if it failed.
-    """
-
-    outcome: Outcome
-    present: tuple[RestingObject, ...]
+    outcome: Outcome  # as in `PoseExecution`, or one of `egad.tables.outcomes.POSE_FAILURES`
+    present: tuple[RestingObject, ...]  # the objects on the table before it
     grasp: PoseGrasp | None = None
     held: int | None = None
-    stopped: float = 0.0
-    failure: str = ""
+    stopped: float = 0.0  # how far before the grasp the hand was stopped, metres
+    failure: str = ""  # what the detector did wrong, if it failed
 
 
 class ClutterRunner:

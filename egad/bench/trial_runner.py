@@ -134,14 +134,9 @@ class Attempt:
 
 
 class Ready(NamedTuple):
-    """An object that lies still in the workspace.
+    """An object that lies still in the workspace."""
 
-    Attributes:
-        start: Where it fell from.
-        rest: Where it lies.
-    """
-
-    start: InitialPose
+    start: InitialPose  # where it fell from
     rest: Pose
 
 

@@ -27,31 +27,19 @@ NOT_TRIED = ("collided", "failed", "crashed")
 
 @dataclass(frozen=True)
 class LabelledSuccess:
-    """Labelled grasps and their success in simulation.
-
-    Attributes:
-        engine: The physics engine.
-        rates: Success of the grasps that could be carried out: in each row of the evaluation set,
-            if it is a grid, and then over all.
-        outcomes: Grasps of the sample by outcome.
-        labelled: Labelled grasps of the objects.
-        free: Labelled grasps without collision, from which the sample was drawn.
-        objects: Objects with grasps that could be carried out.
-        failing: Objects with a failed grasp: in each row, and then over all.
-        areas: ROC area of each quality: in each row, and then over all.
-        gain: ROC area of robust quality minus that of nominal quality, over all.
-        bins: Success by quality.
-    """
+    """Labelled grasps and their success in simulation."""
 
     engine: str
+    # success of the grasps that could be carried out: in each row of the evaluation set, if
+    # it is a grid, and then over all
     rates: list[Rate]
     outcomes: dict[str, int]
-    labelled: int
-    free: int
-    objects: int
-    failing: list[int]
-    areas: dict[str, list[Area]]
-    gain: Area
+    labelled: int  # labelled grasps of the objects
+    free: int  # labelled grasps without collision, from which the sample was drawn
+    objects: int  # objects with grasps that could be carried out
+    failing: list[int]  # objects with a failed grasp: in each row, and then over all
+    areas: dict[str, list[Area]]  # ROC area of each quality: in each row, and then over all
+    gain: Area  # ROC area of robust quality minus that of nominal quality, over all
     bins: dict[str, list[Bin]]
 
     @property

@@ -12,25 +12,15 @@ COMPARATIVES = {"simple": "simpler", "easy": "easier", "low": "lower", "high": "
 
 @dataclass(frozen=True)
 class MeasureAxis:
-    """An axis of the space in words.
-
-    Attributes:
-        name: Full name.
-        short: Short name, for where space is limited.
-        start: What objects of the first cell are.
-        end: What objects of the last cell are.
-        value: Name of its number.
-        unit: Unit of the number as it is shown, with a space before it, or empty.
-        factor: The number is multiplied by this before it is shown.
-    """
+    """An axis of the space in words."""
 
     name: str
-    short: str
-    start: str
-    end: str
-    value: str
-    unit: str = ""
-    factor: int = 1
+    short: str  # short name, for where space is limited
+    start: str  # what objects of the first cell are
+    end: str  # what objects of the last cell are
+    value: str  # name of its number
+    unit: str = ""  # unit of the number as it is shown, with a space before it, or empty
+    factor: int = 1  # the number is multiplied by this before it is shown
 
     @property
     def label(self) -> str:

@@ -67,21 +67,15 @@ def clutter_view(
 
 @dataclass(frozen=True)
 class ClearingResults:
-    """Detectors that cleared tables.
-
-    Attributes:
-        engines: The physics engine, by detector.
-        rates: Success rates in each kind of scene and noise, by detector.
-        pairs: Comparisons of every two detectors that cleared the same tables, by `A vs B`.
-        protocols: Rules by which the tables were cleared, and errors if any, by detector.
-        conclusions: What the comparisons show, a sentence each.
-    """
+    """Detectors that cleared tables."""
 
     engines: dict[str, str]
-    rates: dict[str, list[Clearing]]
+    rates: dict[str, list[Clearing]]  # success rates in each kind of scene and noise, by detector
+    # comparisons of every two detectors that cleared the same tables, by `A vs B`
     pairs: dict[str, list[ClearingComparison]]
+    # rules by which the tables were cleared, and errors if any, by detector
     protocols: dict[str, str]
-    conclusions: list[str]
+    conclusions: list[str]  # what the comparisons show, a sentence each
 
     @property
     def warning(self) -> str:

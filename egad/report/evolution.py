@@ -18,23 +18,14 @@ THIN = "\N{NARROW NO-BREAK SPACE}"
 
 @dataclass(frozen=True)
 class ReEvaluation:
-    """How the objects of an archive moved when their graspability was measured again.
+    """How the objects of an archive moved when their graspability was measured again."""
 
-    Attributes:
-        stayed: Fraction of the objects that stayed in their cell.
-        by_one: Fraction that moved by one cell.
-        by_more: Fraction that moved further.
-        mean: Mean move towards hard, cells.
-        before: Coverage by the first graspability.
-        after: Coverage by the second one.
-    """
-
-    stayed: float
-    by_one: float
-    by_more: float
-    mean: float
-    before: float
-    after: float
+    stayed: float  # fraction of the objects that stayed in their cell
+    by_one: float  # fraction that moved by one cell
+    by_more: float  # fraction that moved further
+    mean: float  # mean move towards hard, cells
+    before: float  # coverage by the first graspability
+    after: float  # coverage by the second one
 
 
 @dataclass(frozen=True)

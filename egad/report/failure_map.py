@@ -21,19 +21,12 @@ AT_LEAST = "\N{GREATER-THAN OR EQUAL TO}"
 
 
 class MapCell(NamedTuple):
-    """What a map shows of a cell.
-
-    Attributes:
-        color: Color of its background.
-        title: Text shown when the mouse points at it.
-        picture: Address of a picture, or empty.
-        number: Number in the corner; not shown below 2.
-    """
+    """What a map shows of a cell."""
 
     color: str
-    title: str
-    picture: str = ""
-    number: int = 0
+    title: str  # text shown when the mouse points at it
+    picture: str = ""  # address of a picture, or empty
+    number: int = 0  # number in the corner; not shown below 2
 
 
 class LegendEntry(NamedTuple):

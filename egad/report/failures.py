@@ -49,33 +49,19 @@ WHO = ("detector", "reference")
 
 
 class FeatureShare(NamedTuple):
-    """A shape feature, and how it distinguishes failures from objects that the detector solves.
-
-    Attributes:
-        title: Its name.
-        unit: Unit of the numbers; empty if they have none.
-        meaning: Its definition.
-        low: Quantile 5 % over the solved objects.
-        high: Quantile 95 %.
-        solved: Its value for each solved object.
-        failures: Its value for each failure.
-        below: Share of the failures below the range.
-        above: Share of the failures above the range.
-        share: Share of the failures that it explains.
-        interval: Ends of the 95 % interval of this share.
-    """
+    """A shape feature, and how it distinguishes failures from objects that the detector solves."""
 
     title: str
-    unit: str
+    unit: str  # unit of the numbers; empty if they have none
     meaning: str
-    low: float
-    high: float
-    solved: Floats
-    failures: Floats
-    below: float
-    above: float
-    share: float
-    interval: tuple[float, float]
+    low: float  # quantile 5 % over the solved objects
+    high: float  # quantile 95 %
+    solved: Floats  # its value for each solved object
+    failures: Floats  # its value for each failure
+    below: float  # share of the failures below the range
+    above: float  # share of the failures above the range
+    share: float  # share of the failures that it explains
+    interval: tuple[float, float]  # ends of the 95 % interval of this share
 
     @property
     def medians(self) -> tuple[float, float]:
@@ -85,55 +71,34 @@ class FeatureShare(NamedTuple):
 
 @dataclass(frozen=True)
 class AttemptFilm:
-    """A film of an attempt.
-
-    Attributes:
-        outcome: Outcome of the attempt.
-        content: An animated WebP file; empty if there is none.
-    """
+    """A film of an attempt."""
 
     outcome: str
-    content: bytes = b""
+    content: bytes = b""  # an animated WebP file; empty if there is none
 
 
 @dataclass(frozen=True)
 class Example:
-    """What is shown of one of the worst failures besides its numbers.
-
-    Attributes:
-        picture: A PNG file.
-        films: Films of the same drop, by `detector` and `reference`.
-        note: Why an expected film is missing.
-    """
+    """What is shown of one of the worst failures besides its numbers."""
 
     picture: bytes
+    # films of the same drop, by `detector` and `reference`
     films: Mapping[str, AttemptFilm] = field(default_factory=dict)
-    note: str = ""
+    note: str = ""  # why an expected film is missing
 
 
 @dataclass(frozen=True)
 class SearchText:
-    """What a page says about the search.
+    """What a page says about the search."""
 
-    Attributes:
-        detector: Its name; empty if unknown.
-        hand: The hand, in words.
-        approach: above or any.
-        contact: What a contact on the way down means, in words.
-        engines: Physics engines.
-        reference: Minimum success rate of the reference at a failure.
-        difference: Minimum difference from the success rate of the detector.
-        confidence: Confidence of both.
-    """
-
-    detector: str
-    hand: str
-    approach: str
-    contact: str
+    detector: str  # its name; empty if unknown
+    hand: str  # the hand, in words
+    approach: str  # above or any
+    contact: str  # what a contact on the way down means, in words
     engines: Sequence[str]
-    reference: float
-    difference: float
-    confidence: float
+    reference: float  # minimum success rate of the reference at a failure
+    difference: float  # minimum difference from the success rate of the detector
+    confidence: float  # confidence of both
 
 
 class EngineRates(NamedTuple):

@@ -20,25 +20,15 @@ QUARTILES = [0.25, 0.5, 0.75]
 
 @dataclass(frozen=True)
 class GraspNumbers:
-    """How many grasps a gripper has and how good they are.
-
-    Attributes:
-        objects: Objects with grasps.
-        grasps: All grasps.
-        per_object: Median number of grasps of an object.
-        quality: Quartiles of the Ferrari-Canny quality.
-        robust_quality: Quartiles of the robust quality.
-        robust_success_rate: Mean fraction of the perturbed copies that hold.
-        collision_free: Fraction of the grasps that the hand reaches without collision.
-    """
+    """How many grasps a gripper has and how good they are."""
 
     objects: int
     grasps: int
-    per_object: float
-    quality: list[float]
-    robust_quality: list[float]
-    robust_success_rate: float
-    collision_free: float
+    per_object: float  # median number of grasps of an object
+    quality: list[float]  # quartiles of the Ferrari-Canny quality
+    robust_quality: list[float]  # quartiles of the robust quality
+    robust_success_rate: float  # mean fraction of the perturbed copies that hold
+    collision_free: float  # fraction of the grasps that the hand reaches without collision
 
 
 @dataclass(frozen=True)

@@ -80,21 +80,14 @@ class LogObject:
 
 @dataclass(frozen=True)
 class LogPlan:
-    """What a session consists of.
+    """What a session consists of."""
 
-    Attributes:
-        attempts: Attempts by each detector at each object.
-        seed: Seed of the order.
-        order: All attempts.
-        shown: Name of each detector on the page: its own, or a letter if the session is blinded.
-        blind: Whether the operator does not know the detectors.
-    """
-
-    attempts: int
+    attempts: int  # attempts by each detector at each object
     seed: int
     order: tuple[PlannedAttempt, ...]
+    # name of each detector on the page: its own, or a letter if the session is blinded
     shown: dict[str, str]
-    blind: bool
+    blind: bool  # whether the operator does not know the detectors
 
 
 def attempt_order(

@@ -42,29 +42,19 @@ class Cell:
 
 @dataclass(frozen=True)
 class SpaceMap:
-    """The cells of a dataset, the color bar, and what a click on a cell shows.
+    """The cells of a dataset, the color bar, and what a click on a cell shows."""
 
-    Attributes:
-        size: Cells along each axis.
-        cells: The filled ones.
-        low: Mean diversity at the lower end of the color bar; few cells are below it.
-        high: Mean diversity at its upper end.
-        stops: Colors of the bar, from low to high.
-        details: Objects of each cell by its name: label, id, complexity, graspability, its
-            standard error, confidence of the cell, diversity and picture (base64; None for the
-            first, which the map shows); then the number of further objects.
-        first: Name of the cell whose objects are shown first.
-        pictured: Whether the objects have pictures.
-    """
-
-    size: int
-    cells: list[Cell]
-    low: float
-    high: float
-    stops: list[str]
+    size: int  # cells along each axis
+    cells: list[Cell]  # the filled ones
+    low: float  # mean diversity at the lower end of the color bar; few cells are below it
+    high: float  # mean diversity at its upper end
+    stops: list[str]  # colors of the bar, from low to high
+    # objects of each cell by its name: label, id, complexity, graspability, its standard
+    # error, confidence of the cell, diversity and picture (base64; None for the first, which
+    # the map shows); then the number of further objects
     details: dict[str, dict[str, Any]]
-    first: str
-    pictured: bool
+    first: str  # name of the cell whose objects are shown first
+    pictured: bool  # whether the objects have pictures
 
 
 def section(

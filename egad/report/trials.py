@@ -60,31 +60,19 @@ class EvaluationSet:
 
 @dataclass(frozen=True)
 class TrialView:
-    """Attempts of one detector; figures are addresses, empty if there is none.
-
-    Attributes:
-        engine: The physics engine, and the errors of the cell; empty for a real robot.
-        rate: Success rate over all attempts.
-        objects: How many objects were tried.
-        outcomes: Attempts by outcome.
-        heat_map: Success rates of objects, rows and columns; outcomes by object if the set is not
-            a grid.
-        reliability: Quality against success.
-        discrimination: How often a success had a higher quality than a failure.
-        trends: Rank correlation of success with `difficulty` and `complexity`.
-        trend_figure: The same as a figure; none if the set is not a grid.
-    """
+    """Attempts of one detector; figures are addresses, empty if there is none."""
 
     name: str
-    engine: str
-    rate: Mean
+    engine: str  # the physics engine, and the errors of the cell; empty for a real robot
+    rate: Mean  # success rate over all attempts
     objects: int
     outcomes: dict[str, int]
+    # success rates of objects, rows and columns; outcomes by object if the set is not a grid
     heat_map: str
-    reliability: str
-    discrimination: float
-    trends: dict[str, Trend]
-    trend_figure: str
+    reliability: str  # quality against success
+    discrimination: float  # how often a success had a higher quality than a failure
+    trends: dict[str, Trend]  # rank correlation of success with `difficulty` and `complexity`
+    trend_figure: str  # the same as a figure; none if the set is not a grid
 
 
 @dataclass(frozen=True)

@@ -23,17 +23,11 @@ class PairedDrop(NamedTuple):
 
 
 class Claim(NamedTuple):
-    """The claim that is tested.
+    """The claim that is tested."""
 
-    Attributes:
-        reference: Minimum success rate of the reference.
-        difference: Minimum difference of the success rates of reference and detector.
-        confidence: Confidence of each of the two.
-    """
-
-    reference: float = 0.8
-    difference: float = 0.5
-    confidence: float = 0.95
+    reference: float = 0.8  # minimum success rate of the reference
+    difference: float = 0.5  # minimum difference of the success rates of reference and detector
+    confidence: float = 0.95  # confidence of each of the two
 
     def is_shown(self, pairs: Sequence[PairedDrop]) -> bool:
         """Whether the evidence suffices."""

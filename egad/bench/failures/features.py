@@ -35,18 +35,11 @@ RANGE = (TAIL, 1 - TAIL)
 
 
 class ShapeFeature(NamedTuple):
-    """A feature, in words.
-
-    Attributes:
-        title: Its name.
-        unit: Unit of the number as shown; empty if it has none.
-        factor: From the number in tables to the one shown.
-        meaning: Its definition.
-    """
+    """A feature, in words."""
 
     title: str
-    unit: str
-    factor: float
+    unit: str  # unit of the number as shown; empty if it has none
+    factor: float  # from the number in tables to the one shown
     meaning: str
 
 
@@ -220,26 +213,17 @@ def asymmetry(mesh: trimesh.Trimesh) -> float:
 
 
 class ExplainedShare(NamedTuple):
-    """How a feature distinguishes failures from objects that the detector solves.
+    """How a feature distinguishes failures from objects that the detector solves."""
 
-    Attributes:
-        low: Quantile 5 % of the feature over the solved objects.
-        high: Quantile 95 %.
-        below: Share of the failures below the range from low to high.
-        above: Share of the failures above.
-        value: Share of the failures that the feature explains: those outside the range, minus the
-            10 % of solved objects that also lie there. It may be negative.
-        ci_low: Lower end of its 95 % interval for other objects of the same kind.
-        ci_high: Upper end.
-    """
-
-    low: float
-    high: float
-    below: float
-    above: float
+    low: float  # quantile 5 % of the feature over the solved objects
+    high: float  # quantile 95 %
+    below: float  # share of the failures below the range from low to high
+    above: float  # share of the failures above
+    # share of the failures that the feature explains: those outside the range, minus the 10 %
+    # of solved objects that also lie there. It may be negative
     value: float
-    ci_low: float
-    ci_high: float
+    ci_low: float  # lower end of its 95 % interval for other objects of the same kind
+    ci_high: float  # upper end
 
 
 def shares(failures: pd.DataFrame, solved: pd.DataFrame) -> dict[str, ExplainedShare]:

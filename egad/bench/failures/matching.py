@@ -36,27 +36,17 @@ Row = dict[str, Any]
 
 
 class PartnerRules(NamedTuple):
-    """Requirements for the partner of a failure.
+    """Requirements for the partner of a failure."""
 
-    Attributes:
-        within: Maximum distance in complexity and in difficulty, cells.
-        succeeds: Minimum success rate of the detector, 0 to 1.
-    """
-
-    within: int = 2
-    succeeds: float = 0.8
+    within: int = 2  # maximum distance in complexity and in difficulty, cells
+    succeeds: float = 0.8  # minimum success rate of the detector, 0 to 1
 
 
 class CandidateTrial(NamedTuple):
-    """Further attempts at an object.
+    """Further attempts at an object."""
 
-    Attributes:
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`.
-        reason: Why the object does not qualify as a partner; empty if it does.
-    """
-
-    attempts: pd.DataFrame
-    reason: str = ""
+    attempts: pd.DataFrame  # columns of `tables.failures.FAILURE_ATTEMPTS`
+    reason: str = ""  # why the object does not qualify as a partner; empty if it does
 
 
 def spread(cells: Floats, difference: Floats) -> list[int]:
@@ -106,7 +96,10 @@ class Matching:
         settings: FailureParameters,
         mapper: Mapper,
     ) -> None:
-        """Find out which objects may be partners; nothing is simulated yet."""
+        """Find out which objects may be partners; nothing is simulated yet.
+
+        An object qualifies as a partner with `count` attempts in each engine.
+        """
         self._failures = atlas.table.sort_values("id", ignore_index=True)
         self._candidates = _candidates(atlas, archive, settings)
         self.rows = {

@@ -16,19 +16,12 @@ from egad.tables.outcomes import Outcome
 
 
 class Drop(NamedTuple):
-    """An object that has come to rest.
-
-    Attributes:
-        bench: The bench that it lies on.
-        rest: Where it lies.
-        purpose: As in `tables.failures.FAILURE_ATTEMPTS`.
-        number: Number of the drop for this purpose.
-    """
+    """An object that has come to rest."""
 
     bench: Bench
     rest: Pose
-    purpose: str
-    number: int
+    purpose: str  # as in `tables.failures.FAILURE_ATTEMPTS`
+    number: int  # number of the drop for this purpose
 
 
 class Recorder:

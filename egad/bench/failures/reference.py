@@ -25,14 +25,9 @@ BEST, WORST = 0.9, 0.5  # expected success of the first and the last labelled gr
 
 
 class Tried(NamedTuple):
-    """A grasp that was executed.
+    """A grasp that was executed."""
 
-    Attributes:
-        grasp: Its pose, from the frame of the hand to that of the object.
-        success: Whether it held.
-    """
-
-    grasp: PoseGrasp
+    grasp: PoseGrasp  # its pose, from the frame of the hand to that of the object
     success: bool
 
 

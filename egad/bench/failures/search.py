@@ -47,25 +47,15 @@ DOUBTFUL = 20  # attempts without any success of the detector after which a warn
 
 @dataclass(frozen=True)
 class Target:
-    """An object that may be examined.
+    """An object that may be examined."""
 
-    Attributes:
-        id: Hash of its voxels.
-        source: archive, child or random.
-        genome: Columns of `tables.evolution.GENOME`.
-        voxels: As archives keep them.
-        parents: Ids of its parents.
-        complexity: NaN if it was not measured.
-        graspability: NaN if it was not measured.
-    """
-
-    id: str
-    source: str
-    genome: Row
-    voxels: bytes
+    id: str  # hash of its voxels
+    source: str  # archive, child or random
+    genome: Row  # columns of `tables.evolution.GENOME`
+    voxels: bytes  # as archives keep them
     parents: tuple[str, ...]
-    complexity: float = math.nan
-    graspability: float = math.nan
+    complexity: float = math.nan  # NaN if it was not measured
+    graspability: float = math.nan  # NaN if it was not measured
 
 
 class Found(NamedTuple):

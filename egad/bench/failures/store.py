@@ -17,11 +17,7 @@ from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
 
 
 class Store:
-    """A folder with the shards of one search: `shard-N/`.
-
-    Attributes:
-        folder: The folder.
-    """
+    """A folder with the shards of one search: `shard-N/`."""
 
     def __init__(
         self, folder: Path, archive: pd.DataFrame, detect: Detect, settings: FailureParameters

@@ -55,17 +55,11 @@ Proposals: TypeAlias = list[Grasp] | GraspPoses
 
 
 class Bench(ABC):
-    """A table with one object; the result of each method depends only on its arguments.
-
-    Attributes:
-        engine: The physics engine.
-        gripper: The hand.
-        world: The table with the object and the hand.
-    """
+    """A table with one object; the result of each method depends only on its arguments."""
 
     engine: EngineName
     gripper: Gripper
-    world: World
+    world: World  # the table with the object and the hand
 
     @abstractmethod
     def drop(self, rng: np.random.Generator) -> Pose | None:

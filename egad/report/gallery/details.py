@@ -38,17 +38,11 @@ class Download:
 
 @dataclass(frozen=True)
 class Relatives:
-    """Who descends from whom, and the names of the pages of relatives.
-
-    Attributes:
-        lineage: Lineage of the objects and their ancestors.
-        labels: Labels of the released objects by id.
-        numbers: Numbers of the ancestors that are not released, by id.
-    """
+    """Who descends from whom, and the names of the pages of relatives."""
 
     lineage: Lineage
-    labels: Mapping[str, str]
-    numbers: Mapping[str, int]
+    labels: Mapping[str, str]  # labels of the released objects by id
+    numbers: Mapping[str, int]  # numbers of the ancestors that are not released, by id
 
     def data(self, name: str) -> dict[str, list[Relative]]:
         """The relatives of an object, by its id, ready for JSON.
