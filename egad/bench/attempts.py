@@ -25,17 +25,10 @@ END = tuple(f"end_{part}" for part in POSE_PARTS)
 def run_attempts(
     model: Model, label: str, object_id: str, detect: Detector | Labels, settings: TrialParameters
 ) -> pd.DataFrame:
-    """Try to grasp an object again and again, as in EGAD, section V.
+    """Try to grasp an object again and again, as in EGAD, section V: `tables.evaluation.TRIALS`.
 
-    Args:
-        model: The object.
-        label: Name in the evaluation set.
-        object_id: Name of the object; it determines all drops, with the seed of the settings.
-        detect: The grasp detector; its errors become the outcome of the attempt.
-        settings: Gripper and trials.
-
-    Returns:
-        One row per attempt, columns of `tables.evaluation.TRIALS`.
+    The id determines all drops, with the seed of the settings. An error of the detector becomes the
+    outcome of the attempt.
     """
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}

@@ -73,14 +73,8 @@ class ClutterRunner:
         """Grasp one object after the other, until none is left or the round ends.
 
         A round ends after two failures in a row, when nothing is proposed (other protocols have
-        other numbers), or when the simulation goes wrong. The result depends only on the
-        arguments, and the initial scene only on kind and seed.
-
-        Args:
-            propose: Proposes the grasps.
-            kind: How the objects lie.
-            noise: Noise added to the depth images.
-            seed: Seed of the scene and, independently of it, of detector and cameras.
+        other numbers), or when the simulation goes wrong. The result depends only on the arguments,
+        and the initial scene only on kind and seed.
         """
         try:
             present = self.begin(kind, seed)
@@ -124,12 +118,8 @@ class ClutterRunner:
     ) -> Iterator[ClutterAttempt]:
         """Repeat a round that began, without its detector: the same, bit by bit.
 
-        It ends by the rules of a round, not with the last grasp: after that, none is proposed.
-
-        Args:
-            grasps: The grasp tried in each attempt, or why there was none.
-            kind: How the objects lie.
-            seed: Seed of the round.
+        It ends by the rules of a round, not with the last grasp, or the reason why there was none:
+        after that, none is proposed.
         """
         known = dict(enumerate(grasps))
         present = self.begin(kind, seed)

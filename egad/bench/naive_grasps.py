@@ -102,20 +102,13 @@ def sample_pose(
 
 
 def try_naive_grasps(model: Model, object_id: str, settings: NaiveGraspParameters) -> pd.DataFrame:
-    """Try naive grasps of an object, each independently of the others.
+    """Try naive grasps of an object, independently: rows of `tables.grasping.NAIVE_GRASPS`.
 
     In free space the object floats without weight until the fingers have closed; then gravity pulls
     along the approach, and the hand lifts it, as in `egad.sim.labelled_trials`. For each grasp on
     the table, the object is dropped in a random orientation. The hand approaches wide open; if it
-    touches the object or the table on its way, the grasp has failed (`collided`).
-
-    Args:
-        model: The object.
-        object_id: Determines a grasp, with the seed, the place and the number of the grasp.
-        settings: Seed, hand, friction, engine, lift, and how many grasps at each place.
-
-    Returns:
-        One row per grasp, columns of `tables.grasping.NAIVE_GRASPS` except id and label.
+    touches the object or the table on its way, the grasp has failed (`collided`). The id determines
+    a grasp, with the seed, the place and its number.
     """
     check_jaws(settings.gripper, "a naive grasp")
     friction = settings.quality.friction

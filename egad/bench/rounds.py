@@ -57,10 +57,6 @@ def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
 
     A scene depends on the seed of the settings, the number of the round and the ids. It does not
     depend on the order of the ids, the noise or the detector.
-
-    Args:
-        ids: Names of the objects to choose from.
-        settings: Scenes, noise, rounds, objects, sizes and seed.
     """
     clutter = settings.clutter
     return [
@@ -108,16 +104,9 @@ def run_round(
     proposer: Callable[[Sequence[str], Sequence[Model]], Propose],
     settings: ClutterParameters,
 ) -> pd.DataFrame:
-    """Let a detector clear a table.
+    """Let a detector clear a table: rows of `tables.clutter.CLUTTER`, one per attempt.
 
-    Args:
-        this: The round.
-        models: All objects by their names.
-        proposer: Returns what proposes grasps, given names and models of the objects in the scene.
-        settings: Gripper, cameras and engine.
-
-    Returns:
-        One row per attempt, columns of `tables.clutter.CLUTTER`.
+    `proposer` returns what proposes grasps, given names and models of the objects in the scene.
     """
     with open_round(this, models, settings) as world:
         runner = ClutterRunner(world, settings.clutter)
@@ -137,16 +126,10 @@ def repeat_round(
     settings: ClutterParameters,
     watch: Callable[[World], object] = lambda _: None,
 ) -> pd.DataFrame:
-    """Repeat a round without its detector.
+    """Repeat a round of `tables.clutter.CLUTTER` that began, without its detector.
 
-    Args:
-        rows: Columns of `tables.clutter.CLUTTER`, of one round that began.
-        models: At least its objects, by name.
-        settings: Gripper, cameras and engine of the round.
-        watch: Called with the world before the round begins.
-
-    Returns:
-        The same rows, bit by bit, if nothing else has changed.
+    The rows are the same, bit by bit, if nothing else has changed. `models` holds at least its
+    objects, by name; `watch` is called with the world before the round begins.
     """
     this = _read_round(rows.iloc[0])
     with open_round(this, models, settings) as world:
@@ -166,15 +149,7 @@ def film_round(
     models: Models,
     settings: ClutterParameters,
 ) -> list[RgbImage]:
-    """The frames of a round that is repeated without its detector.
-
-    Args:
-        table: Columns of `tables.clutter.CLUTTER`.
-        scene: How the objects lay.
-        noise: Noise added to the depth images.
-        number: Number of the round.
-        models: All objects by their names.
-        settings: Settings of the round.
+    """The frames of a round of `tables.clutter.CLUTTER` that is repeated without its detector.
 
     Raises:
         UserError: There is no such round, it never began, or it ends differently.

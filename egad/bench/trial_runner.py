@@ -62,12 +62,8 @@ def initial_poses(
 ) -> Iterator[InitialPose]:
     """Initial poses to try in turn, until the object lies still in the workspace.
 
-    Args:
-        mesh: The object, in the frame of its poses.
-        height: Height of its lowest point when it is dropped, metres.
-        left: Where the previous attempt left it: lying, or in the hand, which tilts and turns it
-            randomly above the middle; None if it is dropped again.
-        rng: Random number generator.
+    It is dropped with its lowest point at `height`, metres, or from where the previous attempt left
+    it: lying, or in the hand, which tilts and turns it randomly above the middle.
     """
     if left is not None and left.kind == "from_hand":
         turned = _tilted(left.pose.quaternion, rng)
@@ -162,11 +158,8 @@ class TrialRunner:
     ) -> Attempt:
         """Make one attempt, from drop to hold; the result depends only on the arguments.
 
-        Args:
-            detect: The grasp detector.
-            seed: Seed of the drops and, independently of these, of the detector and the camera.
-            before: The previous attempt, if this one continues from it.
-            deviation: How the attempt deviates from the plan.
+        The seed is that of the drops and, independently of these, of the detector and the camera.
+        The attempt may continue from the one before.
         """
         self._vary(deviation)
         drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
@@ -185,14 +178,7 @@ class TrialRunner:
     ) -> Attempt:
         """Repeat an attempt without its detector, from its initial pose and the proposed grasp.
 
-        Args:
-            start: Where the object falls from.
-            grasp: The grasp to try, if any.
-            deviation: How the attempt deviates from the plan.
-
-        Returns:
-            The same as the first time, bit by bit, except that it does not say why there is no
-            grasp.
+        It is the same, bit by bit, except that it does not say why there is no grasp.
         """
         self._vary(deviation)
         rest = self._settled(start)

@@ -79,12 +79,8 @@ class Examination:
     ) -> None:
         """Prepare; nothing is simulated yet.
 
-        Args:
-            mesh: A closed surface wound outwards, scaled to the gripper, metres.
-            object_id: Determines all drops, with the seed of the settings.
-            detect: The detector.
-            settings: Gripper, engines, numbers of attempts.
-            report: Called with 1 after every attempt.
+        The mesh is closed, wound outwards, scaled to the gripper, metres; `object_id` determines
+        all drops, with the seed of the settings; `report` is called with 1 after every attempt.
         """
         self._mesh, self._id = mesh, object_id
         self._settings, self._search = settings, settings.failures
@@ -120,11 +116,7 @@ class Examination:
     def explain(self, attempts: pd.DataFrame) -> pd.DataFrame:
         """Try the other proposals of the detector where it failed and the reference did not.
 
-        Args:
-            attempts: Attempts at this object, columns of `tables.failures.FAILURE_ATTEMPTS`.
-
-        Returns:
-            The further attempts at each drop, until one succeeds; none if nothing was proposed.
+        Returns the further `tables.failures.FAILURE_ATTEMPTS` at each drop, until one succeeds.
         """
         recorder, engine = self._recorder, self._search.engines[0]
         exact = model_of_attempts(self._mesh, "explain", self._settings, self._id)

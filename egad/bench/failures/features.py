@@ -87,17 +87,11 @@ SHAPE_FEATURES = {
 def shape_features(
     mesh: trimesh.Trimesh, attempts: pd.DataFrame, gripper: Gripper
 ) -> dict[str, float]:
-    """The features of an object, without those of the map.
+    """The features of an object that `SHAPE_FEATURES` defines, without those of the map.
 
-    Args:
-        mesh: A closed surface wound outwards, scaled as in the search, metres.
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object. Features of grasps
-            are medians over the first twelve grasps that held; NaN without any.
-        gripper: The hand. A suction cup has one contact, and so no `grasp_size`.
-
-    Returns:
-        `grasp_size`, `wall_thickness` (m), `contact_curvature` (1/m), `concavity` and `asymmetry`
-        as defined in `SHAPE_FEATURES`.
+    The mesh is closed, wound outwards, scaled as in the search, metres. Features of grasps are
+    medians over the first twelve `tables.failures.FAILURE_ATTEMPTS` that held; NaN without any. A
+    suction cup has one contact, and so no `grasp_size`.
     """
     caster = RayCaster(mesh)
     points, faces = trimesh.sample.sample_surface(mesh, POINTS, seed=0)

@@ -193,11 +193,7 @@ def mean_of(successes: Ints, attempts: Ints) -> Mean:
 def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
     """Success rate of every object, row and column of the evaluation set, as in the paper.
 
-    Args:
-        trials: Columns `label` (such as C4) and `success`, one row per attempt. Objects under other
-            names, or outside, have no cells, rows and columns.
-        rows: Letters of the set.
-        columns: Digits of the set.
+    Objects with other labels than such as C4, or outside, have no cells, rows and columns.
     """
     if not in_grid(set(trials["label"])):
         return TrialGrid({}, [], [], mean_rate(trials))
@@ -258,12 +254,7 @@ def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) 
 
 
 def trend(values: Floats, rates: Floats) -> Trend:
-    """Spearman's rank correlation of n objects, with an interval by bootstrap over them.
-
-    Args:
-        values: (n,) property that may make objects hard.
-        rates: (n,) how often each was held.
-    """
+    """Spearman's rank correlation of property and rate, (n,), and its bootstrap over objects."""
     if len(values) < MIN_CORRELATED:
         return Trend(np.nan, np.nan, np.nan)
     everything = np.arange(len(values))[None]

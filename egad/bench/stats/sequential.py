@@ -122,9 +122,6 @@ def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
 
     Every object is tried once before any is tried again, each time in another random order, which
     depends only on labels and numbers.
-
-    Args:
-        table: Columns label and attempt.
     """
     order = [
         (attempt, entropy(0, "rounds", str(label), int(attempt)))
