@@ -118,8 +118,8 @@ class ClutterRunner:
     ) -> Iterator[ClutterAttempt]:
         """Repeat a round that began, without its detector: the same, bit by bit.
 
-        It ends by the rules of a round, not with the last grasp, or the reason why there was none:
-        after that, none is proposed.
+        `grasps` are those tried, or why there was none. The round ends by its rules, not with the
+        last grasp: after that, none is proposed.
         """
         known = dict(enumerate(grasps))
         present = self.begin(kind, seed)

@@ -91,7 +91,7 @@ def shape_features(
 
     The mesh is closed, wound outwards, scaled as in the search, metres. Features of grasps are
     medians over the first twelve `tables.failures.FAILURE_ATTEMPTS` that held; NaN without any. A
-    suction cup has one contact, and so no `grasp_size`.
+    suction cup has one contact, and so no `grasp_size`. Lengths are in metres, curvature in 1/m.
     """
     caster = RayCaster(mesh)
     points, faces = trimesh.sample.sample_surface(mesh, POINTS, seed=0)
