@@ -258,11 +258,7 @@ class Dataset:
         return Lineage(parquet.read(self._ancestry, LINEAGE))
 
     def _mask(self, given: pd.Series) -> NDArray[np.bool_]:
-        """Booleans, one for each row of the table.
-
-        Raises:
-            UserError: They are too many or too few, some are missing, or they belong to other rows.
-        """
+        """Booleans, (n,); UserError if too many or few, some missing, or of other rows."""
         rows = self.table.index
         if len(given) != len(rows):
             raise UserError(f"got {len(given)} booleans for {len(rows)} objects")

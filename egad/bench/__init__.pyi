@@ -4,12 +4,9 @@ from .attempts import failed_attempts as failed_attempts
 from .attempts import read_attempt as read_attempt
 from .attempts import run_attempts as run_attempts
 from .clutter import POINT_SIGMA as POINT_SIGMA
-from .clutter import ClutterRunner as ClutterRunner
-from .clutter import Propose as Propose
 from .clutter import camera_poses as camera_poses
 from .clutter import intrinsics_of as intrinsics_of
 from .clutter import proposed_by as proposed_by
-from .clutter import timed as timed
 from .naive_grasps import naive_outcomes as naive_outcomes
 from .naive_grasps import try_naive_grasps as try_naive_grasps
 from .parameters import NAMED_ERRORS as NAMED_ERRORS
@@ -39,7 +36,6 @@ from .rounds import repeat_round as repeat_round
 from .rounds import round_name as round_name
 from .rounds import rounds_of as rounds_of
 from .rounds import run_round as run_round
-from .scene_labels import SceneLabels as SceneLabels
 from .scenes import WORKSPACE as WORKSPACE
 from .scenes import RestingObject as RestingObject
 from .scenes import make_scene as make_scene

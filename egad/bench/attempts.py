@@ -25,17 +25,10 @@ END = tuple(f"end_{part}" for part in POSE_PARTS)
 def run_attempts(
     model: Model, label: str, object_id: str, detect: Detector | Labels, settings: TrialParameters
 ) -> pd.DataFrame:
-    """Try to grasp an object again and again, as in EGAD, section V.
+    """Try to grasp an object again and again, as in EGAD, section V: `tables.evaluation.TRIALS`.
 
-    Args:
-        model: The object.
-        label: Name in the evaluation set.
-        object_id: Name of the object; it determines all drops, with the seed of the settings.
-        detect: The grasp detector; its errors become the outcome of the attempt.
-        settings: Gripper and trials.
-
-    Returns:
-        One row per attempt, columns of `tables.evaluation.TRIALS`.
+    The id determines all drops, with the seed of the settings. An error of the detector becomes the
+    outcome of the attempt.
     """
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}
@@ -59,12 +52,7 @@ def failed_attempts(
 def read_attempt(
     row: Mapping[str, Any], errors: CellErrors
 ) -> tuple[InitialPose, Grasp | None, Deviation]:
-    """The initial pose, the grasp and the deviation of an attempt in a table.
-
-    Args:
-        row: Columns of `tables.evaluation.TRIALS`, of an attempt that began.
-        errors: Errors of the cell in the trials.
-    """
+    """Initial pose, grasp and deviation of a row of `tables.evaluation.TRIALS` that began."""
     start = InitialPose(row["initial_pose"], Pose.of([row[name] for name in INITIAL]))
     deviation = draw(errors, *(_hexadecimal(row, name) for name in ("calibration", "seed")))
     if np.isnan(row["width"]):

@@ -229,14 +229,7 @@ def run_benchmark(
 def clear_tables(
     detect: Detect, objects: Sequence[SceneObject], settings: ClutterParameters, jobs: int = 1
 ) -> Benchmark:
-    """Let a detector clear tables of prepared objects.
-
-    Args:
-        detect: See `run_benchmark`; `labels` needs objects with grasps.
-        objects: The objects to choose from.
-        settings: Seed, gripper, scenes and cameras.
-        jobs: Number of processes; the result does not depend on it.
-    """
+    """Let a detector clear tables of prepared objects; `labels` needs objects with grasps."""
     todo = rounds_of([each.id for each in objects], settings)
     shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
     work = partial(clear_rounds, objects=objects, detect=detect, settings=settings)

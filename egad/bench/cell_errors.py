@@ -17,21 +17,14 @@ SESSION = 20  # attempts at an object between two calibrations
 
 @dataclass(frozen=True)
 class Deviation:
-    """How one attempt deviates from the plan.
+    """How one attempt deviates from the plan."""
 
-    Attributes:
-        motion: (4, 4) from where the hand should be to where it is, world frame.
-        opening: How much too wide the hand opens, metres.
-        friction: Friction of the pads / that of the gripper.
-        mass: Mass of an object / that of its model.
-        stopping_force: Force that stops the hand / that of the settings.
-    """
-
+    # (4, 4) from where the hand should be to where it is, world frame
     motion: Floats = field(default_factory=lambda: np.eye(4))
-    opening: float = 0.0
-    friction: float = 1.0
-    mass: float = 1.0
-    stopping_force: float = 1.0
+    opening: float = 0.0  # how much too wide the hand opens, metres
+    friction: float = 1.0  # friction of the pads / that of the gripper
+    mass: float = 1.0  # mass of an object / that of its model
+    stopping_force: float = 1.0  # force that stops the hand / that of the settings
 
     def grasp(self, planned: Grasp, gripper: Gripper) -> Grasp:
         """A grasp from above as the hand executes it; the hand stays vertical."""
@@ -57,10 +50,7 @@ EXACT: Deviation = Deviation()
 def draw(errors: CellErrors, calibration: int, seed: int) -> Deviation:
     """Draw the deviation of an attempt; the draw for one error does not depend on the others.
 
-    Args:
-        errors: How large the errors are.
-        calibration: Seed of the calibration, the same for all attempts until the next one.
-        seed: Seed of the attempt.
+    `calibration` is a seed as well, the same for all attempts until the next calibration.
     """
     calibrated, attempt = generator(calibration, "calibration"), generator(seed, "errors")
     shift, turn = calibrated.normal(size=(2, 3))

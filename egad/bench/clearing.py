@@ -48,10 +48,6 @@ class SceneObject(NamedTuple):
 def check_detector(detect: Detect, settings: ClutterParameters) -> None:
     """Start a detector and stop it again, before objects are prepared, which takes minutes.
 
-    Args:
-        detect: See `run_benchmark`.
-        settings: How long its answers may take.
-
     Raises:
         UserError: The detector cannot be found, made or started, or is for another kind of gripper.
     """
@@ -68,12 +64,7 @@ def prepare_objects(
 ) -> list[SceneObject]:
     """Prepare objects for clearing tables; objects that cannot be simulated are left out.
 
-    Args:
-        targets: The objects.
-        gripper: What they are scaled to.
-        rule: How they are scaled.
-        label_seed: For labelled grasps; None if they are not needed.
-        jobs: Number of processes; the result does not depend on it.
+    They have labelled grasps if there is a seed for them.
 
     Raises:
         UserError: None of the objects can be simulated.
@@ -130,15 +121,8 @@ def open_table(
 ) -> Iterator[Callable[[Round], Cleared]]:
     """A function that lets a detector clear one table, valid within the context.
 
-    Args:
-        detect: See `run_benchmark`.
-        model: Maps the id of an object to its model.
-        grasps: Maps its id to its labelled grasps, columns of `tables.grasping.GRASPS`; called for
-            `labels` only.
-        settings: Seed, gripper, scenes and cameras.
-
-    Raises:
-        UserError: The detector cannot be found or made.
+    Models and labelled grasps (columns of `tables.grasping.GRASPS`) are looked up by the id of an
+    object, grasps for `labels` only. UserError if the detector cannot be found or made.
     """
     with _proposer(detect, grasps, settings) as proposer:
 

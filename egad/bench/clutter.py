@@ -46,36 +46,21 @@ POINT_SIGMA = 0.0008  # metres, of the noise `points`
 
 @dataclass(frozen=True)
 class ClutterAttempt:
-    """The result of an attempt.
+    """The result of an attempt."""
 
-    Attributes:
-        outcome: As in `PoseExecution`, or one of `egad.tables.outcomes.POSE_FAILURES`.
-        present: The objects on the table before it.
-        grasp: The grasp that was tried, if any.
-        held: Number of the object that was held.
-        stopped: How far before the grasp the hand was stopped, metres.
-        failure: What the detector did wrong, if it failed.
-    """
-
-    outcome: Outcome
-    present: tuple[RestingObject, ...]
+    outcome: Outcome  # as in `PoseExecution`, or one of `egad.tables.outcomes.POSE_FAILURES`
+    present: tuple[RestingObject, ...]  # the objects on the table before it
     grasp: PoseGrasp | None = None
     held: int | None = None
-    stopped: float = 0.0
-    failure: str = ""
+    stopped: float = 0.0  # how far before the grasp the hand was stopped, metres
+    failure: str = ""  # what the detector did wrong, if it failed
 
 
 class ClutterRunner:
     """A table with objects, cameras all around it and a hand that clears it."""
 
     def __init__(self, world: World, settings: Clutter) -> None:
-        """Set up.
-
-        Args:
-            world: A running simulation of the objects of a round, with walls for a pile, and the
-                robot `egad.sim.robots.free_hand`.
-            settings: Rules, and errors of the cell.
-        """
+        """Set up; for a pile, the world has walls, and its robot is `egad.sim.robots.free_hand`."""
         self.world = world
         self._errors = settings.errors
         self._protocol = settings.protocol
@@ -88,14 +73,8 @@ class ClutterRunner:
         """Grasp one object after the other, until none is left or the round ends.
 
         A round ends after two failures in a row, when nothing is proposed (other protocols have
-        other numbers), or when the simulation goes wrong. The result depends only on the
-        arguments, and the initial scene only on kind and seed.
-
-        Args:
-            propose: Proposes the grasps.
-            kind: How the objects lie.
-            noise: Noise added to the depth images.
-            seed: Seed of the scene and, independently of it, of detector and cameras.
+        other numbers), or when the simulation goes wrong. The result depends only on the arguments,
+        and the initial scene only on kind and seed.
         """
         try:
             present = self.begin(kind, seed)
@@ -131,11 +110,7 @@ class ClutterRunner:
                 failures = 0 if attempt.outcome == Outcome.SUCCESS else failures + 1
 
     def begin(self, kind: SceneKind, seed: int) -> list[RestingObject]:
-        """Put the objects on the table.
-
-        Raises:
-            UnstableError: The simulation went wrong.
-        """
+        """Put the objects on the table; UnstableError if the simulation goes wrong."""
         return make_scene(self.world, kind, generator(seed, "scene", kind), self._protocol)
 
     def repeat(
@@ -143,12 +118,8 @@ class ClutterRunner:
     ) -> Iterator[ClutterAttempt]:
         """Repeat a round that began, without its detector: the same, bit by bit.
 
-        It ends by the rules of a round, not with the last grasp: after that, none is proposed.
-
-        Args:
-            grasps: The grasp tried in each attempt, or why there was none.
-            kind: How the objects lie.
-            seed: Seed of the round.
+        `grasps` are those tried, or why there was none. The round ends by its rules, not with the
+        last grasp: after that, none is proposed.
         """
         known = dict(enumerate(grasps))
         present = self.begin(kind, seed)
@@ -216,12 +187,7 @@ class ClutterRunner:
 
 
 def camera_poses(cameras: SceneCameras, rng: Generator) -> list[Floats]:
-    """Where the cameras around a table are, (4, 4) each.
-
-    Args:
-        cameras: Ranges to draw from; all cameras have the same distance and tilt.
-        rng: Random number generator.
-    """
+    """Where the cameras around a table are, (4, 4) each; all have the same distance and tilt."""
     ranges = (cameras.distance, cameras.tilt, cameras.azimuth)
     shares = rng.uniform(size=len(ranges)).tolist()
     distance, tilt, azimuth = (
@@ -241,13 +207,7 @@ def intrinsics_of(cameras: SceneCameras) -> Intrinsics:
 
 
 def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = EGAD) -> Propose:
-    """A proposer that shows a detector the input that it asks for.
-
-    Args:
-        detect: Proposes grasps.
-        gripper: The hand.
-        protocol: Which of them is tried: the one with the highest score, or another one.
-    """
+    """A proposer that shows a detector its input and tries the grasp that the protocol says."""
     least = -math.inf if protocol.threshold is None else protocol.threshold
 
     def propose(observation: Observation, _: Sequence[RestingObject], rng: Generator) -> Proposal:

@@ -46,13 +46,7 @@ class Touch(NamedTuple):
 
 
 def sample_touch(mesh: trimesh.Trimesh, chosen: Flags, rng: np.random.Generator) -> Touch:
-    """Sample a point on some triangles of a surface, uniform by area.
-
-    Args:
-        mesh: Wound outwards.
-        chosen: Which triangles, (m,); at least one of them has an area.
-        rng: Random number generator.
-    """
+    """Sample a point on the chosen triangles, (m,), not all without area, uniform by area."""
     sums = np.cumsum(np.asarray(mesh.area_faces) * chosen)
     at, along, across = rng.uniform(size=3)
     face = int(np.searchsorted(sums, at * sums[-1], side="right"))
@@ -65,11 +59,8 @@ def sample_touch(mesh: trimesh.Trimesh, chosen: Flags, rng: np.random.Generator)
 def approach_pose(touch: Touch, turn: float, depth: float, gripper: Gripper) -> Floats:
     """Pose, (4, 4), of a hand that approaches against the normal; see `egad.grasps.hand_poses`.
 
-    Args:
-        touch: Where it approaches the surface.
-        turn: Angle of the closing axis about the approach, radians, from a fixed direction.
-        depth: How far the fingertips reach beyond the surface, metres.
-        gripper: The hand.
+    The closing axis is turned about the approach (radians, from a fixed direction), and the
+    fingertips reach `depth` metres beyond the surface.
     """
     approach = -touch.normal
     aside = np.cross(approach, SIDEWAYS[int(abs(approach[0]) > abs(approach[1]))])
@@ -90,16 +81,11 @@ def sample_pose(
     """Sample the pose, (4, 4), of a naive grasp; None if no part of the surface faces up.
 
     The turn is uniform, and the depth of the fingertips below the surface uniform from 0 to the
-    length of the fingers, at which the palm touches.
+    length of the fingers, at which the palm touches, or to `deepest`, metres.
 
-    Args:
-        mesh: The object, wound outwards, metres.
-        gripper: The hand.
-        rng: Random number generator.
-        rest: Where the object lies, (4, 4), on a table at height 0. The hand then comes from above,
-            at most 60 degrees off the vertical, and its fingertips stay 3 mm above the table.
-            Without it, the object floats, and the pose is in the frame of the mesh.
-        deepest: Limit of the depth, metres.
+    For an object that lies at `rest`, (4, 4), on a table at height 0, the hand comes from above, at
+    most 60 degrees off the vertical, and its fingertips stay 3 mm above the table. Otherwise the
+    object floats, and the pose is in the frame of the mesh.
     """
     if rest is None:
         touch = sample_touch(mesh, np.ones(len(mesh.faces), dtype=bool), rng)
@@ -116,20 +102,13 @@ def sample_pose(
 
 
 def try_naive_grasps(model: Model, object_id: str, settings: NaiveGraspParameters) -> pd.DataFrame:
-    """Try naive grasps of an object, each independently of the others.
+    """Try naive grasps of an object, independently: rows of `tables.grasping.NAIVE_GRASPS`.
 
     In free space the object floats without weight until the fingers have closed; then gravity pulls
     along the approach, and the hand lifts it, as in `egad.sim.labelled_trials`. For each grasp on
     the table, the object is dropped in a random orientation. The hand approaches wide open; if it
-    touches the object or the table on its way, the grasp has failed (`collided`).
-
-    Args:
-        model: The object.
-        object_id: Determines a grasp, with the seed, the place and the number of the grasp.
-        settings: Seed, hand, friction, engine, lift, and how many grasps at each place.
-
-    Returns:
-        One row per grasp, columns of `tables.grasping.NAIVE_GRASPS` except id and label.
+    touches the object or the table on its way, the grasp has failed (`collided`). The id determines
+    a grasp, with the seed, the place and its number.
     """
     check_jaws(settings.gripper, "a naive grasp")
     friction = settings.quality.friction
@@ -150,13 +129,7 @@ def try_naive_grasps(model: Model, object_id: str, settings: NaiveGraspParameter
 def naive_outcomes(
     free: Sequence[Outcome], table: Sequence[Outcome], settings: NaiveGraspParameters
 ) -> pd.DataFrame:
-    """The outcomes of naive grasps as a table, as returned by `try_naive_grasps`.
-
-    Args:
-        free: Outcomes in free space.
-        table: Outcomes on the table.
-        settings: Settings of the grasps.
-    """
+    """Outcomes in free space and on the table, as a table like that of `try_naive_grasps`."""
     rows = [
         (place, number, outcome.value)
         for place, outcomes in ((FREE, free), (TABLE, table))
@@ -173,15 +146,7 @@ def try_in_free_space(
     rng: np.random.Generator,
     deepest: float = np.inf,
 ) -> Outcome:
-    """Try a naive grasp of a floating object; see `try_naive_grasps`.
-
-    Args:
-        world: A world of the object and the arm's robot.
-        arm: The arm that carries the hand.
-        lifting: Settings of lift and hold.
-        rng: Determines the grasp.
-        deepest: See `sample_pose`.
-    """
+    """Try a naive grasp of a floating object; see `try_naive_grasps`."""
     gripper, mesh = arm.robot.gripper, world.model.mesh
     pose = sample_pose(mesh, gripper, rng, deepest=deepest)
     if pose is None:
@@ -194,13 +159,7 @@ def try_in_free_space(
 
 
 def try_on_table(world: World, rng: np.random.Generator, deepest: float = np.inf) -> Outcome:
-    """Drop an object and try a naive grasp of it; see `try_naive_grasps`.
-
-    Args:
-        world: A world of the object and the robot `egad.sim.robots.free_hand`.
-        rng: Determines the drop and the grasp.
-        deepest: See `sample_pose`.
-    """
+    """Drop an object in the world of a free hand and try a naive grasp; see `try_naive_grasps`."""
     gripper = Fingers(world).gripper
     try:
         present = make_scene(world, "single", rng)

@@ -57,10 +57,6 @@ def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
 
     A scene depends on the seed of the settings, the number of the round and the ids. It does not
     depend on the order of the ids, the noise or the detector.
-
-    Args:
-        ids: Names of the objects to choose from.
-        settings: Scenes, noise, rounds, objects, sizes and seed.
     """
     clutter = settings.clutter
     return [
@@ -92,15 +88,7 @@ def draw_objects(
     protocol: ClutterProtocol,
     rng: np.random.Generator,
 ) -> tuple[tuple[str, ...], tuple[float, ...]]:
-    """Draw the objects of a scene, and their sizes.
-
-    Args:
-        ids: Names of the objects to choose from.
-        scene: How they will lie.
-        count: How many; fewer if there are not enough and objects may not repeat.
-        protocol: Whether objects may repeat, and the range of the sizes.
-        rng: Random number generator.
-    """
+    """Draw `count` objects and their sizes; fewer if the ids are few and may not repeat."""
     if protocol.repetition:
         chosen = rng.integers(len(ids), size=count)
     else:
@@ -116,16 +104,9 @@ def run_round(
     proposer: Callable[[Sequence[str], Sequence[Model]], Propose],
     settings: ClutterParameters,
 ) -> pd.DataFrame:
-    """Let a detector clear a table.
+    """Let a detector clear a table: rows of `tables.clutter.CLUTTER`, one per attempt.
 
-    Args:
-        this: The round.
-        models: All objects by their names.
-        proposer: Returns what proposes grasps, given names and models of the objects in the scene.
-        settings: Gripper, cameras and engine.
-
-    Returns:
-        One row per attempt, columns of `tables.clutter.CLUTTER`.
+    `proposer` returns what proposes grasps, given names and models of the objects in the scene.
     """
     with open_round(this, models, settings) as world:
         runner = ClutterRunner(world, settings.clutter)
@@ -145,16 +126,10 @@ def repeat_round(
     settings: ClutterParameters,
     watch: Callable[[World], object] = lambda _: None,
 ) -> pd.DataFrame:
-    """Repeat a round without its detector.
+    """Repeat a round of `tables.clutter.CLUTTER` that began, without its detector.
 
-    Args:
-        rows: Columns of `tables.clutter.CLUTTER`, of one round that began.
-        models: At least its objects, by name.
-        settings: Gripper, cameras and engine of the round.
-        watch: Called with the world before the round begins.
-
-    Returns:
-        The same rows, bit by bit, if nothing else has changed.
+    The rows are the same, bit by bit, if nothing else has changed. `models` holds at least its
+    objects, by name; `watch` is called with the world before the round begins.
     """
     this = _read_round(rows.iloc[0])
     with open_round(this, models, settings) as world:
@@ -174,15 +149,7 @@ def film_round(
     models: Models,
     settings: ClutterParameters,
 ) -> list[RgbImage]:
-    """The frames of a round that is repeated without its detector.
-
-    Args:
-        table: Columns of `tables.clutter.CLUTTER`.
-        scene: How the objects lay.
-        noise: Noise added to the depth images.
-        number: Number of the round.
-        models: All objects by their names.
-        settings: Settings of the round.
+    """The frames of a round of `tables.clutter.CLUTTER` that is repeated without its detector.
 
     Raises:
         UserError: There is no such round, it never began, or it ends differently.
@@ -204,11 +171,7 @@ def film_round(
 
 
 def picture_of(this: Round, models: Models, settings: ClutterParameters) -> RgbImage:
-    """A picture of the initial scene of a round, (height, width, 3).
-
-    Raises:
-        UnstableError: The simulation went wrong.
-    """
+    """Picture of the initial scene of a round, (height, width, 3); UnstableError as for `begin`."""
     with open_round(this, models, settings) as world:
         ClutterRunner(world, settings.clutter).begin(this.scene, this.seed)
         return Film(world).frame()
@@ -238,13 +201,7 @@ def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | Outcome:
 
 
 def open_round(this: Round, models: Models, settings: ClutterParameters) -> World:
-    """The world of a round, for a `with` block: objects at their sizes, a hand, perhaps walls.
-
-    Args:
-        this: The round.
-        models: At least its objects, by name.
-        settings: Gripper, rules and engine.
-    """
+    """The world of a round, for a `with` block: objects at their sizes, a hand, perhaps walls."""
     sized = [models[name].scaled(by) for name, by in zip(this.ids, this.factors, strict=True)]
     walls = BOX if this.scene == "pile" else None
     protocol = settings.clutter.protocol

@@ -37,13 +37,7 @@ class SceneLabels:
     def __init__(
         self, grasps: Sequence[pd.DataFrame], models: Sequence[Model], gripper: Gripper
     ) -> None:
-        """Keep the grasps that the hand can reach with nothing but the object there.
-
-        Args:
-            grasps: Columns of `tables.grasping.GRASPS` for each object.
-            models: The objects.
-            gripper: The hand.
-        """
+        """Keep the grasps of each object that the hand can reach with nothing else there."""
         self._grasps = [table[table["collision_free"]] for table in grasps]
         self._models = models
         self._gripper = gripper

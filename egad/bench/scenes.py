@@ -39,21 +39,12 @@ def make_scene(
 ) -> list[RestingObject]:
     """Put the objects of a world on the table, one after the other, until they lie still.
 
-    single, pile: dropped in random orientations, a pile into a box that is then removed. packed:
-    placed upright, with the z axis of the file up and a random rotation about it, beside those that
-    already lie still; an object that does not fit is left out.
+    single, pile: dropped in random orientations, a pile into a box (walls of the world) that is
+    then removed. packed: placed upright, with the z axis of the file up and a random rotation about
+    it, beside those that already lie still; an object that does not fit is left out.
 
-    Args:
-        world: World with the objects and, for a pile, with walls.
-        kind: How they are put there.
-        rng: Random number generator.
-        protocol: From which height objects are dropped, and where they are packed.
-
-    Returns:
-        The objects that lie in the workspace, in the order of their numbers.
-
-    Raises:
-        UnstableError: The simulation went wrong, or no object stays in the workspace.
+    Returns those that lie in the workspace, by number. UnstableError if the simulation went wrong,
+    or no object stays there.
     """
     for _ in range(SCENE_TRIES):
         if present := _try_scene(world, kind, rng, protocol):

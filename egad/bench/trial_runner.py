@@ -62,12 +62,8 @@ def initial_poses(
 ) -> Iterator[InitialPose]:
     """Initial poses to try in turn, until the object lies still in the workspace.
 
-    Args:
-        mesh: The object, in the frame of its poses.
-        height: Height of its lowest point when it is dropped, metres.
-        left: Where the previous attempt left it: lying, or in the hand, which tilts and turns it
-            randomly above the middle; None if it is dropped again.
-        rng: Random number generator.
+    It is dropped with its lowest point at `height`, metres, or from where the previous attempt left
+    it: lying, or in the hand, which tilts and turns it randomly above the middle.
     """
     if left is not None and left.kind == "from_hand":
         turned = _tilted(left.pose.quaternion, rng)
@@ -134,14 +130,9 @@ class Attempt:
 
 
 class Ready(NamedTuple):
-    """An object that lies still in the workspace.
+    """An object that lies still in the workspace."""
 
-    Attributes:
-        start: Where it fell from.
-        rest: Where it lies.
-    """
-
-    start: InitialPose
+    start: InitialPose  # where it fell from
     rest: Pose
 
 
@@ -149,13 +140,7 @@ class TrialRunner:
     """A table with an object, a camera and a hand, to try grasps on."""
 
     def __init__(self, world: World, arm: Arm, trials: TrialProtocol) -> None:
-        """Set up.
-
-        Args:
-            world: A running simulation of the arm's robot.
-            arm: The arm that carries the hand.
-            trials: Camera, workspace and lift.
-        """
+        """Set up in a running simulation of the arm's robot."""
         self.world = world
         self.arm = arm
         self.gripper = arm.robot.gripper
@@ -173,11 +158,8 @@ class TrialRunner:
     ) -> Attempt:
         """Make one attempt, from drop to hold; the result depends only on the arguments.
 
-        Args:
-            detect: The grasp detector.
-            seed: Seed of the drops and, independently of these, of the detector and the camera.
-            before: The previous attempt, if this one continues from it.
-            deviation: How the attempt deviates from the plan.
+        The seed is that of the drops and, independently of these, of the detector and the camera.
+        The attempt may continue from the one before.
         """
         self._vary(deviation)
         drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
@@ -196,14 +178,7 @@ class TrialRunner:
     ) -> Attempt:
         """Repeat an attempt without its detector, from its initial pose and the proposed grasp.
 
-        Args:
-            start: Where the object falls from.
-            grasp: The grasp to try, if any.
-            deviation: How the attempt deviates from the plan.
-
-        Returns:
-            The same as the first time, bit by bit, except that it does not say why there is no
-            grasp.
+        It is the same, bit by bit, except that it does not say why there is no grasp.
         """
         self._vary(deviation)
         rest = self._settled(start)
@@ -215,12 +190,7 @@ class TrialRunner:
         return self._carried_out(grasp, ready, deviation)
 
     def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
-        """Try a grasp of an object that lies still, in a world that is reset first.
-
-        Args:
-            rest: Where it lies.
-            grasp: The grasp to try.
-        """
+        """Try a grasp of an object that lies still, in a world that is reset first."""
         self.world.reset()
         self.world.place(rest)
         return self._carried_out(grasp, Ready(InitialPose("left", rest), rest))
@@ -269,15 +239,7 @@ class TrialRunner:
         )
 
     def begin(self, rng: np.random.Generator, before: Attempt | None = None) -> Ready | None:
-        """Drop the object, or leave it, until it lies still in the workspace.
-
-        Args:
-            rng: Random number generator.
-            before: The previous attempt, if this one continues from it.
-
-        Returns:
-            None if it never lies still there.
-        """
+        """Drop the object, or leave it, until it lies still in the workspace; None if never."""
         mesh = self.world.model.mesh
         left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
         for start in initial_poses(mesh, self.trials.drop_height, left, rng):

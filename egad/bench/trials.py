@@ -194,18 +194,7 @@ def try_objects(
     rule: str,
     jobs: int = 1,
 ) -> Trials:
-    """Let a detector grasp objects; see `run_trials`.
-
-    Args:
-        detect: A function, or a detector of the settings.
-        targets: The objects.
-        parameters: Seed, gripper, and how attempts are made.
-        rule: How objects are scaled.
-        jobs: Number of processes; the result does not depend on it.
-
-    Raises:
-        UserError: As in `run_trials`.
-    """
+    """Let a detector grasp objects; see `run_trials`, also for errors."""
     if not isinstance(detect, DetectorConfig):
         check_views_will_do(detect)
     elif detect.detector in IN_ANY_DIRECTION:

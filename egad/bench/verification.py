@@ -54,13 +54,10 @@ class _Recorded:
 def verify_attempts(
     model: Model, rows: pd.DataFrame, settings: TrialParameters, tolerance: float = 0.0
 ) -> list[Difference]:
-    """Run all attempts at an object again, starting from the seeds of the settings.
+    """Run all attempts at an object, `tables.evaluation.TRIALS` in order, again from their seeds.
 
-    Args:
-        model: The object.
-        rows: Columns of `tables.evaluation.TRIALS`: its attempts in their order.
-        settings: Settings of the trials; number of attempts and engine are taken from the table.
-        tolerance: By how much numbers may differ; 0 on the same kind of processor.
+    Number of attempts and engine are taken from the table. `tolerance`: by how much numbers may
+    differ; 0 on the same kind of processor.
     """
     rows = rows.reset_index(drop=True)
     given = {"attempts": len(rows), "engine": rows["engine"].iloc[0]}
@@ -80,13 +77,9 @@ def verify_attempts(
 def verify_rounds(
     table: pd.DataFrame, models: Models, settings: ClutterParameters, tolerance: float = 0.0
 ) -> list[Difference]:
-    """Clear tables again, starting from the seeds of the settings.
+    """Clear tables, whole rounds of `tables.clutter.CLUTTER`, again from their seeds.
 
-    Args:
-        table: Columns of `tables.clutter.CLUTTER`; all rows of each round.
-        models: All objects by their names.
-        settings: Settings of the rounds; the engine is taken from the table.
-        tolerance: As in `verify_attempts`.
+    The engine is taken from the table; `tolerance` is as in `verify_attempts`.
     """
     engine = {"engine": table["engine"].iloc[0]}
     settings = settings.model_copy(update={"clutter": settings.clutter.model_copy(update=engine)})

@@ -47,10 +47,7 @@ def grippers_like(incomplete: str) -> list[str]:
 def gripper_option(default: str = "", opening: bool = True) -> Any:  # noqa: ANN401 (as in typer)
     """The option for the gripper.
 
-    Args:
-        default: Which one it is if none is given; empty if the command needs one, or if typer
-            shows it.
-        opening: Whether an opening is accepted: see `gripper_in`.
+    Empty default: the command needs one, or typer shows it. `opening`: whether one is accepted.
     """
     words = ["gripper of the configuration"]
     words += ["or an opening in metres, such as 0.08"] if opening else []
@@ -118,11 +115,7 @@ MaxCandidates = Annotated[
 
 
 def settings_in(config: Path | None) -> Settings:
-    """The settings of a configuration file, merged into the defaults; without one, the defaults.
-
-    Raises:
-        UserError: The file is not YAML, or has settings that are not allowed.
-    """
+    """Settings of a YAML file, merged into the defaults; without a file, the defaults."""
     from egad.config.check import check
     from egad.config.files import defaults, merged, read_values
 
@@ -130,17 +123,7 @@ def settings_in(config: Path | None) -> Settings:
 
 
 def with_option(settings: Settings, option: str, key: str, value: object) -> Settings:
-    """The settings with the value of an option.
-
-    Args:
-        settings: The whole configuration.
-        option: As it is written, such as `--grasps`.
-        key: What it sets: a section and a key of it, such as `size_effect.grasps`, or `seed`.
-        value: None keeps what the configuration has.
-
-    Raises:
-        UserError: The value is not allowed.
-    """
+    """Settings with an option's value at a key such as `size_effect.grasps`; None keeps them."""
     from egad.config.check import check
 
     if value is None:
@@ -155,14 +138,9 @@ def with_option(settings: Settings, option: str, key: str, value: object) -> Set
 
 
 def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:
-    """The settings with the gripper of the option `--gripper`, and what it is called there.
+    """Complete settings with the gripper of the option `--gripper`, and what it is called there.
 
-    Args:
-        settings: The whole configuration, complete otherwise: an opening is not a valid name there.
-        given: The name of a gripper, or the opening, in metres, of a gripper that has nothing else.
-
-    Raises:
-        UserError: It is neither.
+    Given is the name of a gripper, or the opening, in metres, of a gripper that has nothing else.
     """
     settings = with_packaged(settings, given)
     opening = None if given in settings.grippers else _number(given)
@@ -180,17 +158,7 @@ def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:
 def detector_in(
     settings: Settings, text: str, weights: Path | None, command: str | None
 ) -> tuple[Settings, str]:
-    """The settings with the detector of a command line, and what it is called there.
-
-    Args:
-        settings: The whole configuration.
-        text: See `DetectorName`.
-        weights: The value of `--weights`.
-        command: The value of `--command`.
-
-    Raises:
-        UserError: It cannot be found, or takes no weights.
-    """
+    """Settings with the detector of a command line (see `DetectorName`), and its name there."""
     from egad._util.parameters import from_arguments
     from egad.detectors import DetectorConfig
     from egad.plugins import named
@@ -208,11 +176,7 @@ def detector_in(
 
 
 def with_packaged(settings: Settings, name: str | None) -> Settings:
-    """The settings with a gripper from another package, if it is asked for by its name.
-
-    Raises:
-        UserError: The package is not installed.
-    """
+    """Settings with a gripper from another package, if it is asked for by its name."""
     if name not in PACKAGED or name in settings.grippers:
         return settings
     return settings.model_copy(update={"grippers": {**settings.grippers, name: gripper(name)}})
@@ -226,22 +190,14 @@ def _number(text: str) -> float | None:
 
 
 def named_gripper(settings: Settings, given: str | None) -> tuple[Settings, str]:
-    """The settings with the gripper of `--gripper`, for results of a run, which contain its name.
-
-    Raises:
-        UserError: The configuration has no gripper of this name.
-    """
+    """Settings with the gripper of `--gripper`, for results of a run, which contain its name."""
     settings, name = with_packaged(settings, given), given or settings.targets.grippers[0]
     check_name("--gripper", name, settings.grippers, " in the configuration (--config)")
     return settings, name
 
 
 def files_in(paths: Sequence[Path], units: str | None) -> list[Path]:
-    """The given files, and the files in the given folders, without duplicates.
-
-    Raises:
-        UserError: No unit is given, and one of the files does not state it.
-    """
+    """The given files, and those in the given folders, once each; UserError if one lacks a unit."""
     from egad.io import check_unit_known, mesh_files
 
     files: dict[Path, Path] = {}
@@ -255,15 +211,7 @@ def files_in(paths: Sequence[Path], units: str | None) -> list[Path]:
 
 
 def objects_in(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Path]]:
-    """The objects of the option `--objects`, and the files that they come from.
-
-    Args:
-        text: Of a dataset with an evaluation set, the objects of this set, with their labels in it.
-        units: The value of `--units`.
-
-    Raises:
-        UserError: There are no such objects, or no units.
-    """
+    """The objects of `--objects`, and their files; of a dataset, those of its evaluation set."""
     from egad.io import object_names, read_mesh
     from egad.objects import EVALUATION_SET, RELEASED, NamedMesh, load, named_meshes
     from egad.tables import parquet
@@ -289,16 +237,7 @@ def objects_in(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Pa
 
 
 def check_spare(folder: Path, files: Sequence[Path] = (), table: str = "scales.parquet") -> None:
-    """Make sure that a folder may be replaced.
-
-    Args:
-        folder: What `--out` names.
-        files: What the command reads.
-        table: A file that the command writes there.
-
-    Raises:
-        UserError: The folder has files that this command did not write.
-    """
+    """UserError if the folder of `--out` has files that this command did not write (`table`)."""
     foreign = folder.exists() and any(folder.iterdir()) and not (folder / table).exists()
     inside = any(folder.resolve() in file.resolve().parents for file in files)
     if foreign or inside:

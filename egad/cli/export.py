@@ -90,11 +90,7 @@ def _export_archive(
     config: Path | None,
     objects: str | None,
 ) -> None:
-    """Write objects that no run has scaled or grasped yet, as `egad.export` does.
-
-    Raises:
-        UserError: The format needs results of a run.
-    """
+    """Write objects that no run has scaled or grasped yet, as `egad.export` does."""
     from egad.exchange import needs_run
     from egad.exchange.export import export
     from egad.objects import load
@@ -114,11 +110,7 @@ def _export_archive(
 
 
 def _check_made(files: Iterable[Path]) -> None:
-    """Check that files of a run exist.
-
-    Raises:
-        UserError: One does not.
-    """
+    """UserError if a file of a run does not exist."""
     for file in files:
         if not file.exists():
             raise UserError(f"{file} is missing; make it first: snakemake --cores 2 {file}")

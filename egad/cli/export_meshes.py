@@ -67,26 +67,10 @@ def write_meshes(
     ids: Collection[str] | None = None,
     jobs: int = 1,
 ) -> int:
-    """Write objects of an archive as `ID.obj`, in metres.
+    """Write objects of an archive as `ID.obj`, metres; return how many.
 
-    They are the surfaces that evolution measured, rounded to single precision.
-
-    Args:
-        archive: Table with the columns of `tables.evolution.ARCHIVE`.
-        out: Folder to make.
-        shape: The settings that the archive was evolved with.
-        resolution: Voxels along each side of the cube; None: those of the archive.
-        rules: Gives the constraints that the archive was evolved with, at a resolution;
-            None: there are none.
-        ids: Objects to write; None: all.
-        jobs: Processes.
-
-    Returns:
-        Number of meshes written. Objects of which nothing is left at the resolution are logged.
-
-    Raises:
-        TableError: The archive is damaged, or an id in it is not a valid file name.
-        UserError: A genome does not describe its voxels within these constraints.
+    They are the surfaces that evolution measured, rounded to single precision, unless another
+    resolution is given. Objects of which nothing is left there are logged.
     """
     from egad._util.files import atomic_output
     from egad.evolution import UNBOUND

@@ -77,15 +77,9 @@ def locate(
 
 
 def reference(source: Path, settings: MeasureMeshes) -> "Dataset":
-    """The objects that meshes are compared with.
+    """The objects that meshes are compared with, from a source as for `egad.load`.
 
-    Args:
-        source: As for `egad.load`: `released`, an `archive.parquet`, or the folder of a dataset.
-        settings: Those of this tool.
-
-    Raises:
-        UserError: The source does not exist, or it was made with a finer grid.
-        TableError: The table is damaged.
+    UserError if the source does not exist, or was made with a finer grid.
     """
     from egad.objects import load
 
@@ -107,19 +101,7 @@ def locate_files(
     units: str | None,
     worker_count: int,
 ) -> "tuple[pd.DataFrame, list[Located]]":
-    """Locate meshes among the objects of a dataset.
-
-    Args:
-        settings: Settings of this tool.
-        among: The objects of the dataset.
-        files: Mesh files by name.
-        units: Unit of their coordinates; None: as the files say.
-        worker_count: Number of processes; the result does not depend on it.
-
-    Returns:
-        Columns of `tables.objects.LOCATED`, one row per mesh in the given order; and the contents
-        of the page for the usable meshes.
-    """
+    """Rows of `tables.objects.LOCATED` of all meshes, and contents of the page of usable ones."""
     import pandas as pd
 
     from egad.measures.reeb import Neighborhood

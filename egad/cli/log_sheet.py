@@ -83,15 +83,7 @@ def log_sheet(
 
 
 def evaluation_objects(dataset: Path, labels: list[str] | None) -> "dict[str, EvolvedObject]":
-    """Objects of an evaluation set by their labels in it, in the order of the set.
-
-    Args:
-        dataset: `evaluation-set`, `released`, or the folder of a dataset.
-        labels: Which of them; all if None.
-
-    Raises:
-        UserError: There is no evaluation set, or no such object in it.
-    """
+    """Chosen objects of an evaluation set by their labels in it, in the order of the set."""
     from egad.objects import EVALUATION_SET, RELEASED, load
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49

@@ -89,18 +89,9 @@ def measure_files(
     worker_count: int,
     rule: str = MAP_RULE,
 ) -> "pd.DataFrame":
-    """Repair and measure meshes.
+    """Repair and measure mesh files: a row of `tables.objects.MEASURED` for each, in order.
 
-    Args:
-        settings: Settings of this tool.
-        files: Mesh files by name.
-        units: Unit of their coordinates; None: as the files say.
-        worker_count: Number of processes; the result does not depend on it.
-        rule: The size at which grasps are sampled: see `egad.rescale`.
-
-    Returns:
-        Columns of `tables.objects.MEASURED`: one row per mesh, in the given order. For an
-        unusable mesh the measures are missing, and `reason` says why.
+    For an unusable mesh the measures are missing, and `reason` says why.
     """
     import pandas as pd
 
@@ -134,11 +125,7 @@ def _row(
 def measure_row(
     mesh: "trimesh.Trimesh", settings: MeasureMeshes, rule: str = MAP_RULE
 ) -> "tuple[trimesh.Trimesh, dict[str, Any]]":
-    """The repaired mesh and its row of `tables.objects.MEASURED`.
-
-    Raises:
-        RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
-    """
+    """The repaired mesh and its row of `tables.objects.MEASURED`; RejectedError if unusable."""
     from egad.measures import cell_of, grasped_size, measure_repeatably
     from egad.workflow.repair import repaired_body
 
@@ -186,13 +173,7 @@ def warn_of_measures(table: "pd.DataFrame") -> None:
 
 
 def incomparable(settings: Settings, gripper: str, rule: str) -> str:
-    """Why cells cannot be compared with the map of a configuration; empty if they can.
-
-    Args:
-        settings: The configuration.
-        gripper: Name of the gripper that they were measured for.
-        rule: The scale rule.
-    """
+    """Why cells for a gripper do not compare with the map of a configuration; empty if they do."""
     own = settings.graspability.gripper
     if settings.measures.graspability or (rule, gripper) == (MAP_RULE, own):
         return ""

@@ -53,14 +53,7 @@ def run_trials(
 ) -> Result:
     """Simulate trials, and write their table with a note from which they can be repeated.
 
-    Args:
-        command: As it is recorded.
-        work: Makes the attempts at objects.
-        settings: What the work reads.
-        rule: How objects are scaled.
-        gripper: Its name.
-        objects: The values of `--objects` and `--units`.
-        out: The table, and its columns.
+    `objects` are the values of `--objects` and `--units`; `out` is the table and its columns.
     """
     from egad.detectors import keep_failure
     from egad.provenance.record import recorded
@@ -112,9 +105,6 @@ def repeatable(
     """Settings, name of the gripper and objects of the attempts in a table.
 
     They are those in the note of the table; each option replaces its own part.
-
-    Raises:
-        UserError: There are no such objects, or no such gripper.
     """
     from egad.config.check import check
     from egad.config.files import defaults, merged

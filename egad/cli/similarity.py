@@ -60,17 +60,9 @@ def similarity(
 def similarity_of_files(
     settings: Similarity, files: Mapping[str, Path], units: str | None, worker_count: int
 ) -> "tuple[pd.DataFrame, dict[str, str]]":
-    """Compute the similarity of all pairs of meshes.
+    """Square matrix of the similarity of mesh files, by name, and reasons of rejected meshes.
 
-    Args:
-        settings: Settings of shape similarity.
-        files: Mesh files by name.
-        units: Unit of their coordinates; None: as the files say.
-        worker_count: Number of processes; the result does not depend on it.
-
-    Returns:
-        The square matrix of similarities with names as index and columns, in the given order, and
-        the reasons of rejected meshes by name; their rows and columns have missing values.
+    Their rows and columns have missing values.
     """
     import pandas as pd
 

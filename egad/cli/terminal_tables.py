@@ -174,12 +174,7 @@ def _count(value: int | None) -> str:
 
 
 def agreements(rows: Mapping[str, Agreement], counted: str) -> None:
-    """Print how well simulated rates agree with real ones.
-
-    Args:
-        rows: By detector, or a single one over detectors.
-        counted: What is compared: objects or detectors.
-    """
+    """Print how well simulated rates of objects, or detectors, agree with real ones."""
     limit = ["Pearson at most"] if counted == "objects" else []
     show(
         [

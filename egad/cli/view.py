@@ -74,17 +74,9 @@ def view(
 
 
 def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "GraspScene":
-    """An object of a dataset with its labelled grasps.
+    """An object of a dataset, by its label, with labelled grasps of a gripper of this opening, m.
 
-    Args:
-        folder: Folder of the dataset, such as `results/egad`.
-        gripper: Its name.
-        name: Label of the object, in the dataset or in the evaluation set.
-        opening: Opening of the displayed gripper, metres.
-
-    Raises:
-        UserError: The dataset, the object or the grasps of this gripper do not exist, or the
-            grasps were made with a different opening.
+    UserError if they do not exist, or were made with another opening.
     """
     from egad.exchange import check_opening
     from egad.report.scenes import scene
@@ -113,16 +105,7 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "Gras
 
 @phase_if_slow("sampling grasps")
 def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "GraspScene":
-    """A mesh, repaired and scaled to the gripper, with newly labelled grasps.
-
-    Args:
-        path: The mesh file.
-        units: Unit of its coordinates; None: as the file says.
-        settings: Gripper, scale rule and settings of grasp labels.
-
-    Raises:
-        UserError: The file is not a mesh, or the mesh cannot be repaired.
-    """
+    """A mesh file, repaired and scaled to the gripper, with newly labelled grasps."""
     from egad.geometry import ENLARGED, center_of_mass, rescale, units_doubt
     from egad.grasps.sampling import Labeller
     from egad.io import read_mesh

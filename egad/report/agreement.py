@@ -27,31 +27,19 @@ NOT_TRIED = ("collided", "failed", "crashed")
 
 @dataclass(frozen=True)
 class LabelledSuccess:
-    """Labelled grasps and their success in simulation.
-
-    Attributes:
-        engine: The physics engine.
-        rates: Success of the grasps that could be carried out: in each row of the evaluation set,
-            if it is a grid, and then over all.
-        outcomes: Grasps of the sample by outcome.
-        labelled: Labelled grasps of the objects.
-        free: Labelled grasps without collision, from which the sample was drawn.
-        objects: Objects with grasps that could be carried out.
-        failing: Objects with a failed grasp: in each row, and then over all.
-        areas: ROC area of each quality: in each row, and then over all.
-        gain: ROC area of robust quality minus that of nominal quality, over all.
-        bins: Success by quality.
-    """
+    """Labelled grasps and their success in simulation."""
 
     engine: str
+    # success of the grasps that could be carried out: in each row of the evaluation set, if
+    # it is a grid, and then over all
     rates: list[Rate]
     outcomes: dict[str, int]
-    labelled: int
-    free: int
-    objects: int
-    failing: list[int]
-    areas: dict[str, list[Area]]
-    gain: Area
+    labelled: int  # labelled grasps of the objects
+    free: int  # labelled grasps without collision, from which the sample was drawn
+    objects: int  # objects with grasps that could be carried out
+    failing: list[int]  # objects with a failed grasp: in each row, and then over all
+    areas: dict[str, list[Area]]  # ROC area of each quality: in each row, and then over all
+    gain: Area  # ROC area of robust quality minus that of nominal quality, over all
     bins: dict[str, list[Bin]]
 
     @property
@@ -85,14 +73,10 @@ def section(
 
 
 def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:
-    """Compute what the section shows.
+    """Compute what the section shows from `tables.evaluation.AGREEMENT`, at least one row.
 
     Grasps that the hand could not reach, because a convex part of the object sticks out or the
     simulation failed, say nothing about the qualities and are left out of all rates.
-
-    Args:
-        table: Columns of `tables.evaluation.AGREEMENT`, at least one row.
-        rows: Letters of the evaluation set, if it is a grid.
     """
     tried = table[~table["outcome"].isin(NOT_TRIED)]
     groups = [tried]
@@ -128,16 +112,10 @@ def _ratings(
 
 
 def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Sequence[Area]]) -> str:
-    """Success over the rank by quality, and the ROC area of each quality in each row of the set.
+    """SVG of success over the rank by quality, and of ROC areas by row of the set, then over all.
 
-    Args:
-        bins: From `egad.bench.stats.roc`, by quality.
-        areas: Areas in each row of the evaluation set, and then over all, by quality.
-
-    Returns:
-        SVG text with intervals of 95 %: left for other grasps of the same objects, right for other
-        objects. A bin lies where its grasps rank among all, from worst to best; grasps of equal
-        quality share a bin.
+    Intervals of 95 % are left for other grasps of the same objects, right for other objects. A bin
+    lies where its grasps rank among all, from worst to best; equal qualities share a bin.
     """
     with new_figure(8.6, 3.2) as drawing:
         left, right = drawing.figure.subplots(1, 2, width_ratios=[1, 1.25])

@@ -12,25 +12,15 @@ COMPARATIVES = {"simple": "simpler", "easy": "easier", "low": "lower", "high": "
 
 @dataclass(frozen=True)
 class MeasureAxis:
-    """An axis of the space in words.
-
-    Attributes:
-        name: Full name.
-        short: Short name, for where space is limited.
-        start: What objects of the first cell are.
-        end: What objects of the last cell are.
-        value: Name of its number.
-        unit: Unit of the number as it is shown, with a space before it, or empty.
-        factor: The number is multiplied by this before it is shown.
-    """
+    """An axis of the space in words."""
 
     name: str
-    short: str
-    start: str
-    end: str
-    value: str
-    unit: str = ""
-    factor: int = 1
+    short: str  # short name, for where space is limited
+    start: str  # what objects of the first cell are
+    end: str  # what objects of the last cell are
+    value: str  # name of its number
+    unit: str = ""  # unit of the number as it is shown, with a space before it, or empty
+    factor: int = 1  # the number is multiplied by this before it is shown
 
     @property
     def label(self) -> str:
@@ -83,10 +73,7 @@ def axis_pair(axes: CustomMeasures) -> AxisPair:
 def named_axes(across: str | None, upwards: str | None) -> AxisPair:
     """Axes of measures with these names; high values of the second one come first.
 
-    Args:
-        across: Name of the first measure; None or empty: complexity.
-        upwards: Name of the second measure; None or empty: graspability, along the axis of
-            difficulty.
+    Without a name: complexity; and graspability, along the axis of difficulty.
     """
     return AxisPair(
         MeasureAxis(across, across, "low", "high", across) if across else COMPLEXITY,

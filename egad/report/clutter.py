@@ -44,11 +44,7 @@ class ClutterView:
 
 
 def section(datasets: Mapping[str, Mapping[str, ClutterView]]) -> Section:
-    """Cleared tables of each dataset with each gripper.
-
-    Args:
-        datasets: From `clutter_view`, by dataset and gripper.
-    """
+    """Cleared tables, from `clutter_view`, of each dataset with each gripper."""
     return section_of("clutter.html.j2", "Cleared tables", datasets=datasets)
 
 
@@ -57,12 +53,9 @@ def clutter_view(
     objects: pd.DataFrame,
     pictures: Mapping[str, Sequence[bytes]],
 ) -> ClutterView:
-    """Compute what the section shows.
+    """What the section shows of `tables.clutter.CLUTTER` by detector.
 
-    Args:
-        tables: Columns of `tables.clutter.CLUTTER`, by detector.
-        objects: Columns id, complexity and graspability of the objects in the scenes.
-        pictures: PNGs of scenes, by kind.
+    `objects` has the columns id, complexity and graspability; `pictures` are PNGs by kind of scene.
     """
     return ClutterView(
         engine_names(pd.concat(tables.values())),
@@ -74,21 +67,15 @@ def clutter_view(
 
 @dataclass(frozen=True)
 class ClearingResults:
-    """Detectors that cleared tables.
-
-    Attributes:
-        engines: The physics engine, by detector.
-        rates: Success rates in each kind of scene and noise, by detector.
-        pairs: Comparisons of every two detectors that cleared the same tables, by `A vs B`.
-        protocols: Rules by which the tables were cleared, and errors if any, by detector.
-        conclusions: What the comparisons show, a sentence each.
-    """
+    """Detectors that cleared tables."""
 
     engines: dict[str, str]
-    rates: dict[str, list[Clearing]]
+    rates: dict[str, list[Clearing]]  # success rates in each kind of scene and noise, by detector
+    # comparisons of every two detectors that cleared the same tables, by `A vs B`
     pairs: dict[str, list[ClearingComparison]]
+    # rules by which the tables were cleared, and errors if any, by detector
     protocols: dict[str, str]
-    conclusions: list[str]
+    conclusions: list[str]  # what the comparisons show, a sentence each
 
     @property
     def warning(self) -> str:
@@ -107,11 +94,7 @@ class ClearingResults:
 
 
 def clearing_results(tables: Mapping[str, pd.DataFrame]) -> ClearingResults:
-    """Rates of detectors, and comparisons of those that have rounds in common.
-
-    Args:
-        tables: Columns of `tables.clutter.CLUTTER`, by detector.
-    """
+    """Rates from `tables.clutter.CLUTTER` by detector; comparisons of those with common rounds."""
     pairs, conclusions = {}, []
     for one, other in combinations(tables, 2):
         with suppress(NothingInCommonError):

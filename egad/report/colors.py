@@ -15,10 +15,7 @@ def line_color(number: int) -> str:
 
 
 def scale_color(value: float, low: float, high: float) -> str:
-    """Color of a value on the scale `COLOR_MAP` from `low` to `high`, as `#rrggbb`.
-
-    Values outside that range get the colors of its ends; NaN is grey.
-    """
+    """Color `#rrggbb` on the scale `COLOR_MAP`, clipped to `low` and `high`; grey for NaN."""
     import matplotlib  # noqa: PLC0415 (an extra)
     from matplotlib.colors import to_hex  # noqa: PLC0415
 

@@ -44,13 +44,7 @@ PUBLISHED = pd.DataFrame(
 
 
 def section(comparison: pd.DataFrame, space: MeasureSpace, limit: Attainable) -> Section:
-    """All datasets of a run, beside the published ones.
-
-    Args:
-        comparison: Columns of `tables.objects.COMPARISON`.
-        space: The cells.
-        limit: Which rows objects are expected in.
-    """
+    """All datasets of a run, `tables.objects.COMPARISON`, beside the published ones."""
     return section_of(
         "comparison.html.j2",
         "Comparison",
@@ -62,11 +56,7 @@ def section(comparison: pd.DataFrame, space: MeasureSpace, limit: Attainable) ->
 
 
 def comparison_text(comparison: pd.DataFrame) -> str:
-    """The table of datasets for a terminal, with the published ones beneath (EGAD, Table III).
-
-    Args:
-        comparison: Columns of `tables.objects.COMPARISON`.
-    """
+    """`tables.objects.COMPARISON` for a terminal, the published ones beneath (EGAD, Table III)."""
     titles = ("objects", "coverage", "attainable", "diversity: min", "max", "mean")
     ours = [_comparison_line(row, 1) for row in comparison.to_dict("records")]
     theirs = [_comparison_line(row, 0) for row in PUBLISHED.to_dict("records")]

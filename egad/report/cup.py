@@ -18,11 +18,7 @@ GRAM = 9.81e-3  # newtons
 
 
 def cup_facts(cup: SuctionCup) -> dict[str, str]:
-    """The properties of a cup and the loads that it holds, in words.
-
-    Args:
-        cup: The cup.
-    """
+    """The properties of a cup and the loads that it holds, in words."""
     most = limits(cup)
     return {
         "ring": f"{2000 * cup.radius:.3g} mm across, {cup.sides} vertices",
@@ -47,13 +43,7 @@ def cup_entry(name: str, gripper: Gripper) -> str:
 
 
 def cup_page(name: str, gripper: Gripper, cup: SuctionCup) -> str:
-    """An HTML page about a gripper with a cup that needs no other file.
-
-    Args:
-        name: Name of the gripper.
-        gripper: Its settings.
-        cup: Its cup.
-    """
+    """An HTML page about a gripper with a cup that needs no other file."""
     scenes = [
         _scene("cup and stem", hand_shapes(gripper, 0.0)),
         _scene("springs", spring_shapes(cup)),

@@ -46,12 +46,7 @@ class Drawing:
 
 @contextmanager
 def new_figure(width: float, height: float) -> Iterator[Drawing]:
-    """An empty figure in the style of the report. Text stays text, in fonts of the reader's system.
-
-    Args:
-        width: Inches.
-        height: Inches.
-    """
+    """An empty figure, inches, in the report's style. Text stays text, in fonts of the system."""
     with matplotlib.rc_context(STYLE):
         drawing = Drawing(width, height)
         yield drawing

@@ -36,17 +36,11 @@ class Slot:
 
 @dataclass(frozen=True)
 class EvaluationView:
-    """The evaluation set of a dataset.
+    """The evaluation set of a dataset."""
 
-    Attributes:
-        slots: Its rows, hardest first; each from simplest to most complex.
-        selected: How many objects it has.
-        viewer: Data of the 3D viewer; None if there are no grasps.
-    """
-
-    slots: list[list[Slot]]
+    slots: list[list[Slot]]  # its rows, hardest first; each from simplest to most complex
     selected: int
-    viewer: dict[str, Any] | None
+    viewer: dict[str, Any] | None  # data of the 3D viewer; None if there are no grasps
 
 
 def evaluation_view(

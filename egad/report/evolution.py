@@ -18,23 +18,14 @@ THIN = "\N{NARROW NO-BREAK SPACE}"
 
 @dataclass(frozen=True)
 class ReEvaluation:
-    """How the objects of an archive moved when their graspability was measured again.
+    """How the objects of an archive moved when their graspability was measured again."""
 
-    Attributes:
-        stayed: Fraction of the objects that stayed in their cell.
-        by_one: Fraction that moved by one cell.
-        by_more: Fraction that moved further.
-        mean: Mean move towards hard, cells.
-        before: Coverage by the first graspability.
-        after: Coverage by the second one.
-    """
-
-    stayed: float
-    by_one: float
-    by_more: float
-    mean: float
-    before: float
-    after: float
+    stayed: float  # fraction of the objects that stayed in their cell
+    by_one: float  # fraction that moved by one cell
+    by_more: float  # fraction that moved further
+    mean: float  # mean move towards hard, cells
+    before: float  # coverage by the first graspability
+    after: float  # coverage by the second one
 
 
 @dataclass(frozen=True)
@@ -48,15 +39,9 @@ class EvolutionView:
 def evolution_view(
     objects: pd.DataFrame, history: pd.DataFrame | None, space: MeasureSpace
 ) -> EvolutionView | None:
-    """Collect what the section shows of an archive.
+    """What the section shows of `tables.objects.OBJECTS`; None if they do not come from an archive.
 
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        history: Columns of `tables.evolution.HISTORY`; None if it was not evolved here.
-        space: The cells.
-
-    Returns:
-        None if the objects do not come from an archive.
+    The history, `tables.evolution.HISTORY`, is None if the archive was not evolved here.
     """
     moves = re_evaluation(objects, space)
     if history is None:
@@ -89,15 +74,7 @@ def section(
 
 
 def re_evaluation(objects: pd.DataFrame, space: MeasureSpace) -> ReEvaluation | None:
-    """How the objects of an archive moved when their graspability was measured again.
-
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        space: The cells.
-
-    Returns:
-        None if no object was selected by its graspability.
-    """
+    """How objects moved when graspability was measured again; None if none was selected by it."""
     elites = objects.dropna(subset=["archive_graspability"])
     if elites.empty:
         return None
@@ -114,14 +91,10 @@ def re_evaluation(objects: pd.DataFrame, space: MeasureSpace) -> ReEvaluation | 
 
 
 def coverage_history(history: pd.DataFrame) -> pd.DataFrame:
-    """The steps in the order in which they were made, with the evaluations so far.
+    """Offspring so far, coverage, filled_cells, qd_score of `tables.evolution.HISTORY`, in order.
 
-    Args:
-        history: Columns of `tables.evolution.HISTORY`. Islands evolve in parallel: a row of the
-            result counts the evaluations of all of them, and shows the island of highest coverage.
-
-    Returns:
-        Columns offspring (so far), coverage, filled_cells and qd_score.
+    Islands evolve in parallel: a row counts the evaluations of all of them, and shows the island of
+    highest coverage.
     """
     ordered = history.sort_values(["epoch", "step", "coverage"])
     steps = ordered.groupby(["epoch", "step"])
@@ -132,14 +105,7 @@ def coverage_history(history: pd.DataFrame) -> pd.DataFrame:
 
 
 def coverage_curves(histories: Mapping[str, pd.DataFrame]) -> str:
-    """Coverage, filled cells and QD-score over evaluations.
-
-    Args:
-        histories: Tables with the columns of `tables.evolution.HISTORY`, by the name of the run.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of coverage, filled cells and QD-score over evaluations, from HISTORY tables by run."""
     runs = {name: coverage_history(history) for name, history in histories.items()}
     panels = {"coverage": "coverage", "filled_cells": "filled cells", "qd_score": "QD-score"}
     with new_figure(9.6, 2.9) as drawing:

@@ -105,12 +105,7 @@ def write_page(
 
 
 def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
-    """At most 200 of the objects at which the detector succeeds, drawn at random.
-
-    Args:
-        examined: Columns of `tables.failures.EXAMINED`.
-        seed: Seed of the sample.
-    """
+    """At most 200 of `tables.failures.EXAMINED` that the detector solves, drawn at random."""
     found = examined[examined["verdict"] == ObjectVerdict.DETECTOR_SUCCEEDS]
     found = found[found["voxels"].map(len) > 0].drop_duplicates("id")
     order = generator(seed, "solved objects").permutation(len(found))[:MAX_SOLVED]
@@ -118,17 +113,10 @@ def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
 
 
 def film_rows(attempts: pd.DataFrame, engine: str) -> pd.DataFrame:
-    """The attempts of detector and reference at the drop that shows a failure best.
+    """Attempts of detector, then reference, at the drop that shows a failure best; or no rows.
 
     Among the fresh drops at which only the reference succeeds, this is the first one at which the
     detector fails with its most frequent outcome at these drops.
-
-    Args:
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
-        engine: The physics engine.
-
-    Returns:
-        The row of the detector, then that of the reference; no rows if there is no such drop.
     """
     fresh = attempts[(attempts["purpose"] == "confirm") & (attempts["engine"] == engine)]
     drops = failed_drops(attempts, engine)
@@ -179,11 +167,7 @@ def _example(
 
 
 def animation(frames: list[RgbImage]) -> bytes:
-    """An animated WebP file of a film, in real time, that holds its last frame for a while.
-
-    Args:
-        frames: 20 frames per second.
-    """
+    """An animated WebP file of frames, 20 per second, that holds its last frame for a while."""
     *kept, last = [Image.fromarray(frame) for frame in [*frames[:-1:EVERY], frames[-1]]]
     buffer = io.BytesIO()
     (kept or [last])[0].save(

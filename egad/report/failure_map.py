@@ -21,19 +21,12 @@ AT_LEAST = "\N{GREATER-THAN OR EQUAL TO}"
 
 
 class MapCell(NamedTuple):
-    """What a map shows of a cell.
-
-    Attributes:
-        color: Color of its background.
-        title: Text shown when the mouse points at it.
-        picture: Address of a picture, or empty.
-        number: Number in the corner; not shown below 2.
-    """
+    """What a map shows of a cell."""
 
     color: str
-    title: str
-    picture: str = ""
-    number: int = 0
+    title: str  # text shown when the mouse points at it
+    picture: str = ""  # address of a picture, or empty
+    number: int = 0  # number in the corner; not shown below 2
 
 
 class LegendEntry(NamedTuple):
@@ -44,11 +37,7 @@ class LegendEntry(NamedTuple):
 
 
 def lowest_difference(table: pd.DataFrame) -> pd.Series:
-    """The lowest difference of each failure in any engine.
-
-    Args:
-        table: Columns of `tables.failures.FAILURES`.
-    """
+    """The lowest difference in any engine of each of `tables.failures.FAILURES`."""
     return table[list(DIFFERENCES)].min(axis=1)
 
 
@@ -58,19 +47,11 @@ def failure_map(
     space: MeasureSpace,
     axes: AxisPair = USUAL,
 ) -> str:
-    """The map of the difference: complexity to the right, difficulty upwards.
+    """SVG map of the difference: complexity to the right, difficulty upwards.
 
-    The color of a cell is the highest difference of its failures, each in the engine with the
-    lowest one; the picture is that failure. Cells are grey if objects were tried, but none failed.
-
-    Args:
-        table: Columns of `tables.failures.FAILURES`.
-        examined: Columns of `tables.failures.EXAMINED`.
-        space: The cells.
-        axes: What the axes are called.
-
-    Returns:
-        SVG text.
+    The color of a cell is the highest difference of its failures (`tables.failures.FAILURES`), each
+    in the engine with the lowest one; the picture is that failure. Cells are grey if objects were
+    tried (`tables.failures.EXAMINED`), but none failed.
     """
     tried = examined[examined["attempts"] > 0]
     cells = {
@@ -100,16 +81,7 @@ def failure_map(
 
 
 def dataset_map(objects: pd.DataFrame, space: MeasureSpace, axes: AxisPair) -> str:
-    """The map of the objects that a search may start from: how many each cell holds.
-
-    Args:
-        objects: Columns complexity and graspability.
-        space: The cells.
-        axes: What the axes are called.
-
-    Returns:
-        SVG text.
-    """
+    """SVG map of the objects that a search may start from: how many each cell holds."""
     placed = pd.DataFrame(
         {
             "complexity_cell": complexity_cells(objects["complexity"], space),

@@ -49,33 +49,19 @@ WHO = ("detector", "reference")
 
 
 class FeatureShare(NamedTuple):
-    """A shape feature, and how it distinguishes failures from objects that the detector solves.
-
-    Attributes:
-        title: Its name.
-        unit: Unit of the numbers; empty if they have none.
-        meaning: Its definition.
-        low: Quantile 5 % over the solved objects.
-        high: Quantile 95 %.
-        solved: Its value for each solved object.
-        failures: Its value for each failure.
-        below: Share of the failures below the range.
-        above: Share of the failures above the range.
-        share: Share of the failures that it explains.
-        interval: Ends of the 95 % interval of this share.
-    """
+    """A shape feature, and how it distinguishes failures from objects that the detector solves."""
 
     title: str
-    unit: str
+    unit: str  # unit of the numbers; empty if they have none
     meaning: str
-    low: float
-    high: float
-    solved: Floats
-    failures: Floats
-    below: float
-    above: float
-    share: float
-    interval: tuple[float, float]
+    low: float  # quantile 5 % over the solved objects
+    high: float  # quantile 95 %
+    solved: Floats  # its value for each solved object
+    failures: Floats  # its value for each failure
+    below: float  # share of the failures below the range
+    above: float  # share of the failures above the range
+    share: float  # share of the failures that it explains
+    interval: tuple[float, float]  # ends of the 95 % interval of this share
 
     @property
     def medians(self) -> tuple[float, float]:
@@ -85,55 +71,34 @@ class FeatureShare(NamedTuple):
 
 @dataclass(frozen=True)
 class AttemptFilm:
-    """A film of an attempt.
-
-    Attributes:
-        outcome: Outcome of the attempt.
-        content: An animated WebP file; empty if there is none.
-    """
+    """A film of an attempt."""
 
     outcome: str
-    content: bytes = b""
+    content: bytes = b""  # an animated WebP file; empty if there is none
 
 
 @dataclass(frozen=True)
 class Example:
-    """What is shown of one of the worst failures besides its numbers.
-
-    Attributes:
-        picture: A PNG file.
-        films: Films of the same drop, by `detector` and `reference`.
-        note: Why an expected film is missing.
-    """
+    """What is shown of one of the worst failures besides its numbers."""
 
     picture: bytes
+    # films of the same drop, by `detector` and `reference`
     films: Mapping[str, AttemptFilm] = field(default_factory=dict)
-    note: str = ""
+    note: str = ""  # why an expected film is missing
 
 
 @dataclass(frozen=True)
 class SearchText:
-    """What a page says about the search.
+    """What a page says about the search."""
 
-    Attributes:
-        detector: Its name; empty if unknown.
-        hand: The hand, in words.
-        approach: above or any.
-        contact: What a contact on the way down means, in words.
-        engines: Physics engines.
-        reference: Minimum success rate of the reference at a failure.
-        difference: Minimum difference from the success rate of the detector.
-        confidence: Confidence of both.
-    """
-
-    detector: str
-    hand: str
-    approach: str
-    contact: str
+    detector: str  # its name; empty if unknown
+    hand: str  # the hand, in words
+    approach: str  # above or any
+    contact: str  # what a contact on the way down means, in words
     engines: Sequence[str]
-    reference: float
-    difference: float
-    confidence: float
+    reference: float  # minimum success rate of the reference at a failure
+    difference: float  # minimum difference from the success rate of the detector
+    confidence: float  # confidence of both
 
 
 class EngineRates(NamedTuple):
@@ -166,7 +131,7 @@ def page(
     space: MeasureSpace,
     axes: AxisPair,
 ) -> str:
-    """Explain the failures of a detector.
+    """An HTML page that needs no other file and explains the failures of a detector.
 
     Args:
         table: Columns of `tables.failures.FAILURES`.
@@ -178,9 +143,6 @@ def page(
         examples: The worst failures, by id, in the order of the page.
         space: The cells.
         axes: What the axes of the map are called.
-
-    Returns:
-        An HTML page that needs no other file.
     """
     fresh = attempts[(attempts["purpose"] == "confirm") & attempts["id"].isin(set(table["id"]))]
     labelled = table.assign(label=failure_labels(table))
@@ -209,12 +171,7 @@ def page(
 
 
 def worst(table: pd.DataFrame, count: int) -> pd.DataFrame:
-    """The failures of the highest difference, by the lowest difference of any engine; worst first.
-
-    Args:
-        table: Columns of `tables.failures.FAILURES`.
-        count: How many, at most; there are at most two per cell.
-    """
+    """At most `count` failures, worst first, by lowest difference in any engine; two per cell."""
     pairs = table[["n_pairs_mujoco", "n_pairs_pybullet"]].sum(axis=1)
     order = table.assign(difference=lowest_difference(table), pairs=pairs)
     order = order.sort_values(["difference", "pairs", "id"], ascending=[False, False, True])
@@ -237,14 +194,9 @@ def reasons_of(table: pd.DataFrame) -> list[Reason]:
 
 
 def lost_outcomes(fresh: pd.DataFrame) -> dict[str, tuple[int, int]]:
-    """How often each outcome of lost attempts occurs, and at how many failures it is the usual one.
+    """Lost fresh attempts by outcome, most frequent first, and failures at which it is usual.
 
-    Args:
-        fresh: Attempts to confirm failures, columns of `tables.failures.FAILURE_ATTEMPTS`.
-
-    Returns:
-        By outcome, most frequent first: number of attempts, and number of failures at which no
-        other outcome of a lost attempt is more frequent.
+    Usual: no other outcome of a lost attempt is more frequent there.
     """
     lost = fresh[(fresh["who"] == "detector") & ~fresh["success"].astype(bool)]
     usual = Counter(next(iter(outcome_counts(rows))) for _, rows in lost.groupby("id"))
@@ -321,13 +273,9 @@ def _engine_rates(row: pd.Series) -> Iterable[EngineRates]:
 
 
 def feature_chart(features: Sequence[FeatureShare]) -> str:
-    """Failures and solved objects along each feature, in units of the range of the solved ones.
+    """SVG of failures and solved objects along each feature, in units of the range of the solved.
 
-    Args:
-        features: At least one.
-
-    Returns:
-        SVG text: a row for each feature; values further out are drawn at the edge.
+    Values further out are drawn at the edge.
     """
     with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
         axes = drawing.figure.add_subplot()
@@ -359,14 +307,7 @@ def feature_chart(features: Sequence[FeatureShare]) -> str:
 
 
 def share_chart(features: Sequence[FeatureShare]) -> str:
-    """The share of the failures that each feature explains, with intervals of 95 %.
-
-    Args:
-        features: At least one.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of the share of the failures that each feature explains, with intervals of 95 %."""
     with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
         axes = drawing.figure.add_subplot()
         y = -np.arange(len(features))

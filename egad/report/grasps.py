@@ -20,25 +20,15 @@ QUARTILES = [0.25, 0.5, 0.75]
 
 @dataclass(frozen=True)
 class GraspNumbers:
-    """How many grasps a gripper has and how good they are.
-
-    Attributes:
-        objects: Objects with grasps.
-        grasps: All grasps.
-        per_object: Median number of grasps of an object.
-        quality: Quartiles of the Ferrari-Canny quality.
-        robust_quality: Quartiles of the robust quality.
-        robust_success_rate: Mean fraction of the perturbed copies that hold.
-        collision_free: Fraction of the grasps that the hand reaches without collision.
-    """
+    """How many grasps a gripper has and how good they are."""
 
     objects: int
     grasps: int
-    per_object: float
-    quality: list[float]
-    robust_quality: list[float]
-    robust_success_rate: float
-    collision_free: float
+    per_object: float  # median number of grasps of an object
+    quality: list[float]  # quartiles of the Ferrari-Canny quality
+    robust_quality: list[float]  # quartiles of the robust quality
+    robust_success_rate: float  # mean fraction of the perturbed copies that hold
+    collision_free: float  # fraction of the grasps that the hand reaches without collision
 
 
 @dataclass(frozen=True)
@@ -54,15 +44,7 @@ def grasp_view(
     grasps: Mapping[str, pd.DataFrame],
     size_effects: Mapping[str, pd.DataFrame],
 ) -> GraspView | None:
-    """Collect what the section shows of the grasps of a dataset.
-
-    Args:
-        grasps: Columns of `tables.grasping.GRASPS`, by gripper.
-        size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
-
-    Returns:
-        None if there is nothing at all. Tables without rows count as absent.
-    """
+    """What the section shows of GRASPS and SIZE_EFFECT tables by gripper; None if all are empty."""
     known = {name: table for name, table in grasps.items() if len(table)}
     charts = {
         name: svg_uri(size_chart(table)) for name, table in size_effects.items() if len(table)
@@ -116,14 +98,7 @@ def grasp_numbers(grasps: pd.DataFrame) -> GraspNumbers:
 
 
 def grasp_chart(grasps: Mapping[str, pd.DataFrame]) -> str:
-    """Histograms of nominal and robust grasp quality, one line per table.
-
-    Args:
-        grasps: Tables with the columns of `tables.grasping.GRASPS`, by name.
-
-    Returns:
-        SVG text.
-    """
+    """SVG histograms of nominal and robust quality, a line for each `tables.grasping.GRASPS`."""
     panels = {
         "quality": f"quality {THOUSANDTHS}",
         "robust_quality": f"robust quality {THOUSANDTHS}",
@@ -142,15 +117,7 @@ def grasp_chart(grasps: Mapping[str, pd.DataFrame]) -> str:
 
 
 def collision_chart(grasps: pd.DataFrame) -> str:
-    """Histograms of nominal and robust quality of grasps with and without a collision.
-
-    Args:
-        grasps: Columns quality, robust_quality and collision_free of `tables.grasping.GRASPS`, at
-            least one row.
-
-    Returns:
-        SVG text.
-    """
+    """SVG histograms of nominal and robust quality of grasps with and without a collision."""
     free = grasps["collision_free"].astype(bool)
     groups = {"collision-free": grasps[free], "in collision": grasps[~free]}
     return grasp_chart({f"{len(table)} {name}": table for name, table in groups.items()})
@@ -172,17 +139,11 @@ def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> No
 
 
 def size_chart(table: pd.DataFrame) -> str:
-    """Percentiles of quality over size, one panel per object, all on the same axes.
+    """SVG of percentiles of quality over size, one panel per object, all on the same axes.
 
     A line is the mean over repetitions, and its band spans from the lowest to the highest. A point
     is hollow where only some repetitions found grasps. Below is the share of candidates that are
-    possible grasps.
-
-    Args:
-        table: Columns of `tables.grasping.SIZE_EFFECT`, at least one row.
-
-    Returns:
-        SVG text.
+    possible grasps. The table is `tables.grasping.SIZE_EFFECT`, at least one row.
     """
     numbers = summarize(table)
     names = list(dict.fromkeys(numbers["name"]))

@@ -31,12 +31,7 @@ CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approac
 
 
 def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
-    """What was found in the file of a hand, in words, with lengths in millimetres.
-
-    Args:
-        gripper: Its settings.
-        model: Its model.
-    """
+    """What was found in the file of a hand, in words, with lengths in millimetres."""
     names = {side: _links(model, side) for side in LINK_COLORS}
     driven, followers = model.joints[: model.n_driven], model.joints[model.n_driven :]
     ends = model.positions[[0, -1]].T
@@ -80,12 +75,7 @@ def _recess(model: GripperModel) -> str:
 
 
 def hand_doubts(gripper: Gripper, model: GripperModel) -> list[str]:
-    """Why what was found in the file of a hand may be wrong, in sentences.
-
-    Args:
-        gripper: Its settings.
-        model: Its model.
-    """
+    """Why what was found in the file of a hand may be wrong, in sentences."""
     closed, wide = 1000 * model.openings[[0, -1]]
     behind = 1000 * ((gripper.fingertip or 0.0) - float(np.ptp(model.pad[:, 2])) / 2)
     small = 1000 * float(np.ptp(model.pad, axis=0)[1:].min())
@@ -146,9 +136,8 @@ def _jaw_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
 def jaw_table(model: GripperModel) -> list[dict[str, str]]:
     """Openings of a hand with one moving jaw; empty for other hands.
 
-    Returns:
-        Rows with the columns `joint`, `opening`, `angle`, `friction`: the friction at which a round
-        body is not squeezed out; and `gaps` at the depths of the model, millimetres.
+    Columns `joint`, `opening`, `angle`; `friction` at which a round body is not squeezed out; and
+    `gaps` at the depths of the model, millimetres.
     """
     if model.lever is None:
         return []
@@ -182,13 +171,7 @@ def hand_entry(name: str, gripper: Gripper, model: GripperModel) -> str:
 
 
 def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
-    """An HTML page about a hand that needs no other file.
-
-    Args:
-        name: Name of the gripper.
-        gripper: Its settings.
-        model: Its model.
-    """
+    """An HTML page about a hand that needs no other file."""
     openings = model.openings[[-1, len(model.openings) // 2, 0]]
     words = ("open", "half open", "closed")
     scenes = [hand_scene(model, *each) for each in zip(words, map(float, openings), strict=True)]
@@ -203,14 +186,9 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
 
 
 def hand_scene(model: GripperModel, word: str, opening: float) -> GraspScene:
-    """A hand at an opening for the viewer, with its pads and its approach, which points down.
+    """A hand at an opening (m) for the viewer, with its pads and its approach, which points down.
 
     In a hand with one moving jaw, the fixed jaw stays where it is.
-
-    Args:
-        model: The hand.
-        word: What to call it.
-        opening: Metres.
     """
     middle = model.middle_at(np.array(opening))
     pads = [(pad, PAD_COLOR) for pad in _pads(model, opening, middle)]

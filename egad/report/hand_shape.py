@@ -21,12 +21,7 @@ CIRCLE = 32  # corners of a drawn circle
 
 
 def link_shapes(model: GripperModel, opening: float) -> list[Colored]:
-    """The convex parts of a hand from a file, in its own frame, with colors.
-
-    Args:
-        model: The hand.
-        opening: Metres.
-    """
+    """The convex parts of a hand from a file, at an opening (m), in its own frame, with colors."""
     return [
         (trimesh.convex.convex_hull(points), LINK_COLORS[link.body])
         for link, shapes in zip(model.links, model.points(opening), strict=True)
@@ -42,19 +37,10 @@ def painted(shapes: list[Colored]) -> Painted:
 
 
 def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) -> Painted | None:
-    """An object with the hand at its best collision-free grasp, closed on it.
+    """An object (metres) with the hand closed at its best collision-free grasp; None without one.
 
-    Args:
-        mesh: The object, metres.
-        grasps: Columns center, axis, approach (each with x, y and z), width, quality and
-            collision_free of `tables.grasping.GRASPS`, in the frame of the mesh.
-        gripper: The hand. A mesh for its palm is shown as a box.
-
-    Returns:
-        None if no grasp is free of collision.
-
-    Raises:
-        UserError: The file of the gripper cannot be used.
+    Grasps are columns of `tables.grasping.GRASPS`, in the frame of the mesh. A mesh for the palm is
+    shown as a box. UserError if the file of the gripper cannot be used.
     """
     free = grasps[grasps["collision_free"].astype(bool)]
     if free.empty:

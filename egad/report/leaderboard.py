@@ -104,72 +104,45 @@ class Board:
 
 @dataclass(frozen=True)
 class Standing:
-    """A line of a ranking.
-
-    Attributes:
-        entry: Name of the entry.
-        ranks: Ranks that it may have; None if it does not compete, or is the only one.
-        rate: The rate that it is ranked by.
-        success: Success rate of the attempts; for single objects, the same.
-    """
+    """A line of a ranking."""
 
     entry: str
-    ranks: Ranks | None
-    rate: Mean
-    success: Mean
+    ranks: Ranks | None  # ranks that it may have; None if it does not compete, or is the only one
+    rate: Mean  # the rate that it is ranked by
+    success: Mean  # success rate of the attempts; for single objects, the same
 
 
 @dataclass(frozen=True)
 class Ranking:
-    """The entries of a protocol, or of one kind of its scenes, best first.
+    """The entries of a protocol, or of one kind of its scenes, best first."""
 
-    Attributes:
-        title: Kind of scene, or empty.
-        standings: The entries.
-        leads: Differences of all pairs that compete.
-    """
-
-    title: str
+    title: str  # kind of scene, or empty
     standings: list[Standing]
-    leads: list[Lead]
+    leads: list[Lead]  # differences of all pairs that compete
 
 
 @dataclass(frozen=True)
 class ProtocolView:
-    """All entries of a protocol; figures are addresses.
-
-    Attributes:
-        protocol: The protocol.
-        rankings: One; for cleared tables, one for each kind of scene and noise.
-        outcomes: Chart of the outcomes.
-        grids: Success by row and column of the evaluation set; none for cleared tables.
-        rows: Chart of the success by row.
-        columns: The same by column.
-    """
+    """All entries of a protocol; figures are addresses."""
 
     protocol: Protocol
-    rankings: list[Ranking]
+    rankings: list[Ranking]  # one; for cleared tables, one for each kind of scene and noise
     outcomes: str
+    # success by row and column of the evaluation set; none for cleared tables
     grids: dict[str, TrialGrid] = field(default_factory=dict)
-    rows: str = ""
-    columns: str = ""
+    rows: str = ""  # chart of the success by row
+    columns: str = ""  # the same by column
 
 
 @dataclass(frozen=True)
 class SubmittedTableView:
-    """A table of an entry.
-
-    Attributes:
-        table: The table.
-        title: Title of its protocol.
-        heat_map: Success of each object, empty for cleared tables.
-        choices: What can be filmed: a name, the words of the command before and after the number,
-            and the result for each number.
-    """
+    """A table of an entry."""
 
     table: SubmittedTable
     title: str
-    heat_map: str
+    heat_map: str  # success of each object, empty for cleared tables
+    # what can be filmed: a name, the words of the command before and after the number, and
+    # the result for each number
     choices: list[tuple[str, str, str, list[str]]]
 
 

@@ -67,15 +67,7 @@ class LiveMap:
         resolution: int,
         axes: AxisPair = USUAL,
     ) -> None:
-        """Write the page, without any object of this island.
-
-        Args:
-            page: HTML file; the files of the islands are in the folder of the same name.
-            epoch: What the page is about.
-            space: The cells.
-            resolution: Voxels along each side of an object.
-            axes: What the axes of the space are called.
-        """
+        """Write the page without objects; the islands' files are in the folder of its name."""
         self._page, self._epoch = page, epoch
         self._space, self._resolution, self._axes = space, resolution, axes
         self._pictures: dict[str, str] = {}
@@ -83,13 +75,9 @@ class LiveMap:
         self._write((), ())
 
     def __call__(self, archive: Archive, steps: Sequence[Mapping[str, Any]]) -> None:
-        """Update the page after a step, unless it was updated recently.
+        """Update the page after the steps of an epoch so far, unless it was updated recently.
 
         A page that cannot be written does not stop evolution.
-
-        Args:
-            archive: The elites.
-            steps: All steps of the epoch so far: rows of `tables.evolution.HISTORY`.
         """
         last = sum(step["offspring"] for step in steps) >= self._epoch.evaluations
         if last or time.monotonic() >= self._next:
@@ -127,13 +115,7 @@ class LiveMap:
 def filled_cells(
     elites: Sequence[Elite], space: MeasureSpace, picture: Callable[[Elite], str]
 ) -> Cells:
-    """How many elites each cell holds, and the picture of the oldest, by name of the cell.
-
-    Args:
-        elites: Elites, oldest first.
-        space: The cells.
-        picture: Draws an elite, for the attribute `href` of an image.
-    """
+    """Number of elites, oldest first, and `href` of the oldest's picture, by name of the cell."""
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.graspability for elite in elites], space)
     names = [cell_name(int(column), int(row)) for column, row in zip(columns, rows, strict=True)]
@@ -149,15 +131,7 @@ def picture_of(packed: bytes, resolution: int, size: int = UNIT - MARGIN) -> str
 
 
 def archive_map(archive: Archive, measures: tuple[str, str] | None = None) -> str:
-    """The map of an archive: a picture of the oldest object of each cell.
-
-    Args:
-        archive: The elites.
-        measures: What the axes are called, if they are not EGAD's.
-
-    Returns:
-        SVG text.
-    """
+    """SVG map of an archive, with the oldest object of each cell; axes are named by measures."""
     unit = max(UNIT, NARROWEST // archive.space.cells)
     size = min(unit - MARGIN, MAX_SIDE)
 
@@ -209,13 +183,7 @@ def progress_of(steps: Sequence[Mapping[str, Any]], total: int, seconds: float) 
 
 
 def read_states(folder: Path, own: State, islands: int | None = None) -> list[State]:
-    """What the islands have written, in the order of their numbers.
-
-    Args:
-        folder: Folder of their files.
-        own: State that one of them has written; others count if run and epoch are the same.
-        islands: How many there are, if known.
-    """
+    """What the islands wrote in the run and epoch of `own`, in the order of their numbers."""
     found: list[State] = []
     for path in folder.glob("island-*.json"):
         with suppress(OSError, ValueError, LookupError, TypeError):
@@ -227,13 +195,7 @@ def read_states(folder: Path, own: State, islands: int | None = None) -> list[St
 
 
 def page_of(states: Sequence[State], space: MeasureSpace, axes: AxisPair = USUAL) -> str:
-    """The page.
-
-    Args:
-        states: State of each island.
-        space: The cells.
-        axes: What the axes of the space are called.
-    """
+    """The page of the states of all islands."""
     cells: Cells = {}
     for state in states:
         for name, (count, picture) in state["cells"].items():

@@ -58,18 +58,10 @@ def page(
     space: MeasureSpace,
     axes: AxisPair = USUAL,
 ) -> str:
-    """Show objects in the space of a dataset.
+    """An HTML page that needs no other file, with located objects in the space of a dataset.
 
-    Args:
-        name: The dataset.
-        objects: Its objects: columns complexity_cell and difficulty_cell.
-        located: Objects to show.
-        reasons: Names of meshes that could not be used, and why.
-        space: The cells.
-        axes: What the axes of the space are called.
-
-    Returns:
-        An HTML page that needs no other file.
+    `objects` has the columns complexity_cell and difficulty_cell; `reasons` says by name why meshes
+    could not be used.
     """
     cells = [(each.row["complexity_cell"], each.row["difficulty_cell"]) for each in located]
     return render_template(
@@ -102,17 +94,7 @@ def location_map(
     space: MeasureSpace,
     names: AxisPair = USUAL,
 ) -> str:
-    """The filled cells of a dataset, with numbered marks on them.
-
-    Args:
-        objects: Columns complexity_cell and difficulty_cell.
-        marks: Cells along complexity and along difficulty; numbered from 1.
-        space: The cells.
-        names: Texts along the axes.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of the filled cells of a dataset, with cells marked by numbers from 1."""
     counts = np.zeros((space.cells, space.cells))
     np.add.at(counts, (objects["difficulty_cell"], objects["complexity_cell"]), 1)
     shades = matplotlib.colormaps["Greys"](0.12 + 0.4 * counts / max(counts.max(), 1))

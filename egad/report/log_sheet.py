@@ -80,21 +80,14 @@ class LogObject:
 
 @dataclass(frozen=True)
 class LogPlan:
-    """What a session consists of.
+    """What a session consists of."""
 
-    Attributes:
-        attempts: Attempts by each detector at each object.
-        seed: Seed of the order.
-        order: All attempts.
-        shown: Name of each detector on the page: its own, or a letter if the session is blinded.
-        blind: Whether the operator does not know the detectors.
-    """
-
-    attempts: int
+    attempts: int  # attempts by each detector at each object
     seed: int
     order: tuple[PlannedAttempt, ...]
+    # name of each detector on the page: its own, or a letter if the session is blinded
     shown: dict[str, str]
-    blind: bool
+    blind: bool  # whether the operator does not know the detectors
 
 
 def attempt_order(
@@ -105,21 +98,15 @@ def attempt_order(
     *,
     rounds: bool = False,
 ) -> list[PlannedAttempt]:
-    """The order of all attempts.
+    """The order of all attempts by each detector at each object, from a seed.
 
     Objects are tried one after the other in random order. At each of them, all detectors make their
     first attempt, then all make their second, and so on, each time in another random order. So
     effects that change with time, such as worn pads, affect all detectors equally.
 
     In rounds, all detectors make one attempt at each object, each round in a new order, before any
-    object is tried again. A test that may be looked at early needs this.
-
-    Args:
-        labels: Objects, each once.
-        attempts: Attempts by each detector at each object.
-        detectors: Names of the detectors, each once.
-        seed: The same seed gives the same order, however objects and detectors are listed.
-        rounds: Whether to order attempts in rounds.
+    object is tried again. A test that may be looked at early needs this. The same seed gives the
+    same order, however objects and detectors are listed.
     """
     names, objects = sorted(detectors), sorted(labels)
     if rounds:
@@ -146,15 +133,7 @@ def plan(
     blind: bool,
     rounds: bool = False,
 ) -> LogPlan:
-    """Plan a session.
-
-    Args:
-        labels: Objects, each once.
-        attempts: Attempts by each detector at each object.
-        detectors: Names of the detectors.
-        seed: Seed of the order; see `attempt_order`.
-        blind: Call the detectors A, B, ... in random order.
-        rounds: As in `attempt_order`.
+    """Plan a session as in `attempt_order`; blind: detectors are called A, B, ... in random order.
 
     Raises:
         UserError: The names of the detectors cannot be used, or there are no attempts.
@@ -172,9 +151,8 @@ def plan(
 def order_table(planned: LogPlan, objects: Iterable[LogObject]) -> pd.DataFrame:
     """The order for the robot program, with the true names of the detectors.
 
-    Returns:
-        Columns order (from 1), label, id, attempt (from 0), detector; and success, outcome and
-        note, which are empty.
+    Columns order (from 1), label, id, attempt (from 0), detector; and success, outcome and note,
+    which are empty.
     """
     ids = {item.label: item.id for item in objects}
     table = pd.DataFrame(planned.order, columns=list(PlannedAttempt._fields))
@@ -189,14 +167,7 @@ def page(
     title: str,
     outcomes: Sequence[Outcome] = OBSERVABLE,
 ) -> str:
-    """The HTML page.
-
-    Args:
-        planned: The plan.
-        objects: Objects of the plan.
-        title: What the objects are, such as the name of the dataset.
-        outcomes: Those that the page offers.
-    """
+    """The HTML page of a plan, titled by its objects, that offers these outcomes."""
     labels = [item.label for item in objects]
     names = list(planned.shown)
     agreed = {

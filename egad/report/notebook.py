@@ -14,13 +14,7 @@ ROWS = 10  # of a long table
 
 
 def facts_html(title: str, facts: Mapping[str, object], mesh: trimesh.Trimesh | None) -> str:
-    """A result: its title, its facts as a table, and a thumbnail of its mesh.
-
-    Args:
-        title: What it is.
-        facts: Values by name.
-        mesh: Mesh to draw, if any.
-    """
+    """A result: its title, its facts by name as a table, and a thumbnail of its mesh."""
     picture = "" if mesh is None else data_uri(png_bytes(render(mesh, 2 * THUMBNAIL)))
     return render_template(
         "facts.html.j2", title=title, facts=facts, picture=picture, size=THUMBNAIL
@@ -28,12 +22,7 @@ def facts_html(title: str, facts: Mapping[str, object], mesh: trimesh.Trimesh | 
 
 
 def table_html(title: str, table: pd.DataFrame) -> str:
-    """A table under its title; for a long one, only its first and last rows.
-
-    Args:
-        title: What it is.
-        table: The table.
-    """
+    """A table under its title; for a long one, only its first and last rows."""
     with pd.option_context("display.max_colwidth", None):
         rows = table.to_html(max_rows=ROWS, border=0, float_format="{:.4g}".format)
     return render_template("facts.html.j2", title=title, facts={}, picture="", size=0) + rows

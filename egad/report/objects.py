@@ -17,19 +17,12 @@ TIMES = "\N{MULTIPLICATION SIGN}"
 
 
 class ObjectsView(NamedTuple):
-    """The objects of a dataset.
+    """The objects of a dataset."""
 
-    Attributes:
-        pictures: Addresses of their pictures by label; empty for those without one.
-        names: Names in the evaluation set by label, of those that are in it.
-        values: Texts by label and title of their column.
-        viewer: Data of the 3D viewer; None if there are no grasps.
-    """
-
-    pictures: dict[str, str]
-    names: dict[str, str]
-    values: dict[str, dict[str, str]]
-    viewer: dict[str, Any] | None
+    pictures: dict[str, str]  # addresses of their pictures by label; empty for those without one
+    names: dict[str, str]  # names in the evaluation set by label, of those that are in it
+    values: dict[str, dict[str, str]]  # texts by label and title of their column
+    viewer: dict[str, Any] | None  # data of the 3D viewer; None if there are no grasps
 
 
 class GripperTables(NamedTuple):
@@ -120,10 +113,5 @@ def _of_gripper(gripper: str, tables: GripperTables, labels: Mapping[str, str]) 
 
 
 def section(views: Mapping[str, ObjectsView], *, gripper: str) -> Section:
-    """The objects of each dataset.
-
-    Args:
-        views: From `objects_view`, by dataset.
-        gripper: Name of the gripper of the 3D viewer.
-    """
+    """The objects of each dataset, from `objects_view`; the 3D viewer shows this gripper."""
     return section_of("objects.html.j2", "Objects", views=views, gripper=gripper)

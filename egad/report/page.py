@@ -34,13 +34,7 @@ class Section:
 
 
 def section_of(template: str, title: str, /, **values: Any) -> Section:  # noqa: ANN401 (as Jinja)
-    """Fill the template of a section; its anchor is the name of the template without endings.
-
-    Args:
-        template: Name of the template, such as `map.html.j2`.
-        title: Text of the link to the section.
-        values: Values for the template.
-    """
+    """Fill the template of a section; its anchor is the name of the template without endings."""
     html = render_template(template, **values)
     return Section(template.partition(".")[0], title, Markup(html))  # noqa: S704 (templates escape what they show)
 
@@ -48,9 +42,7 @@ def section_of(template: str, title: str, /, **values: Any) -> Section:  # noqa:
 def report_page(sections: Iterable[Section], *, alone: bool = False) -> str:
     """One HTML page of all sections, with links to each, that needs no other file.
 
-    Args:
-        sections: In their order.
-        alone: Whether there is only one dataset, whose name is not repeated in each section.
+    `alone` says that there is only one dataset, whose name is not repeated in each section.
     """
     return render_template("report.html.j2", sections=list(sections), alone=alone)
 

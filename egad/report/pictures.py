@@ -80,16 +80,10 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> RgbImage:
 
 
 def png_bytes(picture: RgbImage) -> bytes:
-    """Compress a picture to a small PNG with a palette.
+    """The same small PNG with a palette for the same picture, (height, width, 4).
 
     Colors are rounded to 5 bits and alpha to 6 levels, which is not visible at this size. A
     picture that still has more than 256 colors keeps full color.
-
-    Args:
-        picture: As returned by `render`, (height, width, 4).
-
-    Returns:
-        A PNG file, the same bytes for the same picture.
     """
     step = np.array([8, 8, 8, 51], dtype=np.float64)
     coarse = np.minimum(np.round(picture / step) * step, 255).astype(np.uint8)
@@ -146,7 +140,7 @@ def _cast(scene: TriangleScene, vertices: Singles, faces: NDArray[np.int32], sid
 
 
 def _corner_normals(vertices: Singles, faces: NDArray[np.int32]) -> Singles:
-    """Normals at the corners of each face (n, 3, 3): smooth, but flat at creases.
+    """Normals at the corners of each face, (n, 3, 3): smooth, but flat at creases.
 
     Faces are weighted by their angle at a vertex, so that the corners of a box are creases.
     """
@@ -223,17 +217,10 @@ def _average(rays: NDArray[np.int64], bright: Singles, size: int) -> RgbImage:
 
 
 def voxel_picture(voxels: NDArray[np.bool_], size: int) -> RgbImage:
-    """Draw a solid seen from the front and above, in the light of `render` (ours).
+    """Grey and alpha, (size, size, 2), of voxels, (r, r, r), in view and light of `render` (ours).
 
-    The voxels of its surface are painted as squares, farthest first, each with the brightness of
+    The voxels of the surface are painted as squares, farthest first, each with the brightness of
     its normal.
-
-    Args:
-        voxels: (r, r, r), not empty.
-        size: Pixels along each side.
-
-    Returns:
-        Grey and alpha, (size, size, 2).
     """
     solid = np.pad(voxels, MARGIN)
     surface = np.argwhere(solid & ~_interior(solid))

@@ -15,17 +15,7 @@ from egad.tables.objects import REJECTED
 def scenes(
     folder: Path, gripper: str, evalset: pd.DataFrame, grasps: pd.DataFrame
 ) -> list[GraspScene]:
-    """The objects of an evaluation set.
-
-    Args:
-        folder: Folder of the dataset.
-        gripper: Its name.
-        evalset: Columns of `tables.evaluation.EVAL49`.
-        grasps: Columns of `tables.grasping.GRASPS` for this gripper.
-
-    Returns:
-        One scene per object that could be scaled to the gripper, named as in the evaluation set.
-    """
+    """The objects of an evaluation set that could be scaled to the gripper, named as in the set."""
     meshes = folder / "rescaled" / gripper
     return [
         scene(folder, gripper, label, grasps, name=name)

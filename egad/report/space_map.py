@@ -42,42 +42,25 @@ class Cell:
 
 @dataclass(frozen=True)
 class SpaceMap:
-    """The cells of a dataset, the color bar, and what a click on a cell shows.
+    """The cells of a dataset, the color bar, and what a click on a cell shows."""
 
-    Attributes:
-        size: Cells along each axis.
-        cells: The filled ones.
-        low: Mean diversity at the lower end of the color bar; few cells are below it.
-        high: Mean diversity at its upper end.
-        stops: Colors of the bar, from low to high.
-        details: Objects of each cell by its name: label, id, complexity, graspability, its
-            standard error, confidence of the cell, diversity and picture (base64; None for the
-            first, which the map shows); then the number of further objects.
-        first: Name of the cell whose objects are shown first.
-        pictured: Whether the objects have pictures.
-    """
-
-    size: int
-    cells: list[Cell]
-    low: float
-    high: float
-    stops: list[str]
+    size: int  # cells along each axis
+    cells: list[Cell]  # the filled ones
+    low: float  # mean diversity at the lower end of the color bar; few cells are below it
+    high: float  # mean diversity at its upper end
+    stops: list[str]  # colors of the bar, from low to high
+    # objects of each cell by its name: label, id, complexity, graspability, its standard
+    # error, confidence of the cell, diversity and picture (base64; None for the first, which
+    # the map shows); then the number of further objects
     details: dict[str, dict[str, Any]]
-    first: str
-    pictured: bool
+    first: str  # name of the cell whose objects are shown first
+    pictured: bool  # whether the objects have pictures
 
 
 def section(
     maps: Mapping[str, SpaceMap], space: MeasureSpace, axes: AxisPair, limit: Attainable
 ) -> Section:
-    """The maps of all datasets.
-
-    Args:
-        maps: From `space_map`, by dataset.
-        space: The cells.
-        axes: What the axes of the space are called.
-        limit: Which rows objects are expected in; the others are hatched.
-    """
+    """The maps of all datasets, from `space_map`; rows outside of `limit` are hatched."""
     certain = any(cell.confidence >= 0 for each in maps.values() for cell in each.cells)
     values = {"space": space, "axes": axes, "certain": certain}
     hatched, legend = limit.rows, legend_of(limit, axes.upwards)
@@ -85,12 +68,7 @@ def section(
 
 
 def legend_of(limit: Attainable, axis: MeasureAxis) -> str:
-    """A legend for the hatched rows of a map; empty if there are none.
-
-    Args:
-        limit: Which rows objects are expected in.
-        axis: The axis that points upwards, for the names of its numbers.
-    """
+    """A legend for the hatched rows of a map along the axis upwards; empty if there are none."""
     if not limit.rows:
         return ""
     edge, best, most = (
@@ -122,15 +100,10 @@ def _by_diversity(objects: pd.DataFrame) -> pd.DataFrame:
 def space_map(
     objects: pd.DataFrame, pictures: Mapping[str, bytes], space: MeasureSpace
 ) -> SpaceMap:
-    """Lay out the objects of a dataset over the space.
+    """Lay out `tables.objects.OBJECTS` over the space, with PNGs by label of `shown_objects`.
 
     A cell is colored by the mean diversity of its objects and shows the picture of the most
     diverse one.
-
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        pictures: PNG by label, at least of `shown_objects`; or empty.
-        space: The cells.
     """
     ordered = _by_diversity(objects)
     groups = list(ordered.groupby(BY_CELL, sort=True))

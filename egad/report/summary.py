@@ -68,21 +68,12 @@ class DatasetSummary:
 
 
 def section(datasets: Mapping[str, DatasetSummary], capacity: int) -> Section:
-    """The results of a run in numbers.
-
-    Args:
-        datasets: By name.
-        capacity: How many objects an evaluation set can have.
-    """
+    """The results of a run in numbers; an evaluation set has room for `capacity` objects."""
     return section_of("summary.html.j2", "Summary", datasets=datasets, capacity=capacity)
 
 
 def left_out_section(rejected: Mapping[str, pd.DataFrame]) -> Section:
-    """The objects that were left out: how many of what for which reason, and all of them.
-
-    Args:
-        rejected: As from `name_stages`, by dataset.
-    """
+    """The objects that were left out, from `name_stages`: how many for which reason, and all."""
     tables = {
         name: (rejection_counts(table), table.to_dict("records"))
         for name, table in rejected.items()
@@ -91,11 +82,7 @@ def left_out_section(rejected: Mapping[str, pd.DataFrame]) -> Section:
 
 
 def name_stages(rejected: pd.DataFrame) -> pd.DataFrame:
-    """Rejected objects in order, with what they were left out of in place of the stage.
-
-    Args:
-        rejected: Columns of `tables.objects.REJECTED`; a stage may be followed by a gripper.
-    """
+    """`tables.objects.REJECTED` in order; what objects were left out of replaces the stage."""
     stages = [stage.partition(" ") for stage in rejected["stage"]]
     words = [
         LEFT_OUT_OF.get(stage, stage) + (f" for {gripper}" if gripper else "")

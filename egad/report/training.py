@@ -11,26 +11,12 @@ from egad.report.drawing import new_figure, show_percent
 
 
 def training_chart(history: pd.DataFrame) -> str:
-    """Losses and the score on the validation set, over the images trained on.
-
-    Args:
-        history: Columns of `tables.training.HISTORY`, at least one row.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of losses and validation score over images, from `tables.training.HISTORY`."""
     return _chart(history, "images", "validation_score", "correct grasps, validation")
 
 
 def scene_training_chart(history: pd.DataFrame) -> str:
-    """Losses and the average precision on the validation set, over the scenes trained on.
-
-    Args:
-        history: Columns of `tables.training.SCENE_HISTORY`, at least one row.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of losses and validation precision over scenes, from `tables.training.SCENE_HISTORY`."""
     name = "validation_average_precision"
     return _chart(history, "scenes", name, "average precision, validation")
 
@@ -56,15 +42,7 @@ def _chart(history: pd.DataFrame, unit: str, score: str, title: str) -> str:
 
 
 def openings_chart(openings: NDArray[np.float64], most: float) -> str:
-    """How far the hand opens for the grasps in a set of images.
-
-    Args:
-        openings: Metres, (n,).
-        most: Opening of the gripper, metres.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of how far the hand opens (m, (n,), up to `most`) for the grasps in a set of images."""
     with new_figure(5.0, 2.4) as drawing:
         axes = drawing.figure.subplots()
         bins = np.linspace(0, 1000 * most, 17)

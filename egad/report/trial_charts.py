@@ -47,17 +47,9 @@ DARK = (
 def trial_heat_map(
     grid: TrialGrid, rows: int, columns: int, present: set[str], axis_names: AxisPair = USUAL
 ) -> str:
-    """Success rate of every object, with the rates of whole rows and columns, as in the paper.
+    """SVG of the success rates of every object, row and column, as in the paper.
 
-    Args:
-        grid: Rates from `egad.bench.stats.rates.trial_grid`.
-        rows: Letters of the evaluation set; the easiest is at the bottom.
-        columns: Digits of the evaluation set.
-        present: Labels of the objects in the set; all other cells are hatched.
-        axis_names: Texts along the axes.
-
-    Returns:
-        SVG text.
+    The easiest row is at the bottom; cells of labels that are not `present` are hatched.
     """
     with new_figure(0.8 + 0.62 * (columns + 1.62), 0.6 + 0.62 * (rows + 1.37)) as drawing:
         axes = drawing.figure.add_subplot()
@@ -125,15 +117,7 @@ def _heat_axes(axes: Axes, rows: int, columns: int, names: AxisPair) -> None:
 def rate_bars(
     rates: Mapping[str, Sequence[Mean]], groups: Sequence[str] = string.ascii_uppercase
 ) -> str:
-    """Success rates side by side by row of the evaluation set, with intervals of 95 %.
-
-    Args:
-        rates: By detector: rates of each row, and then over all.
-        groups: Names of the rows, or of the columns if the rates are by column.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of success rates by row of the evaluation set, then over all, with intervals of 95 %."""
     count = max(len(each) for each in rates.values())
     with new_figure(8.6, 3.2) as drawing:
         axes = drawing.figure.add_subplot()
@@ -179,14 +163,7 @@ def outcome_counts(trials: pd.DataFrame) -> dict[str, int]:
 
 
 def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
-    """Outcomes of the attempts, one bar per table.
-
-    Args:
-        trials: Tables with the columns of `tables.evaluation.TRIALS`, by the name of the bar.
-
-    Returns:
-        SVG text.
-    """
+    """SVG of the outcomes of attempts, a bar for each named `tables.evaluation.TRIALS`."""
     with new_figure(8.6, 0.75 + 0.42 * len(trials)) as drawing:
         axes = drawing.figure.add_subplot()
         counts = {name: outcome_counts(table) for name, table in trials.items()}
@@ -205,15 +182,11 @@ def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
 
 
 def trial_chart(trials: pd.DataFrame) -> str:
-    """Results of attempts: a heat map of the evaluation set, or the outcomes by object.
+    """SVG of results of attempts: a heat map of the evaluation set, or the outcomes by object.
 
-    Args:
-        trials: Columns label, success and outcome of `tables.evaluation.TRIALS`, at least one row.
-
-    Returns:
-        SVG text. If all labels are those of an evaluation set of the usual size, such as C4, the
-        heat map of the paper. Otherwise the outcomes of all attempts and of each object; with more
-        than `MAX_BARS` objects, only of those with the lowest success rates.
+    It is the heat map of the paper if all labels are those of an evaluation set of the usual size,
+    such as C4. Otherwise the outcomes of all attempts and of each object; with more than `MAX_BARS`
+    objects, only of those with the lowest success rates.
     """
     objects = by_object(trials)
     names = [str(name) for name in objects.index]

@@ -60,31 +60,19 @@ class EvaluationSet:
 
 @dataclass(frozen=True)
 class TrialView:
-    """Attempts of one detector; figures are addresses, empty if there is none.
-
-    Attributes:
-        engine: The physics engine, and the errors of the cell; empty for a real robot.
-        rate: Success rate over all attempts.
-        objects: How many objects were tried.
-        outcomes: Attempts by outcome.
-        heat_map: Success rates of objects, rows and columns; outcomes by object if the set is not
-            a grid.
-        reliability: Quality against success.
-        discrimination: How often a success had a higher quality than a failure.
-        trends: Rank correlation of success with `difficulty` and `complexity`.
-        trend_figure: The same as a figure; none if the set is not a grid.
-    """
+    """Attempts of one detector; figures are addresses, empty if there is none."""
 
     name: str
-    engine: str
-    rate: Mean
+    engine: str  # the physics engine, and the errors of the cell; empty for a real robot
+    rate: Mean  # success rate over all attempts
     objects: int
     outcomes: dict[str, int]
+    # success rates of objects, rows and columns; outcomes by object if the set is not a grid
     heat_map: str
-    reliability: str
-    discrimination: float
-    trends: dict[str, Trend]
-    trend_figure: str
+    reliability: str  # quality against success
+    discrimination: float  # how often a success had a higher quality than a failure
+    trends: dict[str, Trend]  # rank correlation of success with `difficulty` and `complexity`
+    trend_figure: str  # the same as a figure; none if the set is not a grid
 
 
 @dataclass(frozen=True)
@@ -127,27 +115,13 @@ def page(
     evaluation_set: EvaluationSet,
     conclusions: Sequence[str] = (),
 ) -> str:
-    """Show what detectors achieved, in the simulation or on a real robot.
-
-    Args:
-        tables: Columns of `tables.evaluation.RESULTS`, by detector.
-        evaluation_set: What was tried.
-        conclusions: A sentence on each pair of detectors.
-
-    Returns:
-        An HTML page that needs no other file.
-    """
+    """An HTML page of `tables.evaluation.RESULTS` by detector that needs no other file."""
     results = trial_results(tables, evaluation_set)
     return render_template("trials_page.html.j2", results=results, conclusions=conclusions)
 
 
 def trial_results(tables: Mapping[str, pd.DataFrame], evaluation_set: EvaluationSet) -> Results:
-    """Compute what the section shows.
-
-    Args:
-        tables: Attempts by detector: columns of `tables.evaluation.RESULTS`.
-        evaluation_set: What was tried.
-    """
+    """Compute what the section shows from `tables.evaluation.RESULTS` by detector."""
     rows, columns = evaluation_set.rows, evaluation_set.columns
     grids = {name: trial_grid(table, rows, columns) for name, table in tables.items()}
     several = len(tables) > 1
@@ -162,11 +136,7 @@ def trial_results(tables: Mapping[str, pd.DataFrame], evaluation_set: Evaluation
 
 
 def pairs(tables: Mapping[str, pd.DataFrame]) -> list[Pair]:
-    """Compare every two detectors, except those that have no attempt in common.
-
-    Raises:
-        UserError: A label does not stand for the same object in all tables.
-    """
+    """Compare every two detectors with common attempts; UserError if a label means two objects."""
     found = []
     for names in combinations(tables, 2):
         with suppress(NothingInCommonError):
@@ -211,14 +181,10 @@ def _view(
 
 
 def reliability_chart(bins: Sequence[Bin]) -> str:
-    """Success rate against the quality that a detector gave, with Wilson intervals of 95 %.
+    """SVG of success rate over quality from at least one bin, with Wilson intervals of 95 %.
 
-    Args:
-        bins: From `egad.bench.stats.roc`, at least one.
-
-    Returns:
-        SVG text. If all qualities lie between 0 and 1, a diagonal shows where they would equal the
-        probability of success.
+    If all qualities lie between 0 and 1, a diagonal shows where they would equal the probability of
+    success.
     """
     qualities = [each.quality for each in bins]
     with new_figure(3.7, 3.0) as drawing:
@@ -239,17 +205,10 @@ def trend_chart(
     means: Mapping[str, Sequence[Mean]],
     names: AxisPair = USUAL,
 ) -> str:
-    """Success of each object against its difficulty and its complexity.
+    """SVG of the success of each object against its difficulty and its complexity.
 
-    Args:
-        objects: Columns label (the index), rate, difficulty and complexity.
-        trends: Rank correlation of each.
-        means: Rates of whole rows and columns of the evaluation set: `difficulty`, `complexity`.
-        names: What the axes are called.
-
-    Returns:
-        SVG text: one dot per object, spread sideways by its value within the row or column; the
-        lines join the means, with their intervals of 95 %.
+    There is a dot per object, spread sideways by its value within the row or column; the lines join
+    the means of whole rows and columns, with their intervals of 95 %.
     """
     keys = {"difficulty": names.upwards, "complexity": names.across}
     with new_figure(8.6, 3.0) as drawing:

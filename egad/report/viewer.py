@@ -60,16 +60,10 @@ class GraspScene:
 
 
 def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any]:
-    """What the script of the viewer reads, ready for JSON.
+    """What the script of the viewer reads, ready for JSON, from at least one scene.
 
-    Args:
-        scenes: At least one.
-        gripper: The gripper of the grasps.
-
-    Returns:
-        `finger`: from the contacts back to the palm, or to the top of the cup, metres; `objects`:
-        each packed; `metrics`: key, name, and the value that gets the last color, the same for all
-        objects.
+    `finger`: from the contacts back to the palm, or to the top of the cup, metres; `objects`: each
+    packed; `metrics`: key, name, and the value that gets the last color, the same for all objects.
     """
     return {
         "finger": gripper.cup.height if gripper.cup else -finger_span(gripper)[0],
@@ -81,13 +75,12 @@ def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any
 def pack(scene: GraspScene) -> dict[str, Any]:
     """One object for the viewer.
 
-    Returns:
-        `name`, `title`, `note`; `counts` of vertices, faces and grasps; `origin` and `step`, which
-        convert coordinates to metres; and `data`: the following little-endian arrays, one after
-        the other, compressed by zlib, as base64. Faces and vertices (see `_zigzag`), each metric
-        (32-bit float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767), whether
-        the grasp is free of collision (8 bit), colors of faces (8 bit), if it is `painted`, and
-        positions in `LABELS` (8 bit), if the grasps are `labelled` by simulation.
+    `name`, `title`, `note`; `counts` of vertices, faces and grasps; `origin` and `step`, which
+    convert coordinates to metres; and `data`: the following little-endian arrays, one after the
+    other, compressed by zlib, as base64. Faces and vertices (see `_zigzag`), each metric (32-bit
+    float), contacts (16 bit), approaches (signed 16 bit, in 1 / 32767), whether the grasp is free
+    of collision (8 bit), colors of faces (8 bit), if it is `painted`, and positions in `LABELS` (8
+    bit), if the grasps are `labelled` by simulation.
     """
     vertices, faces = np.asarray(scene.mesh.vertices), np.asarray(scene.mesh.faces)
     origin = vertices.min(axis=0)
@@ -121,15 +114,9 @@ def pack(scene: GraspScene) -> dict[str, Any]:
 
 
 def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
-    """Labels of grasps by simulation, as positions in `LABELS`.
+    """Labels of grasps by simulation, as positions in `LABELS`, (n,).
 
     Only collision-free grasps are simulated. Those without an outcome count as not simulated.
-
-    Args:
-        grasps: Columns simulated_success and collision_free.
-
-    Returns:
-        (n,).
     """
     free, held = grasps["collision_free"], grasps["simulated_success"]
     codes = np.select([~free.astype(bool), held.isna(), held.eq(True)], [3, 0, 1], 2)

@@ -8,8 +8,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from worlds import EACH_ENGINE, HAND
 
-from egad.bench import Clutter, ClutterRunner, Propose, RestingObject, proposed_by
-from egad.bench.clutter import ClutterAttempt
+from egad.bench import Clutter, RestingObject, proposed_by
+from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.bench.scenes import BOX
 from egad.detectors import GraspPoses, Observation, PoseGrasp, cameras_around
 from egad.geometry import Bundle

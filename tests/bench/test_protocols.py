@@ -15,8 +15,6 @@ from egad.bench import (
     Clutter,
     ClutterParameters,
     ClutterProtocol,
-    ClutterRunner,
-    Propose,
     RestingObject,
     Round,
     SceneCameras,
@@ -27,7 +25,7 @@ from egad.bench import (
     proposed_by,
     rounds_of,
 )
-from egad.bench.clutter import ClutterAttempt
+from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.detectors import GraspPoses, Observation, PoseGrasp
 from egad.errors import UserError
 from egad.geometry import Bundle

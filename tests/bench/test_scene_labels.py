@@ -7,7 +7,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from worlds import HAND
 
-from egad.bench import RestingObject, SceneLabels
+from egad.bench import RestingObject
+from egad.bench.scene_labels import SceneLabels
 from egad.detectors import Observation, PoseGrasp
 from egad.geometry import Bundle
 from egad.grasps import label_parameters

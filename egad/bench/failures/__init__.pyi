@@ -1,5 +1,4 @@
 from .atlas import FailureAtlas as FailureAtlas
-from .defaults import failure_parameters as failure_parameters
 from .examine import Examination as Examination
 from .features import SHAPE_FEATURES as SHAPE_FEATURES
 from .features import shape_features as shape_features
@@ -14,7 +13,6 @@ from .parameters import FailureParameters as FailureParameters
 from .parameters import FailureSearch as FailureSearch
 from .parameters import check_searchable as check_searchable
 from .replay import film_attempts as film_attempts
-from .replay import repeat_attempts as repeat_attempts
 from .search import Found as Found
 from .search import attempts_of as attempts_of
 from .verdict import ObjectVerdict as ObjectVerdict

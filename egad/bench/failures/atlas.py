@@ -179,15 +179,7 @@ def _files(place: Path) -> tuple[Path, Path, Path]:
 
 
 def merge(shards: Sequence[Found], settings: FailureParameters) -> pd.DataFrame:
-    """Merge the failures of all shards into one archive, without explanations.
-
-    Args:
-        shards: Results of each shard.
-        settings: Cells, and how many failures each keeps.
-
-    Returns:
-        Columns of `tables.failures.FAILURES` except those of `EXPLAINED`.
-    """
+    """One archive of the failures of all shards, without columns of `tables.failures.EXPLAINED`."""
     archive = empty_archive(settings)
     examined = pd.concat([each.examined for each in shards], ignore_index=True)
     failures = examined[examined["verdict"] == ObjectVerdict.FAILURE].drop_duplicates("id")

@@ -13,13 +13,7 @@ def by_object(attempts: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def pairs_of(attempts: pd.DataFrame, engine: str, purpose: str = "confirm") -> list[PairedDrop]:
-    """Results of the reference and of the detector at the fresh drops, in their order.
-
-    Args:
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
-        engine: The physics engine.
-        purpose: Purpose of the drops.
-    """
+    """Results of reference and detector at the fresh drops of an object, in their order."""
     fresh = attempts[(attempts["purpose"] == purpose) & (attempts["engine"] == engine)]
     by_who = fresh.pivot_table(index="drop", columns="who", values="success", aggfunc="first")
     if by_who.empty:
@@ -29,12 +23,7 @@ def pairs_of(attempts: pd.DataFrame, engine: str, purpose: str = "confirm") -> l
 
 
 def counts_of(attempts: pd.DataFrame, purpose: str = "confirm") -> dict[str, float]:
-    """Results of the fresh drops, by engine: columns of `tables.failures.EXAMINED`.
-
-    Args:
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
-        purpose: Purpose of the drops.
-    """
+    """Results of the fresh drops at an object, by engine: columns of `tables.failures.EXAMINED`."""
     values: dict[str, float] = {}
     for engine in ENGINES:
         pairs = pairs_of(attempts, engine, purpose)
@@ -51,12 +40,7 @@ def counts_of(attempts: pd.DataFrame, purpose: str = "confirm") -> dict[str, flo
 
 
 def failed_drops(attempts: pd.DataFrame, engine: str) -> list[int]:
-    """Numbers of the fresh drops in an engine at which only the reference succeeded.
-
-    Args:
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of one object.
-        engine: The physics engine.
-    """
+    """Numbers of an object's fresh drops in an engine at which only the reference succeeded."""
     fresh = attempts[(attempts["purpose"] == "confirm") & (attempts["engine"] == engine)]
     won = {who: set(rows.loc[rows["success"], "drop"]) for who, rows in fresh.groupby("who")}
     return sorted(won.get("reference", set()) - won.get("detector", set()))
@@ -65,10 +49,7 @@ def failed_drops(attempts: pd.DataFrame, engine: str) -> list[int]:
 def explanation(attempts: pd.DataFrame, engine: str, most: int) -> dict[str, int]:
     """Why a detector fails at an object: columns of `tables.failures.EXPLAINED`.
 
-    Args:
-        attempts: Attempts at one object, including those of `Examination.explain`.
-        engine: Engine in which `explain` tried other proposals.
-        most: Maximum number of drops at which it did.
+    `Examination.explain` tried other proposals in this engine, at `most` drops.
     """
     drops = failed_drops(attempts, engine)[:most]
     chosen = attempts[(attempts["who"] == "detector") & attempts["drop"].isin(drops)]

@@ -23,29 +23,18 @@ class PairedDrop(NamedTuple):
 
 
 class Claim(NamedTuple):
-    """The claim that is tested.
+    """The claim that is tested."""
 
-    Attributes:
-        reference: Minimum success rate of the reference.
-        difference: Minimum difference of the success rates of reference and detector.
-        confidence: Confidence of each of the two.
-    """
-
-    reference: float = 0.8
-    difference: float = 0.5
-    confidence: float = 0.95
+    reference: float = 0.8  # minimum success rate of the reference
+    difference: float = 0.5  # minimum difference of the success rates of reference and detector
+    confidence: float = 0.95  # confidence of each of the two
 
     def is_shown(self, pairs: Sequence[PairedDrop]) -> bool:
         """Whether the evidence suffices."""
         return bool(min(self.evidence(pairs)) >= self._needed)
 
     def is_hopeless(self, pairs: Sequence[PairedDrop], most: int) -> bool:
-        """Whether the evidence can no longer suffice, whatever the results of the remaining pairs.
-
-        Args:
-            pairs: Pairs so far.
-            most: Total number of pairs.
-        """
+        """Whether the evidence cannot suffice, however the pairs up to `most` end."""
         best = [*pairs, *[PairedDrop(True, False)] * (most - len(pairs))]
         return not any(self.is_shown(best[:count]) for count in range(len(pairs), most + 1))
 

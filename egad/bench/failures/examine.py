@@ -42,8 +42,7 @@ PATIENCE = 2  # drops for each one wanted, as the object does not come to rest i
 def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
     """The approach of a detector: from the settings, or else from the input that it asks for.
 
-    Raises:
-        UserError: It grasps from above and asks for more than the view of a camera there.
+    UserError if it grasps from above and asks for more than the view of a camera there.
     """
     sees = asked_for(detect)
     if search.approach == "above" and sees != "view":
@@ -57,17 +56,7 @@ def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "an
 def model_of_attempts(
     mesh: trimesh.Trimesh, purpose: str, settings: FailureParameters, name: str = "the mesh"
 ) -> Model:
-    """An object as simulated for a purpose: with few convex parts until it may be a failure.
-
-    Args:
-        mesh: A closed surface, scaled to the gripper, metres.
-        purpose: As in `tables.failures.FAILURE_ATTEMPTS`.
-        settings: Density and convex parts.
-        name: Its name in warnings.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or has no convex parts.
-    """
+    """A scaled object as simulated for a purpose: few convex parts until it may be a failure."""
     bundle = settings.bundle
     if purpose not in ON_ROUGH:
         return build(mesh, settings.material.density, bundle, name)
@@ -90,12 +79,8 @@ class Examination:
     ) -> None:
         """Prepare; nothing is simulated yet.
 
-        Args:
-            mesh: A closed surface wound outwards, scaled to the gripper, metres.
-            object_id: Determines all drops, with the seed of the settings.
-            detect: The detector.
-            settings: Gripper, engines, numbers of attempts.
-            report: Called with 1 after every attempt.
+        The mesh is closed, wound outwards, scaled to the gripper, metres; `object_id` determines
+        all drops, with the seed of the settings; `report` is called with 1 after every attempt.
         """
         self._mesh, self._id = mesh, object_id
         self._settings, self._search = settings, settings.failures
@@ -131,11 +116,7 @@ class Examination:
     def explain(self, attempts: pd.DataFrame) -> pd.DataFrame:
         """Try the other proposals of the detector where it failed and the reference did not.
 
-        Args:
-            attempts: Attempts at this object, columns of `tables.failures.FAILURE_ATTEMPTS`.
-
-        Returns:
-            The further attempts at each drop, until one succeeds; none if nothing was proposed.
+        Returns the further `tables.failures.FAILURE_ATTEMPTS` at each drop, until one succeeds.
         """
         recorder, engine = self._recorder, self._search.engines[0]
         exact = model_of_attempts(self._mesh, "explain", self._settings, self._id)

@@ -35,18 +35,11 @@ RANGE = (TAIL, 1 - TAIL)
 
 
 class ShapeFeature(NamedTuple):
-    """A feature, in words.
-
-    Attributes:
-        title: Its name.
-        unit: Unit of the number as shown; empty if it has none.
-        factor: From the number in tables to the one shown.
-        meaning: Its definition.
-    """
+    """A feature, in words."""
 
     title: str
-    unit: str
-    factor: float
+    unit: str  # unit of the number as shown; empty if it has none
+    factor: float  # from the number in tables to the one shown
     meaning: str
 
 
@@ -94,17 +87,11 @@ SHAPE_FEATURES = {
 def shape_features(
     mesh: trimesh.Trimesh, attempts: pd.DataFrame, gripper: Gripper
 ) -> dict[str, float]:
-    """The features of an object, without those of the map.
+    """The features of an object that `SHAPE_FEATURES` defines, without those of the map.
 
-    Args:
-        mesh: A closed surface wound outwards, scaled as in the search, metres.
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object. Features of grasps
-            are medians over the first twelve grasps that held; NaN without any.
-        gripper: The hand. A suction cup has one contact, and so no `grasp_size`.
-
-    Returns:
-        `grasp_size`, `wall_thickness` (m), `contact_curvature` (1/m), `concavity` and `asymmetry`
-        as defined in `SHAPE_FEATURES`.
+    The mesh is closed, wound outwards, scaled as in the search, metres. Features of grasps are
+    medians over the first twelve `tables.failures.FAILURE_ATTEMPTS` that held; NaN without any. A
+    suction cup has one contact, and so no `grasp_size`. Lengths are in metres, curvature in 1/m.
     """
     caster = RayCaster(mesh)
     points, faces = trimesh.sample.sample_surface(mesh, POINTS, seed=0)
@@ -125,12 +112,7 @@ def shape_features(
 
 
 def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[PoseGrasp]:
-    """The first grasps that held an object, in the frame of its mesh.
-
-    Args:
-        mesh: As in `shape_features`.
-        attempts: As in `shape_features`.
-    """
+    """The first grasps that held an object, in the frame of its mesh."""
     to_mesh = np.linalg.inv(principal_frame(mass_properties(mesh, Material().density))[1])
     found = []
     for row in parquet.records(attempts[attempts["success"]].head(MAX_GRASPS)):
@@ -141,16 +123,7 @@ def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[PoseGrasp
 
 
 def contact_points(caster: RayCaster, grasp: PoseGrasp, gripper: Gripper) -> Floats:
-    """Where the fingers, or the cup, first meet an object.
-
-    Args:
-        caster: Ray caster of the object.
-        grasp: Grasp in the frame of the object.
-        gripper: The hand.
-
-    Returns:
-        (2, 3) metres; (1, 3) for a suction cup; (0, 3) if one of them meets nothing.
-    """
+    """Where fingers, (2, 3), or cup, (1, 3), first meet an object, metres; (0, 3) if one misses."""
     if gripper.cup is not None:
         starts = np.array([[0.0, 0.0, -ABOVE]])
         sides = [_first_contact(caster, grasp.pose, starts, np.array([0.0, 0.0, 1.0]))]
@@ -187,19 +160,12 @@ def _first_contact(
 
 
 def patch_curvature(points: Floats, normals: Floats, contact: Floats) -> float:
-    """How much a surface curves around a contact, 1/m.
+    """1 / radius (1/m) of the ball that a surface resembles around a contact; 0 on a plane.
 
     On a large ball, the mean angle between the normals within 5 mm and their mean is 2/3 of 5 mm
     over the radius. Parts of the surface turned by more than 120 degrees from the nearest point,
-    such as the other side of a wall, do not count.
-
-    Args:
-        points: Spread evenly over the surface, (n, 3), metres.
-        normals: Outward unit normals there, (n, 3).
-        contact: (3,) metres.
-
-    Returns:
-        1 / radius of that ball, so 0 on a plane; NaN if no point is near.
+    such as the other side of a wall, do not count. NaN if none of the n points, spread evenly over
+    the surface, is near.
     """
     away = np.linalg.norm(points - contact, axis=1)
     closest = int(away.argmin())
@@ -212,13 +178,7 @@ def patch_curvature(points: Floats, normals: Floats, contact: Floats) -> float:
 
 
 def wall_thickness(caster: RayCaster, points: Floats, normals: Floats) -> float:
-    """Thickness along the inward normal that 90 % of a surface exceeds, metres.
-
-    Args:
-        caster: Ray caster of the solid.
-        points: Spread evenly over its surface, (n, 3), metres.
-        normals: Outward unit normals there, (n, 3).
-    """
+    """Thickness (m) along the inward normal that 90 % of n evenly spread points, (n, 3), exceed."""
     hits = caster.first_hits(points - SKIN * normals, -normals)
     found = hits.distances[np.isfinite(hits.distances)] + SKIN
     return float(np.quantile(found, THIN)) if len(found) else float("nan")
@@ -234,9 +194,6 @@ def asymmetry(mesh: trimesh.Trimesh) -> float:
 
     This is the minimum over the three mirror planes through the center of mass perpendicular to a
     principal axis; a plane of symmetry is one of these, unless two principal moments are equal.
-
-    Args:
-        mesh: A closed surface wound outwards, metres.
     """
     _, to_principal = principal_frame(mass_properties(mesh, Material().density))
     caster = RayCaster(mesh.copy().apply_transform(to_principal))
@@ -250,26 +207,17 @@ def asymmetry(mesh: trimesh.Trimesh) -> float:
 
 
 class ExplainedShare(NamedTuple):
-    """How a feature distinguishes failures from objects that the detector solves.
+    """How a feature distinguishes failures from objects that the detector solves."""
 
-    Attributes:
-        low: Quantile 5 % of the feature over the solved objects.
-        high: Quantile 95 %.
-        below: Share of the failures below the range from low to high.
-        above: Share of the failures above.
-        value: Share of the failures that the feature explains: those outside the range, minus the
-            10 % of solved objects that also lie there. It may be negative.
-        ci_low: Lower end of its 95 % interval for other objects of the same kind.
-        ci_high: Upper end.
-    """
-
-    low: float
-    high: float
-    below: float
-    above: float
+    low: float  # quantile 5 % of the feature over the solved objects
+    high: float  # quantile 95 %
+    below: float  # share of the failures below the range from low to high
+    above: float  # share of the failures above
+    # share of the failures that the feature explains: those outside the range, minus the 10 %
+    # of solved objects that also lie there. It may be negative
     value: float
-    ci_low: float
-    ci_high: float
+    ci_low: float  # lower end of its 95 % interval for other objects of the same kind
+    ci_high: float  # upper end
 
 
 def shares(failures: pd.DataFrame, solved: pd.DataFrame) -> dict[str, ExplainedShare]:
@@ -311,11 +259,7 @@ def _share(failures: Floats, solved: Floats) -> ExplainedShare:
 
 
 def _interval(failures: Floats, solved: Floats, outside: int) -> Interval:
-    """The interval of a share, by bootstrap over all objects.
-
-    It is never narrower than Wilson's interval of the failures outside, as few failures may agree
-    by chance.
-    """
+    """Bootstrap interval of a share, at least Wilson's, as few failures may agree by chance."""
     values = np.concatenate([failures, solved])
     is_failure = np.arange(len(values)) < len(failures)
 

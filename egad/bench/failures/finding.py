@@ -16,7 +16,6 @@ from egad._util.progress import count_done, progress, shared_progress
 from egad._util.workers import workers
 from egad.bench.failures.atlas import FailureAtlas, merge
 from egad.bench.failures.attempts import by_object, explanation
-from egad.bench.failures.defaults import failure_parameters
 from egad.bench.failures.examine import Examination, approach_of
 from egad.bench.failures.parameters import (
     FailureParameters,
@@ -29,6 +28,10 @@ from egad.bench.failures.store import Store
 from egad.bench.parameters import ContactRule
 from egad.detectors import IN_SCENES, SHIPPED_NETWORKS, Detect, DetectorConfig, opened
 from egad.errors import UserError, check_name
+from egad.evalset import PrintCheck
+from egad.evolution import Shape, evolution_parameters
+from egad.geometry import Bundle, Material, Rescale
+from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
 from egad.objects import Dataset, load
 from egad.sim import ENGINES, EngineName, check_engine
@@ -126,6 +129,30 @@ def find_failures(
     return search_failures(chosen.archive, detect, settings, jobs, folder)
 
 
+def failure_parameters(
+    gripper: Gripper,
+    search: FailureSearch,
+    *,
+    contact: ContactRule | None = None,
+    seed: int = 0,
+    rule: str = "paper",
+    shape: Shape | None = None,
+) -> FailureParameters:
+    """The settings of a search, with defaults for everything that is not given."""
+    return FailureParameters(
+        seed=seed,
+        gripper=gripper,
+        rescale=from_arguments(Rescale, rule=rule),
+        failures=search,
+        trials=contact or ContactRule(),
+        material=Material(),
+        bundle=Bundle(),
+        print_check=PrintCheck(),
+        labels=label_parameters(gripper, GraspLabel().grasps, seed),
+        breeding=evolution_parameters(seed).model_copy(update={"shape": shape or Shape()}),
+    )
+
+
 def search_failures(
     archive: pd.DataFrame,
     detect: Detect,
@@ -135,15 +162,8 @@ def search_failures(
 ) -> FailureAtlas:
     """Run all shards of a search and join what they find.
 
-    Args:
-        archive: Objects to begin with, columns of `tables.evolution.ARCHIVE`.
-        detect: The detector.
-        settings: Everything else.
-        jobs: Processes; the result does not depend on them.
-        folder: Folder for all results; an interrupted search resumes from it.
-
-    Raises:
-        UserError: As in `find_failures`; the message says where the results so far are.
+    The search begins with objects of `tables.evolution.ARCHIVE`; an interrupted one resumes from
+    its folder, if any. UserError as in `find_failures`; it says where the results so far are.
     """
     search = settings.failures
     for engine in search.engines:
@@ -207,14 +227,7 @@ def run_shard(
 def join(
     shards: Sequence[Found], detect: Detect, settings: FailureParameters, jobs: int = 1
 ) -> FailureAtlas:
-    """The atlas of all shards; the detector is asked again why it failed.
-
-    Args:
-        shards: Results of each shard.
-        detect: The detector.
-        settings: Settings of the search.
-        jobs: Processes; the result does not depend on them.
-    """
+    """The atlas of all shards; the detector is asked again why it failed."""
     table, search = merge(shards, settings), settings.failures
     whole = joined(shards)
     known = by_object(whole.attempts)

@@ -41,13 +41,7 @@ that grasps it, or guide the hand.
 
 
 def introduction(found: MatchedSet, name: str, detector: str) -> str:
-    """The first part of the datasheet, as Markdown.
-
-    Args:
-        found: The pairs.
-        name: Name of the set.
-        detector: Name of the detector.
-    """
+    """The first part of the datasheet of a set, as Markdown."""
     engines = found.engines
     columns = [
         "label",

@@ -36,38 +36,24 @@ Row = dict[str, Any]
 
 
 class PartnerRules(NamedTuple):
-    """Requirements for the partner of a failure.
+    """Requirements for the partner of a failure."""
 
-    Attributes:
-        within: Maximum distance in complexity and in difficulty, cells.
-        succeeds: Minimum success rate of the detector, 0 to 1.
-    """
-
-    within: int = 2
-    succeeds: float = 0.8
+    within: int = 2  # maximum distance in complexity and in difficulty, cells
+    succeeds: float = 0.8  # minimum success rate of the detector, 0 to 1
 
 
 class CandidateTrial(NamedTuple):
-    """Further attempts at an object.
+    """Further attempts at an object."""
 
-    Attributes:
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`.
-        reason: Why the object does not qualify as a partner; empty if it does.
-    """
-
-    attempts: pd.DataFrame
-    reason: str = ""
+    attempts: pd.DataFrame  # columns of `tables.failures.FAILURE_ATTEMPTS`
+    reason: str = ""  # why the object does not qualify as a partner; empty if it does
 
 
 def spread(cells: Floats, difference: Floats) -> list[int]:
-    """Order all objects so that the first ones are spread over the map.
+    """Order all objects, at (n, 2) cells, so that the first ones are spread over the map.
 
-    The first one has the highest difference. Each further one is farthest, in cells, from its
-    nearest predecessor; ties are broken by the highest difference.
-
-    Args:
-        cells: (n, 2) cells of the objects.
-        difference: (n,) breaks ties; if it is also equal, the first object is taken.
+    The first one has the highest difference, (n,). Each further one is farthest, in cells, from its
+    nearest predecessor; ties are broken by the highest difference, then by the order.
     """
     away = np.full(len(cells), np.inf)
     order: list[int] = []
@@ -80,14 +66,10 @@ def spread(cells: Floats, difference: Floats) -> list[int]:
 
 
 def assign(similarity: Floats, allowed: Flags) -> list[int]:
-    """Assign each row a different column as its partner; -1 if none is left for it.
+    """Assign each row of (n, m) a different allowed column as its partner; -1 if none is left.
 
     As many rows as possible get a partner; among all ways to do so, the sum of the similarities is
     the largest.
-
-    Args:
-        similarity: (n, m), 0 to 1.
-        allowed: (n, m) whether the two may be partners.
     """
     rows, columns = linear_sum_assignment(np.where(allowed, 1 - similarity, FORBIDDEN))
     partners = np.full(len(similarity), -1)
@@ -116,14 +98,7 @@ class Matching:
     ) -> None:
         """Find out which objects may be partners; nothing is simulated yet.
 
-        Args:
-            atlas: Failures, and objects that the detector succeeds at.
-            archive: Further objects, columns of `tables.evolution.ARCHIVE`.
-            rules: Requirements for a partner.
-            count: Attempts in each engine with which an object qualifies as a partner.
-            detect: The detector.
-            settings: Settings of the search.
-            mapper: From `workers`.
+        An object qualifies as a partner with `count` attempts in each engine.
         """
         self._failures = atlas.table.sort_values("id", ignore_index=True)
         self._candidates = _candidates(atlas, archive, settings)
@@ -170,12 +145,7 @@ class Matching:
         return float(similarities(Forest(weight, graphs), np.array([[0, 1]]))[0])
 
     def best(self, most: int) -> list[tuple[str, str]]:
-        """Ids of failures and of their partners.
-
-        Raises:
-            UserError: There is no pair.
-            OnlyFailuresError: The detector fails in every attempt at the first three objects.
-        """
+        """Ids of failures and of their partners; UserError if there is no pair."""
         some = np.flatnonzero(self._near.any(axis=1))
         self.unmatched = len(self._near) - len(some)
         names = [f"difference_{engine}" for engine in ENGINES]

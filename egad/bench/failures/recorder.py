@@ -16,19 +16,12 @@ from egad.tables.outcomes import Outcome
 
 
 class Drop(NamedTuple):
-    """An object that has come to rest.
-
-    Attributes:
-        bench: The bench that it lies on.
-        rest: Where it lies.
-        purpose: As in `tables.failures.FAILURE_ATTEMPTS`.
-        number: Number of the drop for this purpose.
-    """
+    """An object that has come to rest."""
 
     bench: Bench
     rest: Pose
-    purpose: str
-    number: int
+    purpose: str  # as in `tables.failures.FAILURE_ATTEMPTS`
+    number: int  # number of the drop for this purpose
 
 
 class Recorder:
@@ -41,14 +34,7 @@ class Recorder:
         seed: int,
         report: Callable[[int], object] = int,
     ) -> None:
-        """Begin without a row.
-
-        Args:
-            object_id: Determines all drops, with the seed.
-            detect: The detector.
-            seed: Seed of everything random.
-            report: Called with 1 after every attempt.
-        """
+        """Begin without a row; `report` is called with 1 after every attempt."""
         self._id, self._detect, self._seed, self._report = object_id, detect, seed, report
         self._rows: list[dict[str, Any]] = []
 

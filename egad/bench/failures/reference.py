@@ -25,14 +25,9 @@ BEST, WORST = 0.9, 0.5  # expected success of the first and the last labelled gr
 
 
 class Tried(NamedTuple):
-    """A grasp that was executed.
+    """A grasp that was executed."""
 
-    Attributes:
-        grasp: Its pose, from the frame of the hand to that of the object.
-        success: Whether it held.
-    """
-
-    grasp: PoseGrasp
+    grasp: PoseGrasp  # its pose, from the frame of the hand to that of the object
     success: bool
 
 
@@ -45,12 +40,7 @@ class ReferencePolicy:
 
     @classmethod
     def of(cls, attempts: pd.DataFrame) -> Self:
-        """A reference that has learned from attempts at an object.
-
-        Args:
-            attempts: Attempts in their order, columns of `tables.failures.FAILURE_ATTEMPTS`. Those
-                for purposes other than `screen` and `choose` are left out.
-        """
+        """A reference that learned from an object's attempts for `screen` and `choose`."""
         policy = cls()
         carried_out = attempts["pose"].map(len) > 0
         for row in parquet.records(attempts[attempts["purpose"].isin(LEARNT) & carried_out]):
@@ -58,13 +48,7 @@ class ReferencePolicy:
         return policy
 
     def remember(self, rest: Pose, grasp: PoseGrasp, success: bool) -> None:
-        """Learn from the result of a grasp.
-
-        Args:
-            rest: Where the object lay.
-            grasp: The grasp that was tried, in the world frame.
-            success: Whether it held.
-        """
+        """Learn whether a grasp, in the world frame, held an object at rest."""
         local = np.linalg.inv(rest.matrix) @ grasp.pose
         self._tried.append(Tried(grasp._replace(pose=local), success))
 
@@ -73,10 +57,6 @@ class ReferencePolicy:
 
         The expectation is the mean success of all similar grasps that were tried and of a prior,
         which counts as one more: from 0.9 for the best labelled grasp to 0.5 for the last.
-
-        Args:
-            bench: Bench with the object.
-            rest: Where it lies.
         """
         labelled = bench.labelled(rest)
         known = [

@@ -24,19 +24,10 @@ def repeat_attempts(
     settings: FailureParameters,
     watch: Callable[[int, Bench], object] = lambda *_: None,
 ) -> list[Outcome]:
-    """The outcomes of grasps of an object when they are executed again.
+    """Outcomes, in order, of `tables.failures.FAILURE_ATTEMPTS` of an object, executed again.
 
-    Args:
-        mesh: The object, scaled as in the search.
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object.
-        settings: Settings of the search.
-        watch: Called before each attempt, with its number in the table and its bench.
-
-    Returns:
-        The outcomes, in the order of the table.
-
-    Raises:
-        UserError: One of the attempts has no grasp.
+    The mesh is scaled as in the search. Before each attempt, `watch` is called with its number and
+    its bench. UserError if an attempt has no grasp.
     """
     if (attempts["pose"].map(len) == 0).any():
         raise UserError("there is no grasp to repeat: the detector proposed nothing")
@@ -67,15 +58,9 @@ def repeat_attempts(
 def film_attempts(
     mesh: trimesh.Trimesh, attempts: pd.DataFrame, settings: FailureParameters
 ) -> list[list[RgbImage]]:
-    """The frames of grasps of an object that are executed again, 20 per second.
+    """Frames, 20 per second, of `tables.failures.FAILURE_ATTEMPTS` of an object, executed again.
 
-    Args:
-        mesh: The object, scaled as in the search.
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`, of this object.
-        settings: Settings of the search.
-
-    Raises:
-        UserError: One of the attempts has no grasp, or ends differently.
+    The mesh is scaled as in the search. UserError if an attempt has no grasp, or ends differently.
     """
     films: dict[int, Film] = {}
     again = repeat_attempts(

@@ -47,25 +47,15 @@ DOUBTFUL = 20  # attempts without any success of the detector after which a warn
 
 @dataclass(frozen=True)
 class Target:
-    """An object that may be examined.
+    """An object that may be examined."""
 
-    Attributes:
-        id: Hash of its voxels.
-        source: archive, child or random.
-        genome: Columns of `tables.evolution.GENOME`.
-        voxels: As archives keep them.
-        parents: Ids of its parents.
-        complexity: NaN if it was not measured.
-        graspability: NaN if it was not measured.
-    """
-
-    id: str
-    source: str
-    genome: Row
-    voxels: bytes
+    id: str  # hash of its voxels
+    source: str  # archive, child or random
+    genome: Row  # columns of `tables.evolution.GENOME`
+    voxels: bytes  # as archives keep them
     parents: tuple[str, ...]
-    complexity: float = math.nan
-    graspability: float = math.nan
+    complexity: float = math.nan  # NaN if it was not measured
+    graspability: float = math.nan  # NaN if it was not measured
 
 
 class Found(NamedTuple):
@@ -100,16 +90,7 @@ class Search:
         before: Found = NOTHING,
         report: Callable[[int], object] = int,
     ) -> None:
-        """Continue from what has been found.
-
-        Args:
-            archive: Objects to begin with, columns of `tables.evolution.ARCHIVE`.
-            detect: The detector.
-            settings: Everything else.
-            shard: Number of the shard.
-            before: What this shard has found so far, in whole steps.
-            report: Called with 1 after every attempt.
-        """
+        """Continue from the whole steps before; `report` is called with 1 after every attempt."""
         self._detect, self._settings, self._shard = detect, settings, shard
         self._report = report
         self._targets = _shuffled(archive, settings, shard)
@@ -136,11 +117,7 @@ class Search:
         return self._spent
 
     def steps(self) -> Iterator[Found]:
-        """Results of each further step, until all attempts are spent or nothing is left to try.
-
-        Raises:
-            OnlyFailuresError: The detector fails in every attempt at the first three objects.
-        """
+        """Results of each further step, until all attempts are spent or nothing is left to try."""
         budget = attempts_of(self._shard, self._settings.failures)
         while self._spent < budget and self._idle < IDLE:
             targets = self._next_targets()
@@ -311,11 +288,7 @@ def empty_archive(settings: FailureParameters) -> Archive:
 
 
 def surface_of(voxels: bytes, settings: FailureParameters) -> trimesh.Trimesh:
-    """The closed surface of an object, metres, before it is scaled.
-
-    Raises:
-        RejectedError: None of the voxels is solid, or the surface cannot be repaired.
-    """
+    """The closed surface of an object before it is scaled, metres; RejectedError if none."""
     return repair_for_files(packed_surface(voxels, settings.breeding.shape)).mesh
 
 

@@ -17,26 +17,12 @@ from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
 
 
 class Store:
-    """A folder with the shards of one search: `shard-N/`.
-
-    Attributes:
-        folder: The folder.
-    """
+    """A folder with the shards of one search: `shard-N/`."""
 
     def __init__(
         self, folder: Path, archive: pd.DataFrame, detect: Detect, settings: FailureParameters
     ) -> None:
-        """Use a folder.
-
-        Args:
-            folder: The folder; need not exist.
-            archive: Objects that the search begins with.
-            detect: The detector.
-            settings: Everything else.
-
-        Raises:
-            UserError: The folder holds another search, or a file of the detector is missing.
-        """
+        """Use a folder, which need not exist; UserError if it holds another search."""
         self.folder = folder
         self._search = {
             "settings": settings.model_dump(mode="json"),
@@ -70,11 +56,7 @@ class Store:
 
     @contextmanager
     def named_in_errors(self) -> Iterator[None]:
-        """Make user errors say where the results so far are.
-
-        Raises:
-            UserError: As raised within the block.
-        """
+        """Make user errors within the block say where the results so far are."""
         try:
             yield
         except UserError as error:

@@ -55,34 +55,20 @@ Proposals: TypeAlias = list[Grasp] | GraspPoses
 
 
 class Bench(ABC):
-    """A table with one object; the result of each method depends only on its arguments.
-
-    Attributes:
-        engine: The physics engine.
-        gripper: The hand.
-        world: The table with the object and the hand.
-    """
+    """A table with one object; the result of each method depends only on its arguments."""
 
     engine: EngineName
     gripper: Gripper
-    world: World
+    world: World  # the table with the object and the hand
 
     @abstractmethod
     def drop(self, rng: np.random.Generator) -> Pose | None:
-        """Drop the object in a random orientation.
-
-        Returns:
-            Where it lies; None if it never lies still where the cameras see it.
-        """
+        """Drop the object; where it lies, or None if never still where the cameras see it."""
 
     def propose(
         self, detect: Detector, rest: Pose, rng: np.random.Generator
     ) -> list[PoseGrasp] | Outcome | Failure:
-        """Proposals of a detector for an object at rest.
-
-        Returns:
-            At most ten grasps that the hand can execute, best first; or why there is none.
-        """
+        """At most ten executable grasps of a detector, best first; or why there is none."""
         camera_rng, detector_rng = rng.spawn(2)
 
         def plan() -> list[PoseGrasp] | Outcome:
@@ -118,12 +104,7 @@ class BenchFromAbove(Bench):
     """Grasps straight from above."""
 
     def __init__(self, runner: TrialRunner, grasps: pd.DataFrame) -> None:
-        """Set up.
-
-        Args:
-            runner: Runner with a world of the object.
-            grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
-        """
+        """Set up with a world of the object and its labelled grasps."""
         self.engine, self.gripper = runner.trials.engine, runner.gripper
         self.world = runner.world
         self._runner, self._labels = runner, Labels(grasps)
@@ -187,15 +168,7 @@ class BenchFromAnywhere(Bench):
         *,
         noise: bool,
     ) -> None:
-        """Set up.
-
-        Args:
-            engine: Engine of the world.
-            world: World with the object and the robot `egad.sim.free_hand`.
-            grasps: Labelled grasps of the object, columns of `tables.grasping.GRASPS`.
-            gripper: The hand.
-            noise: Whether depth images have the noise of a stereo camera.
-        """
+        """Set up with a world of the object and `egad.sim.free_hand`, and its labelled grasps."""
         self.engine, self.gripper, self.world = engine, gripper, world
         self._noise: NoiseName = "stereo" if noise else "none"
         self._runner = ClutterRunner(world, Clutter())
@@ -243,16 +216,8 @@ def open_bench(
 ) -> Iterator[Bench]:
     """A bench, for the duration of the `with` block.
 
-    Args:
-        engine: The physics engine.
-        model: The object.
-        grasps: Its labelled grasps, columns of `tables.grasping.GRASPS`.
-        gripper: The hand.
-        from_above: Whether grasps come straight from above, or from any direction.
-        depth_noise: Noise of the depth images, pixels; from any direction, any nonzero value means
-            0.1.
-        contact: What a contact on the way down means; by default the attempt fails. From any
-            direction, the hand always closes where it was stopped, as in the protocol `egad`.
+    From any direction, any nonzero depth noise means 0.1 pixels, and the hand always closes where
+    it was stopped, as in the protocol `egad`; from above, by default, a contact is a failure.
     """
     if from_above:
         arm = ARMS["axis"](gripper)

@@ -32,16 +32,11 @@ GRASPABLE = (
 
 @dataclass(frozen=True)
 class Examined:
-    """The result of examining an object.
-
-    Attributes:
-        verdict: The verdict.
-        reason: Its reason, if the counts do not show it.
-        attempts: One row per simulated grasp, columns of `tables.failures.FAILURE_ATTEMPTS`.
-    """
+    """The result of examining an object."""
 
     verdict: ObjectVerdict
-    reason: str
+    reason: str  # its reason, if the counts do not show it
+    # one row per simulated grasp, columns of `tables.failures.FAILURE_ATTEMPTS`
     attempts: pd.DataFrame
 
     def pairs(self, engine: str) -> list[PairedDrop]:

@@ -20,7 +20,6 @@ from .ranking import Ranks as Ranks
 from .ranking import leads as leads
 from .ranking import ranks as ranks
 from .rate_tables import read_rates as read_rates
-from .rates import MIN_CORRELATED as MIN_CORRELATED
 from .rates import Interval as Interval
 from .rates import Mean as Mean
 from .rates import Rate as Rate
@@ -55,6 +54,5 @@ from .sequential import in_rounds as in_rounds
 from .sequential import sequential_test as sequential_test
 from .validation import Agreement as Agreement
 from .validation import Estimate as Estimate
-from .validation import Validation as Validation
 from .validation import mmrv as mmrv
 from .validation import validate as validate

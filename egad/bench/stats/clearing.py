@@ -38,10 +38,7 @@ def clearing_rates(table: pd.DataFrame) -> list[Clearing]:
 
     If no grasp is proposed, the round ends. This does not count as an attempt, nor does anything
     that could not be simulated. Rounds that never began do not count. The intervals resample rounds
-    with replacement, see `mean_of`.
-
-    Args:
-        table: Columns of `tables.clutter.CLUTTER`.
+    of `tables.clutter.CLUTTER` with replacement, see `mean_of`.
     """
     return [_rates(*key, _rounds(rows)) for key, rows in _groups(table)]
 
@@ -94,15 +91,8 @@ def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame) -> pd.DataFrame:
     """Successes, attempts and presence by thirds of the objects, by complexity and by difficulty.
 
     A detector may avoid objects that it cannot grasp. So also look at `present`, the number of
-    rounds in which the objects were on the table: successes / present is the share cleared.
-
-    Args:
-        table: Columns of `tables.clutter.CLUTTER`.
-        objects: Columns `id`, `complexity`, `graspability` of all objects.
-
-    Returns:
-        Columns axis (`complexity`, `difficulty`), band (1 is the simplest or the easiest),
-        successes, attempts and present.
+    rounds in which the objects were on the table: successes / present is the share cleared. Band 1
+    is the simplest or the easiest.
     """
     tried = table[table["id"] != ""]
     first = table[table["attempt"] == 0]

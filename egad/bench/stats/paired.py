@@ -125,12 +125,7 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
 def match_attempts(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
     """The attempts that both detectors made, in the order in which these pairs became complete.
 
-    Args:
-        first: Columns label, id and attempt, in the order in which the attempts were made.
-        second: The same of the other detector.
-
-    Returns:
-        Columns label and attempt, and the other ones of both tables with the suffixes _1 and _2.
+    Other columns than label and attempt get the suffixes _1 and _2.
 
     Raises:
         NothingInCommonError: They have no attempt in common.
@@ -166,18 +161,12 @@ def _check_objects(pairs: pd.DataFrame) -> None:
 
 
 def sign_flip(gains: Ints) -> float:
-    """Exact two-sided permutation test that differences prefer neither sign.
+    """P-value of the exact two-sided permutation test that gains by object, (n,), prefer no sign.
 
     If neither detector is better, each object could just as well have favored the other one by the
     same amount. The p-value is the fraction of all 2^n ways to choose the signs whose sum is at
     least as far from 0. It is computed by adding one object after the other to the distribution of
     the sum.
-
-    Args:
-        gains: (n,) successes of one detector minus those of the other, by object.
-
-    Returns:
-        The p-value; 1 if there are no differences.
     """
     sizes = np.abs(gains)
     reach = int(sizes.sum())
@@ -190,12 +179,7 @@ def sign_flip(gains: Ints) -> float:
 
 
 def mcnemar(only_first: int, only_second: int) -> float:
-    """Exact two-sided McNemar test: the p-value that attempts which differ favor neither.
-
-    Args:
-        only_first: Attempts in which only one detector succeeded.
-        only_second: Attempts in which only the other one succeeded.
-    """
+    """P-value of McNemar's exact two-sided test: attempts that only one won favor neither."""
     differing = only_first + only_second
     return float(scipy.stats.binomtest(only_first, differing).pvalue) if differing else 1.0
 

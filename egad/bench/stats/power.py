@@ -40,11 +40,7 @@ class ObjectRates:
     correlation: float = 0.7
 
     def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            UserError: One is out of range.
-        """
+        """Check the numbers; UserError if one is out of range."""
         if not 0 < self.mean < 1:
             raise UserError(
                 f"the mean rate is {100 * self.mean:g} %; allowed: above 0 and below 100 %"
@@ -230,10 +226,7 @@ class _Design:
         return sum(sign_flip(each) <= self.level for each in wins) / self.runs
 
     def stops(self, rounds: int) -> Floats:
-        """Pairs after which the sequential test decides for the better one, (runs,).
-
-        Infinite if it decides for the other one, or does not decide within these rounds.
-        """
+        """Pairs after which the test decides for the better one, (runs,); else infinite."""
         rng = generator(self.seed, "power", self.objects, "sequential")
         chunk = max(CHUNK // (rounds * self.objects), 1)
         sizes = [min(chunk, self.runs - done) for done in range(0, self.runs, chunk)]

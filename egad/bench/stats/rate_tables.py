@@ -18,14 +18,7 @@ NUMBER = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)( ?%)?")
 
 
 def object_rates(trials: pd.DataFrame) -> pd.DataFrame:
-    """Success rate of each object and how often it was tried, by its label.
-
-    Args:
-        trials: Columns label and success.
-
-    Returns:
-        Columns rate and attempts.
-    """
+    """Columns rate and attempts of each object, by its label, from attempts."""
     counts = by_object(trials)
     return pd.DataFrame(
         {"rate": counts["successes"] / counts["attempts"], "attempts": counts["attempts"] + 0.0}

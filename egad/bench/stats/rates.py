@@ -136,31 +136,18 @@ def rate(trials: pd.DataFrame) -> Rate:
 
 
 def engine_names(table: pd.DataFrame) -> str:
-    """The physics engines of attempts; empty for a real robot.
-
-    Args:
-        table: Has a column `engine`.
-    """
+    """The physics engines of attempts; empty for a real robot."""
     return " and ".join(sorted(set(table["engine"].dropna()) - {""}))
 
 
 def simulated_in(table: pd.DataFrame) -> str:
-    """The engine of attempts and any unusual settings; empty for a real robot.
-
-    Args:
-        table: Columns of `tables.evaluation.RESULTS`.
-    """
+    """Engine and unusual settings of `tables.evaluation.RESULTS`; empty for a real robot."""
     usual = {"errors": "none", "contact": "collided"}
     return ", ".join((engine_names(table), *unusual(table, usual)))
 
 
 def unusual(table: pd.DataFrame, usual: Mapping[str, str]) -> list[str]:
-    """Unusual values of columns, such as `errors: typical`.
-
-    Args:
-        table: Attempts; columns that it does not have are left out.
-        usual: Usual values by column. Empty values also count as usual.
-    """
+    """Values of columns, such as `errors: typical`, that are neither usual nor empty."""
     others = {
         name: " and ".join(sorted(set(table[name].dropna()) - {"", value}))
         for name, value in usual.items()
@@ -190,14 +177,7 @@ def mean_rate(trials: pd.DataFrame) -> Mean:
 
 
 def mean_of(successes: Ints, attempts: Ints) -> Mean:
-    """The success rate over groups of attempts, with an interval of 95 % for other such groups.
-
-    The interval is that of `mean_rate`.
-
-    Args:
-        successes: Successes of each group, (n,).
-        attempts: Attempts of each group, (n,).
-    """
+    """Success rate over groups of attempts, (n,), with the interval of `mean_rate` over groups."""
     total = Rate(int(successes.sum()), int(attempts.sum()))
     if len(attempts) < 2:
         return Mean(total.successes, total.attempts, 0.0, 1.0)
@@ -213,11 +193,7 @@ def mean_of(successes: Ints, attempts: Ints) -> Mean:
 def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
     """Success rate of every object, row and column of the evaluation set, as in the paper.
 
-    Args:
-        trials: Columns `label` (such as C4) and `success`, one row per attempt. Objects under other
-            names, or outside, have no cells, rows and columns.
-        rows: Letters of the set.
-        columns: Digits of the set.
+    Objects with other labels than such as C4, or outside, have no cells, rows and columns.
     """
     if not in_grid(set(trials["label"])):
         return TrialGrid({}, [], [], mean_rate(trials))
@@ -278,12 +254,7 @@ def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) 
 
 
 def trend(values: Floats, rates: Floats) -> Trend:
-    """Spearman's rank correlation of n objects, with an interval by bootstrap over them.
-
-    Args:
-        values: (n,) property that may make objects hard.
-        rates: (n,) how often each was held.
-    """
+    """Spearman's rank correlation of property and rate, (n,), and its bootstrap over objects."""
     if len(values) < MIN_CORRELATED:
         return Trend(np.nan, np.nan, np.nan)
     everything = np.arange(len(values))[None]

@@ -101,15 +101,7 @@ def _parquet(path: Path) -> pd.DataFrame:
 
 
 def results(trials: pd.DataFrame, detector: str) -> pd.DataFrame:
-    """Simulated trials as results, to compare with results from other sources.
-
-    Args:
-        trials: Columns of `tables.evaluation.TRIALS`.
-        detector: Name of the detector.
-
-    Returns:
-        Columns of `tables.evaluation.RESULTS`.
-    """
+    """Simulated `tables.evaluation.TRIALS` of a detector as `tables.evaluation.RESULTS`."""
     poses = trials[list(INITIAL)].to_numpy(np.float64)
     starts = ["" if np.isnan(pose).any() else pose.tobytes().hex() for pose in poses]
     return trials.assign(detector=detector, initial_pose=starts).loc[:, list(RESULTS.names)]

@@ -39,17 +39,9 @@ class Area:
 
 
 def roc_area(rating: Floats, success: Flags) -> float:
-    """Area under the ROC curve: how often a success was rated higher than a failure.
+    """Area under the ROC curve: how often a success is rated above a failure; ties count half.
 
-    Args:
-        rating: (n,) rating of each grasp.
-        success: (n,) whether it held.
-
-    Returns:
-        1 if the rating separates perfectly, 0.5 if it says nothing; ties count half. NaN if there
-        are no successes, or no failures.
-
-    Source: Mann and Whitney's U over the number of pairs.
+    Mann and Whitney's U over the number of pairs; NaN without a success or without a failure.
     """
     good, bad = rating[success], rating[~success]
     if len(good) == 0 or len(bad) == 0:
@@ -59,31 +51,19 @@ def roc_area(rating: Floats, success: Flags) -> float:
 
 
 def area(rating: Floats, success: Flags, objects: Names) -> Area:
-    """Area under the ROC curve of the grasps of several objects, with its interval.
+    """Area under the ROC curve of ratings, (n,), of grasps of several objects, and its interval.
 
     Grasps of an object resemble each other, so the objects are resampled (`bootstrap`); an object
     drawn twice counts twice.
-
-    Args:
-        rating: (n,) rating of each grasp.
-        success: (n,) whether it held.
-        objects: (n,) name of its object.
     """
     areas, within = _areas(rating, success, objects)
     return Area(roc_area(rating, success), _interval(areas, success, objects), within)
 
 
 def gain(rating: Floats, other: Floats, success: Flags, objects: Names) -> Area:
-    """How much more informative one rating is than another, in area under the ROC curve.
+    """How much more informative one rating, (n,), is than another, in area under the ROC curve.
 
-    Args:
-        rating: (n,) rating of each grasp.
-        other: (n,) the rating that it is compared with.
-        success: (n,) whether it held.
-        objects: (n,) name of its object.
-
-    Returns:
-        The differences; the interval comes from the same draws of objects for both.
+    The interval comes from the same draws of objects for both.
     """
     first, within = _areas(rating, success, objects)
     second, others = _areas(other, success, objects)
@@ -139,15 +119,10 @@ class Bin:
 
 
 def reliability(trials: pd.DataFrame) -> list[Bin]:
-    """Success rates of attempts, binned by the quality that the detector gave.
+    """Success rates of attempts, binned by the quality that the detector gave, from low to high.
 
     There are at most ten bins with about equally many attempts each; equal qualities stay together.
-
-    Args:
-        trials: Columns quality and success; attempts without a quality are left out.
-
-    Returns:
-        From low to high quality; empty if no attempt has a quality.
+    Attempts without a quality are left out.
     """
     quality, success = _known(trials)
     if len(quality) == 0:
@@ -163,11 +138,7 @@ def reliability(trials: pd.DataFrame) -> list[Bin]:
 
 
 def discrimination(trials: pd.DataFrame) -> float:
-    """The area under the ROC curve of the quality that the detector gave; see `roc_area`.
-
-    Args:
-        trials: Columns quality and success; attempts without a quality are left out.
-    """
+    """Area under the ROC curve of the quality, where the detector gave one; see `roc_area`."""
     return roc_area(*_known(trials))
 
 

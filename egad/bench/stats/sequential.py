@@ -122,9 +122,6 @@ def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
 
     Every object is tried once before any is tried again, each time in another random order, which
     depends only on labels and numbers.
-
-    Args:
-        table: Columns label and attempt.
     """
     order = [
         (attempt, entropy(0, "rounds", str(label), int(attempt)))
@@ -134,19 +131,12 @@ def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def log_e_values(first: Flags, second: Flags) -> Floats:
-    """Logarithm of the evidence that the first of two streams of attempts succeeds more often.
+    """Logarithm of the evidence that the first of two streams, (..., n), succeeds more often.
 
     Each pair multiplies the e-value by a ratio: its probability if the rates are their posterior
     means so far, over its probability if both rates are the midpoint of these. The priors are
     Beta(2, 1) for the first and Beta(1, 2) for the second. While the means do not favor the first,
     the e-value does not change.
-
-    Args:
-        first: (..., n) successes, in the order of the attempts.
-        second: (..., n) successes of the other detector.
-
-    Returns:
-        (..., n) values after each pair.
     """
     better, worse = _rates_before(first, BETTER), _rates_before(second, WORSE)
     middle = (better + worse) / 2

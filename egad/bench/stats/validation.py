@@ -57,21 +57,16 @@ class Agreement:
 
 @dataclass(frozen=True)
 class Validation:
-    """Detectors in simulation against the same detectors on a robot.
+    """Detectors in simulation against the same detectors on a robot."""
 
-    Attributes:
-        objects: Agreement over the objects that both tried, by detector.
-        detectors: Agreement over the detectors, on objects that all of them tried on both sides;
-            None if there is only one, or no such object.
-        predicted: Real rate with the help of objects that were only simulated, by detector; only
-            for detectors with enough objects on both sides and some that were only simulated.
-        notes: Sentences on what was left out, and on what to be careful about.
-    """
-
-    objects: dict[str, Agreement]
+    objects: dict[str, Agreement]  # agreement over the objects that both tried, by detector
+    # agreement over the detectors, on objects that all of them tried on both sides; None if
+    # there is only one, or no such object
     detectors: Agreement | None
+    # real rate with the help of objects that were only simulated, by detector; only for
+    # detectors with enough objects on both sides and some that were only simulated
     predicted: dict[str, PredictedRate]
-    notes: list[str]
+    notes: list[str]  # sentences on what was left out, and on what to be careful about
 
 
 def validate(simulated: Mapping[str, pd.DataFrame], real: Mapping[str, pd.DataFrame]) -> Validation:
@@ -254,10 +249,7 @@ def _violations(simulated: Floats, real: Floats) -> Floats:
 
 
 def _reliability(table: pd.DataFrame) -> float:
-    """Share of the variance of rates over objects that is not noise from few attempts.
-
-    NaN if attempts are not known, or there are fewer than two at some object.
-    """
+    """Share of the variance over objects that is not noise of few attempts; NaN if unknown."""
     rate, attempts = table["rate"], table["attempts"]
     variance = rate.var()
     if not variance > 0 or not (attempts > 1).all():

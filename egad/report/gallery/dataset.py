@@ -101,11 +101,7 @@ class GalleryData:
         return {str(label): own for label, own in self.grasps.groupby("label")}
 
     def page(self, row: Mapping[str, Any]) -> ObjectPage:
-        """What is known of an object.
-
-        Args:
-            row: Its row of `objects`.
-        """
+        """What is known of an object, a row of `objects`."""
         label, name = row["label"], row["id"]
         factor = self.factors.get(label)
         grasps = None if self.grasps is None else self._grasps.get(label, self.grasps.iloc[:0])

@@ -38,27 +38,17 @@ class Download:
 
 @dataclass(frozen=True)
 class Relatives:
-    """Who descends from whom, and the names of the pages of relatives.
-
-    Attributes:
-        lineage: Lineage of the objects and their ancestors.
-        labels: Labels of the released objects by id.
-        numbers: Numbers of the ancestors that are not released, by id.
-    """
+    """Who descends from whom, and the names of the pages of relatives."""
 
     lineage: Lineage
-    labels: Mapping[str, str]
-    numbers: Mapping[str, int]
+    labels: Mapping[str, str]  # labels of the released objects by id
+    numbers: Mapping[str, int]  # numbers of the ancestors that are not released, by id
 
     def data(self, name: str) -> dict[str, list[Relative]]:
-        """The relatives of an object, ready for JSON.
+        """The relatives of an object, by its id, ready for JSON.
 
-        Args:
-            name: Id of the object.
-
-        Returns:
-            `parents`, first parent first; `children`, oldest first; and `line`: the line of first
-            parents, from the founder to the object.
+        These are `parents`, first parent first; `children`, oldest first; and `line`: the line of
+        first parents, from the founder to the object.
         """
         line = self.lineage.line(name)
         return {
@@ -150,14 +140,9 @@ def ancestor_data(
     relatives: Mapping[str, Any] | None,
     axes: AxisPair,
 ) -> dict[str, Any]:
-    """The data of an ancestor that is not released, ready for JSON.
+    """The data of an unreleased ancestor, `tables.evolution.LINEAGE`, ready for JSON.
 
-    Args:
-        row: Columns of `tables.evolution.LINEAGE`.
-        mesh: Its surface, metres; None if it could not be made from its genome.
-        genome: Its network.
-        relatives: What `Relatives.data` returned.
-        axes: What its measures are called.
+    The mesh, metres, is None if its genome gives none; the relatives are from `Relatives.data`.
     """
     grown = [
         ("epoch", row["epoch"], None, "", 0),
@@ -230,7 +215,7 @@ def _label_counts(grasps: pd.DataFrame) -> list[int]:
 
 
 def _simulated(counts: list[int]) -> list[list[Any]]:
-    """The fraction of the simulated grasps that held, with half the Wilson interval of 68 %.
+    """Fraction of the simulated grasps that held, with half the Wilson interval of 68 %.
 
     A standard error would be 0 where all of a few grasps held.
     """

@@ -15,13 +15,7 @@ SHEETS, PAGES, ANCESTORS = "sheets", "objects", "ancestors"
 
 
 def data_script(name: str, data: Mapping[str, Any]) -> str:
-    """A script that hands data to the page.
-
-    Args:
-        name: Name by which the page requests it: the path of the script in the folder, without its
-            ending.
-        data: Ready for JSON.
-    """
+    """A script that hands JSON data to the page, which requests it by its path without ending."""
     return f"egadData({_json(name)},{_json(data)});\n"
 
 

@@ -15,17 +15,12 @@ from egad.report.gallery.sheets import cell_ranks
 
 @dataclass(frozen=True)
 class Membership:
-    """What objects belong to besides their cells, and what simulation says about their grasps.
+    """What objects belong to besides their cells, and what simulation says about their grasps."""
 
-    Attributes:
-        families: Name of the family by id of the object; empty if families are unknown.
-        places: Label in the evaluation set by id of the object.
-        simulated: Fraction of the simulated grasps that held, by id.
-    """
-
+    # name of the family by id of the object; empty if families are unknown
     families: Mapping[str, str]
-    places: Mapping[str, str]
-    simulated: Mapping[str, float]
+    places: Mapping[str, str]  # label in the evaluation set by id of the object
+    simulated: Mapping[str, float]  # fraction of the simulated grasps that held, by id
 
 
 def index_data(

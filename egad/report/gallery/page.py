@@ -17,12 +17,7 @@ def gallery_page(
 ) -> str:
     """The HTML page that shows the data in the folder next to it.
 
-    Args:
-        title: Heading of the page.
-        data: The dataset.
-        axes: What the axes of the map are called.
-        links: Files of the whole dataset to download.
-        legend: What the hatched rows of the map are.
+    `links` are files of the whole dataset; `legend` says what the hatched rows of the map are.
     """
     return render_template(
         "gallery.html.j2",

@@ -19,15 +19,9 @@ Place = tuple[int, int]
 
 
 def cell_ranks(objects: pd.DataFrame) -> NDArray[np.int64]:
-    """The rank of each object in its cell: 0 is the most diverse one.
+    """The rank of each object in its cell, (n,): 0 is the most diverse one.
 
     Sheet k contains the objects of rank k, each at the position of its cell.
-
-    Args:
-        objects: Columns label, diversity, complexity_cell and difficulty_cell.
-
-    Returns:
-        (n,), in the order of the table.
     """
     ordered = objects.sort_values(["diversity", "label"], ascending=[False, True])
     ranks = ordered.groupby(["complexity_cell", "difficulty_cell"]).cumcount()
@@ -35,15 +29,9 @@ def cell_ranks(objects: pd.DataFrame) -> NDArray[np.int64]:
 
 
 def sheet(pictures: Mapping[Place, RgbImage], columns: int, rows: int) -> bytes:
-    """Put pictures on a sheet.
+    """A WebP file of pictures, (TILE, TILE, 4), by column and row from the top.
 
-    Args:
-        pictures: Red, green, blue and alpha, (TILE, TILE, 4), by column and row from the top.
-        columns: Pictures in a row.
-        rows: Rows of the sheet.
-
-    Returns:
-        A WebP file; the same bytes for the same pictures and version of the encoder.
+    The same bytes for the same pictures and version of the encoder.
     """
     canvas = np.zeros((rows * TILE, columns * TILE, 4), np.uint8)
     for (column, row), picture in pictures.items():
@@ -55,12 +43,7 @@ def sheet(pictures: Mapping[Place, RgbImage], columns: int, rows: int) -> bytes:
 
 
 def ancestor_sheets(pictures: Mapping[int, RgbImage], count: int) -> Iterator[bytes]:
-    """The sheets of the ancestors, ordered by number: from left to right, then downwards.
-
-    Args:
-        pictures: By number of the ancestor; some may have none.
-        count: Number of ancestors.
-    """
+    """The sheets of ancestors by number, left to right, then down; some have no picture."""
     for start in range(0, count, PER_SHEET):
         numbers = [number for number in range(start, start + PER_SHEET) if number in pictures]
         places = {divmod(number - start, COLUMNS)[::-1]: pictures[number] for number in numbers}

@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 from partial_tables import fill_columns
 
-from egad.bench.failures import Examination, FailureAtlas, FailureSearch, failure_parameters
+from egad.bench.failures import Examination, FailureAtlas, FailureSearch
 from egad.bench.failures.attempts import counts_of
+from egad.bench.failures.finding import failure_parameters
 from egad.bench.failures.search import scaled_to
 from egad.detectors import Grasp, opened
 from egad.evalset import PrintCheck

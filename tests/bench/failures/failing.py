@@ -7,7 +7,8 @@ import pytest
 import trimesh
 
 import egad
-from egad.bench.failures import FailureSearch, failure_parameters
+from egad.bench.failures import FailureSearch
+from egad.bench.failures.finding import failure_parameters
 from egad.detectors import Grasp
 from egad.detectors.antipodal import antipodal_depth
 from egad.evalset import PrintCheck

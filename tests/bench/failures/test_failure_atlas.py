@@ -10,16 +10,8 @@ from partial_tables import fill_columns
 from PIL import Image
 
 import egad
-from egad.bench.failures import (
-    Examination,
-    FailureAtlas,
-    FailureSearch,
-    Found,
-    failure_parameters,
-    features,
-    join,
-)
-from egad.bench.failures.finding import name_of
+from egad.bench.failures import Examination, FailureAtlas, FailureSearch, Found, features, join
+from egad.bench.failures.finding import failure_parameters, name_of
 from egad.bench.failures.search import scaled_surface
 from egad.detectors import DetectorConfig, Grasp
 from egad.errors import UserError

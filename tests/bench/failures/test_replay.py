@@ -8,13 +8,9 @@ import pytest
 import trimesh
 
 import egad
-from egad.bench.failures import (
-    Examination,
-    FailureSearch,
-    failure_parameters,
-    film_attempts,
-    repeat_attempts,
-)
+from egad.bench.failures import Examination, FailureSearch, film_attempts
+from egad.bench.failures.finding import failure_parameters
+from egad.bench.failures.replay import repeat_attempts
 from egad.detectors import Grasp, GraspPoses
 from egad.errors import UserError
 
