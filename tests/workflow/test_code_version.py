@@ -274,7 +274,7 @@ USED = [
     ("grasps/quality.py", "friction: ArrayLike = 0.5,", "friction: ArrayLike = 0.4,", RATED),
     # defaults, bounds and descriptions of settings
     ("evolution/parameters.py", "Field(VOXELS, ge=8", "Field(24, ge=8", SHAPED | {"report"}),
-    ("evolution/parameters.py", "Field(VOXELS, ge=8", "Field(25, ge=9", set()),
+    ("evolution/parameters.py", "Field(VOXELS, ge=8", "Field(VOXELS, ge=9", set()),
     ("evolution/parameters.py", "voxels along each side", "number of voxels on a side", set()),
     ("evalset/parameters.py", "Field(0.005,", "Field(0.006,", PRINTED | {"report"}),
     # columns of tables
