@@ -100,12 +100,7 @@ class Observation:
 
 
 def look_at(eye: Floats, target: Floats) -> Floats:
-    """The pose of an upright camera that looks from one point at another, (4, 4).
-
-    Args:
-        eye: (3,) not straight above or below the target.
-        target: (3,).
-    """
+    """The pose, (4, 4), of an upright camera at a point that looks at another, not vertically."""
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
