@@ -47,12 +47,7 @@ WHOLE = Crop()
 
 
 def sample_change(zoom: tuple[float, float], rng: np.random.Generator) -> Change:
-    """Draw a change.
-
-    Args:
-        zoom: Least and greatest part of the side that is shown.
-        rng: Random number generator.
-    """
+    """Draw a change; `zoom` is the least and the greatest part of the side that is shown."""
     return Change(int(rng.integers(4)), float(rng.uniform(*zoom)))
 
 
@@ -61,11 +56,6 @@ def sample_crop(rectangles: Rectangles, side: int, rng: np.random.Generator) -> 
 
     All squares that contain it are equally likely. The fourth, and those of an image without
     grasps, are anywhere.
-
-    Args:
-        rectangles: (n, 5) grasps in the image.
-        side: Pixels along each side, at most 300.
-        rng: Random number generator.
     """
     centers = rectangles[(np.abs(rectangles[:, :2] - (SIZE - 1) / 2) < SIZE / 2).all(axis=1), :2]
     low, high = np.zeros(2, int), np.full(2, SIZE - side)

@@ -27,14 +27,7 @@ MAPS = ("quality", "cosine", "sine", "width")
 
 
 def narrow_side_grasp(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The middle of an object, across its narrower side, as wide as the object is there.
-
-    Args:
-        mask: (height, width) which pixels see it, at least two.
-
-    Returns:
-        (4,) u, v, angle and opening, pixels and radians.
-    """
+    """u, v, angle and opening, (4,), across the narrower side of a mask, pixels and radians."""
     rows, columns = np.nonzero(mask)
     points = np.stack([columns, -rows])
     axis = np.linalg.eigh(np.cov(points))[1][:, 0]

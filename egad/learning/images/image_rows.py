@@ -86,11 +86,7 @@ def encoded(picture: RenderedImage) -> dict[str, Any]:
 
 
 def decoded(row: Mapping[str, Any]) -> RenderedImage:
-    """The picture of a row of `tables.images.IMAGES`.
-
-    Raises:
-        TableError: A PNG file of it is damaged, or of another size.
-    """
+    """The picture of a row of `tables.images.IMAGES`; TableError if a PNG file is damaged."""
     center = (float(row["center_u"]), float(row["center_v"]))
     intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
     placements = np.reshape(row["placements"], (-1, len(POSE_PARTS)))

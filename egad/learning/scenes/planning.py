@@ -116,12 +116,7 @@ def planned_scenes(split_of: Mapping[str, str], settings: SceneParameters) -> li
 
 
 def with_objects(plan: Iterable[PlannedScene], ids: Container[str]) -> list[PlannedScene]:
-    """The scenes that have some of the objects, without their other objects.
-
-    Args:
-        plan: Scenes of any objects.
-        ids: Those that may stay.
-    """
+    """The scenes that have some of the objects, without their other objects."""
     found = []
     for planned in plan:
         this = planned.round
