@@ -80,18 +80,9 @@ def check_opening(dataset: Path, gripper: str, opening: float) -> None:
 
 
 def by_object(path: Path, columns: list[str]) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The grasps of one object after the other, never more than a few thousand in memory.
+    """The rows of one label after the other, ascending, never more than a few thousand in memory.
 
-    Args:
-        path: A table of grasps, sorted by label.
-        columns: Columns to read besides `label`.
-
-    Yields:
-        Labels, ascending, and the rows of each object in their order.
-
-    Raises:
-        UserError: The table is not sorted by label.
-        TableError: It is damaged, or lacks columns.
+    UserError if the table is not sorted by label.
     """
     rest, last = pd.DataFrame(), ""
     for batch in parquet.batches(path, ["label", *columns]):

@@ -53,12 +53,7 @@ def writing(path: Path) -> Iterator[h5py.File]:
 
 
 def sound_keys(path: Path, group: str) -> list[str]:
-    """Names in a group of a file; the whole file is read to see that nothing is damaged.
-
-    Raises:
-        DamagedError: It is not HDF5, is truncated or damaged, or has no such group.
-        UserError: It is missing, or the system does not let it be read.
-    """
+    """Names in a group of a file; DamagedError unless the whole file can be read."""
     try:
         with h5py.File(path, "r") as file:
             _read_all(file)

@@ -33,16 +33,7 @@ class MeshFiles(NamedTuple):
 
 
 def write_object_meshes(folder: Path, made: SimulationObject, part_unit: float = 1.0) -> MeshFiles:
-    """Write `visual.obj`, in metres, and `parts/part-NNN.obj`.
-
-    Args:
-        folder: A new folder.
-        made: The object.
-        part_unit: Unit of the parts, metres.
-
-    Returns:
-        The files, relative to the folder.
-    """
+    """Write `visual.obj`, in metres, and `parts/part-NNN.obj`, in `part_unit` metres."""
     (folder / PARTS).mkdir(parents=True)
     write_obj(made.mesh, folder / VISUAL)
     parts = tuple(f"{PARTS}/part-{number:03d}.obj" for number in range(len(made.parts)))

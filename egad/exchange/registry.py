@@ -69,11 +69,7 @@ else:
 
 
 def module_of(name: str) -> ModuleType:
-    """The module that writes a format.
-
-    Raises:
-        MissingPackageError: A package that it needs is not installed.
-    """
+    """The module that writes a format; MissingPackageError if it needs another package."""
     with needed_for(name):
         return importlib.import_module(MODULES[name])
 
@@ -103,11 +99,7 @@ def check_format(name: str, hand: NamedGripper) -> None:
 
 
 def for_cups(name: str) -> bool:
-    """Whether a format is for the labelled grasps of suction cups; others have those of jaws.
-
-    Raises:
-        MissingPackageError: A package that it needs is not installed.
-    """
+    """Whether a format is for the labelled grasps of suction cups; others have those of jaws."""
     return name in GRASPS and getattr(module_of(name), "FOR_CUPS", False)
 
 
@@ -127,12 +119,7 @@ def writer_of(name: str) -> Callable[..., Any]:
 
 
 def export_function(name: str, objects: ObjectSet = EVALUATION_SET) -> Callable[..., Any]:
-    """The function that writes a format from the results of a run.
-
-    Args:
-        name: The format.
-        objects: Which objects are written, for a format of objects.
-    """
+    """The function that writes a format from the results of a run."""
     if name in GRASPS:
         found: Callable[..., Any] = module_of(name).run
         return found

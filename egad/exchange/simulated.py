@@ -15,11 +15,7 @@ COLUMNS = [name for name in SIMULATED_GRASPS.names if name not in ("id", "label"
 
 
 def check_simulated(grasps: Path) -> None:
-    """Check that a table of grasps has simulated labels.
-
-    Raises:
-        UserError: It has none; the text says how to get them.
-    """
+    """Raise UserError, which says how to get them, if grasps have no simulated labels."""
     if not is_simulated(grasps):
         raise UserError(
             f"{grasps} has no simulated labels, which this format needs: they say whether a grasp "

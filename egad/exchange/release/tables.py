@@ -28,12 +28,7 @@ def file_stems(names: Iterable[str]) -> dict[str, str]:
 
 
 def with_files(table: pd.DataFrame, labels: Iterable[str]) -> pd.DataFrame:
-    """A table with the columns `mesh` and `preview`: files of objects in a release.
-
-    Args:
-        table: Any.
-        labels: Label of the object of each row: all objects of the release.
-    """
+    """A table with the columns `mesh` and `preview`: files of the objects with these labels."""
     stems = file_stems(labels).values()
     return table.assign(
         mesh=[f"meshes/{stem}.glb" for stem in stems],
