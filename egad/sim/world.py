@@ -33,11 +33,7 @@ MAX_SPEED = 10.0
 
 
 def wall_boxes(inside: float) -> list[Box]:
-    """Four boxes around a square of the table.
-
-    Args:
-        inside: Its side, metres.
-    """
+    """Four boxes around a square of the table with the given side, metres."""
     along, off = inside + 2 * WALL_THICKNESS, (inside + WALL_THICKNESS) / 2
     across = [
         Box((WALL_THICKNESS, along, WALL_HEIGHT), (x, 0.0, WALL_HEIGHT / 2)) for x in (-off, off)
@@ -172,13 +168,7 @@ class World(ABC):
 
     @abstractmethod
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
-        """Place the robot, at rest, with its joints held where they are.
-
-        Args:
-            base: Pose of its root.
-            joints: Positions of its arm, metres or radians.
-            opening: Distance of the finger pads, metres.
-        """
+        """Place the robot, at rest, with its joints held where they are."""
 
     @abstractmethod
     def drive(self, joints: Sequence[float], speeds: Sequence[float]) -> None:
@@ -234,11 +224,7 @@ class World(ABC):
 
     @abstractmethod
     def _pull(self, number: int) -> Floats:
-        """Force and torque of the palm on an object that it holds, (2, 3).
-
-        Mean over the last time step. The torque is about the center of mass of the object; both are
-        in the world frame.
-        """
+        """Mean force and torque of the palm on an object that it holds, in the world, (2, 3)."""
 
     def attach(self, number: int, depth: float = 0.0) -> None:
         """Let the suction cup of the robot hold an object where it is now.
