@@ -7,10 +7,13 @@ import numpy as np
 import pandas as pd
 
 from egad._util.files import as_path
+from egad._util.progress import progress
 from egad.errors import UserError
 from egad.grasps import Grasps
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SCALES, SIMULATED_GRASPS
+
+SIMULATED_COLUMNS = [name for name in SIMULATED_GRASPS.names if name not in ("id", "label")]
 
 
 def load_grasps(path: str | Path, gripper: str | None = None) -> Grasps:
@@ -102,3 +105,18 @@ def _ascending(path: Path, last: str, label: str) -> str:
     if label <= last:
         raise UserError(f"{path}: its rows must be sorted by label, but {last} is before {label}")
     return label
+
+
+def check_simulated(grasps: Path) -> None:
+    """Raise UserError, which says how to get them, if grasps have no simulated labels."""
+    if not is_simulated(grasps):
+        raise UserError(
+            f"{grasps} has no simulated labels, which this format needs: they say whether a grasp "
+            "succeeded. Run the workflow with targets: {simulated_labels: true}"
+        )
+
+
+def simulated_by_object(grasps: Path) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The grasps of one object after the other, with progress: see `by_object`."""
+    labels = parquet.distinct(grasps, "label")
+    return progress(by_object(grasps, SIMULATED_COLUMNS), "writing grasps", len(labels))

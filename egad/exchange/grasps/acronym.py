@@ -12,9 +12,9 @@ import pandas as pd
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output, check_not_file
 from egad.errors import UserError
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
-from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.geometry import SimulationObject
 from egad.grasps import FRICTION, Grasps, held_when_shaken, panda_poses, with_outcome
 from egad.grippers import finger_span

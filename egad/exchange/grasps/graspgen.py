@@ -14,9 +14,9 @@ import yaml
 
 from egad._util.arrays import Floats
 from egad._util.files import new_folder
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.geometry import SimulationObject, joined
 from egad.grasps import Grasps, held_when_shaken, with_outcome
 from egad.grippers import Gripper, ModelBody, base_pose, finger_span, hand_body

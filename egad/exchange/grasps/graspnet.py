@@ -7,9 +7,9 @@ import pandas as pd
 
 from egad._util.arrays import Floats
 from egad._util.files import new_folder
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.geometry import SimulationObject
 from egad.grasps import Grasps, graspnet_poses, held_when_shaken, with_outcome
 from egad.io import write_obj

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.files import new_folder
 from egad.errors import UserError
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.geometry import SimulationObject
 from egad.grasps import Grasps, held_when_shaken, with_outcome
 from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values

@@ -22,12 +22,11 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade, Vt
 from egad import __version__
 from egad._util.arrays import Singles
 from egad._util.display import thumbnail
-from egad.exchange.grasp_tables import by_object
+from egad.exchange.grasp_tables import SIMULATED_COLUMNS, by_object, check_simulated
 from egad.exchange.hdf5 import check_key
 from egad.exchange.object_files import write_poses
 from egad.exchange.objects import usd
 from egad.exchange.parameters import AllObjects, NamedGripper
-from egad.exchange.simulated import COLUMNS, check_simulated
 from egad.exchange.whole_sets import write_all
 from egad.geometry import Bundle, SimulationObject
 from egad.grasps import Grasps
@@ -173,9 +172,9 @@ def run(
     """Write a prop for each object that has convex parts."""
     check_simulated(simulated_grasps)
     hand = NamedGripper(gripper, settings.gripper)
-    known = by_object(simulated_grasps, COLUMNS)
+    known = by_object(simulated_grasps, SIMULATED_COLUMNS)
     held = {label: held_at_the_end(rows) for label, rows in known}
-    none = pd.DataFrame(columns=COLUMNS)
+    none = pd.DataFrame(columns=SIMULATED_COLUMNS)
 
     def write_prop(folder: Path, label: str, made: SimulationObject, friction: float) -> None:
         write_simready(folder, check_key(label), made, friction, held.get(label, none), hand)
