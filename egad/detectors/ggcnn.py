@@ -59,12 +59,9 @@ def _size(path: Path) -> int:
 
 
 class NetworkInput(NamedTuple):
-    """The middle of a depth image, as the network gets it.
+    """The middle of a depth image, (300, 300) metres, without gaps, and the pixel of its corner.
 
-    Attributes:
-        depth: (300, 300) metres, without gaps.
-        corner: Row and column of its first pixel in the image.
-        scale: Pixels of the image that one of its pixels spans.
+    One of its pixels spans `scale` pixels of the image.
     """
 
     depth: Floats

@@ -133,11 +133,7 @@ def render_scene(
 ) -> View:
     """A depth image of several objects on the table.
 
-    Args:
-        cameras: One for each object.
-        matrices: (4, 4) from the frame of each object to the world.
-        intrinsics: The camera.
-        pose: (4, 4) from the camera to the world.
+    Matrices and pose, (4, 4), are from the frames of the objects and the camera to the world.
     """
     views = [
         camera.render(matrix, intrinsics, pose)
