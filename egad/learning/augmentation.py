@@ -18,25 +18,14 @@ AIMED = 0.75  # fraction of the crops that show a positive grasp, if the image h
 
 
 class Change(NamedTuple):
-    """How an image is changed.
-
-    Attributes:
-        turns: Quarter turns, counterclockwise as seen.
-        zoom: Part of the image's side that is shown, enlarged to the whole side.
-    """
+    """Quarter turns, counterclockwise as seen, and the part of an image's side that is shown."""
 
     turns: int = 0
     zoom: float = 1.0
 
 
 class Crop(NamedTuple):
-    """A square of an image.
-
-    Attributes:
-        row: Row of its first pixel.
-        column: Column of its first pixel.
-        side: Pixels along each side.
-    """
+    """A square of an image, by its first pixel and its side in pixels."""
 
     row: int = 0
     column: int = 0

@@ -37,24 +37,14 @@ def narrow_side_grasp(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
 
 
 class OutlineScore(NamedTuple):
-    """How often the outline alone suggests a good grasp.
-
-    Attributes:
-        n_correct: Images in which `narrow_side_grasp` agrees with a positive grasp.
-        n_images: Images of a single object that have a positive grasp.
-    """
+    """Images of one object with a positive grasp, and how many of them the outline suffices for."""
 
     n_correct: int
     n_images: int
 
 
 def outline_score(shards: ImageDataset, numbers: Iterable[int]) -> OutlineScore:
-    """The score of the outline in those of some images that show a single object.
-
-    Args:
-        shards: The images.
-        numbers: Rows of its index.
-    """
+    """The score of the outline in those rows of the index that show a single object."""
     chosen = shards.index.iloc[list(numbers)]
     alone = chosen.index[(chosen["objects"].map(len) == 1) & (chosen["positive"] > 0)]
     pairs = ((shards.mask(number), shards.image(number)[1]) for number in alone)
@@ -130,12 +120,7 @@ class Score:
 
 
 def total_score(index: pd.DataFrame, judgements: Sequence[ImageScore]) -> Score:
-    """Combine the judgements of some images.
-
-    Args:
-        index: Rows of `ImageDataset.index`.
-        judgements: The score of each of these images.
-    """
+    """Combine the scores of images, which are rows of `ImageDataset.index`."""
     hits = [each.hit for each in judgements]
     table = pd.DataFrame({"label": index["id"], "objects": index["objects"], "success": hits})
     table = table[[hit is not None for hit in hits]]

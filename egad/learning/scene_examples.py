@@ -101,12 +101,7 @@ class SceneExample(NamedTuple):
 
 
 class Move(NamedTuple):
-    """How a scene is moved in its cube.
-
-    Attributes:
-        turns: Quarter turns about the vertical through the middle, counterclockwise from above.
-        rise: Voxels upwards.
-    """
+    """Quarter turns of a scene, counterclockwise from above, and voxels that it is moved up."""
 
     turns: int = 0
     rise: int = 0
@@ -171,11 +166,7 @@ def moved_poses(poses: Floats, tsdf: Tsdf, move: Move) -> Floats:
 
 
 class SceneStream:
-    """Shuffled and moved training scenes: pass after pass, each scene once per pass.
-
-    Attributes:
-        index: Rows of the index of the scenes that are shown.
-    """
+    """Shuffled and moved training scenes: pass after pass, each scene once per pass."""
 
     def __init__(
         self,

@@ -26,14 +26,7 @@ from egad.tables.columns import vector_names
 def model_at_size(
     mesh: trimesh.Trimesh, parts: Sequence[trimesh.Trimesh], factor: float, density: float
 ) -> Model:
-    """A resized object, as the engine needs it; its frame is that of the scaled mesh.
-
-    Args:
-        mesh: Its surface, closed, metres.
-        parts: Convex meshes that represent it in contacts, metres.
-        factor: New size / size.
-        density: kg/m3.
-    """
+    """A resized object for the engine, in the frame of the scaled mesh; the density is in kg/m3."""
     sized = mesh.copy().apply_scale(factor)
     scaled = [part.copy().apply_scale(factor) for part in parts]
     return model_of(sized, scaled, mass_properties(sized, density), 0.0)

@@ -34,12 +34,7 @@ MIN_RISE = -0.1  # z of the outward normal of a grasp point: not from below, as 
 
 
 class MadeScene(NamedTuple):
-    """A scene as rows of tables.
-
-    Attributes:
-        scene: Columns of `tables.scenes.SCENES`.
-        grasps: Columns of `tables.scenes.SCENE_GRASPS`.
-    """
+    """A scene as a row of `tables.scenes.SCENES` and rows of `SCENE_GRASPS`."""
 
     scene: dict[str, Any]
     grasps: pd.DataFrame
