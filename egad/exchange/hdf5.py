@@ -20,11 +20,7 @@ _WRITE_FAILED = re.compile(r"write failed.*?" + _SYSTEM_REASON.pattern, re.DOTAL
 
 
 class DamagedError(UserError):
-    """A file is not HDF5, is truncated or damaged, or lacks what should be in it.
-
-    Attributes:
-        reason: In HDF5's words.
-    """
+    """A file is not HDF5, truncated or damaged, or lacks something; why, in HDF5's words."""
 
     def __init__(self, path: Path, reason: str) -> None:
         """Name the file and say what to do about it."""
@@ -79,15 +75,7 @@ def _read_all(item: h5py.Group | h5py.Dataset) -> None:
 
 
 def check_key(name: str, what: str = "object") -> str:
-    """Return a name if it may stand for an object in HDF5 files and in the names of files.
-
-    Args:
-        name: The name.
-        what: What it names.
-
-    Raises:
-        UserError: It holds other characters than letters, digits, `_`, `-` and `.`.
-    """
+    """Return a name of letters, digits, `_`, `-` and `.`, for HDF5 and files; else UserError."""
     if _KEY.fullmatch(name):
         return name
     raise UserError(

@@ -14,13 +14,7 @@ GREY = (0.72, 0.74, 0.78)  # sRGB
 
 
 class MeshFiles(NamedTuple):
-    """Mesh files as a description names them.
-
-    Attributes:
-        visual: The true surface, in metres.
-        parts: Convex parts, which replace it in contacts.
-        part_unit: Unit of the parts, metres.
-    """
+    """Files as a description names them: surface, metres, and convex parts, `part_unit` metres."""
 
     visual: str
     parts: tuple[str, ...]

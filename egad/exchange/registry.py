@@ -134,24 +134,13 @@ def export_function(name: str, objects: ObjectSet = EVALUATION_SET) -> Callable[
 
 
 def settings_class(name: str, objects: ObjectSet = EVALUATION_SET) -> type[ParameterGroup]:
-    """The class of the settings that a format reads.
-
-    Args:
-        name: The format.
-        objects: Which objects are written, for a format of objects.
-    """
+    """The class of the settings that a format reads; `objects` counts for formats of objects."""
     found: type[ParameterGroup] = get_type_hints(export_function(name, objects))["settings"]
     return found
 
 
 def sources(name: str, gripper: str, objects: ObjectSet = EVALUATION_SET) -> dict[str, str]:
-    """The files in the folder of a dataset that a format reads, by parameter.
-
-    Args:
-        name: The format.
-        gripper: The name of the gripper.
-        objects: Which objects are written, for a format of objects.
-    """
+    """The files that a format reads from the folder of a dataset, by parameter."""
     names = signature(export_function(name, objects)).parameters
     return {each: SOURCES[each].format(gripper=gripper) for each in names if each in SOURCES}
 
@@ -170,16 +159,7 @@ def write_format(
     reads: Mapping[str, Path],
     out: Path,
 ) -> None:
-    """Write a format from the results of a run.
-
-    Args:
-        name: The format.
-        objects: Which objects are written, for a format of objects.
-        settings: Settings of the class that `settings_class` returns.
-        gripper: The name of the gripper.
-        reads: The files of `sources`.
-        out: File or folder to write.
-    """
+    """Write a format from the files of `sources`, with settings of its `settings_class`."""
     check_format(name, NamedGripper(gripper, settings.gripper))
     known = {"settings": settings, "gripper": gripper, "ending": name, "out": out, **reads}
     if name in OBJECT_FORMATS:

@@ -75,13 +75,7 @@ class AcronymObject:
 
 @dataclass(frozen=True)
 class Jaws:
-    """The hand of a file.
-
-    Attributes:
-        name: Name of the gripper.
-        opening: Widest opening, metres.
-        fingertip: How far the fingers reach beyond the contacts, metres.
-    """
+    """The hand of a file; the fingertip is how far fingers reach beyond the contacts, metres."""
 
     name: str
     opening: float

@@ -72,10 +72,7 @@ def load_control_points_for_visualization():
 class GraspGenHand(NamedTuple):
     """A hand in GraspGen's frame: z is the approach, x the closing axis, the origin at its base.
 
-    Attributes:
-        name: Name of the gripper.
-        gripper: Its settings.
-        depth: From the origin to the middle between the closed pads, metres.
+    The depth is from there to the middle between the closed pads, metres.
     """
 
     name: str
