@@ -26,12 +26,7 @@ DEGREE = 4  # of the polynomials between joints, as in MuJoCo
 
 @dataclass(frozen=True)
 class Box:
-    """A box whose sides are parallel to the axes of its link.
-
-    Attributes:
-        size: Lengths of its sides, metres.
-        center: In the frame of the link, metres.
-    """
+    """A box whose sides are parallel to the axes of its link: lengths and center, metres."""
 
     size: Vector
     center: Vector
@@ -39,11 +34,7 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class HullShape:
-    """The convex hull of points.
-
-    Attributes:
-        points: (n, 3) in the frame of the link, metres.
-    """
+    """The convex hull of points, (n, 3) in the frame of the link, metres."""
 
     points: Floats
 

@@ -109,14 +109,7 @@ class World(ABC):
     def __init__(
         self, models: Sequence[Model], robot: Robot | None = None, walls: float | None = None
     ) -> None:
-        """Prepare a world.
-
-        Args:
-            models: The objects.
-            robot: The robot that may grasp them, if any.
-            walls: Inner side of a square box around the middle, without a floor, metres; None for
-                no box.
-        """
+        """Prepare a world of objects, a robot and walls, as the attributes say."""
         self.models = tuple(models)
         self.robot = robot
         self.walls = walls
