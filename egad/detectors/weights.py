@@ -51,14 +51,7 @@ def read(path: str | Path, name: str | None = None) -> Heads:
 
 
 def read_vgn(path: str | Path) -> VgnNetwork:
-    """Read VGN.
-
-    Args:
-        path: A file of safetensors, known by its ending, or else a state dictionary of PyTorch.
-
-    Raises:
-        WeightsError: The file is damaged, or holds something else.
-    """
+    """Read VGN, as `read` reads GG-CNN; WeightsError if the file is damaged or of another kind."""
     network = VgnNetwork()
     _load(network, state_in(path), f"{path}: these are not weights of VGN")
     return network
