@@ -107,11 +107,7 @@ class ImageDataset:
         return ", ".join(map(str, self.folders))
 
     def indices(self, split: str) -> NDArray[np.int64]:
-        """Rows of the index that belong to a split.
-
-        Raises:
-            UserError: There are none.
-        """
+        """Rows of the index that belong to a split; UserError if there are none."""
         found = np.flatnonzero(self.index["split"] == split)
         if len(found) == 0:
             raise UserError(f"{self}: no image in the split {split}")

@@ -37,7 +37,7 @@ def narrow_side_grasp(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
 
 
 class OutlineScore(NamedTuple):
-    """In how many images of one object the outline suggests a good grasp, of those that have one."""
+    """In how many images of one object the outline suggests a good grasp, of those with one."""
 
     n_correct: int
     n_images: int

@@ -35,17 +35,10 @@ def model_at_size(
 def settle_scene(
     models: Sequence[Model], kind: SceneKind, engine: EngineName, rng: np.random.Generator
 ) -> list[tuple[int, Floats]]:
-    """Put objects on a table as `make_scene` does.
+    """Put objects on a table as `make_scene` does; nothing if the simulation went wrong.
 
-    Args:
-        models: The objects.
-        kind: How they are put there.
-        engine: Physics engine.
-        rng: Random number generator.
-
-    Returns:
-        For each object that lies in the workspace, its number and the transform, (4, 4), from the
-        frame that its model was made in to the world. Nothing if the simulation went wrong.
+    For each that lies in the workspace: its number, and the (4, 4) transform to the world from the
+    frame that its model was made in.
     """
     with open_world(engine, models, None, BOX if kind == "pile" else None) as world:
         try:

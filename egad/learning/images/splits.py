@@ -18,15 +18,7 @@ VIEWS = 4  # images of a scene of several objects, at most
 
 
 def check_splits(index: pd.DataFrame, where: object) -> None:
-    """Make sure that no object is in two splits.
-
-    Args:
-        index: Columns `split` and `objects`, a list of ids, of images or scenes.
-        where: Where these come from, for messages.
-
-    Raises:
-        UserError: One is, or a split is not one of those known.
-    """
+    """Raise UserError if an object is in two splits; `where` says whose rows these are."""
     if unknown := set(index["split"]) - set(SPLITS):
         raise UserError(f"{where}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
     shared = index.explode("objects").groupby("objects")["split"].nunique() > 1
