@@ -62,17 +62,7 @@ def grasp_table(path: Path, gripper: str | None) -> Path:
 
 
 def check_opening(dataset: Path, gripper: str, opening: float) -> None:
-    """Make sure that a gripper is the one that the objects of a dataset were scaled to.
-
-    Args:
-        dataset: Its folder.
-        gripper: The gripper's name.
-        opening: Its opening, metres, as the settings have it.
-
-    Raises:
-        UserError: It had another opening.
-        TableError: The table of scales is missing or damaged.
-    """
+    """Raise UserError if the objects of a dataset were scaled to another opening, metres."""
     path = dataset / "rescaled" / gripper / "scales.parquet"
     for other in parquet.read(path, SCALES)["opening"].unique():
         if not np.isclose(other, opening, rtol=1e-9, atol=0):

@@ -30,11 +30,7 @@ class DamagedError(UserError):
 
 @contextmanager
 def writing(path: Path) -> Iterator[h5py.File]:
-    """A new file, which gets its name only once it is complete, and otherwise leaves nothing.
-
-    Raises:
-        UserError: It cannot be written, for instance because the disk is full.
-    """
+    """A new file, which gets its name once it is complete, or else is gone, with UserError."""
     try:
         with (
             atomic_output(path, keep=False) as temporary,

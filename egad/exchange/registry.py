@@ -80,11 +80,7 @@ def modules_of_format(name: str) -> list[str]:
 
 
 def check_format(name: str, hand: NamedGripper) -> None:
-    """Check that a format can be written for a gripper.
-
-    Raises:
-        UserError: A package is not installed, or the gripper lacks what the format describes.
-    """
+    """Raise UserError if a package is missing, or the gripper lacks what a format describes."""
     module = module_of(name)
     has_cup = hand.gripper.cup is not None
     if name in (*GRASPS, *IMAGES) and has_cup != for_cups(name):
@@ -104,11 +100,7 @@ def for_cups(name: str) -> bool:
 
 
 def needs_run(name: str) -> bool:
-    """Whether a format is written from the results of a run only.
-
-    Raises:
-        MissingPackageError: A package that it needs is not installed.
-    """
+    """Whether a format needs the results of a run; MissingPackageError if a package is missing."""
     return name in IMAGES or (name in GRASPS and not hasattr(module_of(name), "write"))
 
 
