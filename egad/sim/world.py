@@ -306,11 +306,7 @@ class World(ABC):
         return [number for number in numbers if self._numbers(number)[0][2] < PARKED / 2]
 
     def pose(self, number: int = 0) -> Pose:
-        """The current pose of an object.
-
-        Raises:
-            UnstableError: It is not finite, out of reach or under the table.
-        """
+        """The current pose; UnstableError if it is not finite, out of reach or under the table."""
         position, quaternion = map(np.array, self._numbers(number))
         finite = np.isfinite(position).all() and np.isfinite(quaternion).all()
         if not finite or np.abs(position).max() > REACH or position[2] < -SUNK:
@@ -324,11 +320,7 @@ class World(ABC):
         return moved
 
     def step(self, steps: int = 1) -> None:
-        """Advance the simulation by steps of 1/240 s.
-
-        Raises:
-            UnstableError: An object explodes: it is faster than anything here can make it.
-        """
+        """Advance by steps of 1/240 s; UnstableError if an object is faster than it can be."""
         for _ in range(steps):
             if not self._advance() < MAX_SPEED:  # also raises for NaN
                 raise UnstableError("an object was flung away")
