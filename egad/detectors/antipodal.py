@@ -54,14 +54,6 @@ def antipodal_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> 
     angle is the larger one between the line and the edge normals. The distance is that of the line
     from the centroid of the volume below the visible surface. The penetration is how far the pads
     reach below the lower edge.
-
-    Args:
-        view: A depth image from roughly above; the table is at height 0.
-        gripper: The hand.
-        _rng: Not used: the same image gives the same grasps.
-
-    Returns:
-        At most 50 grasps, best first.
     """
     check_jaws(gripper, "the detector antipodal-depth")
     view = restore(view)

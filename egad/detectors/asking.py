@@ -98,15 +98,9 @@ def choose(
 def ranked(
     answer: list[Grasp] | GraspPoses, gripper: Gripper, most: int
 ) -> list[PoseGrasp] | Outcome:
-    """The grasps of an answer that the hand can execute, as poses, best first.
+    """The grasps of an answer that the hand can execute, as poses, best first, at most `most`.
 
-    Args:
-        answer: The answer of a detector.
-        gripper: The hand.
-        most: Largest number of grasps.
-
-    Returns:
-        The grasps; or why there is none, as for `best_pose`.
+    If there is none, why, as for `best_pose`.
     """
     if not isinstance(answer, GraspPoses):
         chosen = [pose_of(each, gripper) for each in answer]
@@ -133,11 +127,7 @@ def _order(scores: Floats, threshold: float, shuffled: np.random.Generator | Non
 
 
 def from_above(answer: list[Grasp] | GraspPoses) -> list[Grasp]:
-    """An answer of grasps from above.
-
-    Raises:
-        DetectorError: They are poses, which only a hand without an arm can carry out.
-    """
+    """An answer of grasps from above; DetectorError if they are poses, which need a free hand."""
     if isinstance(answer, GraspPoses):
         raise DetectorError(
             "it returned poses, not grasps from above; `egad benchmark` can execute poses"

@@ -57,11 +57,7 @@ class Grasp:
 
 
 def depth_weight(penetration: Floats) -> Floats:
-    """The factor of a grasp's quality for its depth, from 0 to 1: min(penetration / 20 mm, 1).
-
-    Args:
-        penetration: How far the fingertips reach below the surface that is seen, metres.
-    """
+    """Factor of a quality for how far the fingertips get below the surface seen, metres: 0 to 1."""
     share: Floats = np.clip(penetration / FULL_DEPTH, 0, 1)
     return share
 
@@ -69,15 +65,7 @@ def depth_weight(penetration: Floats) -> Floats:
 def rank_grasps(
     center: Floats, axis: Floats, width: Floats, depth: Floats, quality: Floats
 ) -> list[Grasp]:
-    """Candidates as grasps, at most 50, best first, equals in the order given.
-
-    Args:
-        center: (n, 3) as `Grasp.center`.
-        axis: (n, 2) the closing axis, of any length.
-        width: (n,) as `Grasp.width`.
-        depth: (n,) as `Grasp.depth`.
-        quality: (n,) as `Grasp.quality`.
-    """
+    """Candidates as grasps, at most 50, best first: n fields of `Grasp`, axes (n, 2)."""
     angle = np.arctan2(axis[:, 1], axis[:, 0])
     columns = np.column_stack([center, angle, width, depth, quality])
     order = np.argsort(-quality, kind="stable")[:MAX_GRASPS]

@@ -59,11 +59,7 @@ class Intrinsics(NamedTuple):
         return np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
 
     def rays(self, window: Window = WHOLE) -> Floats:
-        """For each pixel the point that it sees at depth 1, camera frame, (height, width, 3).
-
-        Args:
-            window: Rows and columns; all of them by default.
-        """
+        """For each pixel the point that it sees at depth 1, camera frame, (height, width, 3)."""
         x, y = self.slopes()
         x, y = np.broadcast_arrays(x[None, window[1]], y[window[0], None])
         return np.stack([x, y, np.ones_like(x)], axis=-1)
@@ -87,11 +83,7 @@ class View:
     mask: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 0), np.uint8))
 
     def points(self, window: Window = WHOLE) -> Floats:
-        """What each pixel sees, in the world, (height, width, 3).
-
-        Args:
-            window: Rows and columns; all of them by default.
-        """
+        """The point that each pixel sees, in the world, metres, (height, width, 3)."""
         camera = self.intrinsics.rays(window) * self.depth[window][..., None]
         world: Floats = camera @ self.pose[:3, :3].T + self.pose[:3, 3]
         return world
@@ -117,22 +109,12 @@ class DepthCamera:
     """Takes depth images of one object on the table at height 0."""
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
-        """Prepare the ray casting.
-
-        Args:
-            mesh: The object, in metres.
-        """
+        """Prepare the ray casting of an object, in metres."""
         self._vertices = np.asarray(mesh.vertices, dtype=np.float64)
         self._scene = TriangleScene(self._vertices, mesh.faces)
 
     def render(self, matrix: Floats, intrinsics: Intrinsics, pose: Floats) -> View:
-        """Take a depth image.
-
-        Args:
-            matrix: (4, 4) transform from the object to the world.
-            intrinsics: The camera.
-            pose: (4, 4) transform from the camera to the world.
-        """
+        """A depth image, from the (4, 4) transforms of the object and the camera to the world."""
         depth = _known_table(intrinsics, pose.tobytes()).copy()
         to_object = np.linalg.inv(matrix) @ pose
         window = self._window(to_object, intrinsics)

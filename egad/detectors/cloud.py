@@ -44,14 +44,6 @@ def antipodal_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generato
     angle is the larger one between the line and the normals. The distance is that of the line from
     the centroid of the points no further away than the opening of the hand. The slope is the third
     coordinate of the approach, -1 straight down.
-
-    Args:
-        cloud: What the cameras see; the table is at height 0.
-        gripper: The hand.
-        rng: Chooses the points that are tried.
-
-    Returns:
-        At most 50 grasps, best first.
     """
     check_jaws(gripper, "the detector antipodal-cloud")
     obstacles = cloud.points[_chosen(len(cloud.points), MAX_OBSTACLES, rng)]

@@ -36,12 +36,7 @@ Infer = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
 
 def check_ggcnn(weights: str | None) -> str:
-    """The path of GG-CNN's weights, if they are there.
-
-    Raises:
-        UserError: None are named, there is no such file, or it is far too large; the text says
-            where to get them.
-    """
+    """The path of GG-CNN's weights; UserError if there is none, or the file is far too large."""
     if weights is None:
         raise UserError(f"{WHERE}: ggcnn needs `weights: FILE`; {GGCNN_WEIGHTS}")
     if not Path(weights).is_file():
@@ -64,12 +59,9 @@ def _size(path: Path) -> int:
 
 
 class NetworkInput(NamedTuple):
-    """The middle of a depth image, as the network gets it.
+    """The middle of a depth image, (300, 300) metres, without gaps, and the pixel of its corner.
 
-    Attributes:
-        depth: (300, 300) metres, without gaps.
-        corner: Row and column of its first pixel in the image.
-        scale: Pixels of the image that one of its pixels spans.
+    One of its pixels spans `scale` pixels of the image.
     """
 
     depth: Floats
@@ -103,13 +95,7 @@ class MapDetector:
     """Any network that gives the four maps of GG-CNN, as a grasp detector."""
 
     def __init__(self, infer: Infer, execution: Execution = "deepest") -> None:
-        """Take a network.
-
-        Args:
-            infer: Maps depths (300, 300) of `maps.prepare_input` to quality, cos 2a, sin 2a and
-                width (4, 300, 300).
-            execution: Where the hand goes: see `__call__`.
-        """
+        """Take a network: depths (300, 300) of `maps.prepare_input` to maps (4, 300, 300)."""
         self._infer = infer
         self._execution = execution
 
@@ -126,7 +112,7 @@ class MapDetector:
         depth are filled. The four output images are smoothed (see `egad.detectors.maps`).
 
         As in `antipodal-depth`, the hand goes as deep as table, neighboring surface and palm allow
-        (`egad.detectors.min_fingertip_height`) at a pixel where the network sees a grasp. The
+        (`min_fingertip_height`) at a pixel where the network sees a grasp. The
         penetration is how far the fingertips get below the surface seen there. Below 5 mm there is
         no grasp; otherwise its quality is that of the network times min(penetration / 20 mm, 1).
         A pixel is proposed if it is the best of the 21 x 21 pixels around it.

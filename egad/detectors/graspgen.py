@@ -30,14 +30,7 @@ class GraspGen:
     """
 
     def __init__(self, address: str) -> None:
-        """Connect.
-
-        Args:
-            address: Such as tcp://localhost:5556.
-
-        Raises:
-            UserError: PyZMQ is missing, no server answers, or the server has an unknown gripper.
-        """
+        """Connect to a server, such as tcp://localhost:5556; UserError if it cannot be used."""
         with needed_for("graspgen"):
             import zmq  # noqa: PLC0415 (an extra)
         self._socket: Any = zmq.Context.instance().socket(zmq.REQ)
@@ -58,13 +51,7 @@ class GraspGen:
     def __call__(
         self, object_clouds: Sequence[PointCloud], gripper: Gripper, _rng: np.random.Generator
     ) -> GraspPoses:
-        """Grasps of all objects; the hand opens as wide as it can.
-
-        Args:
-            object_clouds: The points of each object. One with fewer than 21 is left out.
-            gripper: The hand.
-            _rng: Not used: the server has its own random numbers.
-        """
+        """Grasps of all objects with 21 points or more; the hand opens as wide as it can."""
         clouds = [points for points, _ in object_clouds if len(points) >= MIN_POINTS]
         found = [self._grasps(points, gripper) for points in clouds]
         return GraspPoses(*map(np.concatenate, zip(poses_of(([], [], [])), *found, strict=True)))
@@ -80,11 +67,7 @@ class GraspGen:
         return grasps
 
     def _ask(self, request: dict[str, Any]) -> dict[str, Any]:
-        """Send a request and receive the answer.
-
-        Raises:
-            ValueError: It is not a message, or reports an error.
-        """
+        """Send a request; the answer, or ValueError if it is no message or reports an error."""
         self._socket.send(packed(request))
         answer = unpacked(self._socket.recv())
         if not isinstance(answer, dict) or "error" in answer:

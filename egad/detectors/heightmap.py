@@ -55,12 +55,7 @@ class Heightmap(NamedTuple):
 
 
 def window_of(uneven: NDArray[np.bool_], margin: int) -> Window:
-    """The rows and columns that hold all of some pixels, and a margin where the image has one.
-
-    Args:
-        uneven: (height, width) which pixels.
-        margin: Pixels.
-    """
+    """The rows and columns that hold all of some pixels, and a margin where the image has one."""
     sides = []
     for axis in (1, 0):
         found = np.flatnonzero(uneven.any(axis=axis))
@@ -71,12 +66,7 @@ def window_of(uneven: NDArray[np.bool_], margin: int) -> Window:
 
 
 def heightmap_of(view: View, window: Window | None = None) -> Heightmap | None:
-    """What stands on the table, as heights on a grid; none if nothing does.
-
-    Args:
-        view: A depth image.
-        window: Rows and columns with everything that stands on the table, if they are known.
-    """
+    """What stands on the table (within the window, if known), as heights; None if nothing does."""
     points = view.points(window or window_of(view.heights() > TABLE_CLEARANCE, 1))
     standing = points[points[..., 2] > TABLE_CLEARANCE]
     if len(standing) == 0:
@@ -93,17 +83,9 @@ def heightmap_of(view: View, window: Window | None = None) -> Heightmap | None:
 def min_fingertip_height(
     middle: Floats, axis: Floats, width: Floats, heightmap: Heightmap, gripper: Gripper
 ) -> Floats:
-    """How low the fingertips can go before a finger or the palm meets what is seen.
+    """How low the fingertips can go before a finger or the palm meets what is seen, (n,) metres.
 
-    Args:
-        middle: (n, 2) where the hand is, world frame.
-        axis: (n, 2) unit vectors of the closing axis.
-        width: (n,) how far the hand is open.
-        heightmap: What is seen.
-        gripper: The hand.
-
-    Returns:
-        (n,) heights over the table, `TABLE_CLEARANCE` above what is met.
+    From (n, 2) middles and unit closing axes, and (n,) openings; `TABLE_CLEARANCE` is left.
     """
     check_jaws(gripper, "the minimum height of the fingertips")
     along, across = _probes(gripper.finger_thickness, gripper.finger_width)
@@ -129,17 +111,7 @@ def _probes(length: float, width: float) -> tuple[Floats, Floats]:
 
 
 def _placed(along: Floats, across: Floats, middle: Floats, axis: Floats) -> Floats:
-    """The points of n grids in the world.
-
-    Args:
-        along: (k,) or (n, k) coordinates along the closing axis.
-        across: (l,) coordinates across it.
-        middle: (n, 2) where the grids are.
-        axis: (n, 2) unit vectors of the closing axis.
-
-    Returns:
-        x and y, (2, n, k * l).
-    """
+    """X and y in the world, (2, n, k * l), of n grids with coordinates (k,) or (n, k), and (l,)."""
     sides = (axis[:, 0], -axis[:, 1]), (axis[:, 1], axis[:, 0])
     placed = [
         (start[:, None] + along * first[:, None])[..., None] + across * second[:, None, None]

@@ -33,11 +33,7 @@ class Labels:
     """Labelled grasps of an object, to be proposed wherever it lies (ours)."""
 
     def __init__(self, grasps: pd.DataFrame) -> None:
-        """Keep the grasps that the hand can reach from some side.
-
-        Args:
-            grasps: Columns of `tables.grasping.GRASPS`, of one object.
-        """
+        """Keep the grasps of an object (`GRASPS`) that the hand can reach from some side."""
         free = grasps[grasps["collision_free"]]
         self._center = free[["center_x", "center_y", "center_z"]].to_numpy(np.float64)
         self._axis = free[["axis_x", "axis_y", "axis_z"]].to_numpy(np.float64)

@@ -33,12 +33,7 @@ class Answer(NamedTuple):
 
 
 def prepare_input(depth: NDArray[np.floating], mean: float | None = None) -> NDArray[np.float32]:
-    """Depths minus their mean, clipped to [-1, 1] metre, as the networks are trained on.
-
-    Args:
-        depth: Metres, without gaps.
-        mean: That of the whole image, if these depths are a crop of it.
-    """
+    """Depths, metres without gaps, minus their mean (or `mean`), clipped to [-1, 1] metre."""
     middle = depth.mean() if mean is None else mean
     clipped: NDArray[np.float32] = np.clip(depth - middle, -1, 1).astype(np.float32)
     return clipped

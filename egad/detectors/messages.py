@@ -28,11 +28,7 @@ def packed(message: Any) -> bytes:  # noqa: ANN401 (plain values and arrays)
 
 
 def unpacked(data: bytes) -> Any:  # noqa: ANN401 (plain values and arrays)
-    """A message from bytes.
-
-    Raises:
-        ValueError: They are not such a message.
-    """
+    """A message from bytes; ValueError if they are not such a message."""
     try:
         return msgpack.unpackb(data, object_hook=_decoded)
     except (msgpack.exceptions.UnpackException, TypeError, KeyError, ValueError) as error:
@@ -66,14 +62,7 @@ def _decoded(value: dict[Any, Any]) -> Any:  # noqa: ANN401 (as msgpack)
 def question(
     seen: Observation | View, observes: str, gripper: Gripper, seed: int
 ) -> dict[str, Any]:
-    """The message that asks a detector.
-
-    Args:
-        seen: What the cameras see.
-        observes: The part of it that the detector wants, one of `egad.detectors.INPUTS`.
-        gripper: The hand.
-        seed: For its random numbers.
-    """
+    """The message that asks a detector for grasps from what it `observes`, one of `INPUTS`."""
     if isinstance(seen, View):
         parts = {"view": _view(seen)}
     elif observes == "observation":
@@ -106,11 +95,7 @@ def camera_matrix(intrinsics: Intrinsics) -> np.ndarray:
 
 
 def answered(message: Any) -> list[Grasp] | GraspPoses:  # noqa: ANN401 (whatever it sent)
-    """The grasps of an answer.
-
-    Raises:
-        ValueError: It is not an answer, or says what went wrong.
-    """
+    """The grasps of an answer; ValueError if it is none, or says what went wrong."""
     if not isinstance(message, dict):
         raise ValueError(f"the answer must be a map, got {type(message).__name__}")
     if "error" in message:

@@ -101,13 +101,9 @@ def new_network(name: str, seed: int) -> Heads:
 def with_initial_weights(
     make: Callable[[], Network], seed: int, first: float, small: Collection[str]
 ) -> Network:
-    """A network with weights by the rule of He et al. and biases 0.
+    """A network with weights by the rule of He et al., which follow from the seed, and biases 0.
 
-    Args:
-        make: Makes the network.
-        seed: The weights follow from it.
-        first: Factor of the weights of the first layer.
-        small: Layers that have a tenth of the weights.
+    Weights of the first layer are multiplied by `first`; those of layers in `small` by 0.1.
     """
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(entropy(seed, "weights") % 2**63)
@@ -139,10 +135,8 @@ def parameters(network: nn.Module) -> int:
 def inference(network: nn.Module) -> Infer:
     """A network as a function of arrays, on one core: the same input gives the same answer.
 
-    Returns:
-        A function from an image or a grid to channels of the same size. GG-CNN: from a depth image
-        of 300 x 300, as `maps.prepare_input` gives it, to (4, 300, 300): quality, cos 2a, sin 2a
-        and width. VGN: from a grid (40, 40, 40) to (6, 40, 40, 40): quality, quaternion and width.
+    GG-CNN: from depths (300, 300) of `maps.prepare_input` to quality, cos 2a, sin 2a and width,
+    (4, 300, 300). VGN: from a grid (40, 40, 40) to quality, quaternion and width, (6, 40, 40, 40).
     """
     network.eval()
     torch.set_num_threads(1)

@@ -43,13 +43,8 @@ def add_gamma_noise(view: View, rng: np.random.Generator, rate: float = 1.0) -> 
     """A view with the noise of Dex-Net 2.0 (Mahler et al. 2017), as in the later code of VGN.
 
     All depths are multiplied by one number with a gamma distribution, of mean 1 and standard
-    deviation 0.03. Then normal noise of 5 mm is added, independent every 4 pixels and interpolated
-    in between.
-
-    Args:
-        view: What an ideal camera sees.
-        rng: Random number generator.
-        rate: Probability of the second part.
+    deviation 0.03. Then, with the probability `rate`, normal noise of 5 mm is added, independent
+    every 4 pixels and interpolated in between.
     """
     factor = rng.gamma(GAMMA_SHAPE, 1 / GAMMA_SHAPE)
     depth = view.depth * factor
@@ -102,9 +97,6 @@ def stereo_shadow(view: View) -> Flags:
     That imager is `BASELINE` to the right, and sees a pixel of column u in column u - disparity.
     What is nearer hides what would be further right there, so along a row the columns of all that
     both see ascend. An image wider than this one is assumed: nothing is lost at its sides.
-
-    Args:
-        view: What an ideal camera sees.
     """
     columns = np.arange(view.depth.shape[1]) - BASELINE * view.intrinsics.focal / view.depth
     columns = np.where(np.isfinite(columns), columns, np.inf)
@@ -122,9 +114,6 @@ def grazing(view: View) -> Flags:
     matches become ambiguous (Pollard, Mayhew and Frisby 1985, "PMF"), and by several pixels over a
     window that is matched. The normal follows from the differences to the next pixels, in rows
     and in columns to the one of more similar depth: beside an edge, a level surface is level.
-
-    Args:
-        view: What an ideal camera sees.
     """
     depth, focal = view.depth, view.intrinsics.focal
     along_v, along_u = _slope(depth, 0), _slope(depth, 1)

@@ -100,12 +100,7 @@ class Observation:
 
 
 def look_at(eye: Floats, target: Floats) -> Floats:
-    """The pose of an upright camera that looks from one point at another, (4, 4).
-
-    Args:
-        eye: (3,) not straight above or below the target.
-        target: (3,).
-    """
+    """The pose, (4, 4), of an upright camera at a point that looks at another, not vertically."""
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
@@ -138,11 +133,7 @@ def render_scene(
 ) -> View:
     """A depth image of several objects on the table.
 
-    Args:
-        cameras: One for each object.
-        matrices: (4, 4) from the frame of each object to the world.
-        intrinsics: The camera.
-        pose: (4, 4) from the camera to the world.
+    Matrices and pose, (4, 4), are from the frames of the objects and the camera to the world.
     """
     views = [
         camera.render(matrix, intrinsics, pose)

@@ -124,15 +124,7 @@ def knows_scene(detect: object) -> bool:
 
 
 def check_gripper(detector: str, gripper: Gripper) -> None:
-    """Make sure that a detector is for the kind of gripper; the user's own are for any.
-
-    Args:
-        detector: Its name.
-        gripper: The hand.
-
-    Raises:
-        UserError: A built-in one is for jaws and the gripper has a cup, or the other way round.
-    """
+    """Raise UserError if a built-in detector is for the other kind of gripper: jaws or cup."""
     if detector in ("labels", *FOR_CUPS) and gripper.cup is not None:
         return
     if detector in FOR_CUPS:

@@ -61,12 +61,7 @@ class PoseGrasp(NamedTuple):
 
 
 def poses_of(answer: Any) -> GraspPoses:  # noqa: ANN401 (whatever a detector gives)
-    """The answer of a detector as arrays: of `GraspPoses` or a tuple of three such arrays.
-
-    Raises:
-        TypeError: It is something else.
-        ValueError: The arrays have other shapes.
-    """
+    """An answer as arrays: `GraspPoses` or a tuple like it; else TypeError or ValueError."""
     poses, widths, scores = (np.asarray(each, dtype=np.float64) for each in answer)
     count = len(poses)
     if count == 0:
@@ -88,15 +83,9 @@ def best_poses(grasps: GraspPoses, count: int = MAX_GRASPS) -> GraspPoses:
 def best_pose(
     grasps: GraspPoses, gripper: Gripper, order: Ints | None = None
 ) -> PoseGrasp | Outcome:
-    """The grasp of the highest score that the hand can execute, the first of equals.
+    """The grasp of the highest score, or the first in `order`, that the hand can execute.
 
-    Args:
-        grasps: The grasps to choose from.
-        gripper: The hand.
-        order: Indices of the grasps that may be chosen; the first that the hand can execute is.
-
-    Returns:
-        The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
+    If there is none: `no_grasp`, or the flaw of the most promising one.
     """
     reason = None
     for number in (by_score(grasps.scores) if order is None else order).tolist():

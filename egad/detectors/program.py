@@ -37,13 +37,7 @@ class Program:
     """A detector in a program, which is restarted whenever it had to be stopped."""
 
     def __init__(self, command: Sequence[str], limit: float, starting_limit: float) -> None:
-        """Prepare; the program starts with the first question, or with the `with` block.
-
-        Args:
-            command: The program and its arguments.
-            limit: Seconds that an answer may take.
-            starting_limit: Seconds until it must say hello.
-        """
+        """Prepare; the program starts with the first question or `with` block. Limits: seconds."""
         self._command, self._limit, self._starting_limit = list(command), limit, starting_limit
         self._name = f"the program {' '.join(command)}"
         self._process: subprocess.Popen[bytes] | None = None
@@ -60,13 +54,7 @@ class Program:
     def __call__(
         self, observation: Observation | View, gripper: Gripper, rng: np.random.Generator
     ) -> list[Grasp] | GraspPoses:
-        """Ask the detector, which gets the part of an observation that it wants.
-
-        Raises:
-            DetectorError: It failed, answered with something else, or cannot be restarted.
-            DetectorTimeoutError: It was stopped.
-            UserError: It cannot be started the first time, or wants more than a view.
-        """
+        """Ask the detector, which gets the part of an observation that it wants."""
         if self._process is None:
             self._start()
         if isinstance(observation, View) and self._wants != "view":
@@ -142,13 +130,7 @@ class Program:
             raise DetectorError(f"{self._name}: {error}") from error
 
     def _transfer(self, outgoing: bytes, deadline: float) -> bytes:
-        """Write bytes, and read one message meanwhile, because a program may write first.
-
-        Raises:
-            TimeoutError: The deadline has passed.
-            EOFError: The program has closed its output.
-            ValueError: The output is too long for a message.
-        """
+        """Write bytes, and read one message meanwhile, because a program may write first."""
         process = self._process
         if process is None or process.stdin is None or process.stdout is None:
             raise EOFError
@@ -216,11 +198,7 @@ def _wait(
 
 
 def _is_complete(incoming: bytearray) -> bool:
-    """Whether bytes are one message.
-
-    Raises:
-        ValueError: They are more, or it is too long.
-    """
+    """Whether bytes are one message; ValueError if they are more, or it is too long."""
     if len(incoming) < LENGTH.size:
         return False
     length = int(LENGTH.unpack_from(incoming)[0])

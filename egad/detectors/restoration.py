@@ -77,9 +77,6 @@ def noise_of(heights: Floats) -> float:
 
     Nothing is lower than the table, so whatever seems lower is noise. The median of these depths
     below it gives the standard deviation of normal noise; 0 if nothing is below.
-
-    Args:
-        heights: Metres, of any shape; the table is at 0.
     """
     below = heights[heights < 0]
     return float(np.median(-below)) / QUARTILE if below.size > 0 else 0.0

@@ -34,12 +34,7 @@ class Child:
     """A detector that answers from another process, restarted whenever it had to be stopped."""
 
     def __init__(self, config: DetectorConfig, limit: float) -> None:
-        """Prepare; the process starts with the first question, or with the `with` block.
-
-        Args:
-            config: The detector.
-            limit: Seconds that an answer may take.
-        """
+        """Prepare; the process starts with the first question or `with` block. Limit: seconds."""
         name = f"the process of the detector {config.name}"
         self._worker = Worker(partial(_answering, config), limit, STARTING_TIME, name)
         self._was_ready = False
@@ -54,14 +49,7 @@ class Child:
     def __call__(
         self, observation: View | Observation, gripper: Gripper, rng: np.random.Generator
     ) -> list[Grasp] | GraspPoses:
-        """Ask the detector, which gets the part of an observation that it wants.
-
-        Raises:
-            DetectorError: It failed, or cannot be restarted.
-            DetectorTimeoutError: It was stopped.
-            MemoryError: It did not have enough memory.
-            UserError: It cannot be made the first time, or its process was killed.
-        """
+        """Ask the detector, which gets the part of an observation that it wants."""
         if not self._worker.running:
             self._start()
         try:

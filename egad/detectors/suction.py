@@ -58,14 +58,6 @@ def suction_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> li
     with the standard deviation of the heights within 1.1 times the ring, and the distance of the
     axis of the cup from the centroid of the volume below the visible surface.
 
-    Args:
-        view: A depth image from roughly above; the table is at height 0.
-        gripper: A suction cup.
-        _rng: Not used: the same image gives the same grasps.
-
-    Returns:
-        At most 50 grasps, best first.
-
     Raises:
         UserError: The gripper has jaws.
     """
@@ -103,14 +95,6 @@ def suction_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator)
     gripper, for which objects are scaled; the slope is the third coordinate of the approach, -1
     straight down.
 
-    Args:
-        cloud: What the cameras see; the table is at height 0.
-        gripper: A suction cup.
-        rng: Chooses the points that are tried.
-
-    Returns:
-        At most 50 grasps, best first.
-
     Raises:
         UserError: The gripper has jaws.
     """
@@ -137,14 +121,7 @@ def _cup_of(gripper: Gripper, name: str) -> SuctionCup:
 def _fit_discs(
     points: Floats, centers: Floats, cup: SuctionCup, across: Floats | None = None
 ) -> _Discs:
-    """The surface around centers.
-
-    Args:
-        points: (m, 3) what is seen, metres.
-        centers: (n, 3) some of them.
-        cup: The cup.
-        across: (3,) normal of the planes from which deviations count; None for those that fit.
-    """
+    """The surface around (n, 3) centers, by planes with the normal `across`, or those that fit."""
     count = len(centers)
     normals, deviations, whole = np.zeros((count, 3)), np.full(count, np.inf), np.zeros(count, bool)
     if len(points) < MIN_POINTS:

@@ -87,14 +87,6 @@ class Vgn:
 
         The hand opens as wide as it can, as in VGN's experiments; the width that the network
         predicts only excludes grasps.
-
-        Args:
-            seen: Of 40 x 40 x 40 voxels.
-            gripper: The hand.
-            _rng: Not used: the same field gives the same grasps.
-
-        Returns:
-            At most 50 grasps, best first.
         """
         tsdf = seen.tsdf if isinstance(seen, Observation) else seen
         grid = encode(tsdf)

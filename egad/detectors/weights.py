@@ -51,25 +51,14 @@ def read(path: str | Path, name: str | None = None) -> Heads:
 
 
 def read_vgn(path: str | Path) -> VgnNetwork:
-    """Read VGN.
-
-    Args:
-        path: A file of safetensors, known by its ending, or else a state dictionary of PyTorch.
-
-    Raises:
-        WeightsError: The file is damaged, or holds something else.
-    """
+    """Read VGN, as `read` reads GG-CNN; WeightsError if the file is damaged or of another kind."""
     network = VgnNetwork()
     _load(network, state_in(path), f"{path}: these are not weights of VGN")
     return network
 
 
 def _load(network: nn.Module, state: Mapping[str, torch.Tensor], text: str) -> None:
-    """Give a network its weights.
-
-    Raises:
-        WeightsError: They are those of another network; the message begins with the text.
-    """
+    """Give a network its weights; WeightsError, beginning with `text`, if they are another's."""
     if wrong := _differences(state, network.state_dict()):
         more = f"; and {len(wrong) - MAX_NAMED} more" if len(wrong) > MAX_NAMED else ""
         raise WeightsError(f"{text}, but {'; '.join(wrong[:MAX_NAMED])}{more}")
@@ -77,11 +66,7 @@ def _load(network: nn.Module, state: Mapping[str, torch.Tensor], text: str) -> N
 
 
 def notes_in(path: str | Path) -> Mapping[str, Any]:
-    """The notes that `write` made in a file; empty for a file that something else has written.
-
-    Raises:
-        WeightsError: The file is damaged.
-    """
+    """The notes that `write` made in a file; empty for a file that something else has written."""
     if Path(path).suffix != SAFE:
         return {}
     try:
@@ -93,11 +78,7 @@ def notes_in(path: str | Path) -> Mapping[str, Any]:
 
 
 def state_in(path: str | Path) -> Mapping[str, torch.Tensor]:
-    """The tensors of a file by their names.
-
-    Raises:
-        WeightsError: It is damaged, or holds something else.
-    """
+    """The tensors of a file by their names; WeightsError if it is damaged or something else."""
     data = Path(path).read_bytes()
     if Path(path).suffix == SAFE:
         return _safe(path, data)

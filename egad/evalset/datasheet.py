@@ -76,15 +76,10 @@ def page(
     export: PrintExport,
     introduction: str = "",
 ) -> str:
-    """The datasheet as Markdown.
+    """The datasheet as Markdown, from rows of `EVAL49` and data for each gripper.
 
-    Args:
-        dataset: Its name.
-        chosen: Columns of `tables.evaluation.EVAL49`.
-        empty: Labels of the cells without an object.
-        grippers: Data about the set for each gripper.
-        export: How it is printed.
-        introduction: Text above the tables; by default, what the rows and columns are.
+    `empty` has the labels of cells without an object; the introduction says what the rows and
+    columns are.
     """
     head = introduction or _introduction(dataset, chosen, empty)
     rows = [

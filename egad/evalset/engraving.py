@@ -77,10 +77,7 @@ def cut_text(
 
 
 def outlines(text: str, height: float) -> list[Floats]:
-    """Closed outlines of a text around the origin, each (n, 2), x to the right and y up.
-
-    Outlines of holes wind the other way. The tallest letter has the given height.
-    """
+    """Closed outlines (n, 2) of a text, its middle at the origin; holes wind the other way."""
     glyphs = TextPath((0, 0), text, size=1, prop=FONT).to_polygons()
     points = np.concatenate(glyphs)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -90,10 +87,7 @@ def outlines(text: str, height: float) -> list[Floats]:
 def best_patch(
     mesh: trimesh.Trimesh, text: str, settings: Engraving, wall: float, contacts: Floats
 ) -> Patch | None:
-    """The place with the fewest contacts, then the most even one; None if there is none.
-
-    All of it can be seen from straight above, and the solid below is thick enough.
-    """
+    """The most even place with the fewest contacts, open from above, over a solid thick enough."""
     glyphs = np.concatenate(outlines(text, settings.letters))
     size = np.ptp(glyphs, axis=0) + 2 * RIM * settings.letters
     middles, normals = _places(mesh, settings.letters, float(np.linalg.norm(size)) / 2)

@@ -14,26 +14,15 @@ from egad.random import entropy
 def families(ids: Iterable[str], lineage: Lineage | None) -> dict[str, str]:
     """The family of each object, by id: its founder along the line of first parents.
 
-    Args:
-        ids: Ids of the objects.
-        lineage: Their ancestors; None if they are not known: each object is then a family of its
-            own.
-
-    Raises:
-        UserError: The lineage lacks an object.
+    Without a lineage, each is a family of its own. UserError if the lineage lacks an object.
     """
     return {name: lineage.family(name) if lineage else name for name in ids}
 
 
 def with_parents_and_children(names: Iterable[str], lineage: Lineage | None) -> set[str]:
-    """Some objects, and all parents and children of them.
+    """Some objects, and their parents and children.
 
-    Args:
-        names: Ids of the objects.
-        lineage: Their ancestors; None if they are not known: nothing is added then.
-
-    Raises:
-        UserError: The lineage lacks an object.
+    Without a lineage, nothing is added. UserError if the lineage lacks an object.
     """
     found = set(names)
     if lineage is None:

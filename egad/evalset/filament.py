@@ -36,10 +36,6 @@ def filament_mass(mesh: trimesh.Trimesh, settings: PrintExport) -> float:
 
     Every fifth layer represents those around it; the lowest and highest ones, which are solid, are
     all computed.
-
-    Args:
-        mesh: A closed surface, wound outwards, metres, as it lies on the bed.
-        settings: Perimeters, solid layers, infill, filament.
     """
     bottom, top = mesh.bounds[:, 2]
     solid = to_solid(mesh.vertices, mesh.faces)
@@ -82,11 +78,7 @@ def _filled_area(section: Sections, layer: int, settings: PrintExport) -> float:
 
 
 def line_spacing(width: float) -> float:
-    """Distance between neighboring lines, which have round sides, so that no gaps remain, metres.
-
-    The area of a line's section is that of a rectangle between two half discs, as high as the
-    layer.
-    """
+    """Distance between lines with round sides, two half discs, so that no gaps remain, metres."""
     return width - (1 - np.pi / 4) * LAYER
 
 

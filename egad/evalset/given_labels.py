@@ -29,11 +29,7 @@ def labels_by_name(ids: Iterable[str]) -> dict[str, str]:
 
 
 def read_labels(path: Path) -> dict[str, str]:
-    """Labels by the ids of objects, from a CSV file with the columns id and label.
-
-    Raises:
-        UserError: It cannot be used; the message says where.
-    """
+    """Labels by the ids of objects, from a CSV file with the columns id and label, or UserError."""
     try:
         rows = csv_lines(path, NEEDED)
     except OSError as error:

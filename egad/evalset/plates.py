@@ -104,14 +104,8 @@ def pack(
 ) -> dict[str, tuple[int, float, float]]:
     """Place rectangles on shelves, deepest first, each on the first shelf with room for it.
 
-    Args:
-        sizes: Width and depth by label.
-        bed: Width and depth of a plate.
-        gap: Free space around each.
-        keep_out: Width and depth of the corner at the origin that stays free.
-
-    Returns:
-        Plate number from 1, and x and y of the lowest corner, for each that fits a bed.
+    Plate number from 1, and x and y of the lowest corner, for each that fits a bed. The corner at
+    the origin, `keep_out` wide and deep, stays free.
     """
     positions = {}
     shelves: list[_Shelf] = []

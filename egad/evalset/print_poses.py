@@ -31,15 +31,11 @@ class PrintPose(NamedTuple):
 
 
 def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -> PrintPose:
-    """A copy in one of its resting poses.
+    """A copy in one of its resting poses, the longer side of its footprint along an axis.
 
-    Args:
-        mesh: A closed surface, wound outwards, metres.
-        choice: `stable`: on the face of its hull that it most probably comes to rest on;
-            `overhang`: among all but the improbable poses, the one with the least area to support,
-            if possible with a first layer of 1 mm2.
-        angle: Overhangs at a larger angle to the vertical are supported, degrees.
-        along: The axis for the longer side of the footprint.
+    `stable`: on the face of its hull that it most probably comes to rest on; `overhang`: among all
+    but the improbable poses, the one with the least area to support (overhangs at a larger angle to
+    the vertical, degrees), if possible with a first layer of 1 mm2.
     """
     try:
         poses = resting_poses(mesh, mass_properties(mesh, 1.0).com)
@@ -67,10 +63,7 @@ def _pose(
 def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> float:
     """Area of the surface that needs support: it faces down and does not lie on the bed.
 
-    Args:
-        mesh: A closed surface, wound outwards.
-        rotation: (3, 3); after it, z points up.
-        angle: Overhangs at a larger angle to the vertical count, degrees.
+    After the rotation, z points up. Overhangs at a larger angle to the vertical count, degrees.
     """
     up = rotation[2]
     heights = np.asarray(mesh.vertices) @ up
@@ -80,18 +73,13 @@ def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> floa
 
 
 def first_layer_area(mesh: trimesh.Trimesh, rotation: Floats) -> float:
-    """Area of the section through the middle of the first layer of an object on the bed.
-
-    Args:
-        mesh: A closed surface, wound outwards, metres.
-        rotation: (3, 3); after it, z points up.
-    """
+    """Area of the section through the middle of the first layer; the rotation turns z up."""
     standing = np.asarray(mesh.vertices, dtype=np.float64) @ rotation.T
     return float(to_solid(standing, mesh.faces).slice(standing[:, 2].min() + LAYER / 2).area())
 
 
 def _align_with_bed(points: Floats, along: int) -> Floats:
-    """The rotation about the vertical that makes the rectangle around points smallest, (3, 3).
+    """The rotation about z, (3, 3), that makes the rectangle around points smallest.
 
     Its longer side lies along an axis.
     """

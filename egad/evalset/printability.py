@@ -45,10 +45,6 @@ def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
 
     A point of the surface is reached if the ball that touches it from within meets no other part
     of the surface. What the ball reaches is the union of these balls.
-
-    Args:
-        mesh: A closed surface, wound outwards.
-        diameter: Diameter of the ball, in the unit of the mesh.
     """
     radius = diameter / (1 + SLACK)  # so that a plate passes if it is as thick as the diameter
     flat, bent = spread(mesh, SPACING * diameter), rims(mesh, SPACING * diameter)

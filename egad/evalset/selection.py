@@ -51,12 +51,6 @@ def candidates_by_cell(
     away, unless it is the last object of its own cell. A borrowed object counts as in the borrowing
     cell only. Where the graspability of some objects is certain, the other objects of their cell
     are not candidates.
-
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        settings: Rows, columns, how far a cell borrows.
-        space: Ranges of the grid, and when an object is certain.
-        left_out: Row numbers of objects that may not be chosen.
     """
     allowed = np.ones(len(objects), dtype=bool)
     allowed[list(left_out)] = False
@@ -184,10 +178,7 @@ def improve(start: Ints, candidates: Sequence[Ints], distances: Distances) -> In
 
 
 def _exchange_pair(chosen: Ints, candidates: Sequence[Ints], distances: Distances) -> Ints | None:
-    """The set after the first exchange of two objects that improves it; None if there is none.
-
-    All pairs of an object of one cell and an object of any later cell are evaluated together.
-    """
+    """The set after the first exchange of two objects that improves it; None if there is none."""
     if len(candidates) < 2:
         return None
     gains = distances[:, chosen].sum(axis=1)
@@ -310,15 +301,7 @@ def selection_table(
     borrowed: NDArray[np.bool_],
     nearest: NDArray[np.float64],
 ) -> pd.DataFrame:
-    """The table of a set: columns of `tables.evaluation.EVAL49`, sorted by label.
-
-    Args:
-        chosen: Columns of `tables.objects.OBJECTS`.
-        cells: (n,) numbers of the cells that they represent, row by row.
-        columns: Number of columns of the grid.
-        borrowed: (n,) whether they come from neighboring cells.
-        nearest: (n,) distances to the nearest other.
-    """
+    """The table of a set, `EVAL49`, sorted by label: cells are numbered row by row."""
     corners = [divmod(int(cell), columns) for cell in cells]
     table: pd.DataFrame = chosen.assign(
         object_label=chosen["label"],

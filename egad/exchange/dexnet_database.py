@@ -50,16 +50,9 @@ def add_dataset(
     metrics: Mapping[str, Mapping[str, object]],
     metadata: Mapping[str, str],
 ) -> h5py.Group:
-    """Start a database.
+    """Start a database; the group for the objects of its only dataset.
 
-    Args:
-        file: The new file.
-        dataset: Name of its only dataset.
-        metrics: How each metric of the grasps is computed; a mapping within becomes a group.
-        metadata: What each measure of the objects means.
-
-    Returns:
-        The group for the objects.
+    `metrics` says how each metric of the grasps is computed; a mapping within becomes a group.
     """
     file.attrs["time_created"] = UNTIMED
     group = add_group(file, f"datasets/{dataset}")
@@ -109,14 +102,7 @@ def _add_poses(group: h5py.Group, solid: DexnetObject) -> None:
 def add_grasps(
     parent: h5py.Group, gripper: str, configurations: Floats, metrics: Mapping[str, Floats]
 ) -> None:
-    """Add the grasps of a gripper to an object.
-
-    Args:
-        parent: The group of the object.
-        gripper: Name of the gripper.
-        configurations: (n, 10), see `egad.grasps.poses.dexnet_configurations`.
-        metrics: (n,) values of each metric.
-    """
+    """Add the grasps of a gripper, `dexnet_configurations` (n, 10), and (n,) of each metric."""
     group = add_group(parent, f"grasps/{gripper}")
     group.attrs["num_grasps"] = len(configurations)
     untimed = h5p.create(h5p.GROUP_CREATE)

@@ -7,10 +7,13 @@ import numpy as np
 import pandas as pd
 
 from egad._util.files import as_path
+from egad._util.progress import progress
 from egad.errors import UserError
 from egad.grasps import Grasps
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SCALES, SIMULATED_GRASPS
+
+SIMULATED_COLUMNS = [name for name in SIMULATED_GRASPS.names if name not in ("id", "label")]
 
 
 def load_grasps(path: str | Path, gripper: str | None = None) -> Grasps:
@@ -59,17 +62,7 @@ def grasp_table(path: Path, gripper: str | None) -> Path:
 
 
 def check_opening(dataset: Path, gripper: str, opening: float) -> None:
-    """Make sure that a gripper is the one that the objects of a dataset were scaled to.
-
-    Args:
-        dataset: Its folder.
-        gripper: The gripper's name.
-        opening: Its opening, metres, as the settings have it.
-
-    Raises:
-        UserError: It had another opening.
-        TableError: The table of scales is missing or damaged.
-    """
+    """Raise UserError if the objects of a dataset were scaled to another opening, metres."""
     path = dataset / "rescaled" / gripper / "scales.parquet"
     for other in parquet.read(path, SCALES)["opening"].unique():
         if not np.isclose(other, opening, rtol=1e-9, atol=0):
@@ -80,18 +73,9 @@ def check_opening(dataset: Path, gripper: str, opening: float) -> None:
 
 
 def by_object(path: Path, columns: list[str]) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The grasps of one object after the other, never more than a few thousand in memory.
+    """The rows of one label after the other, ascending, never more than a few thousand in memory.
 
-    Args:
-        path: A table of grasps, sorted by label.
-        columns: Columns to read besides `label`.
-
-    Yields:
-        Labels, ascending, and the rows of each object in their order.
-
-    Raises:
-        UserError: The table is not sorted by label.
-        TableError: It is damaged, or lacks columns.
+    UserError if the table is not sorted by label.
     """
     rest, last = pd.DataFrame(), ""
     for batch in parquet.batches(path, ["label", *columns]):
@@ -111,3 +95,18 @@ def _ascending(path: Path, last: str, label: str) -> str:
     if label <= last:
         raise UserError(f"{path}: its rows must be sorted by label, but {last} is before {label}")
     return label
+
+
+def check_simulated(grasps: Path) -> None:
+    """Raise UserError, which says how to get them, if grasps have no simulated labels."""
+    if not is_simulated(grasps):
+        raise UserError(
+            f"{grasps} has no simulated labels, which this format needs: they say whether a grasp "
+            "succeeded. Run the workflow with targets: {simulated_labels: true}"
+        )
+
+
+def simulated_by_object(grasps: Path) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The grasps of one object after the other, with progress: see `by_object`."""
+    labels = parquet.distinct(grasps, "label")
+    return progress(by_object(grasps, SIMULATED_COLUMNS), "writing grasps", len(labels))

@@ -20,11 +20,7 @@ _WRITE_FAILED = re.compile(r"write failed.*?" + _SYSTEM_REASON.pattern, re.DOTAL
 
 
 class DamagedError(UserError):
-    """A file is not HDF5, is truncated or damaged, or lacks what should be in it.
-
-    Attributes:
-        reason: In HDF5's words.
-    """
+    """A file is not HDF5, truncated or damaged, or lacks something; why, in HDF5's words."""
 
     def __init__(self, path: Path, reason: str) -> None:
         """Name the file and say what to do about it."""
@@ -34,11 +30,7 @@ class DamagedError(UserError):
 
 @contextmanager
 def writing(path: Path) -> Iterator[h5py.File]:
-    """A new file, which gets its name only once it is complete, and otherwise leaves nothing.
-
-    Raises:
-        UserError: It cannot be written, for instance because the disk is full.
-    """
+    """A new file, which gets its name once it is complete, or else is gone, with UserError."""
     try:
         with (
             atomic_output(path, keep=False) as temporary,
@@ -53,12 +45,7 @@ def writing(path: Path) -> Iterator[h5py.File]:
 
 
 def sound_keys(path: Path, group: str) -> list[str]:
-    """Names in a group of a file; the whole file is read to see that nothing is damaged.
-
-    Raises:
-        DamagedError: It is not HDF5, is truncated or damaged, or has no such group.
-        UserError: It is missing, or the system does not let it be read.
-    """
+    """Names in a group of a file; DamagedError unless the whole file can be read."""
     try:
         with h5py.File(path, "r") as file:
             _read_all(file)
@@ -84,15 +71,7 @@ def _read_all(item: h5py.Group | h5py.Dataset) -> None:
 
 
 def check_key(name: str, what: str = "object") -> str:
-    """Return a name if it may stand for an object in HDF5 files and in the names of files.
-
-    Args:
-        name: The name.
-        what: What it names.
-
-    Raises:
-        UserError: It holds other characters than letters, digits, `_`, `-` and `.`.
-    """
+    """Return a name of letters, digits, `_`, `-` and `.`, for HDF5 and files; else UserError."""
     if _KEY.fullmatch(name):
         return name
     raise UserError(

@@ -14,13 +14,7 @@ GREY = (0.72, 0.74, 0.78)  # sRGB
 
 
 class MeshFiles(NamedTuple):
-    """Mesh files as a description names them.
-
-    Attributes:
-        visual: The true surface, in metres.
-        parts: Convex parts, which replace it in contacts.
-        part_unit: Unit of the parts, metres.
-    """
+    """Files as a description names them: surface, metres, and convex parts, `part_unit` metres."""
 
     visual: str
     parts: tuple[str, ...]
@@ -33,16 +27,7 @@ class MeshFiles(NamedTuple):
 
 
 def write_object_meshes(folder: Path, made: SimulationObject, part_unit: float = 1.0) -> MeshFiles:
-    """Write `visual.obj`, in metres, and `parts/part-NNN.obj`.
-
-    Args:
-        folder: A new folder.
-        made: The object.
-        part_unit: Unit of the parts, metres.
-
-    Returns:
-        The files, relative to the folder.
-    """
+    """Write `visual.obj`, in metres, and `parts/part-NNN.obj`, in `part_unit` metres."""
     (folder / PARTS).mkdir(parents=True)
     write_obj(made.mesh, folder / VISUAL)
     parts = tuple(f"{PARTS}/part-{number:03d}.obj" for number in range(len(made.parts)))

@@ -17,16 +17,7 @@ NOTHING = 0.0  # what readers of these sets take for a missing depth
 def write_by_split(
     pictures: Iterable[RenderedImage], folder: Path, write: Callable[[RenderedImage, Path], bool]
 ) -> int:
-    """Write a set of images, one folder per split, and log how many of them were written.
-
-    Args:
-        pictures: The images.
-        folder: An empty folder.
-        write: Writes an image into the folder of its split; false if it has nothing to write.
-
-    Returns:
-        How many images were written.
-    """
+    """Write images, one folder per split, and return how many `write` says it has written."""
     for split in SPLITS:
         (folder / split).mkdir()
     written = [write(picture, folder / picture.split) for picture in pictures]
@@ -46,13 +37,9 @@ def write_mask(mask: NDArray[np.bool_], path: Path) -> None:
 
 
 def corners(grasps: ImageGrasps, breadth: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Corners of the rectangles, pixels, (n, 4, 2) u and v.
+    """Corners of the rectangles of n grasps, (n, 4, 2) u and v, for jaws of (n,) breadths, pixels.
 
     From the first to the second along the opening, from the second to the third along the jaw.
-
-    Args:
-        grasps: n grasps.
-        breadth: (n,) of the jaws, pixels.
     """
     ends = grasps.ends()
     across = np.stack([np.sin(grasps.angle), np.cos(grasps.angle)], axis=1)

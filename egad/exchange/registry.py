@@ -69,11 +69,7 @@ else:
 
 
 def module_of(name: str) -> ModuleType:
-    """The module that writes a format.
-
-    Raises:
-        MissingPackageError: A package that it needs is not installed.
-    """
+    """The module that writes a format; MissingPackageError if it needs another package."""
     with needed_for(name):
         return importlib.import_module(MODULES[name])
 
@@ -84,11 +80,7 @@ def modules_of_format(name: str) -> list[str]:
 
 
 def check_format(name: str, hand: NamedGripper) -> None:
-    """Check that a format can be written for a gripper.
-
-    Raises:
-        UserError: A package is not installed, or the gripper lacks what the format describes.
-    """
+    """Raise UserError if a package is missing, or the gripper lacks what a format describes."""
     module = module_of(name)
     has_cup = hand.gripper.cup is not None
     if name in (*GRASPS, *IMAGES) and has_cup != for_cups(name):
@@ -103,20 +95,12 @@ def check_format(name: str, hand: NamedGripper) -> None:
 
 
 def for_cups(name: str) -> bool:
-    """Whether a format is for the labelled grasps of suction cups; others have those of jaws.
-
-    Raises:
-        MissingPackageError: A package that it needs is not installed.
-    """
+    """Whether a format is for the labelled grasps of suction cups; others have those of jaws."""
     return name in GRASPS and getattr(module_of(name), "FOR_CUPS", False)
 
 
 def needs_run(name: str) -> bool:
-    """Whether a format is written from the results of a run only.
-
-    Raises:
-        MissingPackageError: A package that it needs is not installed.
-    """
+    """Whether a format needs the results of a run; MissingPackageError if a package is missing."""
     return name in IMAGES or (name in GRASPS and not hasattr(module_of(name), "write"))
 
 
@@ -127,12 +111,7 @@ def writer_of(name: str) -> Callable[..., Any]:
 
 
 def export_function(name: str, objects: ObjectSet = EVALUATION_SET) -> Callable[..., Any]:
-    """The function that writes a format from the results of a run.
-
-    Args:
-        name: The format.
-        objects: Which objects are written, for a format of objects.
-    """
+    """The function that writes a format from the results of a run."""
     if name in GRASPS:
         found: Callable[..., Any] = module_of(name).run
         return found
@@ -147,24 +126,13 @@ def export_function(name: str, objects: ObjectSet = EVALUATION_SET) -> Callable[
 
 
 def settings_class(name: str, objects: ObjectSet = EVALUATION_SET) -> type[ParameterGroup]:
-    """The class of the settings that a format reads.
-
-    Args:
-        name: The format.
-        objects: Which objects are written, for a format of objects.
-    """
+    """The class of the settings that a format reads; `objects` counts for formats of objects."""
     found: type[ParameterGroup] = get_type_hints(export_function(name, objects))["settings"]
     return found
 
 
 def sources(name: str, gripper: str, objects: ObjectSet = EVALUATION_SET) -> dict[str, str]:
-    """The files in the folder of a dataset that a format reads, by parameter.
-
-    Args:
-        name: The format.
-        gripper: The name of the gripper.
-        objects: Which objects are written, for a format of objects.
-    """
+    """The files that a format reads from the folder of a dataset, by parameter."""
     names = signature(export_function(name, objects)).parameters
     return {each: SOURCES[each].format(gripper=gripper) for each in names if each in SOURCES}
 
@@ -183,16 +151,7 @@ def write_format(
     reads: Mapping[str, Path],
     out: Path,
 ) -> None:
-    """Write a format from the results of a run.
-
-    Args:
-        name: The format.
-        objects: Which objects are written, for a format of objects.
-        settings: Settings of the class that `settings_class` returns.
-        gripper: The name of the gripper.
-        reads: The files of `sources`.
-        out: File or folder to write.
-    """
+    """Write a format from the files of `sources`, with settings of its `settings_class`."""
     check_format(name, NamedGripper(gripper, settings.gripper))
     known = {"settings": settings, "gripper": gripper, "ending": name, "out": out, **reads}
     if name in OBJECT_FORMATS:

@@ -61,14 +61,7 @@ HEAD = ("object", "parts", "volume error", "deviation, mm", "buried", "mass, g",
 def page(
     table: pd.DataFrame, left_out: list[dict[str, str]], density: float, bundle: Bundle
 ) -> str:
-    """The page as Markdown.
-
-    Args:
-        table: Columns of `tables.evaluation.BUNDLE`.
-        left_out: Rows of `tables.objects.REJECTED`.
-        density: Density of the objects, kg/m3.
-        bundle: How their parts were made.
-    """
+    """The page as Markdown, from `BUNDLE` and `REJECTED`; the density of objects is in kg/m3."""
     missing = [f"- {row['id']}: {row['reason']}" for row in left_out]
     return PAGE.format(
         count=len(table),

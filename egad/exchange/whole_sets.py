@@ -25,17 +25,7 @@ log = logging.getLogger(__name__)
 def write_evaluation_set(
     settings: GripperFormat, write: WriteObject, bundle: Path, out: Path
 ) -> None:
-    """Write the objects of a simulation bundle.
-
-    Args:
-        settings: Those of the format.
-        write: Writes an object.
-        bundle: Folder of the bundle.
-        out: Folder to write.
-
-    Raises:
-        UserError: A file of the bundle is missing or damaged, or the folder is not empty.
-    """
+    """Write the objects of a simulation bundle."""
     del settings
     rows = parquet.records(parquet.read(bundle / "bundle.parquet", BUNDLE))
     with new_folder(out) as folder:
@@ -47,19 +37,7 @@ def write_evaluation_set(
 def write_all(
     settings: AllObjects, write: WriteObject, meshes: Path, convex_parts: Path, out: Path
 ) -> None:
-    """Write all objects of a dataset.
-
-    Args:
-        settings: Density and friction of the objects.
-        write: Writes an object.
-        meshes: Folder of the scaled meshes.
-        convex_parts: Table with the columns of `tables.evaluation.CONVEX_PARTS`, sorted by label.
-        out: Folder to write.
-
-    Raises:
-        UserError: The folder is not empty.
-        TableError: The table is damaged.
-    """
+    """Write all objects of a dataset, in the order of its table of convex parts."""
     labels, written = {path.stem for path in meshes.glob("*.obj")}, set()
     found = read_convex_objects(convex_parts, meshes, settings.material.density)
     with new_folder(out) as folder:
@@ -72,17 +50,7 @@ def write_all(
 
 
 def write_all_surfaces(settings: GripperFormat, ending: str, meshes: Path, out: Path) -> None:
-    """Write the surfaces of all objects of a dataset.
-
-    Args:
-        settings: Those of the format.
-        ending: Ending of the files.
-        meshes: Folder of the scaled meshes.
-        out: Folder to write.
-
-    Raises:
-        UserError: The folder is not empty.
-    """
+    """Write the surfaces of all objects of a dataset."""
     del settings
     paths = sorted(meshes.glob("*.obj"))
     with new_folder(out) as folder:
@@ -92,17 +60,7 @@ def write_all_surfaces(settings: GripperFormat, ending: str, meshes: Path, out: 
 
 
 def write_images(settings: GripperFormat, write: WriteImages, images: Path, out: Path) -> None:
-    """Write a set of rendered images.
-
-    Args:
-        settings: The gripper.
-        write: Writes images into an empty folder.
-        images: Folder with `images-N.parquet`.
-        out: Folder to write.
-
-    Raises:
-        UserError: Shards are missing, the images do not fit the format, or the folder has files.
-    """
+    """Write a set of rendered images."""
     with new_folder(out) as folder:
         write(_pictures(images), settings.gripper, folder)
 

@@ -22,9 +22,6 @@ def moments(physics: MassProperties) -> dict[str, float]:
     """The moments of inertia about the center of mass, kg m2, by their names in URDF and SDFormat.
 
     Principal moments below 2e-14 kg m2 are raised to it, which simulators need.
-
-    Args:
-        physics: Mass properties in the frame of the mesh.
     """
     tensor = physics.inertia
     principal, axes = np.linalg.eigh(tensor)

@@ -1,7 +1,5 @@
 from .dataset import ImageDataset as ImageDataset
 from .dataset import PositiveFilter as PositiveFilter
-from .dataset import positive as positive
-from .evaluation import OutlineScore as OutlineScore
 from .evaluation import Score as Score
 from .evaluation import outline_score as outline_score
 from .evaluation import score_table as score_table

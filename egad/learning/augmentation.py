@@ -18,25 +18,14 @@ AIMED = 0.75  # fraction of the crops that show a positive grasp, if the image h
 
 
 class Change(NamedTuple):
-    """How an image is changed.
-
-    Attributes:
-        turns: Quarter turns, counterclockwise as seen.
-        zoom: Part of the image's side that is shown, enlarged to the whole side.
-    """
+    """Quarter turns, counterclockwise as seen, and the part of an image's side that is shown."""
 
     turns: int = 0
     zoom: float = 1.0
 
 
 class Crop(NamedTuple):
-    """A square of an image.
-
-    Attributes:
-        row: Row of its first pixel.
-        column: Column of its first pixel.
-        side: Pixels along each side.
-    """
+    """A square of an image, by its first pixel and its side in pixels."""
 
     row: int = 0
     column: int = 0
@@ -47,12 +36,7 @@ WHOLE = Crop()
 
 
 def sample_change(zoom: tuple[float, float], rng: np.random.Generator) -> Change:
-    """Draw a change.
-
-    Args:
-        zoom: Least and greatest part of the side that is shown.
-        rng: Random number generator.
-    """
+    """Draw a change; `zoom` is the least and the greatest part of the side that is shown."""
     return Change(int(rng.integers(4)), float(rng.uniform(*zoom)))
 
 
@@ -61,11 +45,6 @@ def sample_crop(rectangles: Rectangles, side: int, rng: np.random.Generator) -> 
 
     All squares that contain it are equally likely. The fourth, and those of an image without
     grasps, are anywhere.
-
-    Args:
-        rectangles: (n, 5) grasps in the image.
-        side: Pixels along each side, at most 300.
-        rng: Random number generator.
     """
     centers = rectangles[(np.abs(rectangles[:, :2] - (SIZE - 1) / 2) < SIZE / 2).all(axis=1), :2]
     low, high = np.zeros(2, int), np.full(2, SIZE - side)

@@ -107,11 +107,7 @@ class ImageDataset:
         return ", ".join(map(str, self.folders))
 
     def indices(self, split: str) -> NDArray[np.int64]:
-        """Rows of the index that belong to a split.
-
-        Raises:
-            UserError: There are none.
-        """
+        """Rows of the index that belong to a split; UserError if there are none."""
         found = np.flatnonzero(self.index["split"] == split)
         if len(found) == 0:
             raise UserError(f"{self}: no image in the split {split}")
@@ -172,13 +168,7 @@ class ImageDataset:
 
 
 def positive(shown: Mapping[str, Any], rule: PositiveFilter) -> NDArray[np.bool_]:
-    """Which grasps of an image are positive, (n,).
-
-    Args:
-        shown: The lists of its grasps, by the names in `rule.columns`; a grasp that was not
-            simulated has no value in `simulated_success`, and is not positive by it.
-        rule: Which grasps are positive.
-    """
+    """Which of n grasps of an image are positive, (n,); by `simulated`, none that has no value."""
     free, value = (np.asarray(shown[name]) for name in rule.columns)
     good = value.astype(bool) if rule.simulated else value.astype(float) > rule.quality
     both: NDArray[np.bool_] = free.astype(bool) & good
@@ -198,8 +188,7 @@ def _whole(shown: Mapping[str, Any]) -> NDArray[np.float32]:
 def positives(shown: Mapping[str, Any], rule: PositiveFilter) -> Rectangles:
     """The positive grasps of a row of a shard, (n, 5), from the worst to the best.
 
-    Raises:
-        ValueError: Lists are of unequal lengths, or numbers are not pixels.
+    ValueError if lists are of unequal lengths, or numbers are not pixels.
     """
     names = [*GRASP, *rule.columns]
     if len({len(shown[name]) for name in names}) > 1:
@@ -259,18 +248,7 @@ class Stream:
         crop: int = SIZE,
         seed: int = 0,
     ) -> None:
-        """Make a stream.
-
-        Args:
-            shards: The images; those of the split `train` are shown.
-            length: How many examples there are.
-            zoom: Least and greatest part of an image's side that is shown.
-            crop: Side of the square of the changed image that is an example, pixels.
-            seed: Order and changes follow from it.
-
-        Raises:
-            UserError: There are no such images.
-        """
+        """Show the split `train`; `zoom` is the part of a side that is shown, `crop` in pixels."""
         self._shards, self._length, self._seed = shards, length, seed
         self._zoom, self._crop = zoom, crop
         self._passes = Passes(shards.index.loc[shards.indices("train")], seed)
@@ -297,12 +275,8 @@ def example(
 ) -> Example:
     """The input of a network and its target, (1, side, side) and (4, side, side).
 
-    Args:
-        depth: The whole image, (300, 300) metres; NaN where it is missing.
-        rectangles: (n, 5) positive grasps in it, from the worst to the best.
-        change: How it is changed.
-        crop: The part of the changed image that is shown. From its depths, the mean of the whole
-            changed image is subtracted, as it is where the network is used.
+    From the depths, metres, of the part that is shown, the mean of the whole changed image is
+    subtracted, as it is where the network is used.
     """
     filled = fill_missing(depth)
     seen = prepare_input(change_depth(filled, change, crop), mean_depth(filled, change))
@@ -319,14 +293,8 @@ def order(
 ) -> NDArray[np.int64]:
     """Labels of an index, shuffled, so that few groups of rows are open at a time.
 
-    The groups are shuffled, and then the rows within each window of successive groups.
-
-    Args:
-        index: Rows of `ImageDataset.index` or the like.
-        seed: The order follows from it and from `times`.
-        times: The number of the pass.
-        together: Columns that tell which rows are read together.
-        window: Rows that are shuffled together, about; None: `WINDOW`.
+    Groups of rows with the same values of `together` are shuffled, and then the rows within each
+    window of successive groups, about `window` rows. Another number of `times` is another order.
     """
     rng = generator(seed, "order", times)
     groups = [part.index.to_numpy() for _, part in index.groupby(list(together))]

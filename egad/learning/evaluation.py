@@ -27,14 +27,7 @@ MAPS = ("quality", "cosine", "sine", "width")
 
 
 def narrow_side_grasp(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The middle of an object, across its narrower side, as wide as the object is there.
-
-    Args:
-        mask: (height, width) which pixels see it, at least two.
-
-    Returns:
-        (4,) u, v, angle and opening, pixels and radians.
-    """
+    """u, v, angle and opening, (4,), across the narrower side of a mask, pixels and radians."""
     rows, columns = np.nonzero(mask)
     points = np.stack([columns, -rows])
     axis = np.linalg.eigh(np.cov(points))[1][:, 0]
@@ -44,24 +37,14 @@ def narrow_side_grasp(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
 
 
 class OutlineScore(NamedTuple):
-    """How often the outline alone suggests a good grasp.
-
-    Attributes:
-        n_correct: Images in which `narrow_side_grasp` agrees with a positive grasp.
-        n_images: Images of a single object that have a positive grasp.
-    """
+    """In how many images of one object the outline suggests a good grasp, of those with one."""
 
     n_correct: int
     n_images: int
 
 
 def outline_score(shards: ImageDataset, numbers: Iterable[int]) -> OutlineScore:
-    """The score of the outline in those of some images that show a single object.
-
-    Args:
-        shards: The images.
-        numbers: Rows of its index.
-    """
+    """The score of the outline in those rows of the index that show a single object."""
     chosen = shards.index.iloc[list(numbers)]
     alone = chosen.index[(chosen["objects"].map(len) == 1) & (chosen["positive"] > 0)]
     pairs = ((shards.mask(number), shards.image(number)[1]) for number in alone)
@@ -137,12 +120,7 @@ class Score:
 
 
 def total_score(index: pd.DataFrame, judgements: Sequence[ImageScore]) -> Score:
-    """Combine the judgements of some images.
-
-    Args:
-        index: Rows of `ImageDataset.index`.
-        judgements: The score of each of these images.
-    """
+    """Combine the scores of images, which are rows of `ImageDataset.index`."""
     hits = [each.hit for each in judgements]
     table = pd.DataFrame({"label": index["id"], "objects": index["objects"], "success": hits})
     table = table[[hit is not None for hit in hits]]

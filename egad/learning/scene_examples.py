@@ -101,12 +101,7 @@ class SceneExample(NamedTuple):
 
 
 class Move(NamedTuple):
-    """How a scene is moved in its cube.
-
-    Attributes:
-        turns: Quarter turns about the vertical through the middle, counterclockwise from above.
-        rise: Voxels upwards.
-    """
+    """Quarter turns of a scene, counterclockwise from above, and voxels that it is moved up."""
 
     turns: int = 0
     rise: int = 0
@@ -116,12 +111,7 @@ UNMOVED = Move()
 
 
 def labelled_grasps(scene: Scene, gripper: Gripper) -> NetworkGrasps:
-    """The grasps of a scene in the frame of VGN.
-
-    Args:
-        scene: With grasps of our hand.
-        gripper: The hand.
-    """
+    """The grasps of a scene in the frame of VGN."""
     poses = scene.poses @ np.linalg.inv(hand_in_network_frame(gripper))
     success = scene.grasps["success"].to_numpy(bool)
     widths = np.where(success, scene.grasps["width"].to_numpy(np.float64), 0)
@@ -130,13 +120,7 @@ def labelled_grasps(scene: Scene, gripper: Gripper) -> NetworkGrasps:
 
 
 def scene_example(tsdf: Tsdf, grasps: NetworkGrasps, move: Move = UNMOVED) -> SceneExample:
-    """The example of a scene; grasps that the cube does not contain are left out.
-
-    Args:
-        tsdf: The scene in a cube.
-        grasps: In the frame of VGN.
-        move: How both are moved first; what is lifted out of the cube is lost.
-    """
+    """The example of a scene, first moved; grasps that its cube does not contain are left out."""
     grid, side = encode(tsdf), len(tsdf.distances)
     poses = moved_poses(grasps.poses, tsdf, move)
     voxels = np.round((poses[:, :3, 3] - tsdf.corner) / tsdf.voxel).astype(np.int64)
@@ -152,12 +136,7 @@ def scene_example(tsdf: Tsdf, grasps: NetworkGrasps, move: Move = UNMOVED) -> Sc
 
 
 def held_rotations(matrices: Floats, yaws: NDArray[np.bool_]) -> Singles:
-    """The rotations of `SceneExample`, (m, 2 y, 4).
-
-    Args:
-        matrices: (m, 3, 3) of the labels.
-        yaws: (m, y) as in `NetworkGrasps`.
-    """
+    """The rotations of `SceneExample`, (m, 2 y, 4), of matrices (m, 3, 3) and yaws (m, y)."""
     count, tried = yaws.shape
     numbers = np.arange(2 * tried)
     turns = np.where(np.tile(yaws, 2), numbers, numbers // tried * tried)
@@ -187,11 +166,7 @@ def moved_poses(poses: Floats, tsdf: Tsdf, move: Move) -> Floats:
 
 
 class SceneStream:
-    """Shuffled and moved training scenes: pass after pass, each scene once per pass.
-
-    Attributes:
-        index: Rows of the index of the scenes that are shown.
-    """
+    """Shuffled and moved training scenes: pass after pass, each scene once per pass."""
 
     def __init__(
         self,
@@ -203,19 +178,10 @@ class SceneStream:
         most: int | None = None,
         noise: Sequence[NoiseName] = ("none",),
     ) -> None:
-        """Make a stream.
+        """Show `most` scenes of the split `train`, all by default.
 
-        Args:
-            scenes: The scenes; those of the split `train` are shown.
-            gripper: The hand of their grasps.
-            length: How many examples there are.
-            rise: Voxels that a scene is moved up or down, at most.
-            seed: Order, moves and the numbers of views follow from it.
-            most: How many of the scenes are shown, drawn at random; None: all of them.
-            noise: Kinds of noise, one of which each example gets if its images have none.
-
-        Raises:
-            UserError: There are no such scenes.
+        `rise` is the greatest number of voxels that a scene is moved up or down. Each example gets
+        one of the kinds of noise if its images have none.
         """
         self._scenes, self._gripper, self._length = scenes, gripper, length
         self._rise, self._seed, self._noise = rise, seed, tuple(noise)

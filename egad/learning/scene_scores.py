@@ -82,18 +82,7 @@ class SceneScore:
 
 
 def average_precision(success: NDArray[np.bool_], quality: Floats) -> float:
-    """Mean of the precisions at each positive, grasps of equal quality taken together.
-
-    That is the sum over the distinct qualities of the precision times the rise in recall, without
-    interpolation.
-
-    Args:
-        success: (n,) what is true.
-        quality: (n,) what is predicted; higher is better.
-
-    Returns:
-        0 to 1; NaN without a positive one.
-    """
+    """Precision times rise in recall, summed over distinct qualities; NaN without positives."""
     ranked = np.argsort(-quality, kind="stable")
     return _ranked_average_precision(success[ranked], np.ones(len(ranked)), _ends(quality[ranked]))
 

@@ -42,11 +42,7 @@ class ClassWeights(NamedTuple):
 
 
 def class_weights(grasps: int, positive: int) -> ClassWeights:
-    """The weights, from the numbers of all and of positive grasps; their mean over grasps is 1.
-
-    Raises:
-        UserError: A class has no grasps.
-    """
+    """The weights of the classes of grasps, whose mean is 1; UserError if a class has no grasps."""
     if not 0 < positive < grasps:
         kind = "succeeded" if positive == 0 else "failed"
         raise UserError(f"no grasp of a scene of the split train {kind}: nothing can be learnt")
@@ -67,19 +63,7 @@ class SceneTask:
         seed: int,
         device: str = "cpu",
     ) -> None:
-        """Look for the scenes.
-
-        Args:
-            scenes: The scenes; those of the split `train` are for training.
-            gripper: The hand of their grasps.
-            settings: How long and how fast.
-            seed: Order, moves and views of the scenes follow from it.
-            device: Device of the network, `cpu` or as PyTorch names it.
-
-        Raises:
-            UserError: There are none to train on or to validate with, or a class of grasps is
-                missing.
-        """
+        """Look for the scenes; UserError if there are none, or a class of grasps is missing."""
         rate = settings.learning_rate
         self.schedule = LearningSchedule(settings.examples, settings.epoch, settings.batch, rate)
         self._stream = SceneStream(
@@ -144,13 +128,7 @@ def answers_at(network: nn.Module, example: SceneExample, device: str = "cpu") -
 
 
 def grasp_losses(found: torch.Tensor, example: SceneExample, weights: ClassWeights) -> torch.Tensor:
-    """The losses of quality, rotation and width of each grasp, (m, 3).
-
-    Args:
-        found: (m, 6) answers at the voxels of the grasps.
-        example: What they should be.
-        weights: Weights of the classes.
-    """
+    """The losses (m, 3) of quality, rotation and width, of answers (m, 6) at the grasps' voxels."""
     success, rotations, widths = (
         torch.from_numpy(values).to(found.device)
         for values in (example.success, example.rotations, example.widths)

@@ -15,17 +15,13 @@ MIDDLE = 1 / 3  # of the opening, where the quality is 1
 
 
 def targets(rectangles: Rectangles, size: int = SIZE) -> NDArray[np.float32]:
-    """Maps of quality, cos 2a, sin 2a and width, (4, size, size).
+    """Maps of quality, cos 2a, sin 2a and width, (4, size, size), of rectangles (n, 5).
 
     The quality is 1 in the middle third along the opening of each rectangle, over its whole
     breadth, and 0 elsewhere. There the other maps hold the angle a and the opening, clipped to 150
     pixels, which count as 1. Where rectangles overlap, the later one counts. Elsewhere they are 0
     (ours: in GG-CNN the angle there is 0, so its cosine 1, which smoothing then mixes into the
     angles at the border).
-
-    Args:
-        rectangles: (n, 5), from the least important to the most.
-        size: Pixels along each side.
     """
     maps = np.zeros((4, size, size), np.float32)
     _paint(np.ascontiguousarray(rectangles, dtype=np.float64), maps)

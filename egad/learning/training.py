@@ -206,11 +206,7 @@ def learning_rate(schedule: LearningSchedule, batch: range) -> float:
     """The learning rate of a step: it falls along half a cosine from its largest value to 0.
 
     Loshchilov and Hutter, "SGDR: stochastic gradient descent with warm restarts", ICLR 2017,
-    equation 5, without restarts.
-
-    Args:
-        schedule: How long the training is, and the largest value.
-        batch: The examples of the step; the middle of them counts.
+    equation 5, without restarts, at the middle of the examples of the step.
     """
     progress = (batch.start + batch.stop) / 2 / schedule.examples
     return schedule.learning_rate * (1 + math.cos(math.pi * progress)) / 2
@@ -223,16 +219,7 @@ class ImageTask:
     parts: tuple[str, ...] = MAPS
 
     def __init__(self, shards: ImageDataset, settings: Training, seed: int) -> None:
-        """Look for the images.
-
-        Args:
-            shards: The images.
-            settings: How long, how fast, and on what.
-            seed: Order and changes of the images follow from it.
-
-        Raises:
-            UserError: There are none to train on or to validate with.
-        """
+        """Look for the images; UserError if there are none to train on or to validate with."""
         rate = settings.learning_rate
         self.schedule = LearningSchedule(settings.images, settings.epoch, settings.batch, rate)
         self._stream = Stream(shards, settings.images, settings.zoom, settings.crop, seed)

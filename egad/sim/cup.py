@@ -40,11 +40,7 @@ class Cup(Fingers):
 
     @override
     def close(self) -> bool:
-        """Switch the vacuum on: the object that the cup seals on is held.
-
-        Returns:
-            Whether it seals.
-        """
+        """Switch the vacuum on, which holds the object that the cup seals on, if it does."""
         self._seeks = False
         self.world.step(round(EVACUATION_TIME / TIME_STEP))
         found = {number: self._seal(number) for number in self.world.present()}

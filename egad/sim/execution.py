@@ -145,15 +145,12 @@ def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
 def place_hand_above(
     world: World, arm: Arm, grasp: Grasp, height: float, contact: float | None = None
 ) -> Hand:
-    """Open the hand with its fingertips at some height above a grasp; see `execute`.
+    """Open the hand with its fingertips at some height above a grasp, or raise UnreachableError.
 
     A jaw that does not move is `JAW_CLEARANCE` before its contact. If it is not known where the
     hand will meet the object, the opening of the grasp tells: it is 8 mm wider on each side, and
     the jaw is `FIXED_SIDE_CLEARANCE` before its contact. A hand that opens as far as it can is in
     the middle.
-
-    Raises:
-        UnreachableError: The arm cannot bring the hand there.
     """
     hand_pose = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
     if arm.robot.gripper.cup is not None:
@@ -176,13 +173,7 @@ class Stillness:
     """Tells when an object has come to rest in a hand that is level and does not turn."""
 
     def __init__(self, hand: Hand, start: float, end: float) -> None:
-        """Begin to watch.
-
-        Args:
-            hand: The hand that holds the object.
-            start: Seconds from now in which the object cannot be at rest yet.
-            end: Seconds from now until which it must stay in the hand.
-        """
+        """Watch the object: it cannot be at rest before `start`, and must stay until `end`, s."""
         self._hand = hand
         points = hand.world.model.mesh.vertices  # the origin is the center of mass
         self._reach = float(np.linalg.norm(points, axis=1).max())

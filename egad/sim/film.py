@@ -40,11 +40,7 @@ class Film:
     """Films a world in real time; it shows the shapes that the engine collides."""
 
     def __init__(self, world: World) -> None:
-        """Film a world from its next step on.
-
-        Args:
-            world: The world.
-        """
+        """Film a world from its next step on."""
         self.frames: list[RgbImage] = []
         self._world, self._steps = world, 0
         self._looking_at = np.array([0.0, 0.0, LOWEST[2]])

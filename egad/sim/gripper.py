@@ -40,11 +40,7 @@ class Fingers:
         self.gripper = world.robot.gripper
 
     def close(self) -> bool:
-        """Close the fingers until they stall, and keep pressing with the gripper's force.
-
-        Returns:
-            Whether both of them pressed on an object at any point.
-        """
+        """Close until the fingers stall, and press on; whether both pressed on an object."""
         self.world.close_fingers()
         still, touched = 0, False
         for _ in range(round(CLOSING_TIME / TIME_STEP)):

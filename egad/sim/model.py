@@ -39,11 +39,7 @@ class Model:
     to_principal: Floats
 
     def scaled(self, factor: float) -> "Model":
-        """The same object at another size, with the same density, but not lighter than 50 g.
-
-        Args:
-            factor: New size / size.
-        """
+        """The same object at `factor` times its size, of the same density, but at least 50 g."""
         solid_mass = self.solid_mass * factor**3
         mass = max(solid_mass, MIN_MASS)
         to_principal = np.diag([factor, factor, factor, 1.0]) @ self.to_principal
@@ -88,14 +84,9 @@ def model_of(
 
 
 def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
-    """The principal moments of an object, with a mass of at least 50 g, and its principal frame.
+    """The principal moments, (3,) in kg m2, and the transform to the principal frame, (4, 4).
 
-    Args:
-        physics: Mass properties of the solid.
-
-    Returns:
-        Moments about the center of mass, (3,), kg m2; and the transform to the principal frame,
-        (4, 4), as `Model.to_principal`.
+    The mass is at least 50 g, and the frame as `Model.to_principal`.
     """
     mass = max(physics.mass, MIN_MASS)
     moments, axes = np.linalg.eigh(physics.inertia * (mass / physics.mass))

@@ -48,12 +48,7 @@ def scene_spec(
     """Table, objects and robot for MuJoCo, with the motors of the robot.
 
     The first weld constraints hold the objects in place, one each. If the robot has a suction cup,
-    as many more hold them to the cup.
-
-    Args:
-        models: The objects.
-        robot: The robot that may grasp them, if any.
-        walls: Inner length and width of the box around the middle; none if None.
+    as many more hold them to the cup. `walls` is the inner side of the box around the middle.
     """
     spec = mujoco.MjSpec()
     option = spec.option

@@ -45,13 +45,7 @@ class FreeHand(Fingers):
     """A hand that moves along straight lines without turning."""
 
     def __init__(self, world: World, pose: Floats, width: float) -> None:
-        """Open a hand in a world.
-
-        Args:
-            world: A world of `egad.sim.robots.free_hand`; the hand is gone when the world is reset.
-            pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
-            width: Distance of the finger pads, metres.
-        """
+        """Open a hand at a pose (`egad.grasps.Grasps.poses`), until the world is reset."""
         super().__init__(world)
         self._rotation = pose[:3, :3]
         self._joints = np.zeros(3)
@@ -64,17 +58,10 @@ class FreeHand(Fingers):
         world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
 
     def move(self, shift: Floats, speed: float, limit: float = math.inf) -> float:
-        """Move along a straight line on a minimum-jerk path.
+        """Move by (3,) metres on a minimum-jerk path; how far before the end it stopped, metres.
 
-        A suction cup stays where its ring lies on an object.
-
-        Args:
-            shift: (3,) metres, in the world.
-            speed: Mean, m/s.
-            limit: A contact force above this stops the hand, newtons.
-
-        Returns:
-            How far before the end it stopped, metres.
+        A suction cup stays where its ring lies on an object. A contact force above the limit, N,
+        stops any hand.
         """
         start, length = self._joints, float(np.linalg.norm(shift))
         along = self._rotation.T @ shift / length

@@ -300,10 +300,7 @@ class PyBulletWorld(World):
             )
 
     def _hold_fingers(self, opening: float) -> None:
-        """Hold the fingers where they are, coupled by a gear if there are two.
-
-        With equal and opposite forces alone they would drift sideways together.
-        """
+        """Hold the fingers where they are; a gear keeps two from drifting sideways together."""
         robot = self._known_robot()
         force, position = robot.finger_strength, robot.finger_position(opening)
         for finger in self._fingers:

@@ -26,12 +26,7 @@ DEGREE = 4  # of the polynomials between joints, as in MuJoCo
 
 @dataclass(frozen=True)
 class Box:
-    """A box whose sides are parallel to the axes of its link.
-
-    Attributes:
-        size: Lengths of its sides, metres.
-        center: In the frame of the link, metres.
-    """
+    """A box whose sides are parallel to the axes of its link: lengths and center, metres."""
 
     size: Vector
     center: Vector
@@ -39,11 +34,7 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class HullShape:
-    """The convex hull of points.
-
-    Attributes:
-        points: (n, 3) in the frame of the link, metres.
-    """
+    """The convex hull of points, (n, 3) in the frame of the link, metres."""
 
     points: Floats
 
@@ -236,11 +227,7 @@ class Robot:
 
     @property
     def pad_friction(self) -> tuple[float, float]:
-        """Friction of the pads: sliding, and torsional (m, torque over normal force).
-
-        A soft pad resists twisting like a pressed disc, even if a round object touches it at only
-        one point.
-        """
+        """Friction of the pads: sliding, and torsional as of a pressed disc (m, torque / force)."""
         friction, radius = self.gripper.pad
         return friction, 2 / 3 * friction * radius
 
@@ -250,14 +237,7 @@ class Robot:
         return tuple(self.strength)
 
     def tip_poses(self, positions: Sequence[float]) -> list[Floats]:
-        """Poses of the joints of the arm and of the tip: (4, 4) transforms to the root's frame.
-
-        Args:
-            positions: Positions of the joints of the arm, metres or radians.
-
-        Returns:
-            The frames of the arm's joints in their order, then the frame of the tip.
-        """
+        """Frames of the arm's joints, then of the tip, in that of the root, (4, 4) each."""
         values, poses = iter(positions), []
         pose = np.eye(4)
         for moves, motion in self._chain:
@@ -277,12 +257,7 @@ class Robot:
 
 
 def to_urdf(robot: Robot, *, hulls: bool = True) -> str:
-    """The robot as URDF.
-
-    Args:
-        robot: The robot.
-        hulls: Whether to include hulls, as meshes in the files of `hull_files`.
-    """
+    """The robot as URDF, with or without hulls, which are meshes in the files of `hull_files`."""
     root = Element("robot", name="robot")
     for link in robot.links:
         _write_link(root, link, hulls)
@@ -328,9 +303,7 @@ def shape_mesh(shape: Box | HullShape) -> trimesh.Trimesh:
 def hull_files(robot: Robot, margin: float = 0.0) -> dict[str, str]:
     """The hulls of a robot as OBJ files, by the name that its URDF gives them.
 
-    Args:
-        robot: The robot.
-        margin: Metres by which each is shrunk on all sides, if it is thick enough.
+    Each is shrunk by a margin, metres, on all sides, if it is thick enough.
     """
     files = {}
     for link in robot.links:

@@ -33,11 +33,7 @@ MAX_SPEED = 10.0
 
 
 def wall_boxes(inside: float) -> list[Box]:
-    """Four boxes around a square of the table.
-
-    Args:
-        inside: Its side, metres.
-    """
+    """Four boxes around a square of the table with the given side, metres."""
     along, off = inside + 2 * WALL_THICKNESS, (inside + WALL_THICKNESS) / 2
     across = [
         Box((WALL_THICKNESS, along, WALL_HEIGHT), (x, 0.0, WALL_HEIGHT / 2)) for x in (-off, off)
@@ -113,14 +109,7 @@ class World(ABC):
     def __init__(
         self, models: Sequence[Model], robot: Robot | None = None, walls: float | None = None
     ) -> None:
-        """Prepare a world.
-
-        Args:
-            models: The objects.
-            robot: The robot that may grasp them, if any.
-            walls: Inner side of a square box around the middle, without a floor, metres; None for
-                no box.
-        """
+        """Prepare a world of objects, a robot and walls, as the attributes say."""
         self.models = tuple(models)
         self.robot = robot
         self.walls = walls
@@ -172,13 +161,7 @@ class World(ABC):
 
     @abstractmethod
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
-        """Place the robot, at rest, with its joints held where they are.
-
-        Args:
-            base: Pose of its root.
-            joints: Positions of its arm, metres or radians.
-            opening: Distance of the finger pads, metres.
-        """
+        """Place the robot, at rest, with its joints held where they are."""
 
     @abstractmethod
     def drive(self, joints: Sequence[float], speeds: Sequence[float]) -> None:
@@ -234,11 +217,7 @@ class World(ABC):
 
     @abstractmethod
     def _pull(self, number: int) -> Floats:
-        """Force and torque of the palm on an object that it holds, (2, 3).
-
-        Mean over the last time step. The torque is about the center of mass of the object; both are
-        in the world frame.
-        """
+        """Mean force and torque of the palm on an object that it holds, in the world, (2, 3)."""
 
     def attach(self, number: int, depth: float = 0.0) -> None:
         """Let the suction cup of the robot hold an object where it is now.
@@ -327,11 +306,7 @@ class World(ABC):
         return [number for number in numbers if self._numbers(number)[0][2] < PARKED / 2]
 
     def pose(self, number: int = 0) -> Pose:
-        """The current pose of an object.
-
-        Raises:
-            UnstableError: It is not finite, out of reach or under the table.
-        """
+        """The current pose; UnstableError if it is not finite, out of reach or under the table."""
         position, quaternion = map(np.array, self._numbers(number))
         finite = np.isfinite(position).all() and np.isfinite(quaternion).all()
         if not finite or np.abs(position).max() > REACH or position[2] < -SUNK:
@@ -345,11 +320,7 @@ class World(ABC):
         return moved
 
     def step(self, steps: int = 1) -> None:
-        """Advance the simulation by steps of 1/240 s.
-
-        Raises:
-            UnstableError: An object explodes: it is faster than anything here can make it.
-        """
+        """Advance by steps of 1/240 s; UnstableError if an object is faster than it can be."""
         for _ in range(steps):
             if not self._advance() < MAX_SPEED:  # also raises for NaN
                 raise UnstableError("an object was flung away")

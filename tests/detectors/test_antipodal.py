@@ -11,12 +11,12 @@ from egad.detectors import (
     View,
     add_sensor_noise,
     camera_above,
-    heightmap_of,
     table_depth,
 )
 from egad.detectors.antipodal import _Edges, _edges, _pairs, _uneven, antipodal_depth
 from egad.detectors.base import Grasp
 from egad.detectors.camera import WHOLE
+from egad.detectors.heightmap import heightmap_of
 from egad.grippers import GRIPPERS, Gripper
 
 HAND = GRIPPERS["egad_75mm"]

@@ -5,15 +5,9 @@ import functools
 import numpy as np
 import pytest
 
-from egad.detectors import (
-    DetectorError,
-    GraspPoses,
-    from_above,
-    seen_by,
-    wanted_input,
-    with_checked_answers,
-)
-from egad.detectors.base import Grasp
+from egad.detectors import GraspPoses, from_above, seen_by, wanted_input
+from egad.detectors.base import DetectorError, Grasp
+from egad.detectors.registry import with_checked_answers
 from egad.errors import UserError
 
 

@@ -5,8 +5,8 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.detectors import PointCloud
 from egad.detectors.cloud import MIN_CLEARANCE, TORQUE_SCALING, antipodal_cloud
+from egad.detectors.observation import PointCloud
 from egad.grippers import GRIPPERS, BoxBody
 
 HAND = GRIPPERS["panda"]

@@ -6,9 +6,11 @@ import msgpack
 import numpy as np
 import pytest
 
-from egad.detectors import DetectorConfig, DetectorError, PointCloud, choose, opened
+from egad.detectors import DetectorConfig, choose, opened
 from egad.detectors import graspgen as module
+from egad.detectors.base import DetectorError
 from egad.detectors.graspgen import GraspGen
+from egad.detectors.observation import PointCloud
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.detectors import heightmap_of, min_fingertip_height
-from egad.detectors.heightmap import PROBE
+from egad.detectors.heightmap import PROBE, heightmap_of, min_fingertip_height
 from egad.grasps.collision import TABLE_CLEARANCE
 from egad.grippers import GRIPPERS
 

@@ -10,12 +10,11 @@ from egad.detectors import (
     Intrinsics,
     NoiseName,
     View,
-    add_gamma_noise,
     add_noise,
     add_sensor_noise,
     camera_above,
 )
-from egad.detectors.noise import BASELINE, grazing, stereo_shadow
+from egad.detectors.noise import BASELINE, add_gamma_noise, grazing, stereo_shadow
 
 NOISE = ImageNoise(disparity=0.1)
 SMALL = Intrinsics.spanning(101, 101, 40.0)

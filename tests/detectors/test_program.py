@@ -13,7 +13,8 @@ import pytest
 import trimesh
 
 import egad
-from egad.detectors import DetectorConfig, DetectorError, DetectorTimeoutError, opened
+from egad.detectors import DetectorConfig, opened
+from egad.detectors.base import DetectorError, DetectorTimeoutError
 from egad.detectors.program import Program
 from egad.errors import UserError
 from egad.grippers import GRIPPERS

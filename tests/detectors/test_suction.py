@@ -6,9 +6,10 @@ import trimesh
 from scipy.spatial import KDTree
 
 import egad
-from egad.detectors import DepthCamera, Intrinsics, PointCloud, View, camera_above
+from egad.detectors import DepthCamera, Intrinsics, View, camera_above
 from egad.detectors.base import SEARCH
 from egad.detectors.labels import Labels
+from egad.detectors.observation import PointCloud
 from egad.detectors.registry import IN_SCENES, QUICK
 from egad.detectors.suction import FLAT, TORQUE_SCALING, suction_cloud, suction_depth
 from egad.geometry import RayCaster

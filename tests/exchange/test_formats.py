@@ -4,16 +4,8 @@ import pytest
 
 import egad
 from egad.errors import UserError
-from egad.exchange import (
-    FORMATS,
-    IMAGES,
-    OBJECTS,
-    SURFACES,
-    NamedGripper,
-    check_format,
-    module_of,
-    needs_run,
-)
+from egad.exchange import FORMATS, OBJECTS, NamedGripper, check_format, module_of, needs_run
+from egad.exchange.registry import IMAGES, SURFACES
 from egad.grippers import GRIPPERS
 from egad.io import WRITERS, write_mesh
 

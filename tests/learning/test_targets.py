@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from egad.detectors import peaks, prepare_input, read_maps
-from egad.detectors.maps import MAX_PEAKS, best
+from egad.detectors import prepare_input, read_maps
+from egad.detectors.maps import MAX_PEAKS, best, peaks
 from egad.learning.images import agrees
 from egad.learning.targets import targets
 

@@ -21,8 +21,8 @@ from egad.errors import UserError
 from egad.grippers import GRIPPERS
 from egad.learning import VgnTraining
 from egad.learning.images import pose_values
-from egad.learning.scenes import MadeScene, SceneDataset, write_shard
-from egad.learning.scenes.making import view_columns
+from egad.learning.scenes import SceneDataset, write_shard
+from egad.learning.scenes.making import MadeScene, view_columns
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
 from egad.tables.scenes import SCENE_GRASPS

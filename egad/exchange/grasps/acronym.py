@@ -12,9 +12,9 @@ import pandas as pd
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output, check_not_file
 from egad.errors import UserError
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
-from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.geometry import SimulationObject
 from egad.grasps import FRICTION, Grasps, held_when_shaken, panda_poses, with_outcome
 from egad.grippers import finger_span
@@ -75,13 +75,7 @@ class AcronymObject:
 
 @dataclass(frozen=True)
 class Jaws:
-    """The hand of a file.
-
-    Attributes:
-        name: Name of the gripper.
-        opening: Widest opening, metres.
-        fingertip: How far the fingers reach beyond the contacts, metres.
-    """
+    """The hand of a file; the fingertip is how far fingers reach beyond the contacts, metres."""
 
     name: str
     opening: float
@@ -97,14 +91,7 @@ def write_acronym(
     shaken in simulation, and 0 for the others and for grasps at which the open hand collides. Its
     motions are NaN for grasps that did not get that far. Grasps with no known outcome are left out:
     only some grasps of an object were simulated. Our own `egad/success` is a label without
-    simulation; its attribute says what it means.
-
-    Args:
-        path: A name that ends in `.h5`.
-        body: The object.
-        jaws: The hand.
-        grasps: One row per grasp, with `COLUMNS`.
-        least: Fraction of the perturbed copies that must hold the object for `egad/success`.
+    simulation, for the fraction `least` of perturbed copies; its attribute says what it means.
     """
     with writing(path) as file:
         for name, value in (vars(body) | {"density": body.mass / body.volume}).items():
@@ -181,22 +168,7 @@ def run(
     simulated_grasps: Path,
     out: Path,
 ) -> None:
-    """Write a file for each object that has grasps.
-
-    Args:
-        settings: Settings of this format.
-        gripper: Name of the gripper.
-        objects: Table with the columns of `tables.objects.OBJECTS`.
-        scales: Table with the columns of `tables.grasping.SCALES`.
-        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
-            label.
-        out: The labelled grasps for gripper G as ACRONYM files; the root of their meshes is `D`.
-            Made if `targets.exports` contains `acronym`. See `docs/exchange.md`.
-
-    Raises:
-        UserError: A name is not allowed, tables do not match, the grasps have no simulated labels,
-            or the folder has other files.
-    """
+    """Write a file for each object that has grasps, for `D` as the root of the meshes."""
     check_not_file(out)
     if foreign := [path.name for path in sorted(out.glob("*")) if not is_ours(path)]:
         raise UserError(

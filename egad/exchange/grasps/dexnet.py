@@ -53,19 +53,6 @@ def run(
     """Combine the objects of all shards, and add their grasps.
 
     A damaged part of the workflow is removed, so that the next run makes it again.
-
-    Args:
-        settings: Settings of this format.
-        dataset: Folder of the dataset; its name is that of the dataset.
-        gripper: Name of the gripper.
-        parts: The objects, as `egad.workflow.dexnet_objects` writes them.
-        grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
-        out: The objects and the labelled grasps for gripper G as a Dex-Net database. Made if
-            `targets.exports` contains `dexnet`. See `docs/exchange.md`.
-
-    Raises:
-        UserError: A name is not allowed, parts or grasps do not match, or a part is damaged.
-        TableError: The table is damaged, or is not one of grasps.
     """
     check_names(dataset, gripper, grasps)
     homes, labels = _homes(parts, (dataset / "parts").resolve()), parquet.distinct(grasps, "label")
@@ -83,12 +70,7 @@ def run(
 
 
 def check_names(dataset: Path, gripper: str, grasps: Path) -> None:
-    """Check in advance that names are allowed and that the table has its columns.
-
-    Raises:
-        UserError: A name is not allowed.
-        TableError: The table is damaged, or is not one of grasps.
-    """
+    """Raise UserError or TableError if a name is not allowed or the table lacks columns."""
     check_key(dataset.absolute().name, "dataset")
     check_key(gripper, "gripper")
     parquet.check_columns(grasps, ["label", *COLUMNS])

@@ -14,9 +14,9 @@ import yaml
 
 from egad._util.arrays import Floats
 from egad._util.files import new_folder
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.geometry import SimulationObject, joined
 from egad.grasps import Grasps, held_when_shaken, with_outcome
 from egad.grippers import Gripper, ModelBody, base_pose, finger_span, hand_body
@@ -72,10 +72,7 @@ def load_control_points_for_visualization():
 class GraspGenHand(NamedTuple):
     """A hand in GraspGen's frame: z is the approach, x the closing axis, the origin at its base.
 
-    Attributes:
-        name: Name of the gripper.
-        gripper: Its settings.
-        depth: From the origin to the middle between the closed pads, metres.
+    The depth is from there to the middle between the closed pads, metres.
     """
 
     name: str
@@ -84,11 +81,7 @@ class GraspGenHand(NamedTuple):
 
 
 def check(hand: NamedGripper) -> None:
-    """Check that a gripper can be described.
-
-    Raises:
-        UserError: Its file cannot be used.
-    """
+    """Check that a gripper can be described; UserError if its file cannot be used."""
     graspgen_hand(hand.name, hand.gripper)
 
 
@@ -132,22 +125,13 @@ def default_split(label: str) -> Split:
 def write_graspgen(
     folder: Path, hand: GraspGenHand, label: str, grasps: pd.DataFrame, split: Split | None = None
 ) -> int:
-    """Write the grasps of an object, and its name to the list of a split.
+    """Write the grasps of an object, and its name to a list; the number of successes.
 
     Its mesh, as it is grasped, belongs in `objects/LABEL.obj`; `objects` is GraspGen's root of the
     meshes, and the scale is 1. `object_in_gripper` is true if both fingers still held the object
     after it was shaken in simulation, and false for the others and for grasps at which the open
-    hand collides. Grasps with no known outcome are left out.
-
-    Args:
-        folder: Folder of the dataset, made by `start_graspgen`.
-        hand: The hand.
-        label: Label of the object.
-        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
-        split: The list; by default that of `default_split`, which does not keep relatives together.
-
-    Returns:
-        The number of successes; with fewer than `MIN_POSITIVE` GraspGen leaves the object out.
+    hand collides. Grasps with no known outcome are left out. `default_split` does not keep
+    relatives together. With fewer than `MIN_POSITIVE` successes GraspGen leaves the object out.
     """
     known = with_outcome(grasps)
     labelled, held = Grasps(known), held_when_shaken(known)
@@ -179,14 +163,10 @@ def start_graspgen(folder: Path, hand: GraspGenHand) -> None:
 def start_dataset(
     folder: Path, name: str, about: Mapping[str, Any], program: str, mesh: trimesh.Trimesh
 ) -> None:
-    """Make the folders of a dataset and empty lists, and write what describes a gripper.
+    """Make the folders of a dataset, empty lists, and what describes a gripper.
 
-    Args:
-        folder: Folder of the dataset.
-        name: Name of the gripper.
-        about: What is known about it, for its YAML file.
-        program: Python that GraspGen runs for it.
-        mesh: Its shape in the frame of the poses, metres.
+    `about` becomes its YAML file, `program` is Python that GraspGen runs for it, and `mesh` is its
+    shape in the frame of the poses, metres.
     """
     for each in ("grasp_data", "splits"):
         (folder / each / name).mkdir(parents=True)
@@ -245,21 +225,7 @@ def run(
     simulated_grasps: Path,
     out: Path,
 ) -> None:
-    """Write a dataset of GraspGen: grasps, meshes, lists of objects and the gripper.
-
-    Args:
-        settings: Settings of this format.
-        gripper: Name of the gripper.
-        meshes: Folder of the scaled meshes.
-        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
-            label.
-        out: The simulated grasps for gripper G as a dataset of GraspGen, with meshes. Made if
-            `targets.exports` contains `graspgen`. See `docs/exchange.md`.
-
-    Raises:
-        UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
-            empty.
-    """
+    """Write a dataset of GraspGen: grasps, meshes, lists of objects and the gripper."""
     with new_folder(out) as folder:
         check_simulated(simulated_grasps)
         hand = graspgen_hand(check_key(gripper, "gripper"), settings.gripper)

@@ -79,14 +79,6 @@ def write_suction(
 
     `object_in_gripper` is true if the cup seals and neither cup nor stem collides; `score` is the
     share of perturbed copies that seal and hold.
-
-    Args:
-        folder: Folder of the dataset, made by `start_suction`.
-        name: Name of the gripper.
-        cup: Its cup.
-        label: Label of the object.
-        mesh: Its mesh, as it is grasped, metres.
-        rows: One row per grasp, with the columns of `tables.grasping.GRASPS`.
     """
     grasps = Grasps(rows)
     poses = grasps.poses
@@ -120,19 +112,7 @@ def write(
 
 
 def run(settings: GripperFormat, gripper: str, meshes: Path, grasps: Path, out: Path) -> None:
-    """Write a dataset of GraspGen: grasps, meshes, lists of objects and the cup.
-
-    Args:
-        settings: Settings of this format.
-        gripper: Name of the gripper.
-        meshes: Folder of the scaled meshes.
-        grasps: Table with the columns of `tables.grasping.GRASPS`, sorted by label.
-        out: The labelled grasps for gripper G, a suction cup, as a dataset of GraspGen, with
-            meshes. Made if `targets.exports` contains `graspgen_suction`. See `docs/exchange.md`.
-
-    Raises:
-        UserError: A name is not allowed, or the folder is not empty.
-    """
+    """Write a dataset of GraspGen: grasps, meshes, lists of objects and the cup."""
     if (cup := settings.gripper.cup) is None:
         raise ValueError("the gripper has no cup")
     name = check_key(gripper, "gripper")

@@ -7,9 +7,9 @@ import pandas as pd
 
 from egad._util.arrays import Floats
 from egad._util.files import new_folder
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.geometry import SimulationObject
 from egad.grasps import Grasps, graspnet_poses, held_when_shaken, with_outcome
 from egad.io import write_obj
@@ -28,15 +28,8 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
     is 0 for the others, and for grasps at which the open hand collides. Grasps with no known
     outcome are left out.
 
-    Args:
-        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
-        opening: Widest opening of the gripper, metres; the width of a grasp is what it needs.
-        number: Number of the object.
-
-    Returns:
-        (n, 17), metres; graspnetAPI's frame: x is the approach, y the closing axis.
-
-    Source: Fang et al., CVPR 2020, section 3.3; the layout is graspnetAPI's.
+    Source: Fang et al., CVPR 2020, section 3.3; the layout, (n, 17) in metres, is graspnetAPI's: x
+    is the approach, y the closing axis.
     """
     known = with_outcome(grasps)
     labelled = Grasps(known)
@@ -69,14 +62,7 @@ def needed_friction(grasps: Grasps) -> Floats:
 
 
 def write_graspnet(folder: Path, label: str, grasps: pd.DataFrame, opening: float) -> None:
-    """Write `LABEL.npy`, and the label with its number to `objects.csv`.
-
-    Args:
-        folder: The folder. Objects are numbered in the order in which they are written.
-        label: Label of the object.
-        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
-        opening: Widest opening of the gripper, metres.
-    """
+    """Write `LABEL.npy`, and the label with its number, in order of writing, to `objects.csv`."""
     listed = folder / "objects.csv"
     lines = listed.read_text() if listed.exists() else "object_id,label\n"
     number = lines.count("\n") - 1
@@ -97,20 +83,7 @@ def run(
     simulated_grasps: Path,
     out: Path,
 ) -> None:
-    """Write an array for each object that has grasps.
-
-    Args:
-        settings: Settings of this format.
-        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
-            label.
-        out: The simulated grasps for gripper G as arrays of graspnetAPI, in the frame of
-            `D/rescaled/G/LABEL.obj`. Made if `targets.exports` contains `graspnet`. See
-            `docs/exchange.md`.
-
-    Raises:
-        UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
-            empty.
-    """
+    """Write an array for each object that has grasps, in the frame of its scaled mesh."""
     with new_folder(out) as folder:
         check_simulated(simulated_grasps)
         for label, rows in simulated_by_object(simulated_grasps):

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.files import new_folder
 from egad.errors import UserError
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.exchange.simulated import check_simulated, simulated_by_object
 from egad.geometry import SimulationObject
 from egad.grasps import Grasps, held_when_shaken, with_outcome
 from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values
@@ -23,11 +23,7 @@ WIDE = 1000  # characters of a line
 
 
 def check(hand: NamedGripper) -> None:
-    """Check that a gripper has joints.
-
-    Raises:
-        UserError: It is made of boxes; the text says what to give.
-    """
+    """Check that a gripper has joints; UserError if it is made of boxes."""
     if hand.gripper.file is None:
         raise UserError(
             f"gripper {hand.name!r} is made of boxes, but isaac_grasp files have positions of "
@@ -37,18 +33,12 @@ def check(hand: NamedGripper) -> None:
 
 
 def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataFrame) -> None:
-    """Write the grasps on an object.
+    """Write the grasps on an object; frames are its scaled mesh and the base link of the gripper.
 
     The confidence is 1 if both fingers still held the object after it was shaken in simulation,
     and 0 for the others and for grasps at which the open hand collides. Grasps with no known
     outcome are left out. In `cspace_position`, the fingers stand beside the object, at the needed
     opening; a fixed jaw and the jaw that faces it stand `JAW_CLEARANCE` farther out.
-
-    Args:
-        path: A name that ends in `.yaml`.
-        label: Label of the object; its frame is that of its mesh, scaled.
-        gripper: With a file; the frame of the gripper is that of its base link.
-        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`.
 
     Source: version 1.0 as the documentation of Isaac Sim and Isaac ROS describes it. They name the
     frames differently; both names are written.
@@ -98,20 +88,7 @@ def run(
     simulated_grasps: Path,
     out: Path,
 ) -> None:
-    """Write a file for each object that has grasps.
-
-    Args:
-        settings: Settings of this format.
-        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
-            label.
-        out: The simulated grasps for gripper G as isaac_grasp files, in the frame of
-            `D/rescaled/G/LABEL.obj`. Made if `targets.exports` contains `isaac_grasp`, for a
-            gripper with a `file`. See `docs/exchange.md`.
-
-    Raises:
-        UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
-            empty.
-    """
+    """Write a file for each object that has grasps, in the frame of its scaled mesh."""
     with new_folder(out) as folder:
         check_simulated(simulated_grasps)
         for label, rows in simulated_by_object(simulated_grasps):

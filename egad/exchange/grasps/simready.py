@@ -22,12 +22,11 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade, Vt
 from egad import __version__
 from egad._util.arrays import Singles
 from egad._util.display import thumbnail
-from egad.exchange.grasp_tables import by_object
+from egad.exchange.grasp_tables import SIMULATED_COLUMNS, by_object, check_simulated
 from egad.exchange.hdf5 import check_key
 from egad.exchange.object_files import write_poses
 from egad.exchange.objects import usd
 from egad.exchange.parameters import AllObjects, NamedGripper
-from egad.exchange.simulated import COLUMNS, check_simulated
 from egad.exchange.whole_sets import write_all
 from egad.geometry import Bundle, SimulationObject
 from egad.grasps import Grasps
@@ -44,11 +43,7 @@ log = logging.getLogger(__name__)
 
 
 def held_at_the_end(grasps: pd.DataFrame) -> pd.DataFrame:
-    """The grasps that succeeded in simulation, the most robust first.
-
-    Args:
-        grasps: Columns `simulated_success`, which may be missing, and `robust_quality`.
-    """
+    """The grasps that succeeded in simulation, the most robust first; none without simulation."""
     held = grasps[grasps["simulated_success"].eq(True).fillna(False).to_numpy(dtype=bool)]
     return held.sort_values("robust_quality", ascending=False, kind="stable")
 
@@ -63,14 +58,7 @@ def write_simready(
 ) -> None:
     """Write the folder `LABEL/simready` with `LABEL.usd`, its thumbnail and `poses.json`.
 
-    Args:
-        folder: Where the folder is made.
-        label: Label of the object.
-        made: The object.
-        friction: Static and dynamic friction.
-        grasps: One row per grasp, with the columns of `tables.grasping.SIMULATED_GRASPS`. Those
-            that did not succeed in simulation are left out; if none did, the log says so.
-        hand: The gripper.
+    Only grasps that succeeded in simulation are written; if none did, the log says so.
     """
     held = held_at_the_end(grasps)
     if held.empty:
@@ -181,28 +169,12 @@ def run(
     simulated_grasps: Path,
     out: Path,
 ) -> None:
-    """Write a prop for each object that has convex parts.
-
-    Args:
-        settings: The gripper, density and friction of the objects.
-        gripper: Name of the gripper.
-        meshes: Folder of the scaled meshes.
-        convex_parts: Table with the columns of `tables.evaluation.CONVEX_PARTS`, sorted by label.
-        simulated_grasps: Table with the columns of `tables.grasping.SIMULATED_GRASPS`, sorted by
-            label.
-        out: All objects as SimReady props for Isaac Sim, with the grasps of gripper G that held in
-            simulation. Made if `targets.exports` contains `simready`. See `docs/exchange.md`.
-
-    Raises:
-        UserError: A name is not allowed, the grasps have no simulated labels, or the folder is not
-            empty.
-        TableError: A table is damaged.
-    """
+    """Write a prop for each object that has convex parts."""
     check_simulated(simulated_grasps)
     hand = NamedGripper(gripper, settings.gripper)
-    known = by_object(simulated_grasps, COLUMNS)
+    known = by_object(simulated_grasps, SIMULATED_COLUMNS)
     held = {label: held_at_the_end(rows) for label, rows in known}
-    none = pd.DataFrame(columns=COLUMNS)
+    none = pd.DataFrame(columns=SIMULATED_COLUMNS)
 
     def write_prop(folder: Path, label: str, made: SimulationObject, friction: float) -> None:
         write_simready(folder, check_key(label), made, friction, held.get(label, none), hand)

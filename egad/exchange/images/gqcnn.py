@@ -112,12 +112,7 @@ def cut_out(image: Image, picture: RenderedImage, order: Literal[0, 1]) -> Image
     """The surroundings of each grasp, its axis along the rows: (n, 32, 32, 1).
 
     96 x 96 pixels about the center, of which every third is taken; pixels beyond the image have the
-    values of its edge.
-
-    Args:
-        image: Depths or mask, (height, width).
-        picture: For the grasps.
-        order: 1: linear between pixels; 0: the nearest pixel.
+    values of its edge. `order` is 1 for linear interpolation, 0 for the nearest pixel.
     """
     grasps = picture.grasps
     steps = (np.arange(SIDE) - (SIDE - 1) / 2) * CROP / SIDE

@@ -28,20 +28,9 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
 def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
     """Write `I_LABEL_perfect_depth.tiff`, `I_LABEL_mask.png` and `I_LABEL_grasps.txt`.
 
-    Images are enlarged to 1024 x 1024 pixels, each with the value of the nearest original pixel. A
-    line of the grasps is `x;y;theta;opening;jaw`: pixels, and degrees clockwise as seen in the
-    image. Only free grasps are in it; the file of an image without any is empty.
-
-    Args:
-        picture: A square image.
-        folder: Folder of the split; the files are in a folder of the object there.
-        gripper: The gripper, for the breadth of its jaws.
-
-    Returns:
-        True: every image is written.
-
-    Raises:
-        UserError: The image is not square.
+    Square images are enlarged to 1024 x 1024 pixels, each with the value of the nearest original
+    pixel. A line of the grasps is `x;y;theta;opening;jaw`: pixels, and degrees clockwise as seen in
+    the image. Only free grasps are in it; the file of an image without any is empty.
     """
     height, width = picture.depth.shape
     if height != width:

@@ -51,14 +51,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
 
 def mjcf_text(name: str, files: MeshFiles, made: SimulationObject, friction: float) -> str:
-    """The description of one object.
-
-    Args:
-        name: Name of the model and its only body.
-        files: Mesh files in metres, relative to the description.
-        made: The object.
-        friction: Sliding friction.
-    """
+    """The description of one object, whose only body has its name; mesh files are in metres."""
     model, assets, world = mjcf_model(name)
     body = ElementTree.SubElement(world, "body", name=name)
     ElementTree.SubElement(body, "freejoint")

@@ -25,14 +25,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 def write_simulation_object(
     folder: Path, name: str, made: SimulationObject, friction: float
 ) -> None:
-    """Write `NAME.urdf`, `NAME.xml` (MJCF), `visual.obj`, `parts/` and `poses.json`.
-
-    Args:
-        folder: A new folder.
-        name: Name of the object.
-        made: The object to write.
-        friction: Sliding friction.
-    """
+    """Write `NAME.urdf`, `NAME.xml` (MJCF), `visual.obj`, `parts/` and `poses.json`."""
     files = write_object_meshes(folder, made)
     urdf = urdf_text(name, files, made.physics, friction)
     mjcf = mjcf_text(name, files, made, friction)

@@ -16,10 +16,7 @@ MILLIMETRE = 0.001
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
-    """Write the folder `NAME` with `NAME.urdf`, its meshes and `poses.json`.
-
-    The files of the convex parts are in millimetres, and the description scales them.
-    """
+    """Write the folder `NAME`: `NAME.urdf`, meshes, parts of which are in mm, and `poses.json`."""
     files = write_object_meshes(folder / name, made, MILLIMETRE)
     text = urdf_text(name, files, made.physics, friction)
     (folder / name / f"{name}.urdf").write_text(text, encoding="utf-8")
@@ -27,14 +24,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
 
 def urdf_text(name: str, files: MeshFiles, physics: MassProperties, friction: float) -> str:
-    """The description of one object.
-
-    Args:
-        name: Name of the robot and its only link.
-        files: Mesh files, relative to the description.
-        physics: Mass, center of mass and inertia about it.
-        friction: Sliding friction.
-    """
+    """The description of one object as a robot of one link; mesh files are relative to it."""
     robot = ElementTree.Element("robot", {"name": name, "xmlns:drake": DRAKE})
     link = ElementTree.SubElement(robot, "link", name=name)
     contact = ElementTree.SubElement(link, "contact")

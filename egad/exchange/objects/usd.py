@@ -40,13 +40,7 @@ def write(folder: Path, name: str, made: SimulationObject, friction: float) -> N
 
 
 def make_stage(name: str, made: SimulationObject, friction: float) -> Usd.Stage:
-    """An object in memory, as the module describes it, but without instances.
-
-    Args:
-        name: Name of the object, as for `write`.
-        made: The object.
-        friction: Static and dynamic friction.
-    """
+    """An object in memory, as the module describes it, but without instances."""
     stage = Usd.Stage.Open(Sdf.Layer.CreateAnonymous(".usda"))
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
@@ -76,14 +70,9 @@ def _body_path(name: str) -> Sdf.Path:
 
 
 def principal_axes(inertia: Floats) -> tuple[Floats, Floats]:
-    """The principal moments of inertia and the rotation to their axes.
+    """Principal moments of inertia, (3,), ascending, and the rotation from their axes.
 
-    Args:
-        inertia: About the center of mass, (3, 3), kg m2.
-
-    Returns:
-        The moments (3,), ascending, and a quaternion (w, x, y, z) with w >= 0. The rotation maps
-        from the principal axes to the frame of the inertia.
+    The rotation is a quaternion (w, x, y, z) with w >= 0.
     """
     values, axes = np.linalg.eigh(inertia)
     largest = axes[np.abs(axes).argmax(axis=0), range(3)]

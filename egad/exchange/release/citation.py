@@ -20,26 +20,14 @@ full. To the network vgn-evolved, the licence networks/vgn-evolved/LICENSE-VGN a
 
 
 def licence_text(title: str, version: str) -> str:
-    """The licence of a release.
-
-    Args:
-        title: Name of the dataset for people.
-        version: Its version.
-    """
+    """The licence of a release, with the dataset's title for people and its version."""
     return TERMS.format(
         title=title, version=version, license=LICENSE, url=LICENSE_URL, creator=CREATOR
     )
 
 
 def citation_cff(title: str, version: str, date: str | None, url: str | None) -> str:
-    """How to cite a release, in the Citation File Format 1.2.0.
-
-    Args:
-        title: Name of the dataset for people.
-        version: Its version.
-        date: Day of publication, YYYY-MM-DD, if it is known.
-        url: Where the dataset is hosted, if anywhere.
-    """
+    """How to cite a release, in the Citation File Format 1.2.0; `date` is YYYY-MM-DD, if known."""
     names = [
         name.rsplit(" ", 1) for name in str(PAPER["authors"]).replace(" and ", ", ").split(", ")
     ]

@@ -54,12 +54,7 @@ class Files:
 
 @dataclass(frozen=True)
 class Table(Files):
-    """A table of a release, in one file.
-
-    Attributes:
-        schema: Its columns.
-        key: Columns that no two rows share.
-    """
+    """A table of a release, in one file; no two rows share the columns of its key."""
 
     schema: pa.Schema
     key: tuple[str, ...]

@@ -176,13 +176,7 @@ says what each file was made from.
 
 
 def front_matter(title: str, objects: int, grasps: int) -> str:
-    """The front matter: licence, tasks, size, and the files of each configuration and split.
-
-    Args:
-        title: Name of the dataset for people.
-        objects: Number of objects.
-        grasps: Number of grasps.
-    """
+    """The front matter: licence, tasks, size, and the files of each configuration and split."""
     splits = {"objects": "data/objects/{}.parquet", "grasps": "data/grasps/{}-*.parquet"}
     configs = [
         {

@@ -28,12 +28,7 @@ def file_stems(names: Iterable[str]) -> dict[str, str]:
 
 
 def with_files(table: pd.DataFrame, labels: Iterable[str]) -> pd.DataFrame:
-    """A table with the columns `mesh` and `preview`: files of objects in a release.
-
-    Args:
-        table: Any.
-        labels: Label of the object of each row: all objects of the release.
-    """
+    """A table with the columns `mesh` and `preview`: files of the objects with these labels."""
     stems = file_stems(labels).values()
     return table.assign(
         mesh=[f"meshes/{stem}.glb" for stem in stems],
@@ -74,25 +69,13 @@ def released_objects(
 
 
 def simulated_grasps(grasps: pd.DataFrame, most: int) -> pd.DataFrame:
-    """The first grasps of each object that have a simulated label.
-
-    Args:
-        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`.
-        most: Largest number per object.
-    """
+    """The first grasps of each object, at most `most`, that have a simulated label."""
     known = grasps[grasps["simulated_outcome"].notna()].sort_values(["label", "grasp"])
     return known.groupby("label").head(most)
 
 
 def released_grasps(grasps: pd.DataFrame) -> pd.DataFrame:
-    """Grasps with the rotation of the hand as a quaternion.
-
-    Args:
-        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`.
-
-    Returns:
-        Columns of `tables.release.RELEASED_GRASPS` without `split`.
-    """
+    """Grasps as `RELEASED_GRASPS`, without `split`: the rotation of the hand is a quaternion."""
     if not len(grasps):
         return parquet.empty(RELEASED_GRASPS)
     poses = Grasps(grasps[SIMULATED_GRASPS.names]).poses
@@ -106,13 +89,7 @@ def in_files(
 ) -> Iterator[tuple[Path, pd.DataFrame]]:
     """Cut the rows of a split into files of about the same length, at least one.
 
-    Args:
-        rows: Any table.
-        split: Name of the split.
-        most: Largest number of rows of a file.
-
-    Yields:
-        The name of a file, `SPLIT-NNNNN-of-NNNNN.parquet`, and its rows.
+    Yields names, `SPLIT-NNNNN-of-NNNNN.parquet`, and rows, at most `most`.
     """
     count = max(-(-len(rows) // most), 1)
     bounds = np.linspace(0, len(rows), count + 1).round().astype(int)

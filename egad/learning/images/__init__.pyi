@@ -1,6 +1,4 @@
 from .arrangement import PlacedObject as PlacedObject
-from .arrangement import Simulate as Simulate
-from .arrangement import TableGrasps as TableGrasps
 from .arrangement import place as place
 from .arrangement import sample_factor as sample_factor
 from .dataset_card import COLUMNS as COLUMNS

@@ -69,17 +69,7 @@ class TableGrasps(NamedTuple):
 
 
 def is_good(free: Flags, qualities: Floats, success: Iterable[Any], quality: float) -> Flags:
-    """Which of n grasps are free and hold, (n,).
-
-    Those that were simulated hold if they did then; others, if their robust quality is above
-    `quality`.
-
-    Args:
-        free: (n,) attribute of `TableGrasps`.
-        qualities: (n,) likewise.
-        success: (n,) likewise.
-        quality: Robust quality.
-    """
+    """Which of n grasps are free and held in simulation, or exceed a robust quality without one."""
     outcomes = list(success)
     known = np.array([each is not None for each in outcomes], dtype=bool)
     held = np.array([bool(each) for each in outcomes], dtype=bool)
@@ -114,15 +104,7 @@ def table_grasps(
     rng: np.random.Generator,
     simulate: Simulate | None = None,
 ) -> TableGrasps:
-    """Sample grasps of objects on a table for a hand from above, and rate those that are free.
-
-    Args:
-        objects: All that is on the table.
-        body: The hand.
-        settings: How many grasps of each object, how they are sampled and rated.
-        rng: Random number generator.
-        simulate: Finds out which grasps hold.
-    """
+    """Grasps of all objects on a table for a hand from above, rated where they are free."""
     casters = [RayCaster(_on_table([each])) for each in objects]
     scene = casters[0] if len(objects) == 1 else RayCaster(_on_table(objects))
     found = [
@@ -162,12 +144,7 @@ def sample_factor(
 
 
 def near_level(up: Floats, tilt: float) -> Callable[[Floats], Flags]:
-    """Tells which closing axes, (n, 3), allow an approach near to the vertical.
-
-    Args:
-        up: (3,) upward unit vector.
-        tilt: Largest angle between approach and vertical, degrees.
-    """
+    """Tells which closing axes, (n, 3), allow an approach within `tilt` degrees of the vertical."""
     most = np.sin(np.radians(tilt))
     return lambda axes: np.asarray(np.abs(axes @ up) <= most)
 

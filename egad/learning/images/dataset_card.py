@@ -51,12 +51,7 @@ class Summary(NamedTuple):
 
 
 def summary(rows: pd.DataFrame, quality: float) -> Summary:
-    """Summarize a set of images.
-
-    Args:
-        rows: `COLUMNS` of `tables.images.IMAGES`.
-        quality: Robust quality that a good grasp exceeds.
-    """
+    """Summarize images, by `COLUMNS` of their rows; good grasps exceed a robust quality."""
     free = [np.asarray(each, dtype=bool) for each in rows["collision_free"]]
     good = [
         is_good(flags, np.asarray(values), list(held), quality)
@@ -99,16 +94,7 @@ def card(
     rejected: pd.DataFrame,
     figure: str,
 ) -> str:
-    """The card.
-
-    Args:
-        settings: What the images were rendered with.
-        dataset: Name of the dataset.
-        gripper: Name of the gripper.
-        found: The contents of the set.
-        rejected: Columns of `tables.objects.REJECTED`.
-        figure: Name of the file with the figure of the openings.
-    """
+    """The card of a set; `rejected` has the columns of `REJECTED`, `figure` is a file name."""
     render = settings.render
     blocks = [
         f"# Depth images of {dataset} for {gripper}",

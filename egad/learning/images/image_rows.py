@@ -43,15 +43,9 @@ def depth_of(row: Mapping[str, Any]) -> NDArray[np.float32]:
 
 
 def pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
-    """The pixels of a PNG file of a row, (height, width) as the row says.
+    """The pixels of a PNG file of a row, (height, width) as the row says; else TableError.
 
-    Args:
-        row: Has `height`, `width` and the file.
-        name: Name of its column.
-        mode: What Pillow calls such pixels, or how that begins.
-
-    Raises:
-        TableError: The file is damaged, or of another size or kind.
+    The mode is what Pillow calls such pixels, or how that begins.
     """
     try:
         with Image.open(io.BytesIO(row[name]), formats=["PNG"]) as image:
@@ -86,11 +80,7 @@ def encoded(picture: RenderedImage) -> dict[str, Any]:
 
 
 def decoded(row: Mapping[str, Any]) -> RenderedImage:
-    """The picture of a row of `tables.images.IMAGES`.
-
-    Raises:
-        TableError: A PNG file of it is damaged, or of another size.
-    """
+    """The picture of a row of `tables.images.IMAGES`; TableError if a PNG file is damaged."""
     center = (float(row["center_u"]), float(row["center_v"]))
     intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
     placements = np.reshape(row["placements"], (-1, len(POSE_PARTS)))

@@ -23,12 +23,7 @@ from egad.tables.shards import shard_files
 
 
 def files(folder: Path) -> list[Path]:
-    """The shards of a folder, in the order of their images.
-
-    Raises:
-        UserError: Some are missing, or are not all of one set.
-        TableError: One is damaged.
-    """
+    """The shards of a folder, in the order of their images; UserError unless they are one set."""
     made = "the workflow (targets.render)"
     return [path for (path,) in shard_files(folder, ["images"], made)]
 

@@ -29,16 +29,8 @@ def is_reachable(
     The hand opens 8 mm wider than the contacts on either side, or as wide as it can. Its pads are
     centered on the contacts, or as low as they get: it stays 3 mm above the table, and reaches at
     least 3 mm beyond the contacts. A jaw that does not move is 3 mm before its contact. The hand
-    must touch nothing there or on its way in, and the fingers must meet the contacts first when
-    they close.
-
-    Args:
-        scene: Everything on the table, closed, metres; the table is at height 0, z is up.
-        centers: (n, 3) midpoints of the contacts, metres.
-        axes: (n, 3) unit vectors from the first contact to the second.
-        widths: (n,) distances of the contacts, metres.
-        body: The hand.
-        way: Length of the straight approach, metres.
+    must touch nothing there or on its straight way in, `way` metres long, and the fingers must meet
+    the contacts first when they close.
     """
     approaches = first_approaches(axes)
     frames = np.stack([axes, np.cross(approaches, axes), approaches], axis=1)

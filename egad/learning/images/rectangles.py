@@ -61,13 +61,7 @@ class ImageGrasps(NamedTuple):
 
 
 def project_grasps(scene: CameraScene, grasps: TableGrasps, gripper: Gripper) -> ImageGrasps:
-    """Grasps in the image of a scene; those whose centers are outside it are left out.
-
-    Args:
-        scene: Table and camera.
-        grasps: In the frame of the table.
-        gripper: The hand, for how far it opens.
-    """
+    """Grasps in the image of a scene; those whose centers are outside it are left out."""
     matrix, camera = np.linalg.inv(scene.camera) @ scene.matrix, scene.intrinsics
     centers = grasps.centers @ matrix[:3, :3].T + matrix[:3, 3]
     aside = grasps.widths[:, None] / 2 * (grasps.axes @ matrix[:3, :3].T)
@@ -112,10 +106,7 @@ def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
 
 
 def overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Intersection over union of two rectangles (5,); 0 if they have no area in common.
-
-    Corners are rounded to 1e-8 pixels.
-    """
+    """Intersection over union of two rectangles (5,); corners are rounded to 1e-8 pixels."""
     first, second = (
         CrossSection.square((opening, breadth), True).rotate(-np.degrees(angle)).translate((u, v))
         for u, v, angle, opening, breadth in (one, other)  # v points down

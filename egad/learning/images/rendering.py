@@ -173,14 +173,7 @@ def first_good(
 def views_of(
     labelled: Labelled, share: Share, settings: RenderParameters, key: Sequence[str | int]
 ) -> Iterator[RenderedImage]:
-    """Images of objects on a table, each from a camera of its own.
-
-    Args:
-        labelled: The objects and their grasps.
-        share: Names, number of the first image, and how many there are.
-        settings: Camera and noise.
-        key: As in `first_good`.
-    """
+    """Images of objects on a table, each from a camera of its own, by `key` as in `first_good`."""
     eyes = [DepthCamera(each.mesh) for each in labelled.objects]
     first = labelled.objects[0]
     center = first.matrix[:3, :3] @ first.com + first.matrix[:3, 3]
@@ -210,13 +203,7 @@ def views_of(
 
 
 def draw_width(settings: RenderParameters, name: str, *key: str | int) -> float | None:
-    """The width of a grasp that determines the size of an object, metres; None if none does.
-
-    Args:
-        settings: Its range.
-        name: Name of the object.
-        key: Which view of it.
-    """
+    """The width of a grasp that determines the size of an object, metres; None if none does."""
     if settings.render.widths is None:
         return None
     return float(generator(settings.seed, "width", name, *key).uniform(*settings.render.widths))

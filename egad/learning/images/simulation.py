@@ -26,14 +26,7 @@ from egad.tables.columns import vector_names
 def model_at_size(
     mesh: trimesh.Trimesh, parts: Sequence[trimesh.Trimesh], factor: float, density: float
 ) -> Model:
-    """A resized object, as the engine needs it; its frame is that of the scaled mesh.
-
-    Args:
-        mesh: Its surface, closed, metres.
-        parts: Convex meshes that represent it in contacts, metres.
-        factor: New size / size.
-        density: kg/m3.
-    """
+    """A resized object for the engine, in the frame of the scaled mesh; the density is in kg/m3."""
     sized = mesh.copy().apply_scale(factor)
     scaled = [part.copy().apply_scale(factor) for part in parts]
     return model_of(sized, scaled, mass_properties(sized, density), 0.0)
@@ -42,17 +35,10 @@ def model_at_size(
 def settle_scene(
     models: Sequence[Model], kind: SceneKind, engine: EngineName, rng: np.random.Generator
 ) -> list[tuple[int, Floats]]:
-    """Put objects on a table as `make_scene` does.
+    """Put objects on a table as `make_scene` does; nothing if the simulation went wrong.
 
-    Args:
-        models: The objects.
-        kind: How they are put there.
-        engine: Physics engine.
-        rng: Random number generator.
-
-    Returns:
-        For each object that lies in the workspace, its number and the transform, (4, 4), from the
-        frame that its model was made in to the world. Nothing if the simulation went wrong.
+    For each that lies in the workspace: its number, and the (4, 4) transform to the world from the
+    frame that its model was made in.
     """
     with open_world(engine, models, None, BOX if kind == "pile" else None) as world:
         try:

@@ -18,15 +18,7 @@ VIEWS = 4  # images of a scene of several objects, at most
 
 
 def check_splits(index: pd.DataFrame, where: object) -> None:
-    """Make sure that no object is in two splits.
-
-    Args:
-        index: Columns `split` and `objects`, a list of ids, of images or scenes.
-        where: Where these come from, for messages.
-
-    Raises:
-        UserError: One is, or a split is not one of those known.
-    """
+    """Raise UserError if an object is in two splits; `where` says whose rows these are."""
     if unknown := set(index["split"]) - set(SPLITS):
         raise UserError(f"{where}: the split {unknown.pop()!r} is none of {', '.join(SPLITS)}")
     shared = index.explode("objects").groupby("objects")["split"].nunique() > 1
@@ -126,12 +118,10 @@ def shard_count(images: int) -> int:
 def split_of(
     ids: Collection[str], evaluation: Collection[str], settings: Render, seed: int
 ) -> dict[str, str]:
-    """The split of each object.
+    """The split of each object: `test` first, which has the evaluation set, then `validation`.
 
-    Objects of the evaluation set come first, the others follow in random order. The first are for
-    `test`, at least all of the evaluation set; the next are for `validation`. Numbers are rounded,
-    but with three objects or more, each split that is to have a part has at least one object, if
-    the evaluation set leaves any.
+    The others follow in random order. Numbers are rounded, but with three objects or more, each
+    split that is to have a part has at least one, if the evaluation set leaves any.
     """
     held_out = set(evaluation)
     order = sorted(ids, key=lambda name: (name not in held_out, entropy(seed, "split", name)))

@@ -32,11 +32,6 @@ def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.
 
     The draws are evenly spaced in probability: a pose comes up as often as it should, rounded up
     or down by chance.
-
-    Args:
-        poses: Their probabilities add up to 1.
-        count: How many to draw.
-        rng: Random number generator.
     """
     ends = np.cumsum([pose.probability for pose in poses])
     levels = (rng.random() + np.arange(count)) / max(count, 1) * ends[-1]
@@ -44,14 +39,9 @@ def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.
 
 
 def sample_scene(center: Floats, settings: Camera, rng: np.random.Generator) -> CameraScene:
-    """A table turned and shifted, and a camera that looks at the middle of the world.
+    """A table turned and shifted, uniformly (Mahler et al. 2017), and a camera that looks at it.
 
-    All is uniform within its range, as in Dex-Net (Mahler et al. 2017).
-
-    Args:
-        center: (3,) what a centered image shows in its middle, in the frame of the table.
-        settings: The ranges.
-        rng: Random number generator.
+    `center`, (3,) in the frame of the table, is what a centered image shows in its middle.
     """
     matrix = np.eye(4)
     matrix[:3, :3] = Rotation.from_rotvec([0, 0, rng.uniform(0, 2 * np.pi)]).as_matrix()

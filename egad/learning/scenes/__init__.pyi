@@ -1,4 +1,3 @@
-from .making import MadeScene as MadeScene
 from .making import make_scene as make_scene
 from .parameters import SceneParameters as SceneParameters
 from .parameters import TrainingScenes as TrainingScenes

@@ -35,13 +35,7 @@ class SceneSet(NamedTuple):
 
 
 def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
-    """The card.
-
-    Args:
-        settings: What the scenes were made with.
-        title: Title of the card.
-        found: The contents of the set.
-    """
+    """The card of a set of scenes."""
     scenes = settings.scenes
     missing = found.planned - len(found.scenes)
     blocks = [

@@ -34,12 +34,7 @@ MIN_RISE = -0.1  # z of the outward normal of a grasp point: not from below, as 
 
 
 class MadeScene(NamedTuple):
-    """A scene as rows of tables.
-
-    Attributes:
-        scene: Columns of `tables.scenes.SCENES`.
-        grasps: Columns of `tables.scenes.SCENE_GRASPS`.
-    """
+    """A scene as a row of `tables.scenes.SCENES` and rows of `SCENE_GRASPS`."""
 
     scene: dict[str, Any]
     grasps: pd.DataFrame
@@ -119,14 +114,7 @@ def see(
     cameras: SceneCameras,
     rng: np.random.Generator,
 ) -> tuple[View, ...]:
-    """What ideal cameras see of objects.
-
-    Args:
-        world: The world of the scene.
-        present: The objects where they lie.
-        cameras: Ranges that each camera is drawn from.
-        rng: Random number generator.
-    """
+    """What ideal cameras see of objects where they lie."""
     rendered = [DepthCamera(world.models[each.number].mesh) for each in present]
     matrices = [each.pose.matrix for each in present]
     intrinsics = intrinsics_of(cameras)
@@ -137,26 +125,14 @@ def see(
 
 
 def training_cameras(cameras: SceneCameras, rng: np.random.Generator) -> list[Floats]:
-    """Poses of cameras around a table, (4, 4) each, each at its own distance and tilt.
-
-    Args:
-        cameras: Ranges to draw from.
-        rng: Random number generator.
-    """
+    """Poses of cameras around a table, (4, 4) each, each at its own distance and tilt."""
     return [camera_poses(cameras, rng)[number] for number in range(cameras.views)]
 
 
 def sample_points(
     points: Floats, normals: Floats, count: int, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Points of a cloud at which grasps are tried, and their normals; none if it has none.
-
-    Args:
-        points: (n, 3) metres.
-        normals: (n, 3) outward unit normals.
-        count: How many; a point may occur twice.
-        rng: Random number generator.
-    """
+    """`count` points and normals, (n, 3), of a cloud; one may occur twice; none if it has none."""
     allowed = np.flatnonzero(normals[:, 2] > MIN_RISE)
     chosen = rng.choice(allowed, count if len(allowed) else 0)
     return points[chosen], normals[chosen]
@@ -165,16 +141,10 @@ def sample_points(
 def hand_poses_at(
     points: Floats, normals: Floats, settings: SceneParameters, rng: np.random.Generator
 ) -> Floats:
-    """Poses of the hand to be tried, (n, yaws, 4, 4).
+    """Poses of the hand against the normals of n points, (n, yaws, 4, 4).
 
-    The hand approaches against the normal. How far its fingertips reach below the surface is drawn
-    for each point. The first yaw is random; the others follow evenly over half a turn.
-
-    Args:
-        points: (n, 3) of the surface, metres.
-        normals: (n, 3) outward unit normals.
-        settings: The hand, and the number of yaws.
-        rng: Random number generator.
+    How far its fingertips reach below the surface is drawn for each point. The first yaw is
+    random; the others follow evenly over half a turn.
     """
     low, tip = finger_span(settings.gripper)
     count, yaws = len(points), settings.scenes.yaws
@@ -195,15 +165,9 @@ def hand_poses_at(
 def try_yaws(
     world: World, present: Sequence[RestingObject], poses: Floats, settings: SceneParameters
 ) -> YawTrials:
-    """Try a grasp at all its yaws, each in the same scene.
+    """Try a grasp at all its yaws, poses (yaws, 4, 4), each in the same scene.
 
     The middle of the widest run of successes is kept, or the first yaw if none succeeds.
-
-    Args:
-        world: The world of the scene, with a hand.
-        present: The objects where they lie.
-        poses: (yaws, 4, 4) of the hand, evenly over half a turn.
-        settings: Gripper and rules.
     """
     done = [try_grasp(world, present, pose, settings) for pose in poses]
     held = [result.outcome == Outcome.SUCCESS for result, _ in done]

@@ -21,13 +21,7 @@ MARGIN = 24  # pixels of the view around the objects
 
 
 def scene_picture(scene: LabelledScene, gripper: Gripper, view: int = 0) -> RgbImage:
-    """The objects in a view of a scene, with some of the grasps, (480, 640, 3).
-
-    Args:
-        scene: The scene.
-        gripper: The hand; it is drawn at each grasp with its fingers fully open.
-        view: Number of the view.
-    """
+    """The objects in a view of a scene, with open hands at some of the grasps, (480, 640, 3)."""
     seen = scene.views[view]
     corner, scale = _window(seen)
     box = (*corner, *(corner + np.array(SIZE) / scale))

@@ -82,18 +82,11 @@ def split_objects(
 
 
 def planned_scenes(split_of: Mapping[str, str], settings: SceneParameters) -> list[PlannedScene]:
-    """All scenes of a dataset, in the order of their numbers.
+    """All scenes of a dataset, in the order of their numbers; UserError if there are none.
 
     A split has its fraction of the scenes, whatever its number of objects; a split without objects
     has none. Kinds are spread evenly. A scene depends on the seed, its number and the objects of
     its split.
-
-    Args:
-        split_of: The split of each object that can be simulated, by id.
-        settings: How many scenes, of what.
-
-    Raises:
-        UserError: No split has both objects and scenes.
     """
     scenes = settings.scenes
     test, validation = (round(p * scenes.scenes) for p in (scenes.test, scenes.validation))
@@ -116,12 +109,7 @@ def planned_scenes(split_of: Mapping[str, str], settings: SceneParameters) -> li
 
 
 def with_objects(plan: Iterable[PlannedScene], ids: Container[str]) -> list[PlannedScene]:
-    """The scenes that have some of the objects, without their other objects.
-
-    Args:
-        plan: Scenes of any objects.
-        ids: Those that may stay.
-    """
+    """The scenes that have some of the objects, without their other objects."""
     found = []
     for planned in plan:
         this = planned.round

@@ -182,20 +182,7 @@ def _folder(out: str | Path | None) -> tuple[Path, object]:
 def models_of(
     targets: Sequence[NamedMesh], gripper: Gripper, rule: str, jobs: int
 ) -> tuple[dict[str, Model], pd.DataFrame]:
-    """Objects as they are simulated, by id, and those that cannot be.
-
-    Args:
-        targets: The objects.
-        gripper: What they are scaled to.
-        rule: How they are scaled.
-        jobs: Processes.
-
-    Returns:
-        Models, and columns of `tables.objects.REJECTED`.
-
-    Raises:
-        UserError: None of the objects can be simulated.
-    """
+    """Models by id, and the rejected objects (`REJECTED`); UserError if all of them are."""
     with workers(jobs) as mapper:
         work = partial(_model, gripper=gripper, rule=rule)
         made = list(progress(mapper(work, targets), "making models", len(targets)))

@@ -30,16 +30,9 @@ def write_shard(
     scenes: Path,
     grasps: Path,
 ) -> None:
-    """Write the scenes of a shard, and their grasps.
+    """Write the scenes of a shard, each readable without the others, and their grasps.
 
-    Args:
-        made: The scenes.
-        shard: Number of the shard.
-        shards: How many there are.
-        about: Notes about the whole set, see `set_notes`: shards with other notes do not belong to
-            it.
-        scenes: File for the scenes, each readable without the others.
-        grasps: File for the grasps.
+    Shards with other notes (`set_notes`) do not belong to the set.
     """
     notes = {"shard": shard, "shards": shards, **about}
     parquet.write(pd.DataFrame([each.scene for each in made]), SCENES, scenes, notes, group=1)
@@ -51,13 +44,7 @@ def write_shard(
 def set_notes(
     settings: SceneParameters, split_of: Mapping[str, str], gripper: str
 ) -> dict[str, Any]:
-    """What the shards of a set note: a digest of settings and objects, and the gripper.
-
-    Args:
-        settings: What the scenes are made with.
-        split_of: The split of each object, by id.
-        gripper: Name of the gripper.
-    """
+    """What the shards of a set note: a digest of settings and objects, and the gripper."""
     values = settings.model_dump(mode="json")
     text = json.dumps([values, split_of], sort_keys=True)
     key = sha256(text.encode()).hexdigest()[:16]
@@ -74,16 +61,7 @@ def describe_set(
 ) -> SceneSet:
     """Write `card.md`, `scene.png` and `rejected.parquet` beside the shards of a whole set.
 
-    Args:
-        folder: Where the shards are.
-        settings: What the scenes were made with.
-        title: Title of the card.
-        planned: How many scenes were to be made.
-        splits: How the objects were split.
-        rejected: Columns of `tables.objects.REJECTED`.
-
-    Raises:
-        UserError: Shards are missing or of several sets, or there is no scene in them.
+    UserError if shards are missing or of several sets, or there is no scene in them.
     """
     pairs = shard_files(folder, TABLES, MAKERS)
     scenes = rows_of([first for first, _ in pairs], SCENES, SCENE_COLUMNS)

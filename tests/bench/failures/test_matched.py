@@ -15,7 +15,8 @@ from egad.bench.failures import Examination, FailureAtlas, MatchedSet, match_fai
 from egad.bench.failures.attempts import pairs_of
 from egad.bench.failures.matching import assign, spread
 from egad.bench.failures.reference import REST, ReferencePolicy
-from egad.detectors import OnlyFailuresError, PoseGrasp, opened
+from egad.detectors import PoseGrasp, opened
+from egad.detectors.failures import OnlyFailuresError
 from egad.errors import RejectedError, UserError
 from egad.evolution import Shape
 from egad.measures import cell_of

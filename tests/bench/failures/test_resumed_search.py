@@ -9,7 +9,8 @@ from failure_searches import Aside, coarse_objects, failing, settings_of
 
 from egad.bench.failures import FailureAtlas, finding, run_shard, search, search_failures
 from egad.bench.failures.store import Store
-from egad.detectors import DetectorConfig, OnlyFailuresError
+from egad.detectors import DetectorConfig
+from egad.detectors.failures import OnlyFailuresError
 from egad.errors import UserError
 
 ONLY_FAILS = r"all \d+ attempts of the first 3 objects$"

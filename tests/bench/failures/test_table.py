@@ -6,7 +6,8 @@ from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
 
 from egad.bench import ContactRule, TrialProtocol, TrialRunner
 from egad.bench.failures.table import BenchFromAbove, open_bench
-from egad.detectors import Failure, Grasp, GraspPoses, pose_of
+from egad.detectors import Failure, Grasp, GraspPoses
+from egad.detectors.poses import pose_of
 from egad.geometry import Bundle, Material
 from egad.grasps import label_parameters
 from egad.grasps.sampling import dataset_grasps

@@ -7,14 +7,8 @@ import trimesh
 from egad.config import Settings
 from egad.config.stages import select
 from egad.grasps.collision import SIDE_CLEARANCE
-from egad.learning.images import (
-    CAMERAS,
-    PlacedObject,
-    RenderParameters,
-    Share,
-    TableGrasps,
-    views_of,
-)
+from egad.learning.images import CAMERAS, PlacedObject, RenderParameters, Share, views_of
+from egad.learning.images.arrangement import TableGrasps
 from egad.learning.images.rendering import Labelled
 
 SIDES = np.array([0.03, 0.06, 0.04])

@@ -7,7 +7,8 @@ import trimesh
 from egad.config import Settings
 from egad.config.stages import select
 from egad.grippers import BoxBody
-from egad.learning.images import PlacedObject, RenderParameters, TableGrasps
+from egad.learning.images import PlacedObject, RenderParameters
+from egad.learning.images.arrangement import TableGrasps
 
 
 @pytest.fixture(scope="session")
