@@ -19,11 +19,7 @@ def center_of_mass(mesh: trimesh.Trimesh) -> Floats:
 
 @kernel()
 def _volume_centroid(triangles: Floats) -> Floats:
-    """The centroid of a solid from its (n, 3, 3) triangles; NaN or infinite without volume.
-
-    The same as `trimesh.Trimesh.center_mass`, without the inertia tensor, which takes most of its
-    time.
-    """
+    """Centroid of a solid from triangles (n, 3, 3), without the inertia tensor, for speed."""
     moment, volume = np.zeros(3), 0.0
     a, b, c = np.empty(3), np.empty(3), np.empty(3)
     for i in range(len(triangles)):

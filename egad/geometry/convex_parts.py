@@ -169,10 +169,7 @@ def union_of_parts(parts: Iterable[trimesh.Trimesh]) -> Solid:
 
 
 def _solid(mesh: trimesh.Trimesh) -> Solid:
-    """The solid within a surface, wound outwards.
-
-    An inside-out surface bounds everything but the object, and every hull would be a hull of that.
-    """
+    """The solid within a surface, wound outwards: inside out, it would bound all but the object."""
     check_mesh(mesh)
     solid = solid_within(mesh)
     return solid if solid.volume() > 0 else to_solid(mesh.vertices, mesh.faces[:, ::-1])

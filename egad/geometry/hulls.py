@@ -63,13 +63,7 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
 def merge_hulls(hulls: Sequence[Hull], allowed: float, fits: Callable[[Hull], bool]) -> list[Hull]:
     """Repeatedly merge the two touching hulls whose common hull adds the least volume (ours).
 
-    Args:
-        hulls: Hulls of the pieces of a solid.
-        allowed: Merging stops before the volumes of the hulls add up to more than this.
-        fits: Whether a common hull may take the place of two.
-
-    Returns:
-        The remaining hulls, unchanged ones first.
+    It stops before the volumes add up to more than `allowed`, and returns unchanged hulls first.
     """
     pool = _Pool(hulls)
     total = sum(hull.volume for hull in hulls)

@@ -69,10 +69,7 @@ def loose_piece(rng: np.random.Generator) -> Piece:
 
 
 def attach(piece: Piece, base: Piece, rng: np.random.Generator) -> Piece:
-    """Move a piece so that it shares a point with a base, and its middle lies further out.
-
-    The point lies a little below the skin of both, so that the pieces overlap.
-    """
+    """Move a piece so that it overlaps a base a little, and its middle lies further out."""
     outwards, onwards = _below_skin(base, rng), _below_skin(piece, rng)
     away = np.copysign(1.0, outwards @ onwards)  # a piece is the same seen from the other side
     return piece._replace(middle=base.middle + outwards + away * onwards)

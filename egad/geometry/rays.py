@@ -38,12 +38,7 @@ class TriangleScene:
     """
 
     def __init__(self, vertices: NDArray[Any], faces: NDArray[Any]) -> None:
-        """Prepare triangles.
-
-        Args:
-            vertices: (n, 3).
-            faces: (m, 3).
-        """
+        """Prepare triangles: vertices (n, 3), faces (m, 3)."""
         self._scene = embree_scene(
             np.array(vertices, dtype=np.float32, order="C"),
             np.array(faces, dtype=np.int32, order="C"),
@@ -156,11 +151,9 @@ def _exact_hits(
     starts: Floats,
     directions: Floats,
 ) -> tuple[Floats, Floats, Flags]:
-    """Exact hits of rays on known faces at approximate distances.
+    """Distances to the planes of hit faces, normals, and whether rays come from outside.
 
-    Returns:
-        Distances to the planes of the faces, normals, and whether rays come from outside. A
-        grazing ray may meet the plane far from the triangle: then the given distance is kept.
+    A grazing ray may meet the plane far from the triangle: then the given distance is kept.
     """
     exact = distances.astype(np.float64)
     found, entering = np.zeros((len(faces), 3)), np.zeros(len(faces), np.bool_)
