@@ -70,12 +70,7 @@ NOTHING = ElementRows(np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.in
 
 
 def parse_ply(data: bytes) -> Content:
-    """Read a PLY file. Other elements and properties are left out.
-
-    Raises:
-        RejectedError: Its header is not that of a PLY file, it has no vertices, it is truncated, or
-            holds more than its header says.
-    """
+    """Read a PLY file without other elements and properties, or raise `RejectedError`."""
     data = data.removeprefix(BYTE_ORDER_MARK)
     if not data.startswith(b"ply"):
         plain_text(data)  # says so if it is UTF-16

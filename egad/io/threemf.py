@@ -61,12 +61,7 @@ class _Leaf(NamedTuple):
 
 
 def parse_3mf(data: bytes) -> Content:
-    """Read a 3MF file. Bodies for support, and what is not built, are left out.
-
-    Raises:
-        RejectedError: It is not a 3MF file, needs an extension that is not read, has no solid to
-            build, or more than is read.
-    """
+    """Read a 3MF file without support and what is not built, or raise `RejectedError`."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             check_at_most(
