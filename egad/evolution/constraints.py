@@ -23,19 +23,12 @@ Reader = Callable[[str], trimesh.Trimesh]
 
 
 def folded(points: Points, symmetry: Symmetry) -> Points:
-    """Where a network is queried in place of each point.
+    """Where a network is queried in place of each point (3, n) within [-1, 1]: (3, n) float32.
 
     A mirror takes the absolute value of a coordinate. A rotation multiplies the angle about its
     axis by the fold: points 1 / fold of a turn apart meet, neighbors stay neighbors, and shapes may
     still be twisted. With a mirror along the axis, all mirrors that the rotation makes of it are
-    obeyed.
-
-    Args:
-        points: (3, n) coordinates within [-1, 1].
-        symmetry: Mirrors and rotation.
-
-    Returns:
-        (3, n) float32. Points that are mirror images become equal to the last bit.
+    obeyed. Points that are mirror images become equal to the last bit.
     """
     found = points.astype(np.float64).round(6)  # so that -a and a have the same magnitude
     for axis in symmetry.mirror:
@@ -87,19 +80,7 @@ def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
 
 
 def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None = None) -> Voxels:
-    """The voxels whose middles lie in a region.
-
-    Args:
-        region: Its kind is not `none`.
-        resolution: Voxels along each side of the cube.
-        mesh: For a region of the kind `mesh`: closed, wound outwards, of any size.
-
-    Returns:
-        (resolution, resolution, resolution).
-
-    Raises:
-        UserError: The region is a mesh, and none is given.
-    """
+    """The voxels, (r, r, r), whose middles lie in a region, which may be a mesh of any size."""
     points = voxel_middles(resolution) - np.array(region.center)
     if region.kind == "mesh":
         if mesh is None:
@@ -222,9 +203,6 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     parts are removed by an opening with the 6-neighborhood, and only the largest body is kept.
     Required voxels are added and voxels that are not allowed are cut away, both before hidden
     voxels are filled and after thin parts are removed.
-
-    Returns:
-        Boolean array of its shape, not empty.
 
     Raises:
         RejectedError: Nothing is left, or what is left is against the rules.

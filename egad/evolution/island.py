@@ -117,18 +117,7 @@ class Island:
         mapper: Mapper = map,
         evaluate: Evaluate | None = None,
     ) -> None:
-        """Start an epoch.
-
-        Args:
-            archive: Changed in place.
-            settings: Everything about breeding and measuring.
-            epoch: Number of the epoch.
-            island: Number of the island.
-            rules: Constraints that every shape must obey.
-            mapper: An order-preserving `map`; where it runs does not change the result.
-            evaluate: Gives the measures of a solid, or the reason why it has none; by default
-                `measure`.
-        """
+        """Start an epoch of an archive, which is changed in place; `mapper` must preserve order."""
         self._evaluate = evaluate or partial(measure, settings=settings)
         once = evaluate or settings.measures.graspability or settings.evolution.estimator == "paper"
         self._refiner: Refine | None = None if once else self._refine
@@ -160,13 +149,7 @@ class Island:
         results: Sequence[Measured | str],
         refine: Refine | None = None,
     ) -> None:
-        """Add candidates to the archive.
-
-        Args:
-            candidates: From `ask`.
-            results: The measures of each, or the reason why it has none.
-            refine: As for `Archive.add`.
-        """
+        """Add candidates from `ask` with their measures, or the reasons why they have none."""
         elites = []
         for each, result in zip(candidates, results, strict=True):
             if isinstance(result, Measured):
@@ -181,11 +164,7 @@ class Island:
         return list(self._mapper(partial(refine, settings=self._settings), elites))
 
     def advance(self) -> Advance:
-        """One step: ask, measure and tell.
-
-        Raises:
-            UserError: `UNMEASURED` objects have no measures, and the archive is still empty.
-        """
+        """One step: ask, measure and tell; `UserError` if nothing has measures in `UNMEASURED`."""
         outcomes, refined = self.outcomes.copy(), self.refined
         candidates = self.ask()
         results = list(self._mapper(self._evaluate, [each.solid for each in candidates]))
@@ -240,10 +219,7 @@ def evolve(
 def snapshot(archive: Archive, done: Advance, scored: bool) -> dict[str, Any]:
     """What a step did: columns of `tables.evolution.HISTORY` except for those that identify it.
 
-    Args:
-        archive: After the step.
-        done: What the step did.
-        scored: Whether to compute the QD-score, which needs all diversities.
+    The QD-score, if `scored`, needs all diversities.
     """
     counts, outcomes = archive.counts(), done.outcomes
     return {

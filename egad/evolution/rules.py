@@ -33,11 +33,7 @@ def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Ru
 
 
 def mesh_of(path: str) -> trimesh.Trimesh:
-    """The closed mesh in a file that a region names.
-
-    Raises:
-        UserError: The file cannot be used, or holds several bodies.
-    """
+    """The closed mesh in a file that a region names; `UserError` if it cannot be used."""
     try:
         mesh = read_mesh(Path(path), "m")
         closed = repair(mesh).mesh
