@@ -38,13 +38,7 @@ class Sides(NamedTuple):
 def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = None) -> list[int]:
     """The driven joints of a hand: those with an actuator, or else those that mimic no other.
 
-    Args:
-        model: The description.
-        joints: Numbers of the joints of the hand.
-        wanted: Name of the driven joint, if it is known.
-
-    Raises:
-        UserError: There is none of this name, or it has no limits, or there are too many.
+    Raises `UserError` if the wanted one does not exist or has no limits, or there are too many.
     """
     names = {joint_name(model, joint): joint for joint in joints}
     if wanted is not None:
@@ -74,12 +68,7 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
 
 
 def find_moving_jaw(mechanism: Mechanism, chains: list[int]) -> int | None:
-    """The only moving link of a hand, if one joint moves it against the rest; None otherwise.
-
-    Args:
-        mechanism: The joints.
-        chains: Numbers of the links on the palm that move.
-    """
+    """The only moving link of a hand, if one joint moves it against the rest; None otherwise."""
     model = mechanism.model
     groups = [subtree(model, chain) for chain in chains]
     solid = [each for each in groups if any(shapes_of(model, body) for body in each)]
@@ -90,15 +79,7 @@ def find_moving_jaw(mechanism: Mechanism, chains: list[int]) -> int | None:
 
 
 def find_sides(mechanism: Mechanism, chains: list[int]) -> Sides:
-    """Which links belong to which finger: those that move against each other.
-
-    Args:
-        mechanism: The joints.
-        chains: Numbers of the links on the palm that move.
-
-    Raises:
-        UserError: They are not two fingers that close along a line.
-    """
+    """Which links belong to which finger: those that move against each other along a line."""
     model = mechanism.model
     groups = [frozenset(subtree(model, chain)) for chain in chains]
     solid = [group for group in groups if any(shapes_of(model, body) for body in group)]

@@ -66,16 +66,8 @@ def find_facing(mechanism: Mechanism, body: int, moving: RayCaster, fixed: RayCa
 
     Faces that the jaw itself hides from the other one, such as those of its ribs and cavities, do
     not count. A face is taken as if it did not tilt along a hinge, or from the way that a jaw
-    slides: so the sides of a groove have the direction of its edges.
-
-    Args:
-        mechanism: The joints, of which one is driven.
-        body: Number of the link that moves.
-        moving: Its surface, in its frame.
-        fixed: What does not move, in the frame of the palm.
-
-    Raises:
-        UserError: They never face each other.
+    slides: so the sides of a groove have the direction of its edges. The surfaces are in the frames
+    of the jaw and of the palm. Raises `UserError` if they never face each other.
     """
     samples = spread(moving.mesh, SPACING)
     counts = np.bincount(samples.faces, minlength=len(moving.areas))

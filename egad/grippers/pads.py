@@ -49,17 +49,7 @@ def find_pads(
     sides: Sides,
     links: Sequence[str] | None = None,
 ) -> Pads:
-    """The faces of both fingers that meet first when the hand closes.
-
-    Args:
-        mechanism: The joints.
-        closed: Their positions when the hand is closed.
-        sides: The fingers.
-        links: Names of the links with the pads; found if None.
-
-    Raises:
-        UserError: No faces of the fingers look at each other.
-    """
+    """The faces of both fingers that meet first when the hand closes; `UserError` if none do."""
     model = mechanism.model
     placement = mechanism.placement(closed)
     wanted = None if links is None else {link_number(model, name) for name in links}

@@ -203,11 +203,7 @@ class Gripper(UserParameters):
 
 
 def _with_cup(values: dict[str, Any]) -> dict[str, Any]:
-    """The settings of a gripper with a cup.
-
-    Raises:
-        ValueError: It has a setting of jaws.
-    """
+    """The settings of a gripper with a cup; `ValueError` if it has a setting of jaws."""
     fields = Gripper.model_fields
     others = {name: value for name, value in values.items() if name in fields.keys() - OF_CUP}
     if odd := [name for name, value in others.items() if value != fields[name].default]:
