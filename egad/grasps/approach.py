@@ -48,17 +48,10 @@ def best_approaches(
 
     The approaches tried are spread evenly around the closing axis; the first points down (along -z)
     as far as the axis allows. At each, the hand is tested exactly, at the grasp and along its
-    straight way in: it is swept along that way, and no part of it may share a point with the
-    object, surface or inside. The free approach farthest from any that is not free is chosen. If
-    none is free, the same is done with those that fit at the grasp; if none fits, the first
+    straight way in (metres): it is swept along that way, and no part of it may share a point with
+    the object, surface or inside. The free approach farthest from any that is not free is chosen.
+    If none is free, the same is done with those that fit at the grasp; if none fits, the first
     approach is chosen.
-
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        grasps: The grasps.
-        body: The hand.
-        angles: Number of approaches to try.
-        way: Length of the straight way in, metres.
     """
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
@@ -124,10 +117,9 @@ def _swallowed(
     turns: Floats,
     behind: Floats | None,
 ) -> Flags:
-    """In which poses a part of the hand has its middle in the object: (n, k).
+    """In which poses a part of the hand has its middle in the object, (n, k); see `blocked_turns`.
 
-    A part that touches no surface lies entirely inside or outside, like any of its points. The
-    arguments are those of `blocked_turns`.
+    A part that touches no surface lies entirely inside or outside, like any of its points.
     """
     result = np.zeros((len(origins), len(turns)), dtype=bool)
     back = np.zeros((len(origins), 1)) if behind is None else behind[:, None]

@@ -45,11 +45,7 @@ class Labeller:
     """
 
     def __init__(self, settings: LabelParameters) -> None:
-        """Read the hand.
-
-        Raises:
-            UserError: A file of the gripper, or its sampler, cannot be used.
-        """
+        """Read the hand, or raise `UserError` if a file or its sampler cannot be used."""
         self.settings = settings
         self._body = None if settings.gripper.cup else hand_body(settings.gripper)
         check_sampler(settings.gripper)
@@ -57,12 +53,7 @@ class Labeller:
     def __call__(
         self, mesh: trimesh.Trimesh, com: Floats, rng: np.random.Generator
     ) -> LabelledGrasps:
-        """The labelled grasps of an object.
-
-        Args:
-            mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
-            com: (3,) center of mass, metres.
-            rng: Random number generator.
+        """The labelled grasps of an object as it is grasped, with a center of mass (3,), metres.
 
         Raises:
             RejectedError: The mesh is open, bounds no volume or is not finite, no cup seals, or the

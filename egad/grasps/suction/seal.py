@@ -144,14 +144,11 @@ def _failures_within(
 
 @lru_cache(maxsize=8)
 def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
-    """Points inside the ring of a cup, and where on its wall they lie.
+    """Points (k, 2) in the ring of a cup, a sunflower pattern, and some on the ring, metres.
 
-    The points form a sunflower pattern, with some of them on the ring.
-
-    Returns:
-        (k, 2) points, metres; (k,) the first vertex of the sector that each lies in; (k, 3) shares
-        of this vertex, the next one and the apex in the point: that of the apex is negative between
-        the ring and its chord.
+    Then (k,) the first vertex of the sector that each lies in, and (k, 3) shares of this vertex,
+    the next one and the apex in the point: that of the apex is negative between the ring and its
+    chord.
     """
     number = np.arange(1, HOLE_POINTS + 1)
     outer = round(2 * np.sqrt(HOLE_POINTS))
@@ -170,9 +167,9 @@ def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
 def _depths(
     caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, points: Floats
 ) -> Floats:
-    """Depths at which points (k, 2) of n cups meet the object, (n, k), metres.
+    """Depths at which points (k, 2) of n cups meet the object, (n, k), metres; infinite if not.
 
-    They are infinite where a point meets nothing, or starts inside the object.
+    Infinite, too, for points that start inside the object.
     """
     x, y, z = frames[:, None, 0], frames[:, None, 1], frames[:, None, 2]
     starts = origins[:, None] - cup.approach * z + points[:, :1] * x + points[:, 1:] * y
