@@ -274,11 +274,7 @@ class _RatedGrasps:
         )
 
     def percentile(self) -> float:
-        """The percentile of their quality.
-
-        Raises:
-            RejectedError: There is no grasp; the message has the sampling statistics.
-        """
+        """The percentile of their quality, or `RejectedError` with the sampling statistics."""
         if not len(self):
             raise RejectedError(f"no grasp ({self.statistics})")
         percent = self._settings.graspability.percentile
@@ -295,11 +291,7 @@ class _RatedGrasps:
 
 
 def _principal_box(vertices: ArrayLike) -> tuple[Floats, Floats, Floats]:
-    """The middle of the vertices, their principal axes as columns, the longest last, and extents.
-
-    Raises:
-        RejectedError: The vertices lie in a plane.
-    """
+    """Middle of vertices, principal axes as columns, the longest last, and extents, if not flat."""
     vertices = np.asarray(vertices)
     middle = vertices.mean(axis=0)
     _, axes = np.linalg.eigh(np.cov(vertices - middle, rowvar=False))
