@@ -164,7 +164,7 @@ class Island:
         return list(self._mapper(partial(refine, settings=self._settings), elites))
 
     def advance(self) -> Advance:
-        """One step: ask, measure and tell; `UserError` if nothing has measures in `UNMEASURED`."""
+        """One step: ask, measure and tell; `UserError` if none of the first objects is measured."""
         outcomes, refined = self.outcomes.copy(), self.refined
         candidates = self.ask()
         results = list(self._mapper(self._evaluate, [each.solid for each in candidates]))

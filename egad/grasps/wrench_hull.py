@@ -177,12 +177,7 @@ def _find_horizon(
 def _raise_facets(
     apex: int, edges: int, used: int, free: int, space: Workspace, tolerance: float
 ) -> tuple[int, int]:
-    """Join the apex to every ridge of the horizon.
-
-    Returns:
-        How many facets are in use and how many of them are free again; -1 free if the ridges
-        do not close.
-    """
+    """Join the apex to each ridge of the horizon: facets in use, and free; -1 if left open."""
     vertices, neighbors = space.vertices, space.neighbors
     normals, offsets, heights = space.normals, space.offsets, space.heights
     horizon, ridges, ends = space.horizon, space.ridges, space.ends

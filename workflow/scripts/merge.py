@@ -16,14 +16,7 @@ def run(
     archive: Path,
     jobs: int = 1,
 ) -> None:
-    """Merge the islands of an epoch into one archive.
-
-    Args:
-        settings: Settings of this stage.
-        islands: Archives of all islands.
-        archive: Merged archive.
-        jobs: Threads; the result does not depend on it.
-    """
+    """Merge the islands of an epoch into one archive."""
     frames = [parquet.read(path, EPOCH) for path in islands]
     if len(frames) > 1:
         phase(f"merging {len(frames)} islands")

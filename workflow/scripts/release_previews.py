@@ -23,15 +23,7 @@ def run(
     out: Path,
     jobs: int = 1,
 ) -> None:
-    """Draw each object.
-
-    Args:
-        objects: Objects of the dataset.
-        meshes: Folder of their meshes.
-        out: Pictures of the objects on a transparent ground, z up, each scaled to fill the
-            picture.
-        jobs: Processes; the result does not depend on it.
-    """
+    """Draw each object on a transparent ground, z up, scaled to fill the picture."""
     stems = file_stems(parquet.read(objects, OBJECTS)["label"])
     with workers(jobs) as mapper, atomic_output(out) as folder:
         folder.mkdir()

@@ -30,13 +30,6 @@ def run(
 
     Everything runs in a separate process. If an object crashes it twice, its grasps are marked as
     crashed.
-
-    Args:
-        settings: Settings of this stage.
-        grasps: Labelled grasps of the shard.
-        convex_parts: Convex parts of its objects.
-        meshes: Folder of the scaled meshes.
-        out: The same grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
     """
     labelled = parquet.read(grasps, GRASPS)
     found = []
