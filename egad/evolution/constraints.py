@@ -182,10 +182,7 @@ def build_rules(
     if not allowed.any():
         raise UserError("envelope and hole leave no voxel free for growth")
     return Rules(
-        None if allowed.all() else allowed,
-        None if solid is None else kept,
-        symmetry,
-        limits,
+        None if allowed.all() else allowed, None if solid is None else kept, symmetry, limits
     )
 
 

@@ -166,11 +166,7 @@ def _made(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
         )
         return Decomposition(parts, np.nan, np.nan)
     return decompose(
-        mesh,
-        settings.max_parts,
-        settings.volume_error,
-        settings.deviation,
-        settings.max_vertices,
+        mesh, settings.max_parts, settings.volume_error, settings.deviation, settings.max_vertices
     )
 
 

@@ -37,12 +37,7 @@ class Approaches(NamedTuple):
 
 
 def best_approaches(
-    caster: RayCaster,
-    grasps: ContactPairs,
-    body: HandBody,
-    *,
-    angles: int = 16,
-    way: float = 0.1,
+    caster: RayCaster, grasps: ContactPairs, body: HandBody, *, angles: int = 16, way: float = 0.1
 ) -> Approaches:
     """Find the approach with the most clearance for the open hand, for each of n grasps.
 

@@ -71,13 +71,7 @@ class Labeller:
                 rate_grasps(caster, com, pairs, settings, rng, self._body), statistics
             )
         poses, widths, quality = draw_grasps(
-            mesh,
-            com,
-            gripper,
-            wanted.grasps,
-            rng,
-            robust=settings.robust,
-            density=settings.density,
+            mesh, com, gripper, wanted.grasps, rng, robust=settings.robust, density=settings.density
         )
         if gripper.cup is not None:
             is_rate = gripper.grasps_with == SUCTION

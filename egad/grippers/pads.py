@@ -44,10 +44,7 @@ class Pads(NamedTuple):
 
 
 def find_pads(
-    mechanism: Mechanism,
-    closed: Floats,
-    sides: Sides,
-    links: Sequence[str] | None = None,
+    mechanism: Mechanism, closed: Floats, sides: Sides, links: Sequence[str] | None = None
 ) -> Pads:
     """The faces of both fingers that meet first when the hand closes; `UserError` if none do."""
     model = mechanism.model

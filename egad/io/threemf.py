@@ -274,12 +274,7 @@ def _is_foreign_shape(element: Element) -> bool:
     """Whether an element of an extension shapes an object, such as a lattice of beams."""
     if element.tag.startswith(TAG):
         return False
-    return _local_name(element) in (
-        "beamlattice",
-        "booleanshape",
-        "levelset",
-        "displacementmesh",
-    )
+    return _local_name(element) in ("beamlattice", "booleanshape", "levelset", "displacementmesh")
 
 
 def _local_name(element: Element) -> str:

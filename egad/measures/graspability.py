@@ -43,8 +43,7 @@ from egad.measures.percentile import (
 MAX_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 _Sample: TypeAlias = Callable[
-    [RayCaster, float, int, Sampling, np.random.Generator],
-    tuple[ContactPairs, SamplingStatistics],
+    [RayCaster, float, int, Sampling, np.random.Generator], tuple[ContactPairs, SamplingStatistics]
 ]
 
 
@@ -166,10 +165,7 @@ def rough_graspability(
 
 
 def spaced_graspability(
-    mesh: trimesh.Trimesh,
-    settings: MeasureParameters,
-    count: int,
-    rng: np.random.Generator,
+    mesh: trimesh.Trimesh, settings: MeasureParameters, count: int, rng: np.random.Generator
 ) -> GraspabilityEstimate:
     """The paper's estimator: a percentile of grasps that keep a minimum distance from each other.
 

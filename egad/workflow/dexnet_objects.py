@@ -22,11 +22,7 @@ log = logging.getLogger(__name__)
 
 
 def write_objects(
-    settings: DexNetObjects,
-    objects: Path,
-    meshes: Path,
-    shard: tuple[int, int],
-    out: Path,
+    settings: DexNetObjects, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
 ) -> None:
     """Write the objects of a shard for a Dex-Net database: distance fields, stable poses.
 

@@ -232,10 +232,7 @@ def _listed(
 
 
 def _verified(
-    this: _Submitted,
-    models_of: Callable[[Gripper, str], Models],
-    checks: Checks,
-    out: Path,
+    this: _Submitted, models_of: Callable[[Gripper, str], Models], checks: Checks, out: Path
 ) -> SubmittedTable:
     """A table that the simulation reproduces, with films of it.
 

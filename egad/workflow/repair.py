@@ -19,11 +19,7 @@ def repaired_body(mesh: trimesh.Trimesh, wanted: Postprocess, density: float) ->
         RejectedError: The mesh cannot be repaired, or is too small.
     """
     return repair_and_weigh(
-        mesh,
-        density,
-        wanted.min_volume,
-        wanted.open_surfaces,
-        wanted.shell_thickness,
+        mesh, density, wanted.min_volume, wanted.open_surfaces, wanted.shell_thickness
     )
 
 

@@ -103,11 +103,7 @@ def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
 
 
 def film_clearing(
-    settings: ClutterParameters,
-    table: Path,
-    models: Models,
-    name: tuple[str, str, int],
-    out: Path,
+    settings: ClutterParameters, table: Path, models: Models, name: tuple[str, str, int], out: Path
 ) -> None:
     """Repeat a round without its detector, and film it.
 

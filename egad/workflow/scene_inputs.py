@@ -88,10 +88,7 @@ def read_plan(
         raise UserError(f"{objects}: no object of the dataset can be simulated in scenes")
     rows = [rejection(name, "scenes", reason) for name, reason in sorted(reasons.items())]
     return ScenePlan(
-        planned_scenes(usable, settings),
-        splits,
-        pd.DataFrame(rows, columns=REJECTED.names),
-        usable,
+        planned_scenes(usable, settings), splits, pd.DataFrame(rows, columns=REJECTED.names), usable
     )
 
 

@@ -35,11 +35,7 @@ FOR_PEOPLE = (WEIGHTS, CHART, CARD)
 
 
 def train(
-    settings: TrainNetwork,
-    images: list[Path],
-    out: Path,
-    jobs: int = 1,
-    start: Path | None = None,
+    settings: TrainNetwork, images: list[Path], out: Path, jobs: int = 1, start: Path | None = None
 ) -> Score:
     """Train a network; interrupted training resumes after its last epoch.
 

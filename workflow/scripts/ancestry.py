@@ -13,11 +13,7 @@ from egad.workflow.job import run_job
 log = logging.getLogger(__name__)
 
 
-def run(
-    archive: Path,
-    lineages: list[Path],
-    ancestry: Path,
-) -> None:
+def run(archive: Path, lineages: list[Path], ancestry: Path) -> None:
     """Find the ancestors of the elites of an archive in the lineages of all islands and epochs."""
     ids = parquet.read(archive, ARCHIVE)["id"]
     born = pd.concat([parquet.read(path, LINEAGE) for path in lineages], ignore_index=True)

@@ -23,11 +23,7 @@ from egad.workflow.job import run_job
 
 
 def run(
-    settings: MeasureParameters,
-    datasets: list[str],
-    objects: list[Path],
-    out: Path,
-    figure: Path,
+    settings: MeasureParameters, datasets: list[str], objects: list[Path], out: Path, figure: Path
 ) -> str:
     """Write coverage and diversity of datasets, and a map of each, on a common scale.
 

@@ -20,11 +20,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: SimulationBundle,
-    objects: Path,
-    meshes: Path,
-    shard: tuple[int, int],
-    out: Path,
+    settings: SimulationBundle, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
 ) -> None:
     """Make the convex parts of the objects of a shard, which represent them in simulators.
 

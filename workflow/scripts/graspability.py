@@ -19,11 +19,7 @@ from egad.workflow.job import run_job
 
 
 def run(
-    settings: GraspabilityOfGripper,
-    objects: Path,
-    meshes: Path,
-    out: Path,
-    jobs: int = 1,
+    settings: GraspabilityOfGripper, objects: Path, meshes: Path, out: Path, jobs: int = 1
 ) -> None:
     """Measure the graspability of every object for a gripper, in the same way as for its cell.
 

@@ -10,12 +10,7 @@ from egad.tables.evolution import EPOCH
 from egad.workflow.job import run_job
 
 
-def run(
-    settings: CellsAndDiversities,
-    islands: list[Path],
-    archive: Path,
-    jobs: int = 1,
-) -> None:
+def run(settings: CellsAndDiversities, islands: list[Path], archive: Path, jobs: int = 1) -> None:
     """Merge the islands of an epoch into one archive."""
     frames = [parquet.read(path, EPOCH) for path in islands]
     if len(frames) > 1:

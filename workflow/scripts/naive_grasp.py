@@ -23,12 +23,7 @@ log = logging.getLogger(__name__)
 GRASP_TIME = 5.0  # seconds; a grasp takes a tenth of that
 
 
-def run(
-    settings: NaiveGrasps,
-    convex_parts: Path,
-    meshes: Path,
-    out: Path,
-) -> None:
+def run(settings: NaiveGrasps, convex_parts: Path, meshes: Path, out: Path) -> None:
     """Try naive grasps of the objects of a shard that have convex parts.
 
     Everything runs in a separate process. If an object crashes it twice, its grasps are marked as

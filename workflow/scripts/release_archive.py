@@ -16,11 +16,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: SimulationBundle,
-    format_name: str,
-    meshes: Path,
-    convex_parts: Path,
-    out: Path,
+    settings: SimulationBundle, format_name: str, meshes: Path, convex_parts: Path, out: Path
 ) -> None:
     """Write all objects that have convex parts, sorted by label, in a format for simulators."""
     write = writer_of(format_name)

@@ -41,11 +41,7 @@ PROGRAM = f"egad {__version__}"
 
 
 def run(
-    settings: ReleaseCard,
-    pieces: list[Path],
-    archives: list[Path],
-    gallery: list[Path],
-    out: Path,
+    settings: ReleaseCard, pieces: list[Path], archives: list[Path], gallery: list[Path], out: Path
 ) -> None:
     """Write the card of a release, its licence, citation, provenance and checksums.
 

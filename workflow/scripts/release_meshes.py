@@ -14,12 +14,7 @@ from egad.tables.objects import OBJECTS
 from egad.workflow.job import run_job
 
 
-def run(
-    objects: Path,
-    meshes: Path,
-    out: Path,
-    jobs: int = 1,
-) -> None:
+def run(objects: Path, meshes: Path, out: Path, jobs: int = 1) -> None:
     """Write the mesh of each object as GLB, in metres, not scaled.
 
     glTF is Y up: the z axis of the tables is y in these files, and most programs turn it back.

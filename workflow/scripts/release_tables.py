@@ -43,11 +43,7 @@ def run(
     chosen = parquet.read(evaluation, EVAL49)
     found, simulated = _grasps(grasps, settings.release.grasps)
     table = released_objects(
-        known,
-        parquet.read(scales, SCALES),
-        simulated,
-        Counter(found["label"]),
-        chosen["id"],
+        known, parquet.read(scales, SCALES), simulated, Counter(found["label"]), chosen["id"]
     )
     lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
     family_of = families(table["id"], lineage)

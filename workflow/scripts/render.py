@@ -123,11 +123,7 @@ class Studio:
     """Makes the images of the objects of a dataset."""
 
     def __init__(
-        self,
-        settings: RenderImages,
-        objects: pd.DataFrame,
-        meshes: Path,
-        convex_parts: Path | None,
+        self, settings: RenderImages, objects: pd.DataFrame, meshes: Path, convex_parts: Path | None
     ) -> None:
         """Take the inputs of the images; convex parts if they are needed, or `UserError`."""
         if settings.render.needs_convex_parts and convex_parts is None:

@@ -54,12 +54,7 @@ THUMBNAIL, PORTRAIT = 96, 192
 SHOWN = 4  # scenes of clutter of each kind
 
 
-def run(
-    settings: Settings,
-    results: Path,
-    out: Path,
-    jobs: int = 1,
-) -> None:
+def run(settings: Settings, results: Path, out: Path, jobs: int = 1) -> None:
     """Write the report: one HTML file that works offline."""
     with workers(jobs) as mapper:
         datasets = {

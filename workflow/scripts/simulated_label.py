@@ -20,11 +20,7 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: SimulatedLabels,
-    grasps: Path,
-    convex_parts: Path,
-    meshes: Path,
-    out: Path,
+    settings: SimulatedLabels, grasps: Path, convex_parts: Path, meshes: Path, out: Path
 ) -> None:
     """Simulate the grasps of the objects of a shard: closed in free space, shaken and lifted.
 

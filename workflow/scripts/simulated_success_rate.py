@@ -10,11 +10,7 @@ from egad.tables.grasping import NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJEC
 from egad.workflow.job import run_job
 
 
-def run(
-    grasps: Path,
-    naive: Path,
-    out: Path,
-) -> None:
+def run(grasps: Path, naive: Path, out: Path) -> None:
     """Count how often the naive and the antipodal grasps of each object succeed in simulation."""
     if not is_simulated(grasps):
         raise UserError(f"{grasps} has no simulated labels; set targets.simulated_labels: true")
