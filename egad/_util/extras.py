@@ -41,13 +41,9 @@ PACKAGES = {
 
 @contextmanager
 def needed_for(what: str) -> Iterator[None]:
-    """Import packages of an extra in a `with` block.
+    """Import packages of an extra in a `with` block; `MissingPackageError` names the extra.
 
-    Args:
-        what: What the user wants, as the beginning of a sentence: "graspgen".
-
-    Raises:
-        MissingPackageError: One is not installed; the message names its extra.
+    `what` the user wants begins the sentence, such as "graspgen".
     """
     try:
         yield
@@ -59,15 +55,7 @@ def needed_for(what: str) -> Iterator[None]:
 
 
 def check_installed(module: str, what: str) -> None:
-    """Check that a package of an extra is installed, without importing it.
-
-    Args:
-        module: Its name in imports.
-        what: What the user wants, as the beginning of a sentence.
-
-    Raises:
-        MissingPackageError: It is not; the message names its extra.
-    """
+    """Raise `MissingPackageError` if a package of an extra is missing, without importing it."""
     if importlib.util.find_spec(module) is None:
         raise _missing(what, module)
 

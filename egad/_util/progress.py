@@ -116,17 +116,10 @@ def progress(
     scale: int = 1,
     state: Callable[[], str] = lambda: "",
 ) -> Iterator[T]:
-    """Pass items through and show on stderr, or in a notebook, how far the work is.
+    """Pass items through, and show on stderr or in a notebook how far the work is.
 
-    Args:
-        items: Things to work on.
-        what: What the work is, e.g. `"grading objects"`.
-        total: How many items there are.
-        scale: How much an item counts, for instance the evaluations of a step.
-        state: More words on the work, e.g. `"coverage 0.81"`; nothing by default.
-
-    Yields:
-        The items, unchanged and in order.
+    An item counts `scale`, such as the evaluations of a step; `state` adds words, such as
+    `"coverage 0.81"`.
     """
     if sys.stderr.isatty():
         with _bar(what, scale * total) as draw:
@@ -140,15 +133,7 @@ def progress(
 
 @contextmanager
 def shared_progress(what: str, total: int) -> Iterator[Path]:
-    """Show the progress of work that is done in other processes, or in calls that take long.
-
-    Args:
-        what: What the work is, e.g. `"attempts"`.
-        total: How much there is to do.
-
-    Yields:
-        The file to pass to `count_done` wherever something is done.
-    """
+    """Show the progress of work done elsewhere, or in long calls: a file for `count_done`."""
     stop = threading.Event()
     with TemporaryDirectory() as folder:
         file = Path(folder) / "done"
