@@ -146,11 +146,7 @@ _UNSAFE = re.compile(r"[/\\\x00]|^\.{1,2}$")
 
 
 def check_names(frame: pd.DataFrame, path: Path, columns: Sequence[str] = LABELS) -> None:
-    """Make sure that names of objects can be names of files, in any folder.
-
-    Raises:
-        TableError: One cannot; the text names it.
-    """
+    """Raise a `TableError` that names an object whose name cannot be that of a file anywhere."""
     for column in (name for name in columns if name in frame):
         for name in frame[column].unique():
             if isinstance(name, str) and _UNSAFE.search(name):

@@ -14,16 +14,7 @@ class RowGroups:
     """The groups of rows of a Parquet file."""
 
     def __init__(self, path: Path, names: Sequence[str]) -> None:
-        """Open a table without reading its rows.
-
-        Args:
-            path: The file.
-            names: Columns that it must have.
-
-        Raises:
-            TableError: The file is missing, is not Parquet, is cut short, lacks a column, or would
-                take too much memory.
-        """
+        """Open a table with some columns, without reading its rows, or raise `TableError`."""
         self._path = path
         try:
             self._source = Source(path)
@@ -33,11 +24,7 @@ class RowGroups:
         parquet.check_columns(path, list(names))
 
     def read(self, group: int, names: Sequence[str]) -> pd.DataFrame:
-        """Some columns of a group, by its number.
-
-        Raises:
-            TableError: The file is damaged.
-        """
+        """Some columns of a group, by its number; `TableError` if it is damaged."""
         try:
             frame: pd.DataFrame = self._source.read(names, group).to_pandas()
         except DAMAGED as error:
