@@ -10,20 +10,12 @@ from egad.tables.origin import ELSEWHERE
 
 
 def provenance_graph(paths: Iterable[Path], folder: Path) -> dict[str, dict[str, Any]]:
-    """The recorded origin of files and folders, and of everything that they were made from.
+    """The recorded origin of files and folders, and of all that they were made from, by path.
 
-    Args:
-        paths: Files and folders.
-        folder: Paths in the result are relative to it.
-
-    Returns:
-        For each path what made it: stage, version and fingerprint of the code, hash of the
-        settings, seed, arguments, and its inputs with their SHA-256. Inputs without a record, and
-        those outside the working directory, have no entry.
-
-    Raises:
-        TableError: A table is damaged.
-        UserError: The record of a file is damaged.
+    Paths are relative to the folder. An origin is the stage, version and fingerprint of the code,
+    hash of the settings, seed, arguments, and inputs with their SHA-256. Inputs without a record,
+    and those outside the working directory, have no entry. Raises `TableError` or `UserError` if a
+    table or a record is damaged.
     """
     found: dict[str, dict[str, Any]] = {}
     waiting = list(paths)

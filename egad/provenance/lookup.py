@@ -28,10 +28,7 @@ class Noted(BaseModel):
     inputs: list[tuple[str, str]]
 
     def sources(self) -> list[tuple[Path, str]]:
-        """The inputs where they should be now, with their recorded hashes.
-
-        It is not known where inputs from elsewhere are: their paths lead nowhere.
-        """
+        """The inputs where they should be now, with hashes; nowhere if they are from elsewhere."""
         folder = self.path if self.path.is_dir() else self.path.parent
         return [
             (Path(name if name.startswith(ELSEWHERE) else os.path.normpath(folder / name)), digest)
@@ -52,12 +49,7 @@ def is_near(path: Path, folders: Iterable[Path]) -> bool:
 
 
 def origin_of(path: Path) -> Noted | None:
-    """The recorded origin of a file or folder, if there is one.
-
-    Raises:
-        TableError: A table is damaged.
-        UserError: The record is damaged.
-    """
+    """The recorded origin of a file or folder, if any; `TableError` or `UserError` if damaged."""
     if path.suffix == TABLE:
         values = parquet.origin_of(path)
     else:

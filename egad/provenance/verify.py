@@ -37,13 +37,8 @@ def verify(folder: Path) -> Verdict:
     """Compare all files of a folder, except hidden ones, with the hashes recorded for them.
 
     A table contains a hash of itself; other files have theirs beside them. Every file is also
-    compared with the hash that was recorded when another file was made from it.
-
-    Args:
-        folder: Such as `results/egad`.
-
-    Raises:
-        UserError: There is no such folder, or no file in it has a record.
+    compared with the hash that was recorded when another file was made from it. Raises `UserError`
+    if there is no such folder, or no file in it has a record.
     """
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder")
