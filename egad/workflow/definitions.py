@@ -45,11 +45,7 @@ class Module(NamedTuple):
 
 @cache
 def read_module(package: Path, name: str) -> Module:
-    """The definitions of a module or script.
-
-    Raises:
-        ModuleNotFoundError: There is no such script, or no such module in the package.
-    """
+    """The definitions of a module of the package or a script, or `ModuleNotFoundError`."""
     path = source_of(package, name)
     if path is None:
         raise ModuleNotFoundError(f"{name} is not a module of {package}")

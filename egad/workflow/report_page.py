@@ -90,13 +90,9 @@ class ReportData:
 
 
 def build(report: ReportData) -> str:
-    """Combine a run into one HTML page.
+    """Combine a run into one HTML page, the same for the same report, pictures inline.
 
-    Args:
-        report: Tables, pictures, settings and versions; what a dataset lacks is left out.
-
-    Returns:
-        The text of the page: the same for the same report. Pictures and figures are inline.
+    What a dataset lacks is left out.
     """
     return report_page(_sections(report), alone=len(report.datasets) == 1)
 
@@ -142,13 +138,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
 
 
 def is_listed(settings: Settings, name: str, objects: pd.DataFrame) -> bool:
-    """Whether the objects of a dataset are shown one by one rather than on a map.
-
-    Args:
-        settings: The resolved configuration.
-        name: The dataset.
-        objects: Columns of `tables.objects.OBJECTS`.
-    """
+    """Whether the objects of a dataset are shown one by one rather than on a map."""
     return settings.datasets[name].source == "meshes" and len(objects) <= MAX_LISTED
 
 

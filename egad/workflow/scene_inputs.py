@@ -53,18 +53,9 @@ def read_plan(
     evaluation: Path | None,
     ancestry: Path | None,
 ) -> ScenePlan:
-    """Plan the scenes of a dataset.
+    """Plan the scenes of a dataset; an evaluation set is held out, with ancestors if known.
 
-    Args:
-        settings: Settings of the scenes.
-        objects: Objects of the dataset.
-        scales: Their scales for the gripper.
-        convex_parts: Their convex parts.
-        evaluation: Evaluation set to hold out, if any.
-        ancestry: Objects and their ancestors, if known.
-
-    Raises:
-        UserError: All objects are held out, or none can be simulated.
+    Raises `UserError` if all objects are held out, or none can be simulated.
     """
     table = parquet.read(objects, OBJECTS)[["id", "label"]]
     lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
@@ -98,14 +89,7 @@ class StoredModels:
     def __init__(
         self, settings: MakeScenes, objects: Path, meshes: Path, convex_parts: Path
     ) -> None:
-        """Find the objects.
-
-        Args:
-            settings: Their material.
-            objects: Objects of the dataset.
-            meshes: Folder of the scaled meshes.
-            convex_parts: Their convex parts.
-        """
+        """Find the objects of a dataset, their scaled meshes and their convex parts."""
         table = parquet.read(objects, OBJECTS)
         self._labels = dict(zip(table["id"], table["label"], strict=True))
         self._parts = dict(iter(parquet.read(convex_parts, CONVEX_PARTS).groupby("label")))
