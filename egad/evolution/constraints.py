@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import trimesh
@@ -11,9 +12,11 @@ from scipy import ndimage
 from egad._util.arrays import Floats
 from egad.errors import RejectedError, UserError
 from egad.evolution import voxels
-from egad.evolution.parameters import Limits, Region, Symmetry
+from egad.evolution.parameters import EvolutionParameters, Limits, Region, Symmetry
 from egad.evolution.voxels import Solid
 from egad.geometry import RayCaster
+from egad.geometry.repair import repair
+from egad.io import read_mesh
 
 Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]
@@ -244,3 +247,36 @@ def _check_limits(body: Solid, limits: Limits) -> None:
 def box_sides(body: Solid) -> NDArray[np.int64]:
     """Sides of the axis-aligned box of a body, in voxels, (3,)."""
     return np.asarray(np.ptp(np.argwhere(body), axis=0) + 1)
+
+
+def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
+    """The constraints on all shapes.
+
+    Args:
+        settings: All constraints.
+        resolution: Voxels along each side of the cube; None: as in evolution.
+
+    Raises:
+        UserError: The constraints leave no voxel to grow in, or a mesh cannot be used.
+    """
+    return build_rules(
+        resolution or settings.shape.resolution,
+        mesh_of,
+        envelope=settings.envelope,
+        keep_solid=settings.keep_solid,
+        hole=settings.hole,
+        symmetry=settings.symmetry,
+        limits=settings.limits,
+    )
+
+
+def mesh_of(path: str) -> trimesh.Trimesh:
+    """The closed mesh in a file that a region names; `UserError` if it cannot be used."""
+    try:
+        mesh = read_mesh(Path(path), "m")
+        closed = repair(mesh).mesh
+    except RejectedError as reason:
+        raise UserError(f"the mesh {path} of a region cannot be used: {reason}") from reason
+    if mesh.body_count > 1:
+        raise UserError(f"the mesh {path} of a region has {mesh.body_count} parts; one is allowed")
+    return closed

@@ -4,7 +4,7 @@ A table is written under a temporary name and then renamed, so a file that exist
 """
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from egad.tables.untrusted import BATCH, DAMAGED, Source, unreadable
 
 __all__ = [
     "BATCH",
+    "RowGroups",
     "TableError",
     "batches",
     "check_columns",
@@ -64,7 +65,7 @@ def write(
     """Write a table atomically: exactly the columns of its schema, in that order.
 
     The file also records its origin (`egad.tables.origin`) and notes, and is sealed. A group of
-    rows can be read without the others (`tables.row_groups`): a million rows if None.
+    rows can be read without the others (`RowGroups`): a million rows if None.
     """
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
@@ -182,3 +183,26 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
 def distinct(path: Path, name: str) -> set[Any]:
     """The distinct values of a column; raises what `batches` raises."""
     return {value for rows in batches(path, [name]) for value in rows[name]}
+
+
+class RowGroups:
+    """The groups of rows of a table too large to be read at once, in any order."""
+
+    def __init__(self, path: Path, names: Sequence[str]) -> None:
+        """Open a table with some columns, without reading its rows, or raise `TableError`."""
+        self._path = path
+        try:
+            self._source = Source(path)
+        except DAMAGED as error:
+            raise unreadable(path, error) from error
+        self.sizes = self._source.group_rows
+        check_columns(path, list(names))
+
+    def read(self, group: int, names: Sequence[str]) -> pd.DataFrame:
+        """Some columns of a group, by its number; `TableError` if it is damaged."""
+        try:
+            frame: pd.DataFrame = self._source.read(names, group).to_pandas()
+        except DAMAGED as error:
+            raise unreadable(self._path, error) from error
+        check_names(frame, self._path)
+        return frame

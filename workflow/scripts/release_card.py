@@ -32,7 +32,7 @@ from egad.exchange.release import (
     licence_text,
 )
 from egad.io import checksum, files_of
-from egad.provenance.graph import provenance_graph
+from egad.provenance.lookup import provenance_graph
 from egad.tables import parquet
 from egad.tables.release import RELEASED_GRASPS, RELEASED_OBJECTS
 from egad.workflow.job import run_job
