@@ -9,15 +9,10 @@ from egad.errors import MissingPackageError
 
 
 class Package(NamedTuple):
-    """A package of an extra.
+    """A package of an extra."""
 
-    Attributes:
-        name: Its official name.
-        extra: The extra of egad that installs it.
-    """
-
-    name: str
-    extra: str
+    name: str  # its official name
+    extra: str  # the extra of egad that installs it
 
 
 # By import name; the versions are in pyproject.toml.

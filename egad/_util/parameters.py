@@ -64,15 +64,10 @@ class ParameterGroup(Parameters):
 
 @dataclass(frozen=True)
 class Archived:
-    """The part of a section that an archive of elites depends on; without this mark, all of it.
+    """The part of a section that an archive of elites depends on; without this mark, all of it."""
 
-    Attributes:
-        keys: Those that count; all if None.
-        graspability: Whether graspability depends on the section, too.
-    """
-
-    keys: frozenset[str] | None = None
-    graspability: bool = True
+    keys: frozenset[str] | None = None  # those that count; all if None
+    graspability: bool = True  # whether graspability depends on the section, too
 
 
 # decides which objects are found, not how they are measured

@@ -50,21 +50,13 @@ PEOPLE = Pace(15.0, 60.0, 0.5)  # who read all lines; short work has none
 
 @dataclass(frozen=True)
 class Status:
-    """How far some work is.
+    """How far some work is."""
 
-    Attributes:
-        what: What the work is, e.g. `"evaluations"`.
-        done: How much is done.
-        total: How much there is to do.
-        rate: How much is done in a second; 0 if that is not known yet.
-        state: More words, e.g. `"coverage 0.81"`.
-    """
-
-    what: str
-    done: int
-    total: int
-    rate: float = 0.0
-    state: str = ""
+    what: str  # what the work is, e.g. `"evaluations"`
+    done: int  # how much is done
+    total: int  # how much there is to do
+    rate: float = 0.0  # how much is done in a second; 0 if that is not known yet
+    state: str = ""  # more words, e.g. `"coverage 0.81"`
 
     @property
     def left(self) -> float | None:

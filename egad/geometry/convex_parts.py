@@ -32,17 +32,11 @@ SPARE = 2  # at most this many times as many pieces are cut as parts are allowed
 
 
 class Decomposition(NamedTuple):
-    """Convex parts, and the error bounds that they meet.
+    """Convex parts, and the error bounds that they meet."""
 
-    Attributes:
-        parts: Convex meshes with outward normals, at least one.
-        deviation: How deep the touchable surface lies in a part, metres.
-        volume_error: By how much the parts exceed the solid, as a fraction of it.
-    """
-
-    parts: list[trimesh.Trimesh]
-    deviation: float
-    volume_error: float
+    parts: list[trimesh.Trimesh]  # convex meshes with outward normals, at least one
+    deviation: float  # how deep the touchable surface lies in a part, metres
+    volume_error: float  # by how much the parts exceed the solid, as a fraction of it
 
 
 class _Piece(NamedTuple):

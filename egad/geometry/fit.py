@@ -34,19 +34,12 @@ STEP = 2**0.5  # the bounds are loosened by this factor, again and again
 
 
 class Tolerances(NamedTuple):
-    """How far parts may be from a solid.
+    """How far parts may be from a solid."""
 
-    Attributes:
-        deviation: Metres, of the touchable surface.
-        volume_error: Relative.
-        max_vertices: Maximum number of vertices of a part.
-        lowering: By how much faces may be moved inwards, metres.
-    """
-
-    deviation: float
-    volume_error: float
-    max_vertices: int
-    lowering: float
+    deviation: float  # metres, of the touchable surface
+    volume_error: float  # relative
+    max_vertices: int  # maximum number of vertices of a part
+    lowering: float  # by how much faces may be moved inwards, metres
 
     def loosened(self, factor: float) -> "Tolerances":
         """Looser bounds, but only for outward errors: faces are not moved further inwards."""

@@ -19,19 +19,12 @@ KINDS = {"box": [0, 1, 2], "cylinder": [0, 0, 1], "sphere": [0, 0, 0]}
 
 
 class Piece(NamedTuple):
-    """A primitive and its pose.
+    """A primitive and its pose."""
 
-    Attributes:
-        kind: A key of `KINDS`.
-        sides: Along its own axes, (3,).
-        rotation: From its own axes to those of the object, (3, 3).
-        middle: (3,).
-    """
-
-    kind: str
-    sides: Floats
-    rotation: Floats
-    middle: Floats
+    kind: str  # a key of `KINDS`
+    sides: Floats  # along its own axes, (3,)
+    rotation: Floats  # from its own axes to those of the object, (3, 3)
+    middle: Floats  # (3,)
 
 
 def joined_primitives(rng: np.random.Generator, longest_side: float) -> trimesh.Trimesh:

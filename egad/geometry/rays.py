@@ -16,19 +16,12 @@ OBLIQUE = np.array([0.4359, 0.5931, 0.6769]) / np.linalg.norm([0.4359, 0.5931, 0
 
 
 class Intersections(NamedTuple):
-    """The first triangle that each of n rays meets.
+    """The first triangle that each of n rays meets."""
 
-    Attributes:
-        faces: (n,) its number; -1 without a hit.
-        distances: (n,) in units of the length of the direction; infinite without a hit.
-        coordinates: (n, 2) barycentric coordinates of the second and third corner.
-        normals: (n, 3) of the triangle, of any length; zeros without a hit.
-    """
-
-    faces: NDArray[np.int64]
-    distances: Singles
-    coordinates: Singles
-    normals: Singles
+    faces: NDArray[np.int64]  # (n,) its number; -1 without a hit
+    distances: Singles  # (n,) in units of the length of the direction; infinite without a hit
+    coordinates: Singles  # (n, 2) barycentric coordinates of the second and third corner
+    normals: Singles  # (n, 3) of the triangle, of any length; zeros without a hit
 
 
 class TriangleScene:
@@ -78,17 +71,11 @@ def _infinite_where_missed(distances: Singles) -> Singles:
 
 
 class Hits(NamedTuple):
-    """The first surface that each of n rays meets.
+    """The first surface that each of n rays meets."""
 
-    Attributes:
-        distances: (n,) along the ray, metres; infinite without a hit.
-        normals: (n, 3) outward unit normals of the triangles; zeros without a hit.
-        entering: (n,) whether the ray comes from outside; False without a hit.
-    """
-
-    distances: Floats
-    normals: Floats
-    entering: Flags
+    distances: Floats  # (n,) along the ray, metres; infinite without a hit
+    normals: Floats  # (n, 3) outward unit normals of the triangles; zeros without a hit
+    entering: Flags  # (n,) whether the ray comes from outside; False without a hit
 
 
 class RayCaster:

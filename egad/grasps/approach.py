@@ -19,21 +19,13 @@ STRAIGHT = np.zeros(1)  # radians; not turned
 
 
 class Approaches(NamedTuple):
-    """The best approach to each of n grasps.
+    """The best approach to each of n grasps."""
 
-    Attributes:
-        directions: (n, 3) unit vectors along which the hand moves towards the object.
-        fits: (n,) whether the hand touches nothing at the grasp.
-        free: (n,) whether it touches nothing on the way in either.
-        angles_fit: (n,) number of angles that fit.
-        angles_collision_free: (n,) number of angles that are free.
-    """
-
-    directions: Floats
-    fits: Flags
-    free: Flags
-    angles_fit: Ints
-    angles_collision_free: Ints
+    directions: Floats  # (n, 3) unit vectors along which the hand moves towards the object
+    fits: Flags  # (n,) whether the hand touches nothing at the grasp
+    free: Flags  # (n,) whether it touches nothing on the way in either
+    angles_fit: Ints  # (n,) number of angles that fit
+    angles_collision_free: Ints  # (n,) number of angles that are free
 
 
 def best_approaches(

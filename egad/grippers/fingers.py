@@ -109,21 +109,13 @@ def find_sides(mechanism: Mechanism, chains: list[int]) -> Sides:
 
 
 class _Motion(NamedTuple):
-    """A small step of the driven joints that the other joints can follow.
+    """A small step of the driven joints that the other joints can follow."""
 
-    Attributes:
-        sizes: How far groups of links move against each other, along each axis, descending.
-        axis: The axis along which they move most.
-        before: (n, 3) the middles of the groups before the step.
-        after: The same after it.
-        signs: Which way each driven joint moves, (n,).
-    """
-
-    sizes: Floats
-    axis: Floats
-    before: Floats
-    after: Floats
-    signs: Floats
+    sizes: Floats  # how far groups of links move against each other, along each axis, descending
+    axis: Floats  # the axis along which they move most
+    before: Floats  # (n, 3) the middles of the groups before the step
+    after: Floats  # the same after it
+    signs: Floats  # which way each driven joint moves, (n,)
 
 
 def _motions(mechanism: Mechanism, groups: list[frozenset[int]]) -> Iterator[_Motion]:

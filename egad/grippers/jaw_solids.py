@@ -18,17 +18,11 @@ STEEPEST = np.cos(np.radians(75.0))  # how far the face of a jaw may turn away f
 
 
 class JawFrame(NamedTuple):
-    """The directions of a hand with one jaw, in the frame of its palm; unit vectors.
+    """The directions of a hand with one jaw, in the frame of its palm; unit vectors."""
 
-    Attributes:
-        closing: From the fixed jaw to the moving one.
-        across: Along the breadth of the jaws.
-        approach: Along the jaws, towards their tips.
-    """
-
-    closing: Floats
-    across: Floats
-    approach: Floats
+    closing: Floats  # from the fixed jaw to the moving one
+    across: Floats  # along the breadth of the jaws
+    approach: Floats  # along the jaws, towards their tips
 
     @property
     def matrix(self) -> Floats:
@@ -37,21 +31,13 @@ class JawFrame(NamedTuple):
 
 
 class JawPads(NamedTuple):
-    """The pads of both jaws.
+    """The pads of both jaws."""
 
-    Attributes:
-        middle: (3,) middle of the fixed pad, in the frame of the palm, metres.
-        extent: Breadth and length of both, metres.
-        bridge: (3,) middle of the moving pad, along its `axes`, metres.
-        axes: (3, 3) closing, across and approach in the frame of the moving link, in rows.
-        recess: As in `GripperModel`.
-    """
-
-    middle: Floats
-    extent: Floats
-    bridge: Floats
-    axes: Floats
-    recess: tuple[float, float]
+    middle: Floats  # (3,) middle of the fixed pad, in the frame of the palm, metres
+    extent: Floats  # breadth and length of both, metres
+    bridge: Floats  # (3,) middle of the moving pad, along its `axes`, metres
+    axes: Floats  # (3, 3) closing, across and approach in the frame of the moving link, in rows
+    recess: tuple[float, float]  # as in `GripperModel`
 
 
 class JawSolids:

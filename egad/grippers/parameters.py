@@ -12,15 +12,10 @@ from egad.grippers.cup import SuctionCup
 
 
 class Pad(NamedTuple):
-    """Finger pads on printed plastic (our own typical values).
+    """Finger pads on printed plastic (our own typical values)."""
 
-    Attributes:
-        friction: Sliding friction.
-        radius: Radius of the contact patch on a round object, metres; it resists twisting.
-    """
-
-    friction: float
-    radius: float
+    friction: float  # sliding friction
+    radius: float  # radius of the contact patch on a round object, metres; it resists twisting
 
 
 PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}

@@ -18,17 +18,11 @@ MIN_OPENING, MAX_OPENING = 0.5e-3, 1.0  # metres
 
 
 class Stroke(NamedTuple):
-    """The way from closed to open.
+    """The way from closed to open."""
 
-    Attributes:
-        positions: (k, q) positions of all joints.
-        middles: (k, 2, 3) middles of both pads, in the frame of the palm, metres.
-        pads: The faces that meet.
-    """
-
-    positions: Floats
-    middles: Floats
-    pads: Pads
+    positions: Floats  # (k, q) positions of all joints
+    middles: Floats  # (k, 2, 3) middles of both pads, in the frame of the palm, metres
+    pads: Pads  # the faces that meet
 
 
 def find_stroke(mechanism: Mechanism, sides: Sides, links: Sequence[str] | None = None) -> Stroke:

@@ -53,17 +53,11 @@ class Element(NamedTuple):
 
 
 class ElementRows(NamedTuple):
-    """The numbers of an element that are used.
+    """The numbers of an element that are used."""
 
-    Attributes:
-        points: Coordinates of vertices, (n, 3); empty for other elements.
-        items: The values of all lists of indices, one after the other.
-        lengths: Lengths of these lists.
-    """
-
-    points: Floats
-    items: Ints
-    lengths: Ints
+    points: Floats  # coordinates of vertices, (n, 3); empty for other elements
+    items: Ints  # the values of all lists of indices, one after the other
+    lengths: Ints  # lengths of these lists
 
 
 NOTHING = ElementRows(np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64))

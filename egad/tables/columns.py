@@ -23,15 +23,9 @@ STRING, INT, FLOAT, BOOL, BINARY = (
 
 
 class Result(NamedTuple):
-    """A file or folder that a run writes.
+    """A file or folder that a run writes."""
 
-    Attributes:
-        path: In `results/`; D stands for a dataset, G for a gripper, P for a grasp detector.
-        meaning: What it is.
-        columns: The columns of a table.
-    """
-
-    path: str
+    path: str  # in `results/`; D stands for a dataset, G for a gripper, P for a grasp detector
     meaning: str
     columns: pa.Schema | None = None
 

@@ -15,17 +15,11 @@ _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class Definition(NamedTuple):
-    """A function, class, constant or method.
+    """A function, class, constant or method."""
 
-    Attributes:
-        code: Its statements in one fixed layout, without comments and docstrings.
-        uses: Dotted names in it, such as `PADS` and `np.pad`.
-        words: Names of attributes in it, and texts: they may name methods and files.
-    """
-
-    code: str
-    uses: frozenset[str]
-    words: frozenset[str]
+    code: str  # its statements in one fixed layout, without comments and docstrings
+    uses: frozenset[str]  # dotted names in it, such as `PADS` and `np.pad`
+    words: frozenset[str]  # names of attributes in it, and texts: they may name methods and files
 
 
 class Module(NamedTuple):

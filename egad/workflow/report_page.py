@@ -74,19 +74,12 @@ class DatasetReport:
 
 @dataclass(frozen=True)
 class ReportData:
-    """A whole run.
+    """A whole run."""
 
-    Attributes:
-        settings: The resolved configuration.
-        comparison: Columns of `tables.objects.COMPARISON`.
-        datasets: Reports by name of the dataset.
-        versions: Version of each program that was used.
-    """
-
-    settings: Settings
-    comparison: pd.DataFrame
-    datasets: Mapping[str, DatasetReport]
-    versions: Mapping[str, str]
+    settings: Settings  # the resolved configuration
+    comparison: pd.DataFrame  # columns of `tables.objects.COMPARISON`
+    datasets: Mapping[str, DatasetReport]  # reports by name of the dataset
+    versions: Mapping[str, str]  # version of each program that was used
 
 
 def build(report: ReportData) -> str:

@@ -30,19 +30,12 @@ KEPT = 200  # objects kept in memory
 
 
 class ScenePlan(NamedTuple):
-    """The planned scenes of a dataset.
-
-    Attributes:
-        scenes: All scenes.
-        splits: How the objects are split.
-        rejected: Objects that cannot be simulated, columns of `tables.objects.REJECTED`.
-        usable: The split of each object that can be simulated.
-    """
+    """The planned scenes of a dataset."""
 
     scenes: list[PlannedScene]
-    splits: Splits
-    rejected: pd.DataFrame
-    usable: dict[str, str]
+    splits: Splits  # how the objects are split
+    rejected: pd.DataFrame  # objects that cannot be simulated, columns of `tables.objects.REJECTED`
+    usable: dict[str, str]  # the split of each object that can be simulated
 
 
 def read_plan(

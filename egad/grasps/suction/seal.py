@@ -50,17 +50,11 @@ class Seals(NamedTuple):
 
 
 class Springs(NamedTuple):
-    """Lengths of the springs of n cups, (n, sides) each, metres.
+    """Lengths of the springs of n cups, (n, sides) each, metres."""
 
-    Attributes:
-        perimeter: From each vertex of the ring to the next.
-        flexion: From each vertex of the ring to the next but one.
-        cone: From each vertex of the ring to the apex.
-    """
-
-    perimeter: Floats
-    flexion: Floats
-    cone: Floats
+    perimeter: Floats  # from each vertex of the ring to the next
+    flexion: Floats  # from each vertex of the ring to the next but one
+    cone: Floats  # from each vertex of the ring to the apex
 
 
 def seal_cups(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats) -> Seals:
