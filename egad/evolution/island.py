@@ -66,34 +66,19 @@ class Candidate:
 
 
 class Advance(NamedTuple):
-    """What a step did.
+    """What a step did."""
 
-    Attributes:
-        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
-            reason.
-        refined: How many of them were measured again.
-        accepted: Objects that the archive accepted.
-    """
-
-    outcomes: Counter[str]
-    refined: int
-    accepted: list[Elite]
+    outcomes: Counter[str]  # offspring that were evaluated, empty, known, or rejected, by reason
+    refined: int  # how many of them were measured again
+    accepted: list[Elite]  # objects that the archive accepted
 
 
 class Epoch(NamedTuple):
-    """What an epoch did.
+    """What an epoch did."""
 
-    Attributes:
-        history: The steps, with the columns of `tables.evolution.HISTORY`.
-        lineage: All objects that the archive accepted, even if they were removed again, with the
-            columns of `tables.evolution.LINEAGE`.
-        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
-            reason.
-    """
-
-    history: pd.DataFrame
-    lineage: pd.DataFrame
-    outcomes: Counter[str]
+    history: pd.DataFrame  # the steps, with the columns of `tables.evolution.HISTORY`
+    lineage: pd.DataFrame  # all that was accepted, even for a while: `tables.evolution.LINEAGE`
+    outcomes: Counter[str]  # offspring that were evaluated, empty, known, or rejected, by reason
 
 
 class Step(NamedTuple):

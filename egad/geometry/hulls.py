@@ -22,18 +22,11 @@ EQUAL = 1e-9  # relative difference of volumes that are the same
 
 
 class Hull(NamedTuple):
-    """A convex hull.
+    """A convex hull."""
 
-    Attributes:
-        points: Its corners, (n, 3).
-        volume: Its volume.
-        planes: Outward unit normals and offsets of its faces, (m, 4): no corner has a positive
-            normal @ point + offset.
-    """
-
-    points: Floats
-    volume: float
-    planes: Floats
+    points: Floats  # (n, 3) its corners
+    volume: float  # its volume
+    planes: Floats  # (m, 4) outward unit normals and offsets of faces; @ corner + offset <= 0
 
 
 def hull_of(points: Floats) -> Hull:

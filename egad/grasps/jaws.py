@@ -17,18 +17,11 @@ from egad.grippers import HandBody, ModelBody
 
 
 class JawFaces(NamedTuple):
-    """The inner faces of a hand with one moving jaw, at n grasps.
-
-    Attributes:
-        body: The hand.
-        approaches: (n, 3) unit vectors along which it points.
-        excess: (n,) how much wider than the contacts it stays open because it meets something else
-            first, metres.
-    """
+    """The inner faces of a hand with one moving jaw, at n grasps."""
 
     body: ModelBody
-    approaches: Floats
-    excess: Floats
+    approaches: Floats  # (n, 3) unit vectors along which it points
+    excess: Floats  # (n,) how much wider than the contacts it stays open, stopped before, metres
 
     @classmethod
     def of(

@@ -24,25 +24,15 @@ from egad.random import generator
 
 
 class LabelledGrasps(NamedTuple):
-    """Labelled grasps of an object.
+    """Labelled grasps of an object."""
 
-    Attributes:
-        table: Columns of `tables.grasping.GRASPS` without `id` and `label`; none without grasps.
-        statistics: How many candidates there were, and why some were rejected.
-        reason: Why there is no grasp; empty if there is one.
-    """
-
-    table: pd.DataFrame
-    statistics: SamplingStatistics
-    reason: str = ""
+    table: pd.DataFrame  # columns of `tables.grasping.GRASPS` but `id` and `label`; may be empty
+    statistics: SamplingStatistics  # how many candidates there were, and why some were rejected
+    reason: str = ""  # why there is no grasp; empty if there is one
 
 
 class Labeller:
-    """Samples and rates grasps of objects, as the gripper requires.
-
-    Attributes:
-        settings: The gripper, how many grasps, and how to rate them.
-    """
+    """Samples and rates grasps of objects, as the gripper requires."""
 
     def __init__(self, settings: LabelParameters) -> None:
         """Read the hand, or raise `UserError` if a file or its sampler cannot be used."""

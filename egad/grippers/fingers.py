@@ -22,17 +22,11 @@ WHOLE_ROBOT = "; for a whole robot, name a link of each finger: finger_links: [N
 
 
 class Sides(NamedTuple):
-    """The moving links of both fingers, and the axis along which they close.
+    """The moving links of both fingers, and the axis along which they close."""
 
-    Attributes:
-        links: Links of the finger at the lower end of the axis, and of the one at the higher end.
-        axis: Unit vector in the frame of the palm.
-        signs: Which way each driven joint moves from open to closed, (n,).
-    """
-
-    links: tuple[frozenset[int], frozenset[int]]
-    axis: Floats
-    signs: Floats
+    links: tuple[frozenset[int], frozenset[int]]  # of fingers at the lower and higher end
+    axis: Floats  # unit vector in the frame of the palm
+    signs: Floats  # which way each driven joint moves from open to closed, (n,)
 
 
 def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = None) -> list[int]:

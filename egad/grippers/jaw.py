@@ -32,19 +32,12 @@ FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
 
 
 class JawStroke(NamedTuple):
-    """The way of a jaw from closed to open.
+    """The way of a jaw from closed to open."""
 
-    Attributes:
-        positions: (k, q) positions of all joints.
-        openings: (k,) gap of the inner faces at the pads, ascending, metres.
-        angles: (k,) angles between them, radians; positive if they are farther apart at the tips.
-        pads: Where they are measured.
-    """
-
-    positions: Floats
-    openings: Floats
-    angles: Floats
-    pads: JawPads
+    positions: Floats  # (k, q) positions of all joints
+    openings: Floats  # (k,) gap of the inner faces at the pads, ascending, metres
+    angles: Floats  # (k,) radians between them; positive if they are farther apart at the tips
+    pads: JawPads  # where they are measured
 
 
 def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None) -> JawStroke:

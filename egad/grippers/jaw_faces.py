@@ -32,20 +32,12 @@ SLIDE = mujoco.mjtJoint.mjJNT_SLIDE
 
 
 class Facing(NamedTuple):
-    """How two jaws face each other.
+    """How two jaws face each other."""
 
-    Attributes:
-        axis: Normal of the fixed jaw's inner face, towards the moving one, in the frame of the
-            palm.
-        normal: Normal of the moving jaw's inner face, in the frame of its link.
-        closing: 1 if the jaw closes while the position of its joint grows, else -1.
-        points: (n, 3) of the fixed jaw's face, in the frame of the palm, metres.
-    """
-
-    axis: Floats
-    normal: Floats
-    closing: float
-    points: Floats
+    axis: Floats  # normal of the fixed jaw's inner face, to the other, in the frame of the palm
+    normal: Floats  # normal of the moving jaw's inner face, in the frame of its link
+    closing: float  # 1 if the jaw closes while the position of its joint grows, else -1
+    points: Floats  # (n, 3) of the fixed jaw's face, in the frame of the palm, metres
 
 
 def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:

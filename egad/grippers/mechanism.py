@@ -26,14 +26,7 @@ class Placement(NamedTuple):
 
 
 class Mechanism:
-    """The joints of a hand, some of which are driven; the others follow.
-
-    Attributes:
-        model: Links, joints and constraints.
-        palm: Number of the link that carries the fingers.
-        driven: Numbers of the joints that are driven.
-        followers: Numbers of the joints that follow.
-    """
+    """The joints of a hand, some of which are driven; the others follow."""
 
     def __init__(
         self, model: mujoco.MjModel, palm: int, driven: list[int], followers: list[int]

@@ -28,19 +28,12 @@ UNEVEN = 5e-4  # metres by which the face of a pad may lie behind its foremost p
 
 
 class Pads(NamedTuple):
-    """The faces of the fingers that meet the object.
+    """The faces of the fingers that meet the object."""
 
-    Attributes:
-        links: Which link each is on.
-        centers: (2, 3) their middles, in the frames of these links.
-        corners: (2, n, 3) arrays of corners of their faces, in the frames of these links.
-        recess: As in `GripperModel`.
-    """
-
-    links: tuple[int, int]
-    centers: Floats
-    corners: tuple[Floats, Floats]
-    recess: tuple[float, float]
+    links: tuple[int, int]  # which link each is on
+    centers: Floats  # (2, 3) their middles, in the frames of these links
+    corners: tuple[Floats, Floats]  # of their faces, (n, 3) each, in these frames
+    recess: tuple[float, float]  # as in `GripperModel`
 
 
 def find_pads(

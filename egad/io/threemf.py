@@ -236,11 +236,7 @@ def _cut(pieces: list[_Placed]) -> list[_Placed]:
 
 
 class _Tree(ElementTree.TreeBuilder):
-    """Builds the elements of a file, and notes the names of its namespaces.
-
-    Attributes:
-        namespaces: Those of the root, by prefix.
-    """
+    """Builds the elements of a file, and notes the `namespaces` of the root, by prefix."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -48,20 +48,12 @@ _Sample: TypeAlias = Callable[
 
 
 class GraspabilityEstimate(NamedTuple):
-    """An estimate of the graspability of an object.
+    """An estimate of the graspability of an object."""
 
-    Attributes:
-        value: Percentile of the quality of sampled grasps.
-        std: Its standard error; NaN if it is not known.
-        confidence: Probability that the percentile of all grasps lies in the same cell; NaN if it
-            is not known.
-        grasps: Number of grasps that it was computed from.
-    """
-
-    value: float
-    std: float
-    confidence: float
-    grasps: int
+    value: float  # percentile of the quality of sampled grasps
+    std: float  # its standard error; NaN if it is not known
+    confidence: float  # probability that the percentile of all grasps lies in the cell; or NaN
+    grasps: int  # number of grasps that it was computed from
 
 
 class GraspedSize(NamedTuple):
@@ -189,11 +181,7 @@ def spaced_graspability(
 
 
 class _RatedGrasps:
-    """Grasps on an object, and the percentile of their quality.
-
-    Attributes:
-        statistics: Sampling statistics of the candidates so far.
-    """
+    """Grasps on an object, and the percentile of their quality."""
 
     def __init__(
         self,

@@ -17,20 +17,12 @@ UNSEALED = "no provenance recorded: not written by egad, or by an older version"
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found.
+    """What was found."""
 
-    Attributes:
-        checked: How many files were compared with a hash.
-        problems: What is wrong, for each file that is not as it was made.
-        unknown: Files without a record.
-        gone: How many inputs no longer exist, or lie neither in the folder nor in the working
-            directory.
-    """
-
-    checked: int
-    problems: dict[Path, str]
-    unknown: list[Path]
-    gone: int
+    checked: int  # how many files were compared with a hash
+    problems: dict[Path, str]  # what is wrong, for each file that is not as it was made
+    unknown: list[Path]  # files without a record
+    gone: int  # inputs that no longer exist, or lie in neither the folder nor the working directory
 
 
 def verify(folder: Path) -> Verdict:

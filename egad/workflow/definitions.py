@@ -23,18 +23,11 @@ class Definition(NamedTuple):
 
 
 class Module(NamedTuple):
-    """A module.
+    """A module."""
 
-    Attributes:
-        definitions: Definitions by name, those without a name under `LOOSE`; a name may be defined
-            twice.
-        methods: Methods of classes of settings, by class and name. Only used ones count.
-        imports: What local names refer to, as dotted names; including imports within functions.
-    """
-
-    definitions: Mapping[str, list[Definition]]
-    methods: Mapping[str, Mapping[str, Definition]]
-    imports: Mapping[str, set[str]]
+    definitions: Mapping[str, list[Definition]]  # by name, which may be defined twice; or `LOOSE`
+    methods: Mapping[str, Mapping[str, Definition]]  # of settings, by class and name
+    imports: Mapping[str, set[str]]  # what local names refer to, also those within functions
 
 
 @cache

@@ -76,17 +76,11 @@ class Entry(Parameters):
 
 @dataclass(frozen=True)
 class Checks:
-    """How tables are verified.
+    """How tables are verified."""
 
-    Attributes:
-        sample: Number of objects or rounds of each table to simulate again; all if None.
-        tolerance: How much numbers may differ, on another kind of processor.
-        jobs: Processes; the result does not depend on them.
-    """
-
-    sample: int | None = None
-    tolerance: float = 0.0
-    jobs: int = 1
+    sample: int | None = None  # objects or rounds of each table to simulate again; all if None
+    tolerance: float = 0.0  # how much numbers may differ, on another kind of processor
+    jobs: int = 1  # processes; the result does not depend on them
 
 
 def read_entry(path: Path) -> Entry:

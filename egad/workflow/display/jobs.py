@@ -46,11 +46,7 @@ class Job:
 
 
 class Jobs:
-    """The running jobs, by their numbers in Snakemake. Several threads may use it at once.
-
-    Attributes:
-        steps: How many jobs are done, and how many there are.
-    """
+    """The running jobs, by their numbers in Snakemake. Several threads may use it at once."""
 
     def __init__(self, steps: int) -> None:
         """Start with no job running or done, of `steps`."""
