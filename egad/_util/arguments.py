@@ -11,15 +11,9 @@ from egad.errors import UserError
 
 
 def check_positive(name: str, given: object, most: float = math.inf) -> float:
-    """Return an argument as a finite number above 0.
+    """An argument as a finite number above 0, and at most `most`; otherwise `UserError`.
 
-    Args:
-        name: What the argument is called.
-        given: What was passed: a Python or numpy number, not a string.
-        most: The largest value allowed.
-
-    Raises:
-        UserError: It is something else.
+    Python and numpy numbers are numbers, strings are not.
     """
     number = math.nan
     if isinstance(given, SupportsFloat) and not isinstance(given, bool):
@@ -34,17 +28,7 @@ def check_positive(name: str, given: object, most: float = math.inf) -> float:
 
 
 def check_array(name: str, given: object, shape: tuple[int, ...], allowed: str) -> Floats:
-    """Return an argument as an array of finite numbers.
-
-    Args:
-        name: What the argument is called.
-        given: What was passed.
-        shape: The shape it must have.
-        allowed: What it may be, for the message.
-
-    Raises:
-        UserError: It is something else.
-    """
+    """An argument as an array of finite numbers, or `UserError` that says what is `allowed`."""
     array = as_floats(given)
     if array is None or array.shape != shape or not np.isfinite(array).all():
         raise UserError(f"{name} is {given!r}; allowed: {allowed}")

@@ -136,12 +136,7 @@ class Worker:
         return _result(answer)
 
     def start(self) -> None:
-        """Start the process.
-
-        Raises:
-            UserError: It was killed, ended, or took too long, or `make_work` cannot be sent to it.
-            Exception: What `make_work` raises.
-        """
+        """Start the process; `UserError` if it does not, or what `make_work` raises."""
         message = to_bytes(self._make_work)
         self._pipe, theirs = multiprocessing.Pipe()
         end, self._lifeline = multiprocessing.Pipe(duplex=False)
@@ -171,11 +166,7 @@ class Worker:
             raise
 
     def _ending(self) -> str:
-        """How a process that no longer answers ended, in words.
-
-        Raises:
-            WorkerKilledError: It was killed.
-        """
+        """How a process that no longer answers ended, in words, or `WorkerKilledError`."""
         status = self.stop()
         if status == -signal.SIGKILL:
             raise WorkerKilledError(
@@ -221,14 +212,10 @@ class RestartingWorker(Worker):
         super().__init__(partial(_in_one_thread, make_work), limit)
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
-        """Do the work on one item.
+        """Do the work on one item; None if the process died of it twice.
 
-        Returns:
-            Its result; None if the process died of it twice.
-
-        Raises:
-            UserError: The process was killed.
-            Exception: What the work raises; one with the same text if it cannot be pickled.
+        Raises `UserError` if it was killed, or what the work raises: with the same text if not
+        picklable.
         """
         for _ in range(MAX_ATTEMPTS):
             try:
@@ -336,11 +323,7 @@ def _dumps(what: Any) -> bytes:  # noqa: ANN401 (all that is sent)
 
 
 def to_bytes(what: Any) -> bytes:  # noqa: ANN401 (whatever the work takes, or what makes it)
-    """Pickle something for another process.
-
-    Raises:
-        UserError: It cannot be pickled.
-    """
+    """Pickle something for another process; `UserError` if it cannot be pickled."""
     try:
         return _dumps(what)
     except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
@@ -348,12 +331,7 @@ def to_bytes(what: Any) -> bytes:  # noqa: ANN401 (whatever the work takes, or w
 
 
 def from_bytes(sent: bytes) -> Any:  # noqa: ANN401 (as above)
-    """Unpickle what another process sent.
-
-    Raises:
-        UserError: This process lacks a module or a name that it needs.
-        Exception: What unpickling raises.
-    """
+    """Unpickle what another process sent; `UserError` if this process lacks a module or name."""
     try:
         return pickle.loads(sent)  # noqa: S301 (our own)
     except (ImportError, AttributeError) as error:

@@ -10,10 +10,8 @@ from pathlib import Path
 def available_cpus(root: Path = Path("/")) -> int:
     """CPUs that this process may use: its affinity, less if its control groups grant less time.
 
-    The environment variable `PYTHON_CPU_COUNT` overrides both, as in Python 3.13.
-
-    Args:
-        root: Where `/proc` and `/sys` are.
+    The environment variable `PYTHON_CPU_COUNT` overrides both, as in Python 3.13. `/proc` and
+    `/sys` are in `root`.
     """
     with suppress(KeyError, ValueError):
         return max(int(os.environ["PYTHON_CPU_COUNT"]), 1)

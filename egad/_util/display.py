@@ -32,14 +32,7 @@ class Picture:
         return "Picture: save('picture.svg') writes it; a notebook shows it"
 
     def save(self, path: str | Path) -> None:
-        """Write the drawing, atomically.
-
-        Args:
-            path: A file that ends in `.svg`.
-
-        Raises:
-            UserError: It is not a path, or has another ending.
-        """
+        """Write the drawing, atomically, to a file that ends in `.svg`; otherwise `UserError`."""
         file = as_path("path", path)
         if file.suffix.lower() != ".svg":
             raise UserError(f"path is {str(file)!r}; allowed: a file that ends in .svg")
@@ -51,35 +44,21 @@ class Picture:
 
 
 def draw(module: str, function: str, *values: object) -> Picture:
-    """Let a function of the report draw a picture.
-
-    Args:
-        module: Its module in `egad.report`.
-        function: Its name; it returns SVG text.
-        values: Its arguments.
-    """
+    """Let a function of a module in `egad.report`, which returns SVG text, draw a picture."""
     return Picture(_call(module, function, *values))
 
 
 def facts_html(
     title: str, facts: Mapping[str, object], mesh: "trimesh.Trimesh | None" = None
 ) -> str:
-    """HTML of a result: what it is, its facts as a table, and a thumbnail of its mesh.
-
-    Args:
-        title: What it is.
-        facts: Values by their names.
-        mesh: What to draw beside them, if anything.
-    """
+    """HTML of a result: what it is, its facts as a table, and a thumbnail of its mesh, if any."""
     return _call("notebook", "facts_html", title, facts, mesh)
 
 
 def thumbnail(mesh: "trimesh.Trimesh", size: int) -> bytes:
-    """A PNG file of a mesh on a transparent background, seen from in front and above.
+    """A PNG file of a mesh, scaled to fill it, `size` pixels wide, from in front and above.
 
-    Args:
-        mesh: The object, in any unit; it is scaled to fill the picture.
-        size: Pixels along each side.
+    The background is transparent.
     """
     pictures = importlib.import_module("egad.report.pictures")
     content: bytes = pictures.png_bytes(pictures.render(mesh, size))
@@ -87,12 +66,7 @@ def thumbnail(mesh: "trimesh.Trimesh", size: int) -> bytes:
 
 
 def table_html(title: str, table: "pd.DataFrame") -> str:
-    """HTML of a table; only the first and last rows of a long one.
-
-    Args:
-        title: What it is.
-        table: The table.
-    """
+    """HTML of a table; only the first and last rows of a long one."""
     return _call("notebook", "table_html", title, table)
 
 

@@ -9,15 +9,10 @@ from egad.errors import MissingPackageError
 
 
 class Package(NamedTuple):
-    """A package of an extra.
+    """A package of an extra."""
 
-    Attributes:
-        name: Its official name.
-        extra: The extra of egad that installs it.
-    """
-
-    name: str
-    extra: str
+    name: str  # its official name
+    extra: str  # the extra of egad that installs it
 
 
 # By import name; the versions are in pyproject.toml.
@@ -41,13 +36,9 @@ PACKAGES = {
 
 @contextmanager
 def needed_for(what: str) -> Iterator[None]:
-    """Import packages of an extra in a `with` block.
+    """Import packages of an extra in a `with` block; `MissingPackageError` names the extra.
 
-    Args:
-        what: What the user wants, as the beginning of a sentence: "graspgen".
-
-    Raises:
-        MissingPackageError: One is not installed; the message names its extra.
+    `what` the user wants begins the sentence, such as "graspgen".
     """
     try:
         yield
@@ -59,15 +50,7 @@ def needed_for(what: str) -> Iterator[None]:
 
 
 def check_installed(module: str, what: str) -> None:
-    """Check that a package of an extra is installed, without importing it.
-
-    Args:
-        module: Its name in imports.
-        what: What the user wants, as the beginning of a sentence.
-
-    Raises:
-        MissingPackageError: It is not; the message names its extra.
-    """
+    """Raise `MissingPackageError` if a package of an extra is missing, without importing it."""
     if importlib.util.find_spec(module) is None:
         raise _missing(what, module)
 

@@ -16,11 +16,7 @@ OF_DISKS = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
 
 
 def as_path(name: str, given: object) -> Path:
-    """The argument of a public function that names a file or folder.
-
-    Raises:
-        UserError: It is something else.
-    """
+    """The argument of a public function that names a file or folder; otherwise `UserError`."""
     if not isinstance(given, str | os.PathLike):
         raise UserError(f"{name} is {given!r}; allowed: a path")
     return Path(given)
@@ -28,17 +24,11 @@ def as_path(name: str, given: object) -> Path:
 
 @contextmanager
 def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
-    """Give a temporary path beside `path`; on success it replaces `path`.
+    """Give a temporary path beside `path`; on success it replaces `path`, a file or a folder.
 
-    If the block fails, `path` is as it was before. A block may write a file or make a folder.
-
-    Args:
-        path: The file or folder.
-        keep: Whether the output of a failed block is kept for inspection until the next attempt
-            replaces it. Large output should not be kept: it may be what filled the disk.
-
-    Raises:
-        UserError: Another process is writing it, or writing failed without saying where.
+    If the block fails, `path` is as it was before, and the output is kept for inspection until the
+    next attempt replaces it. Large output should not be kept: it may be what filled the disk.
+    Raises `UserError` if another process is writing it, or writing failed without saying where.
     """
     path = path.absolute()
     check_writable(path)
@@ -70,8 +60,7 @@ def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
 def check_writable(path: Path) -> None:
     """Check that a file can be written or a folder made, by a new file in the folder around it.
 
-    Raises:
-        UserError: It cannot; the message says why.
+    Raises `UserError` that says why not.
     """
     parents = path.absolute().parents
     around = path if path.is_dir() else next(folder for folder in parents if folder.exists())
@@ -115,8 +104,7 @@ def write_text(path: Path, text: str) -> None:
 def new_folder(path: Path) -> Iterator[Path]:
     """A folder to fill, which appears at its path only at the end; nothing there is lost.
 
-    Raises:
-        UserError: There are files in a folder at the path, or it is a file.
+    Raises `UserError` if there are files in a folder at the path, or it is a file.
     """
     check_not_file(path)
     if path.is_dir() and any(path.iterdir()):
@@ -127,11 +115,7 @@ def new_folder(path: Path) -> Iterator[Path]:
 
 
 def check_not_file(folder: Path) -> None:
-    """Check that a path can be a folder.
-
-    Raises:
-        UserError: It is a file.
-    """
+    """Raise `UserError` if the path of a folder is a file."""
     if folder.is_file():
         raise UserError(f"{folder} is a file; name a folder")
 

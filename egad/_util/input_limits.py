@@ -18,10 +18,6 @@ MAX_SECONDS = 600.0
 
 
 def check_at_most(count: int, most: int, what: str) -> None:
-    """Refuse a file with more of something than is read.
-
-    Raises:
-        RejectedError: There is more.
-    """
+    """Raise `RejectedError` for a file with more of something than is read."""
     if count > most:
         raise RejectedError(f"{count:,} {what}; at most {most:,} are read")

@@ -27,14 +27,11 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def kernel(**options: Any) -> Callable[[Function], Function]:  # noqa: ANN401 (of numba)
-    """Compile a function at its first call; its machine code is kept in `kernel_folder`.
+    """Compile a function, as `numba.njit`, at its first call; its code is kept in `kernel_folder`.
 
     numba decides where it keeps the code of a function when it decorates it. Functions of other
     packages in the same process are kept where those want. A process that needs a kernel waits
     while another compiles it.
-
-    Args:
-        options: See `numba.njit`.
     """
 
     def decorate(function: Function) -> Function:

@@ -46,22 +46,13 @@ class LimitedProcess:
         memory: int = input_limits.MAX_MEMORY,
         seconds: float = input_limits.MAX_SECONDS,
     ) -> None:
-        """Prepare; the process starts with the first call.
-
-        Args:
-            memory: Bytes of its address space.
-            seconds: Time that a call may take.
-        """
+        """Prepare a process with so many bytes of memory, and seconds for a call."""
         self._memory, self._seconds = memory, seconds
         self._lock = threading.Lock()
         self._worker, self._owner = self._new_worker(), os.getpid()
 
     def __call__(self, function: Callable[..., T], *arguments: object) -> T:
-        """Call a function of a module.
-
-        Args:
-            function: The function. It, its arguments and its result must be picklable.
-            arguments: Its arguments.
+        """Call a function of a module. It, its arguments and its result must be picklable.
 
         Raises:
             LimitError: It took too much memory or time, or its process ended.

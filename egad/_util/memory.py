@@ -16,11 +16,7 @@ def memory_limit() -> int | None:
 
 
 def check_memory() -> None:
-    """Check that the limit lets egad be loaded, with one thread: in less memory, libraries crash.
-
-    Raises:
-        UserError: It does not.
-    """
+    """Raise `UserError` if libraries would crash in the memory allowed, even with one thread."""
     if limit := memory_limit():
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # each takes up to 80 MB of addresses
         if limit < NEEDED:

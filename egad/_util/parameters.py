@@ -64,15 +64,10 @@ class ParameterGroup(Parameters):
 
 @dataclass(frozen=True)
 class Archived:
-    """The part of a section that an archive of elites depends on; without this mark, all of it.
+    """The part of a section that an archive of elites depends on; without this mark, all of it."""
 
-    Attributes:
-        keys: Those that count; all if None.
-        graspability: Whether graspability depends on the section, too.
-    """
-
-    keys: frozenset[str] | None = None
-    graspability: bool = True
+    keys: frozenset[str] | None = None  # those that count; all if None
+    graspability: bool = True  # whether graspability depends on the section, too
 
 
 # decides which objects are found, not how they are measured
@@ -80,16 +75,7 @@ SEARCH_ONLY = Archived(keys=frozenset())
 
 
 def by_name(what: str, known: Mapping[str, Parameters], given: object) -> object:
-    """The section that a name stands for; a given section is kept, with its lists as tuples.
-
-    Args:
-        what: What the section is called.
-        known: The named values, all of one class.
-        given: A name, or a section.
-
-    Raises:
-        ValueError: There is no such name.
-    """
+    """The section that a name stands for, or `ValueError`; a given section has lists as tuples."""
     if not isinstance(given, str):
         return _with_tuples(given)
     if given not in known:
@@ -106,12 +92,9 @@ def _with_tuples(given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
 
 
 def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)
-    """Parameters from the arguments of a public function.
+    """Parameters from the arguments of a public function; `UserError` names a wrong one.
 
     Configurations come from texts and may have `2.0` or `"2"` for an integer; arguments may not.
-
-    Raises:
-        UserError: A value is not allowed; the text names the argument.
     """
     integers = [name for name in values if kind.model_fields[name].annotation is int]
     if wrong := [name for name in integers if _whole(values[name]) is None]:
@@ -124,11 +107,7 @@ def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields o
 
 
 def from_file(kind: type[P], values: Mapping[str, Any]) -> P:
-    """Parameters from the values of a file.
-
-    Raises:
-        UserError: Values are missing, unknown or not allowed; the text has a line for each.
-    """
+    """Parameters from the values of a file; `UserError` has a line for each problem."""
     try:
         return kind.model_validate(values)
     except ValidationError as error:
@@ -148,11 +127,7 @@ def _in_words(error: ValidationError, kind: type[BaseModel], what: str = "argume
 
 
 def _sentence(error: Mapping[str, Any], schema: Node, what: str) -> str:
-    """The sentence for one error of pydantic.
-
-    Raises:
-        UserError: There is no argument of this name.
-    """
+    """The sentence for one error of pydantic; `UserError` if there is no argument of this name."""
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
     name, *inside = error["loc"]
@@ -208,11 +183,7 @@ class UserParameters(Parameters):
 
 
 def check_count(name: str, given: object) -> int:
-    """A whole number of at least 1, the argument of a public function.
-
-    Raises:
-        UserError: It is something else.
-    """
+    """A whole number of at least 1, the argument of a public function; otherwise `UserError`."""
     count = _whole(given)
     if count is None or count < 1:
         raise UserError(f"{name} is {given!r}; allowed: a whole number, at least 1")

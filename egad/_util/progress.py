@@ -50,21 +50,13 @@ PEOPLE = Pace(15.0, 60.0, 0.5)  # who read all lines; short work has none
 
 @dataclass(frozen=True)
 class Status:
-    """How far some work is.
+    """How far some work is."""
 
-    Attributes:
-        what: What the work is, e.g. `"evaluations"`.
-        done: How much is done.
-        total: How much there is to do.
-        rate: How much is done in a second; 0 if that is not known yet.
-        state: More words, e.g. `"coverage 0.81"`.
-    """
-
-    what: str
-    done: int
-    total: int
-    rate: float = 0.0
-    state: str = ""
+    what: str  # what the work is, e.g. `"evaluations"`
+    done: int  # how much is done
+    total: int  # how much there is to do
+    rate: float = 0.0  # how much is done in a second; 0 if that is not known yet
+    state: str = ""  # more words, e.g. `"coverage 0.81"`
 
     @property
     def left(self) -> float | None:
@@ -116,17 +108,10 @@ def progress(
     scale: int = 1,
     state: Callable[[], str] = lambda: "",
 ) -> Iterator[T]:
-    """Pass items through and show on stderr, or in a notebook, how far the work is.
+    """Pass items through, and show on stderr or in a notebook how far the work is.
 
-    Args:
-        items: Things to work on.
-        what: What the work is, e.g. `"grading objects"`.
-        total: How many items there are.
-        scale: How much an item counts, for instance the evaluations of a step.
-        state: More words on the work, e.g. `"coverage 0.81"`; nothing by default.
-
-    Yields:
-        The items, unchanged and in order.
+    An item counts `scale`, such as the evaluations of a step; `state` adds words, such as
+    `"coverage 0.81"`.
     """
     if sys.stderr.isatty():
         with _bar(what, scale * total) as draw:
@@ -140,15 +125,7 @@ def progress(
 
 @contextmanager
 def shared_progress(what: str, total: int) -> Iterator[Path]:
-    """Show the progress of work that is done in other processes, or in calls that take long.
-
-    Args:
-        what: What the work is, e.g. `"attempts"`.
-        total: How much there is to do.
-
-    Yields:
-        The file to pass to `count_done` wherever something is done.
-    """
+    """Show the progress of work done elsewhere, or in long calls: a file for `count_done`."""
     stop = threading.Event()
     with TemporaryDirectory() as folder:
         file = Path(folder) / "done"

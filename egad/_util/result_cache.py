@@ -30,16 +30,10 @@ Arrays = dict[str, NDArray[Any]]
 
 
 def cached(kind: str, given: Iterable[object], code: str, make: Callable[[], Arrays]) -> Arrays:
-    """Arrays from the cache, or else made and stored there.
+    """Arrays from the folder of a kind in the cache, or else made and stored there.
 
-    Args:
-        kind: What the result is: the name of its folder.
-        given: All that determines it besides the code: arrays, numbers and texts.
-        code: Version of the code that makes it: see `source_version`.
-        make: Makes it.
-
-    Raises:
-        UserError: `EGAD_CACHE_DIR` is a relative path.
+    What is `given`, arrays, numbers and texts, and the `code`, a `source_version`, determine them.
+    Raises `UserError` if `EGAD_CACHE_DIR` is a relative path.
     """
     folder = _folder()
     if folder is None:
@@ -55,12 +49,7 @@ def cached(kind: str, given: Iterable[object], code: str, make: Callable[[], Arr
 
 @cache
 def source_version(modules: tuple[str, ...], libraries: tuple[str, ...]) -> str:
-    """A digest of source files of egad, of libraries, and of the processor.
-
-    Args:
-        modules: Files, and folders with all their files, below the package.
-        libraries: Names of distributions; they need not be installed.
-    """
+    """A digest of files and folders of egad, of distributions, if any, and of the processor."""
     paths = [PACKAGE / name for name in modules]
     files = [file for path in paths for file in ([path] if path.is_file() else path.rglob("*.py"))]
     texts = [part for file in sorted(files) for part in (file.name, file.read_bytes())]

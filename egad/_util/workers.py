@@ -27,14 +27,10 @@ SHOWN = 100  # characters of an item
 
 @contextmanager
 def workers(count: int) -> Iterator[Mapper]:
-    """A `map` that keeps order and runs in several processes.
+    """A `map` that keeps order and runs in several processes; in this one if `count` is 1.
 
-    Args:
-        count: Processes; with 1, the work is done in this one.
-
-    Raises:
-        UserError: The count is not allowed, the work or an item cannot be sent to other processes,
-            or a process has ended; the message shows its item.
+    Raises `UserError` if the count is not allowed, the work or an item cannot be sent to other
+    processes, or a process has ended; the message shows its item.
     """
     if check_count("jobs", count) == 1:
         with one_thread():

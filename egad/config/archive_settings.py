@@ -40,17 +40,9 @@ def provenance(settings: Parameters) -> dict[str, Any]:
 def differences(
     path: Path, settings: Parameters, sections: Collection[str] | None = None
 ) -> list[str]:
-    """The settings of an archive that differ from those of a configuration, one line each.
+    """Lines of the settings, in some sections or all, that an archive has with other values.
 
     Settings that either lacks are left out, as in archives of other programs or older versions.
-
-    Args:
-        path: The archive.
-        settings: The settings to be used.
-        sections: The sections that must be equal; all if None.
-
-    Raises:
-        TableError: The file is damaged.
     """
     theirs, ours = archive_notes(path), dict(_flat(provenance(settings)))
     return [
@@ -61,23 +53,14 @@ def differences(
 
 
 def archive_notes(path: Path) -> dict[str, Any]:
-    """The settings that an archive was made with, by dotted names.
-
-    Raises:
-        TableError: The file is damaged.
-    """
+    """The settings that an archive was made with, by dotted names, or `TableError`."""
     return dict(_flat(parquet.notes(path)))
 
 
 def check_provenance(
     path: Path, settings: Parameters, sections: Collection[str] | None = None
 ) -> None:
-    """Make sure that an archive was made with the settings that are to be used with it.
-
-    Raises:
-        UserError: It was not; the message names both values of each difference.
-        TableError: The file is damaged.
-    """
+    """Raise `UserError` with both values of each setting that differs from those of an archive."""
     if different := differences(path, settings, sections):
         raise UserError("\n".join([f"{path} was made with other settings:", *different]))
 

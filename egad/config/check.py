@@ -57,11 +57,7 @@ def check(config: Mapping[str, Any]) -> Settings:
 
 
 def check_engines(settings: Settings) -> Settings:
-    """The settings.
-
-    Raises:
-        UserError: A physics engine that they name is not installed.
-    """
+    """The settings; `UserError` if a physics engine that they name is not installed."""
     simulated = settings.simulated_label, settings.naive_grasp
     for section in (settings.trials, settings.clutter, settings.scenes, *simulated):
         check_engine(section.engine)

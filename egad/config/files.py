@@ -23,11 +23,7 @@ GRIPPERS_IN = (
 
 
 def read_values(path: Path) -> dict[str, Any]:
-    """The values in a configuration file, not checked; none if it is empty.
-
-    Raises:
-        UserError: The file is not YAML.
-    """
+    """The values in a configuration file, not checked; none if it is empty; or `UserError`."""
     try:
         return yaml.safe_load(path.read_text(encoding="utf-8")) or {}
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -49,10 +45,7 @@ def merged(old: Any, new: Any) -> Any:  # noqa: ANN401 (any values of YAML)
 
 
 def with_built_in(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values with the grippers, cameras and detectors that are built in.
-
-    The user's entries are added to them; keys of an entry of the same name replace its keys.
-    """
+    """Values with built-in grippers, cameras and detectors; keys of an entry replace its keys."""
     packaged = {name: packaged_settings(name) for name in _packaged(values)}
     if packaged:
         own = values.get("grippers")

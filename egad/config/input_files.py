@@ -20,12 +20,9 @@ MAX_LINES = 10
 
 
 def check_input_files(settings: Settings) -> None:
-    """Open everything that the datasets and targets of a configuration read.
+    """Open all that datasets and targets read; a `UserError` has a line for each problem.
 
     Snakemake looks for files later, and not for those of results that an earlier run made.
-
-    Raises:
-        UserError: Something is missing or cannot be read; the text has a line for each problem.
     """
     problems: dict[str, None] = {}
     for where, check in _checks(settings):
@@ -85,11 +82,7 @@ def _check_gripper(gripper: Gripper) -> None:
 
 
 def check_readable(files: Iterable[Path]) -> None:
-    """Open files.
-
-    Raises:
-        UserError: Some cannot be opened; the text has a line for each.
-    """
+    """Open files; a `UserError` has a line for each that cannot be opened."""
     lines = [f"{path} {reason}" for path in files if (reason := _unreadable(path))]
     more = len(lines) - MAX_LINES
     if lines:

@@ -15,9 +15,6 @@ def wrong_references(settings: Settings) -> list[str]:
     Only names that the user gave can be wrong: a default may name something missing as long as
     nothing uses it. So a dump of the settings, in which every section is given, is not checked
     again.
-
-    Args:
-        settings: Those of the user's configuration, which remember which were given.
     """
     problems = [
         *unknown_names("targets.datasets", settings.targets.datasets, settings.datasets),

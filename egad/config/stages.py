@@ -204,13 +204,9 @@ S = TypeVar("S", bound=ParameterGroup)
 def select(
     settings: Settings, stage: type[S], gripper: str | None = None, detector: str | None = None
 ) -> S:
-    """The part of a configuration that a stage reads.
+    """The part of a configuration that a stage, a class of settings, reads.
 
-    Args:
-        settings: The whole configuration.
-        stage: The class of the settings that the stage reads.
-        gripper: Name of the gripper, for stages that read one.
-        detector: Name of the grasp detector, for the stage that tries one.
+    Some stages read one gripper, and one tries a grasp detector.
     """
     entries = ("gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding")
     names = [name for name in stage.model_fields if name not in entries]

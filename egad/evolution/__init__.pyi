@@ -8,8 +8,8 @@ from .archive import ribs_frame as ribs_frame
 from .constraints import UNBOUND as UNBOUND
 from .constraints import Rules as Rules
 from .constraints import build_rules as build_rules
+from .constraints import rules_of as rules_of
 from .evaluation import GenomeVoxels as GenomeVoxels
-from .evaluation import Measured as Measured
 from .evaluation import express as express
 from .evolver import evolution_parameters as evolution_parameters
 from .expressions import INPUT_NAMES as INPUT_NAMES
@@ -38,7 +38,6 @@ from .parameters import Neat as Neat
 from .parameters import Region as Region
 from .parameters import Shape as Shape
 from .parameters import Symmetry as Symmetry
-from .rules import rules_of as rules_of
 from .surface import packed_surface as packed_surface
 from .variation import breed as breed
 from .voxels import unpack as unpack

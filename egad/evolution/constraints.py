@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import trimesh
@@ -11,9 +12,11 @@ from scipy import ndimage
 from egad._util.arrays import Floats
 from egad.errors import RejectedError, UserError
 from egad.evolution import voxels
-from egad.evolution.parameters import Limits, Region, Symmetry
+from egad.evolution.parameters import EvolutionParameters, Limits, Region, Symmetry
 from egad.evolution.voxels import Solid
 from egad.geometry import RayCaster
+from egad.geometry.repair import repair
+from egad.io import read_mesh
 
 Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]
@@ -23,19 +26,12 @@ Reader = Callable[[str], trimesh.Trimesh]
 
 
 def folded(points: Points, symmetry: Symmetry) -> Points:
-    """Where a network is queried in place of each point.
+    """Where a network is queried in place of each point (3, n) within [-1, 1]: (3, n) float32.
 
     A mirror takes the absolute value of a coordinate. A rotation multiplies the angle about its
     axis by the fold: points 1 / fold of a turn apart meet, neighbors stay neighbors, and shapes may
     still be twisted. With a mirror along the axis, all mirrors that the rotation makes of it are
-    obeyed.
-
-    Args:
-        points: (3, n) coordinates within [-1, 1].
-        symmetry: Mirrors and rotation.
-
-    Returns:
-        (3, n) float32. Points that are mirror images become equal to the last bit.
+    obeyed. Points that are mirror images become equal to the last bit.
     """
     found = points.astype(np.float64).round(6)  # so that -a and a have the same magnitude
     for axis in symmetry.mirror:
@@ -87,19 +83,7 @@ def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
 
 
 def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None = None) -> Voxels:
-    """The voxels whose middles lie in a region.
-
-    Args:
-        region: Its kind is not `none`.
-        resolution: Voxels along each side of the cube.
-        mesh: For a region of the kind `mesh`: closed, wound outwards, of any size.
-
-    Returns:
-        (resolution, resolution, resolution).
-
-    Raises:
-        UserError: The region is a mesh, and none is given.
-    """
+    """The voxels, (r, r, r), whose middles lie in a region, which may be a mesh of any size."""
     points = voxel_middles(resolution) - np.array(region.center)
     if region.kind == "mesh":
         if mesh is None:
@@ -201,10 +185,7 @@ def build_rules(
     if not allowed.any():
         raise UserError("envelope and hole leave no voxel free for growth")
     return Rules(
-        None if allowed.all() else allowed,
-        None if solid is None else kept,
-        symmetry,
-        limits,
+        None if allowed.all() else allowed, None if solid is None else kept, symmetry, limits
     )
 
 
@@ -222,9 +203,6 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     parts are removed by an opening with the 6-neighborhood, and only the largest body is kept.
     Required voxels are added and voxels that are not allowed are cut away, both before hidden
     voxels are filled and after thin parts are removed.
-
-    Returns:
-        Boolean array of its shape, not empty.
 
     Raises:
         RejectedError: Nothing is left, or what is left is against the rules.
@@ -269,3 +247,36 @@ def _check_limits(body: Solid, limits: Limits) -> None:
 def box_sides(body: Solid) -> NDArray[np.int64]:
     """Sides of the axis-aligned box of a body, in voxels, (3,)."""
     return np.asarray(np.ptp(np.argwhere(body), axis=0) + 1)
+
+
+def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
+    """The constraints on all shapes.
+
+    Args:
+        settings: All constraints.
+        resolution: Voxels along each side of the cube; None: as in evolution.
+
+    Raises:
+        UserError: The constraints leave no voxel to grow in, or a mesh cannot be used.
+    """
+    return build_rules(
+        resolution or settings.shape.resolution,
+        mesh_of,
+        envelope=settings.envelope,
+        keep_solid=settings.keep_solid,
+        hole=settings.hole,
+        symmetry=settings.symmetry,
+        limits=settings.limits,
+    )
+
+
+def mesh_of(path: str) -> trimesh.Trimesh:
+    """The closed mesh in a file that a region names; `UserError` if it cannot be used."""
+    try:
+        mesh = read_mesh(Path(path), "m")
+        closed = repair(mesh).mesh
+    except RejectedError as reason:
+        raise UserError(f"the mesh {path} of a region cannot be used: {reason}") from reason
+    if mesh.body_count > 1:
+        raise UserError(f"the mesh {path} of a region has {mesh.body_count} parts; one is allowed")
+    return closed

@@ -51,8 +51,8 @@ def express(row: Row, settings: EvolutionParameters, rules: Rules) -> GenomeVoxe
 def measure(solid: GenomeVoxels, settings: EvolutionParameters) -> Measured | str:
     """The measures of a solid, or the reason why it has none.
 
-    The grasps are sampled with a generator seeded by the solid, so equal solids have equal measures
-    wherever and whenever they are found.
+    The solid seeds its grasps: equal solids have equal measures wherever and whenever they are
+    found.
     """
     mesh = packed_surface(solid.packed, settings.shape)
     try:
@@ -77,8 +77,7 @@ def first_estimate(solid_id: str, settings: EvolutionParameters) -> Estimate:
 def refine(elite: Elite, settings: EvolutionParameters) -> Elite | None:
     """An object with the final estimate of its graspability; None if there is no grasp.
 
-    Its grasps differ from those of the first estimate, whose error may be the reason why the
-    archive would keep the object.
+    Other grasps are drawn: the error of the first estimate may be why the archive would keep it.
     """
     mesh = packed_surface(elite.voxels, settings.shape)
     rng = generator(settings.seed, "difficulty", elite.id)

@@ -230,11 +230,7 @@ def _measure(
 
 
 def _pair(values: object) -> tuple[float, float]:
-    """What a user's function returned, if it is two numbers.
-
-    Raises:
-        UserError: It is not.
-    """
+    """What a user's function returned, if it is two numbers; otherwise `UserError`."""
     pair = as_floats(values)
     if pair is None or pair.shape != (2,):
         raise UserError(f"the measures of a mesh must be two numbers, got {values!r}")

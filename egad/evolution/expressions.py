@@ -17,11 +17,7 @@ _DISTANCES = {
     "r_yz": "r_yz = sqrt(y**2 + z**2)",
     "r": "r = sqrt(x**2 + y**2 + z**2)",
 }
-_FUNCTIONS = {
-    "sigmoid": "1 / (1 + exp(-5*a))",
-    "gaussian": "exp(-5 * a**2)",
-    "identity": "a",
-}
+_FUNCTIONS = {"sigmoid": "1 / (1 + exp(-5*a))", "gaussian": "exp(-5 * a**2)", "identity": "a"}
 _REGIONS = {
     "envelope": "solid voxels lie inside it",
     "keep_solid": "it is solid",

@@ -66,34 +66,19 @@ class Candidate:
 
 
 class Advance(NamedTuple):
-    """What a step did.
+    """What a step did."""
 
-    Attributes:
-        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
-            reason.
-        refined: How many of them were measured again.
-        accepted: Objects that the archive accepted.
-    """
-
-    outcomes: Counter[str]
-    refined: int
-    accepted: list[Elite]
+    outcomes: Counter[str]  # offspring that were evaluated, empty, known, or rejected, by reason
+    refined: int  # how many of them were measured again
+    accepted: list[Elite]  # objects that the archive accepted
 
 
 class Epoch(NamedTuple):
-    """What an epoch did.
+    """What an epoch did."""
 
-    Attributes:
-        history: The steps, with the columns of `tables.evolution.HISTORY`.
-        lineage: All objects that the archive accepted, even if they were removed again, with the
-            columns of `tables.evolution.LINEAGE`.
-        outcomes: How many offspring were evaluated, empty, known already, or rejected for which
-            reason.
-    """
-
-    history: pd.DataFrame
-    lineage: pd.DataFrame
-    outcomes: Counter[str]
+    history: pd.DataFrame  # the steps, with the columns of `tables.evolution.HISTORY`
+    lineage: pd.DataFrame  # all that was accepted, even for a while: `tables.evolution.LINEAGE`
+    outcomes: Counter[str]  # offspring that were evaluated, empty, known, or rejected, by reason
 
 
 class Step(NamedTuple):
@@ -117,18 +102,7 @@ class Island:
         mapper: Mapper = map,
         evaluate: Evaluate | None = None,
     ) -> None:
-        """Start an epoch.
-
-        Args:
-            archive: Changed in place.
-            settings: Everything about breeding and measuring.
-            epoch: Number of the epoch.
-            island: Number of the island.
-            rules: Constraints that every shape must obey.
-            mapper: An order-preserving `map`; where it runs does not change the result.
-            evaluate: Gives the measures of a solid, or the reason why it has none; by default
-                `measure`.
-        """
+        """Start an epoch of an archive, which is changed in place; `mapper` must preserve order."""
         self._evaluate = evaluate or partial(measure, settings=settings)
         once = evaluate or settings.measures.graspability or settings.evolution.estimator == "paper"
         self._refiner: Refine | None = None if once else self._refine
@@ -160,13 +134,7 @@ class Island:
         results: Sequence[Measured | str],
         refine: Refine | None = None,
     ) -> None:
-        """Add candidates to the archive.
-
-        Args:
-            candidates: From `ask`.
-            results: The measures of each, or the reason why it has none.
-            refine: As for `Archive.add`.
-        """
+        """Add candidates from `ask` with their measures, or the reasons why they have none."""
         elites = []
         for each, result in zip(candidates, results, strict=True):
             if isinstance(result, Measured):
@@ -181,11 +149,7 @@ class Island:
         return list(self._mapper(partial(refine, settings=self._settings), elites))
 
     def advance(self) -> Advance:
-        """One step: ask, measure and tell.
-
-        Raises:
-            UserError: `UNMEASURED` objects have no measures, and the archive is still empty.
-        """
+        """One step: ask, measure and tell; `UserError` if none of the first objects is measured."""
         outcomes, refined = self.outcomes.copy(), self.refined
         candidates = self.ask()
         results = list(self._mapper(self._evaluate, [each.solid for each in candidates]))
@@ -240,10 +204,7 @@ def evolve(
 def snapshot(archive: Archive, done: Advance, scored: bool) -> dict[str, Any]:
     """What a step did: columns of `tables.evolution.HISTORY` except for those that identify it.
 
-    Args:
-        archive: After the step.
-        done: What the step did.
-        scored: Whether to compute the QD-score, which needs all diversities.
+    The QD-score, if `scored`, needs all diversities.
     """
     counts, outcomes = archive.counts(), done.outcomes
     return {

@@ -19,13 +19,9 @@ NO_SYMMETRY = Symmetry()
 
 @lru_cache(maxsize=4)
 def grid_inputs(resolution: int, symmetry: Symmetry = NO_SYMMETRY) -> Field:
-    """The seven network inputs at every grid point.
+    """The network inputs at all grid points, (7, resolution^3) float32, C order (EGAD, Table II).
 
-    The coordinates x, y, z run over [-1, 1]; the others are distances from the axes and from the
-    center (EGAD, Table II).
-
-    Returns:
-        (7, resolution^3) float32, points in C order of (x, y, z).
+    The coordinates x, y, z run over [-1, 1]; the others are distances from the axes and the center.
     """
     line = np.linspace(-1, 1, resolution, dtype=np.float32)
     x, y, z = (axis.ravel() for axis in np.meshgrid(line, line, line, indexing="ij"))
@@ -40,16 +36,7 @@ def grid_inputs(resolution: int, symmetry: Symmetry = NO_SYMMETRY) -> Field:
 
 
 def query(row: Mapping[str, Any], resolution: int, symmetry: Symmetry = NO_SYMMETRY) -> Field:
-    """The output of a network at every grid point.
-
-    Args:
-        row: A genome as a row of `tables.evolution.GENOME`.
-        resolution: Points along each side.
-        symmetry: Points that are images of each other get the same output.
-
-    Returns:
-        (resolution, resolution, resolution) float32; NaN where the network overflows.
-    """
+    """The output of the network of a genome row at all grid points, (r, r, r); NaN: overflow."""
     inputs = grid_inputs(resolution, symmetry)
     values: dict[int, Field] = {-1 - index: inputs[index] for index in range(len(INPUTS))}
     biases = dict(zip(row["node_keys"], row["node_biases"], strict=True))
@@ -64,14 +51,10 @@ def query(row: Mapping[str, Any], resolution: int, symmetry: Symmetry = NO_SYMME
 
 
 def evaluation_order(row: Mapping[str, Any]) -> list[tuple[int, list[tuple[int, float]]]]:
-    """Nodes that the output depends on, inputs before what uses them; the output is the last.
+    """Keys of the nodes that the output, the last, depends on, each with its enabled inputs.
 
-    Args:
-        row: A genome as a row of `tables.evolution.GENOME`.
-
-    Returns:
-        The key of each node, with the keys and weights of its enabled inputs. Keys from -1 down
-        are the inputs of the network, in the order of `grid_inputs`.
+    Inputs, as keys and weights, come before what uses them. Keys from -1 down are the inputs of the
+    network, in the order of `grid_inputs`.
     """
     incoming = _used_connections(row)
     order = TopologicalSorter({node: [s for s, _ in links] for node, links in incoming.items()})

@@ -108,8 +108,7 @@ def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | N
 def parent_odds(elites: Sequence[Parent], space: MeasureSpace) -> NDArray[np.float64]:
     """The probability of each of n elites to be a parent, (n,), by the empty slots near it (ours).
 
-    The weight of an elite is the number of empty slots in its cell and the eight cells around it,
-    plus `MIN_WEIGHT`.
+    Weights are the empty slots in the cell and the eight cells around it, plus `MIN_WEIGHT`.
     """
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.graspability for elite in elites], space)

@@ -1,7 +1,5 @@
 from .body import Body as Body
 from .body import repair_and_weigh as repair_and_weigh
-from .centroid import center_of_mass as center_of_mass
-from .checks import DroppedBodiesWarning as DroppedBodiesWarning
 from .checks import ScaleWarning as ScaleWarning
 from .checks import check_mesh as check_mesh
 from .checks import check_solid as check_solid
@@ -11,8 +9,6 @@ from .checks import cone_volumes as cone_volumes
 from .checks import is_closed as is_closed
 from .checks import units_doubt as units_doubt
 from .checks import warn_user as warn_user
-from .coacd import coacd_parts as coacd_parts
-from .convex_parts import Decomposition as Decomposition
 from .convex_parts import decompose as decompose
 from .convex_parts import union_of_parts as union_of_parts
 from .distance import DistanceField as DistanceField
@@ -26,13 +22,10 @@ from .manifold import to_mesh as to_mesh
 from .manifold import to_solid as to_solid
 from .manifold import wind_outwards as wind_outwards
 from .mass import MassProperties as MassProperties
+from .mass import center_of_mass as center_of_mass
 from .mass import mass_properties as mass_properties
-from .parameters import DEVIATION as DEVIATION
-from .parameters import MAX_PARTS as MAX_PARTS
-from .parameters import MAX_VERTICES as MAX_VERTICES
 from .parameters import SHELL_THICKNESS as SHELL_THICKNESS
 from .parameters import SIDE_FRACTION as SIDE_FRACTION
-from .parameters import VOLUME_ERROR as VOLUME_ERROR
 from .parameters import VOXELS as VOXELS
 from .parameters import Bundle as Bundle
 from .parameters import Material as Material
@@ -40,16 +33,12 @@ from .parameters import OpenSurfaces as OpenSurfaces
 from .parameters import Rescale as Rescale
 from .parameters import Smoothing as Smoothing
 from .parts import PartsWarning as PartsWarning
-from .parts import make_parts as make_parts
-from .parts import measure_parts as measure_parts
-from .parts import warn_if_beyond as warn_if_beyond
 from .precision import in_single_precision as in_single_precision
 from .precision import is_single as is_single
 from .precision import to_single as to_single
 from .primitives import joined_primitives as joined_primitives
 from .rays import RayCaster as RayCaster
 from .rays import TriangleScene as TriangleScene
-from .rays import bounding_box as bounding_box
 from .refinement import Triangulation as Triangulation
 from .refinement import distinct_corners as distinct_corners
 from .refinement import face_areas as face_areas
@@ -70,7 +59,6 @@ from .simulation_objects import simulation_object as simulation_object
 from .simulation_objects import warn_of_row as warn_of_row
 from .smooth_voxels import voxel_surface as voxel_surface
 from .stable_poses import StablePose as StablePose
-from .stable_poses import group_poses as group_poses
 from .stable_poses import resting_poses as resting_poses
 from .surface_samples import rims as rims
 from .surface_samples import spread as spread

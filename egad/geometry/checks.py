@@ -142,10 +142,7 @@ def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metr
 
 
 def _calls_within_egad() -> int:
-    """Number of calls, including this one, above the line of the user's program.
-
-    Calls of `contextlib` among them come from our decorators.
-    """
+    """Calls from the user's line down to this one; those of `contextlib` are of decorators."""
     calls = traceback.walk_stack(inspect.currentframe())
     files = (Path(frame.f_code.co_filename) for frame, _ in calls)
     ours = (PACKAGE in file.parents or file == Path(contextlib.__file__) for file in files)

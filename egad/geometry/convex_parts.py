@@ -32,17 +32,11 @@ SPARE = 2  # at most this many times as many pieces are cut as parts are allowed
 
 
 class Decomposition(NamedTuple):
-    """Convex parts, and the error bounds that they meet.
+    """Convex parts, and the error bounds that they meet."""
 
-    Attributes:
-        parts: Convex meshes with outward normals, at least one.
-        deviation: How deep the touchable surface lies in a part, metres.
-        volume_error: By how much the parts exceed the solid, as a fraction of it.
-    """
-
-    parts: list[trimesh.Trimesh]
-    deviation: float
-    volume_error: float
+    parts: list[trimesh.Trimesh]  # convex meshes with outward normals, at least one
+    deviation: float  # how deep the touchable surface lies in a part, metres
+    volume_error: float  # by how much the parts exceed the solid, as a fraction of it
 
 
 class _Piece(NamedTuple):
@@ -169,10 +163,7 @@ def union_of_parts(parts: Iterable[trimesh.Trimesh]) -> Solid:
 
 
 def _solid(mesh: trimesh.Trimesh) -> Solid:
-    """The solid within a surface, wound outwards.
-
-    An inside-out surface bounds everything but the object, and every hull would be a hull of that.
-    """
+    """The solid within a surface, wound outwards: inside out, it would bound all but the object."""
     check_mesh(mesh)
     solid = solid_within(mesh)
     return solid if solid.volume() > 0 else to_solid(mesh.vertices, mesh.faces[:, ::-1])

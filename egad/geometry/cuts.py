@@ -46,10 +46,6 @@ def best_plane(solid: Solid, planes_of_hull: Floats) -> Plane:
     and along the faces there, and planes at even steps along the axes. If no cut makes the hulls
     smaller, as when a ring is cut once, the plane halves one of the sides of the box instead: the
     side for which a second cut of both halves leaves the smallest hulls.
-
-    Args:
-        solid: A solid that is not convex.
-        planes_of_hull: Outward unit normals and offsets, (m, 4).
     """
     cut = _best_cut(solid, planes_of_hull)
     if cut.before - cut.after > MIN_GAIN * (cut.before - solid.volume()):

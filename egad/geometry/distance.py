@@ -54,8 +54,8 @@ def largest_deviation(surface: trimesh.Trimesh, mesh: trimesh.Trimesh) -> float:
 def _furthest(points: Floats, mesh: trimesh.Trimesh, size: float) -> float:
     """The largest distance of points (n, 3) from a mesh.
 
-    Thin triangles have many points in the same spot. So one point per grid cell is tested first,
-    and the others only where they can be farther away than all of these.
+    One point per grid cell comes first, as thin triangles have many points in the same spot; the
+    others only where they can be farther away.
     """
     cells = np.floor((points - points.min(axis=0)) / size).astype(np.int64)
     numbers = np.ravel_multi_index(tuple(cells.T), tuple(cells.max(axis=0) + 1))

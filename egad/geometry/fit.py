@@ -34,19 +34,12 @@ STEP = 2**0.5  # the bounds are loosened by this factor, again and again
 
 
 class Tolerances(NamedTuple):
-    """How far parts may be from a solid.
+    """How far parts may be from a solid."""
 
-    Attributes:
-        deviation: Metres, of the touchable surface.
-        volume_error: Relative.
-        max_vertices: Maximum number of vertices of a part.
-        lowering: By how much faces may be moved inwards, metres.
-    """
-
-    deviation: float
-    volume_error: float
-    max_vertices: int
-    lowering: float
+    deviation: float  # metres, of the touchable surface
+    volume_error: float  # relative
+    max_vertices: int  # maximum number of vertices of a part
+    lowering: float  # by how much faces may be moved inwards, metres
 
     def loosened(self, factor: float) -> "Tolerances":
         """Looser bounds, but only for outward errors: faces are not moved further inwards."""
@@ -64,13 +57,7 @@ class Tolerances(NamedTuple):
 
 
 def too_deep(touchable: Touchable, hull: Hull, tolerances: Tolerances) -> Flags:
-    """Which points would lie too deep in a hull even if its faces were lowered, (n,).
-
-    Args:
-        touchable: n points.
-        hull: A hull.
-        tolerances: How far parts may be from the solid.
-    """
+    """Which of n points would lie too deep in a hull even if its faces were lowered, (n,)."""
     if not len(hull.planes):
         return np.zeros(len(touchable.points), dtype=np.bool_)
     limit = DEPTH * tolerances.deviation
@@ -90,15 +77,7 @@ def fits(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> bool:
 
 
 def lower_faces(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hull:
-    """A hull whose faces are moved inwards where they bridge a hollow (ours).
-
-    Without this, all of the deviation would be outwards, and twice as many parts would be needed.
-
-    Args:
-        hull: With a volume.
-        touchable: Points of the surface.
-        tolerances: How far parts may be from the solid.
-    """
+    """A hull with its faces moved inwards where they bridge a hollow: halves the parts (ours)."""
     planes, limit, most = hull.planes, DEPTH * tolerances.deviation, tolerances.lowering
     near = touchable.where(within_box(touchable.points, hull.points))
     below = facing_depths(near.where(depths(near.points, planes) > limit), planes)
@@ -111,14 +90,7 @@ def lower_faces(hull: Hull, touchable: Touchable, tolerances: Tolerances) -> Hul
 
 
 def finish(hull: Hull, touchable: Touchable, kept: Tolerances, wanted: Tolerances) -> Hull:
-    """Turn a hull into a part: lower its faces, and leave out the corners that matter least.
-
-    Args:
-        hull: With a volume.
-        touchable: Points of the surface.
-        kept: The tolerances that the hull meets.
-        wanted: Those that leaving out corners keeps to.
-    """
+    """Turn a hull that meets `kept` into a part: lower faces, leave out corners within `wanted`."""
     return wanted.reduced(lower_faces(hull, touchable, kept), FINAL_LOSS)[0]
 
 
@@ -132,17 +104,8 @@ def finish_all(
     """Turn hulls into parts, and check them at points that they are not fitted to (ours).
 
     If too many of these points lie too deep, the hulls are fitted to both sets of points, and
-    checked at new ones.
-
-    Args:
-        hulls: Hulls that together approximate a solid, each with a volume.
-        mesh: Its surface, wound outwards, metres.
-        touchable: Points of it.
-        kept: The bounds that the hulls meet.
-        wanted: Those that leaving out corners keeps to.
-
-    Returns:
-        The parts, and the bounds that they meet: looser ones if more points did not help.
+    checked at new ones. If that does not help, the bounds that are returned with the parts are
+    looser than `kept`.
     """
     for number in count():
         finished = [finish(hull, touchable, kept, wanted) for hull in hulls]

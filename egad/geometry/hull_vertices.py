@@ -9,20 +9,12 @@ from egad.geometry.hulls import Hull
 
 
 def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
-    """A hull of some of the corners of a hull, with nearly its shape (ours).
+    """A hull of some of the corners of a hull, and whether its losses are within bounds (ours).
 
     The corners farthest outside the hull of those chosen so far are added repeatedly: the farthest
-    above each of its faces, if it is at least half as far outside as the farthest of all.
-
-    Args:
-        hull: A hull that has a volume.
-        most: Maximum number of corners, at least 4.
-        distance: No corner is added once all others lie at most this far outside, in the unit of
-            the hull, and the lost volume is within `share`.
-        share: Fraction of the volume that may be lost.
-
-    Returns:
-        The hull of the chosen corners, in their order, and whether its losses are within bounds.
+    above each of its faces, if it is at least half as far outside as the farthest of all. It ends
+    at `most` corners, or when all others lie within `distance` and the lost volume is within
+    `share`.
     """
     chosen = _far_apart(hull.points)
     while True:
@@ -57,16 +49,7 @@ def _far_apart(points: Floats) -> list[int]:
 
 
 def lower_planes(planes: Floats, by: Floats, inside: Floats) -> Floats | None:
-    """The corners of a hull whose faces are moved inwards.
-
-    Args:
-        planes: Outward unit normals and offsets of the faces, (m, 4).
-        by: How far each is moved, (m,).
-        inside: A point within the hull, (3,).
-
-    Returns:
-        (n, 3), some of them nearly the same; None if the point is no longer inside.
-    """
+    """Corners (n, 3) of a hull whose faces move inwards `by` (m,); None if `inside` is outside."""
     moved = np.column_stack([planes[:, :3], planes[:, 3] + by])
     try:
         corners = HalfspaceIntersection(moved, inside).intersections

@@ -22,18 +22,11 @@ EQUAL = 1e-9  # relative difference of volumes that are the same
 
 
 class Hull(NamedTuple):
-    """A convex hull.
+    """A convex hull."""
 
-    Attributes:
-        points: Its corners, (n, 3).
-        volume: Its volume.
-        planes: Outward unit normals and offsets of its faces, (m, 4): no corner has a positive
-            normal @ point + offset.
-    """
-
-    points: Floats
-    volume: float
-    planes: Floats
+    points: Floats  # (n, 3) its corners
+    volume: float  # its volume
+    planes: Floats  # (m, 4) outward unit normals and offsets of faces; @ corner + offset <= 0
 
 
 def hull_of(points: Floats) -> Hull:
@@ -63,13 +56,7 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
 def merge_hulls(hulls: Sequence[Hull], allowed: float, fits: Callable[[Hull], bool]) -> list[Hull]:
     """Repeatedly merge the two touching hulls whose common hull adds the least volume (ours).
 
-    Args:
-        hulls: Hulls of the pieces of a solid.
-        allowed: Merging stops before the volumes of the hulls add up to more than this.
-        fits: Whether a common hull may take the place of two.
-
-    Returns:
-        The remaining hulls, unchanged ones first.
+    It stops before the volumes add up to more than `allowed`, and returns unchanged hulls first.
     """
     pool = _Pool(hulls)
     total = sum(hull.volume for hull in hulls)

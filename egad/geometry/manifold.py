@@ -30,11 +30,7 @@ def is_solid(solid: Solid) -> bool:
 
 
 def solid_within(mesh: trimesh.Trimesh) -> Solid:
-    """The solid that a closed surface bounds; its volume is negative if it is inside out.
-
-    Raises:
-        RejectedError: It is open or wound inconsistently, or has no volume.
-    """
+    """The solid in a closed surface, or `RejectedError`; of negative volume if it is inside out."""
     solid = to_solid(mesh.vertices, mesh.faces)
     if solid.status() != manifold3d.Error.NoError:
         raise RejectedError(OPEN)

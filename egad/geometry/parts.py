@@ -27,18 +27,11 @@ class PartsWarning(UserWarning):
 
 
 class Closeness(NamedTuple):
-    """How far convex parts are from their object.
+    """How far convex parts are from their object."""
 
-    Attributes:
-        volume_error: Volume of the union of the parts / volume of the object - 1.
-        deviation: Largest distance by which the parts protrude from its surface, metres.
-        buried: Share of the surface that fingers can touch which lies deeper in a part than the
-            setting `deviation`.
-    """
-
-    volume_error: float
-    deviation: float
-    buried: float
+    volume_error: float  # volume of the union of the parts / volume of the object - 1
+    deviation: float  # largest distance by which the parts protrude from its surface, metres
+    buried: float  # share of the touchable surface that lies deeper in a part than allowed
 
     def is_within(self, settings: Bundle) -> bool:
         """Whether the parts are as close to the object as the settings require."""
@@ -166,11 +159,7 @@ def _made(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
         )
         return Decomposition(parts, np.nan, np.nan)
     return decompose(
-        mesh,
-        settings.max_parts,
-        settings.volume_error,
-        settings.deviation,
-        settings.max_vertices,
+        mesh, settings.max_parts, settings.volume_error, settings.deviation, settings.max_vertices
     )
 
 

@@ -19,19 +19,12 @@ KINDS = {"box": [0, 1, 2], "cylinder": [0, 0, 1], "sphere": [0, 0, 0]}
 
 
 class Piece(NamedTuple):
-    """A primitive and its pose.
+    """A primitive and its pose."""
 
-    Attributes:
-        kind: A key of `KINDS`.
-        sides: Along its own axes, (3,).
-        rotation: From its own axes to those of the object, (3, 3).
-        middle: (3,).
-    """
-
-    kind: str
-    sides: Floats
-    rotation: Floats
-    middle: Floats
+    kind: str  # a key of `KINDS`
+    sides: Floats  # along its own axes, (3,)
+    rotation: Floats  # from its own axes to those of the object, (3, 3)
+    middle: Floats  # (3,)
 
 
 def joined_primitives(rng: np.random.Generator, longest_side: float) -> trimesh.Trimesh:
@@ -69,10 +62,7 @@ def loose_piece(rng: np.random.Generator) -> Piece:
 
 
 def attach(piece: Piece, base: Piece, rng: np.random.Generator) -> Piece:
-    """Move a piece so that it shares a point with a base, and its middle lies further out.
-
-    The point lies a little below the skin of both, so that the pieces overlap.
-    """
+    """Move a piece so that it overlaps a base a little, and its middle lies further out."""
     outwards, onwards = _below_skin(base, rng), _below_skin(piece, rng)
     away = np.copysign(1.0, outwards @ onwards)  # a piece is the same seen from the other side
     return piece._replace(middle=base.middle + outwards + away * onwards)

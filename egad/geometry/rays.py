@@ -16,19 +16,12 @@ OBLIQUE = np.array([0.4359, 0.5931, 0.6769]) / np.linalg.norm([0.4359, 0.5931, 0
 
 
 class Intersections(NamedTuple):
-    """The first triangle that each of n rays meets.
+    """The first triangle that each of n rays meets."""
 
-    Attributes:
-        faces: (n,) its number; -1 without a hit.
-        distances: (n,) in units of the length of the direction; infinite without a hit.
-        coordinates: (n, 2) barycentric coordinates of the second and third corner.
-        normals: (n, 3) of the triangle, of any length; zeros without a hit.
-    """
-
-    faces: NDArray[np.int64]
-    distances: Singles
-    coordinates: Singles
-    normals: Singles
+    faces: NDArray[np.int64]  # (n,) its number; -1 without a hit
+    distances: Singles  # (n,) in units of the length of the direction; infinite without a hit
+    coordinates: Singles  # (n, 2) barycentric coordinates of the second and third corner
+    normals: Singles  # (n, 3) of the triangle, of any length; zeros without a hit
 
 
 class TriangleScene:
@@ -38,12 +31,7 @@ class TriangleScene:
     """
 
     def __init__(self, vertices: NDArray[Any], faces: NDArray[Any]) -> None:
-        """Prepare triangles.
-
-        Args:
-            vertices: (n, 3).
-            faces: (m, 3).
-        """
+        """Prepare triangles: vertices (n, 3), faces (m, 3)."""
         self._scene = embree_scene(
             np.array(vertices, dtype=np.float32, order="C"),
             np.array(faces, dtype=np.int32, order="C"),
@@ -83,17 +71,11 @@ def _infinite_where_missed(distances: Singles) -> Singles:
 
 
 class Hits(NamedTuple):
-    """The first surface that each of n rays meets.
+    """The first surface that each of n rays meets."""
 
-    Attributes:
-        distances: (n,) along the ray, metres; infinite without a hit.
-        normals: (n, 3) outward unit normals of the triangles; zeros without a hit.
-        entering: (n,) whether the ray comes from outside; False without a hit.
-    """
-
-    distances: Floats
-    normals: Floats
-    entering: Flags
+    distances: Floats  # (n,) along the ray, metres; infinite without a hit
+    normals: Floats  # (n, 3) outward unit normals of the triangles; zeros without a hit
+    entering: Flags  # (n,) whether the ray comes from outside; False without a hit
 
 
 class RayCaster:
@@ -156,11 +138,9 @@ def _exact_hits(
     starts: Floats,
     directions: Floats,
 ) -> tuple[Floats, Floats, Flags]:
-    """Exact hits of rays on known faces at approximate distances.
+    """Distances to the planes of hit faces, normals, and whether rays come from outside.
 
-    Returns:
-        Distances to the planes of the faces, normals, and whether rays come from outside. A
-        grazing ray may meet the plane far from the triangle: then the given distance is kept.
+    A grazing ray may meet the plane far from the triangle: then the given distance is kept.
     """
     exact = distances.astype(np.float64)
     found, entering = np.zeros((len(faces), 3)), np.zeros(len(faces), np.bool_)

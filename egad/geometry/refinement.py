@@ -168,10 +168,7 @@ def _set_edge(room: _Room, edge: int, one: int, other: int) -> None:
 
 @kernel()
 def _split(room: _Room, edge: int, middle: int, faces: int, edges: int) -> int:
-    """Split an edge at the new vertex `middle`; returns how many faces that adds.
-
-    The edge keeps its first half. The new edges are its second half and one across each face.
-    """
+    """Split an edge, which keeps its first half, at the vertex `middle`; the count of new faces."""
     one, other = room.edges[edge]
     for k in range(3):
         room.vertices[middle, k] = (room.vertices[one, k] + room.vertices[other, k]) / 2

@@ -43,14 +43,10 @@ def open_edges(faces: Ints) -> Ints:
 
 
 def close_holes(mesh: trimesh.Trimesh, largest: float) -> trimesh.Trimesh | None:
-    """Fill the holes of a surface: each rim is triangulated as seen along its mean normal (ours).
+    """Fill holes by triangulating each rim as seen along its mean normal (ours).
 
-    Args:
-        mesh: Consistently wound; not changed.
-        largest: Maximum area of all patches together, as a fraction of the area of the surface.
-
-    Returns:
-        The closed surface; None if open edges form no loops, or the holes are too large.
+    None if open edges form no loops, or all patches are more than `largest` of the area of the
+    surface.
     """
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
     loops = simple_loops(open_edges(faces))
@@ -203,15 +199,6 @@ def repair_for_files(
 
     A surface that rounding would make cross itself or lose a triangle keeps its coordinates: it has
     details that are a millionth of its distance from the origin.
-
-    Args:
-        mesh: As for `repair`.
-        open_surfaces: As for `repair`.
-        thickness: As for `repair`.
-
-    Raises:
-        RejectedError: As `repair`.
-        UserError: As `repair`.
     """
     found = repair(mesh, open_surfaces, thickness)
     if is_single(found.mesh.vertices):
@@ -229,10 +216,7 @@ def repair_with_warning(mesh: trimesh.Trimesh) -> Repaired:
 
 
 def dropped_text(bodies: int, volume: float) -> str:
-    """How many bodies were left out and their fraction of the volume, as a phrase; empty for none.
-
-    Bodies without volume are open surfaces, whose area has a limit.
-    """
+    """How many bodies were left out and their share of the volume, as a phrase; empty for none."""
     if not bodies:
         return ""
     was = "was" if bodies == 1 else "were"
@@ -303,14 +287,7 @@ def _volume_beyond(open_shell: trimesh.Trimesh, kept: Solid) -> float:
 def _solids(
     mesh: trimesh.Trimesh, wall: float | None
 ) -> tuple[list[Solid], list[trimesh.Trimesh], bool]:
-    """A solid for each shell that can be closed.
-
-    The others are dropped if they are only debris; otherwise they get a wall of the given
-    thickness.
-
-    Returns:
-        The solids, the shells that are dropped, and whether there is such a wall.
-    """
+    """Solids of shells that close or get a wall, debris to drop, and whether there is a wall."""
     single, doubled = _cleaned(mesh)
     solids, failed = list[Solid](), list[trimesh.Trimesh]()
     for part in _shells(single):

@@ -15,7 +15,7 @@ FLAT = 0.15  # smallest fraction of flat folds that tells rounding from chance
 
 
 def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
-    """Estimate how far rounded coordinates may have moved vertices, from faces in one plane.
+    """Estimate how far rounded coordinates may have moved vertices, from faces in one plane (ours).
 
     Two faces that share an edge form a fold. If they lie in one plane, the height of the fold is 0,
     and rounded coordinates make it about as large as the rounding, far below the heights of real
@@ -23,15 +23,9 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
     files, which also moves corners where it leaves planes parallel to the axes flat. It needs no
     knowledge of the file, and does not change when the mesh is turned, moved or scaled.
 
-    Args:
-        vertices: (n, 3), in any unit.
-        faces: (f, 3) indices.
-
     Returns:
         In the unit of the vertices; 0 if few folds are flat, or if heights have no gap, as on the
         smooth surfaces of evolved objects.
-
-    Source: ours.
     """
     mesh = triangulation(np.ascontiguousarray(vertices), distinct_corners(faces))
     areas = face_areas(mesh)
@@ -51,12 +45,8 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
 def fold_heights(mesh: Triangulation, areas: Floats) -> Floats:
     """Height of the fold at each edge, (e,): from one face to the plane of the other, larger one.
 
-    Args:
-        mesh: The triangles; for an edge with more than two faces, the first two count.
-        areas: (f,) areas of the faces.
-
-    Returns:
-        Infinity at the rim of a surface, and where both faces have no area.
+    Of more than two faces, the first two count. Infinity at a rim, and where both faces have no
+    area.
     """
     first = np.full(len(mesh.edges), -1)
     result = np.full(len(mesh.edges), np.inf)

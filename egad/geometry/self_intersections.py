@@ -15,19 +15,11 @@ ROUNDS = 4
 
 
 def crossings(vertices: Floats, faces: Ints, depth: float) -> Ints:
-    """Pairs of triangles of which one pierces the other (ours: sweep, then exact signs).
+    """Pairs (k, 2) of triangles of which one pierces the other (ours: sweep, then exact signs).
 
     An edge pierces a triangle when its ends lie more than `depth` off the triangle's plane, on
-    either side, and it passes within the triangle's border. Triangles that lie in one plane do
-    not pierce each other. A vertex that both triangles share is no crossing.
-
-    Args:
-        vertices: (n, 3).
-        faces: (m, 3) vertex indices.
-        depth: Crossings that are shallower are noise; same unit as the vertices.
-
-    Returns:
-        (k, 2) indices of faces.
+    either side, and it passes within the triangle's border. Triangles that lie in one plane do not
+    pierce each other. A vertex that both triangles share is no crossing.
     """
     if len(faces) == 0:
         return np.empty((0, 2), dtype=np.int64)

@@ -29,10 +29,6 @@ def shell(mesh: trimesh.Trimesh, thickness: float) -> Solid:
     thickness; marching cubes and a simplification follow. Tests find walls within 5 % of the
     thickness.
 
-    Args:
-        mesh: Any triangles with an area, in any unit; not changed.
-        thickness: Thickness of the wall, in the same unit.
-
     Raises:
         RejectedError: There is no surface, or the wall is thicker than it is large, or too thin to
             be computed.

@@ -37,17 +37,10 @@ class Touchable(NamedTuple):
 
 
 def touchable_points(mesh: trimesh.Trimesh, purpose: str) -> Touchable:
-    """Points all over a surface that a finger can touch (ours).
+    """At most 16,000 points of equal area all over a surface that a finger can touch (ours).
 
     A point counts if a ray along its outward normal runs through 10 mm of free space, the thickness
-    of a finger. So the inside of a narrow hole does not count.
-
-    Args:
-        mesh: A closed surface, metres, wound outwards.
-        purpose: Selects the points: each purpose has different ones.
-
-    Returns:
-        At most 16,000 points, each of which stands for the same area.
+    of a finger. So the inside of a narrow hole does not count. Each `purpose` has different points.
     """
     caster = RayCaster(mesh)
     rng = generator(0, "touchable points", purpose)
@@ -63,12 +56,7 @@ def touchable_points(mesh: trimesh.Trimesh, purpose: str) -> Touchable:
 
 
 def depths(points: Floats, planes: Floats) -> Floats:
-    """How far points (n, 3) lie below the outermost plane of a hull, (n,); negative outside.
-
-    Args:
-        points: In the unit of the planes.
-        planes: Outward unit normals and offsets, (m, 4).
-    """
+    """How far points (n, 3) lie below the outermost of m planes (m, 4), (n,); negative outside."""
     # Single precision errs by less than 1e-8 m for lengths of the size of objects.
     few, normals, offsets = (
         each.astype(np.float32) for each in (points, planes[:, :3].T, planes[:, 3])
@@ -83,10 +71,6 @@ def facing_depths(touchable: Touchable, planes: Floats) -> Floats:
     """Depths of points below planes that face the same way, (n, m); infinite below the others.
 
     A point near a cut lies close below the plane of the cut, but a finger comes from elsewhere.
-
-    Args:
-        touchable: n points.
-        planes: Outward unit normals and offsets of a hull, (m, 4).
     """
     facing = touchable.normals @ planes[:, :3].T > FACING
     below = -(touchable.points @ planes[:, :3].T + planes[:, 3])
@@ -97,15 +81,7 @@ def facing_depths(touchable: Touchable, planes: Floats) -> Floats:
 def deeper_points(
     points: Floats, normals: Floats, planes: Floats, depth: float, facing_depth: float
 ) -> NDArray[np.bool_]:
-    """Which of n points lie deeper than `depth` in a hull, and `facing_depth` below some planes.
-
-    Args:
-        points: (n, 3).
-        normals: Outward unit normals of the surface there, (n, 3).
-        planes: Outward unit normals and offsets of the hull, (m, 4).
-        depth: Below all planes, in the unit of the points.
-        facing_depth: Below those that face the same way as a point's normal; at least `depth`.
-    """
+    """Which of n points lie deeper than `depth`, and `facing_depth` below planes that they face."""
     found = np.zeros(len(points), np.bool_)
     for i in range(len(points)):
         deep = True

@@ -161,9 +161,9 @@ def join(parts: list[ContactPairs]) -> ContactPairs:
 
 
 def approach_directions(axes: Floats) -> Floats:
-    """Horizontal unit vectors at right angles to closing axes: (n, 3).
+    """Horizontal unit vectors (n, 3) at right angles to closing axes: Dex-Net's angle 0.
 
-    This is the approach of Dex-Net's grasps at angle 0; x for a vertical axis.
+    It is x for a vertical axis.
     """
     flat = np.stack([axes[:, 1], -axes[:, 0], np.zeros(len(axes))], axis=1)
     length = np.linalg.norm(flat, axis=1, keepdims=True)

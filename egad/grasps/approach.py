@@ -19,46 +19,26 @@ STRAIGHT = np.zeros(1)  # radians; not turned
 
 
 class Approaches(NamedTuple):
-    """The best approach to each of n grasps.
+    """The best approach to each of n grasps."""
 
-    Attributes:
-        directions: (n, 3) unit vectors along which the hand moves towards the object.
-        fits: (n,) whether the hand touches nothing at the grasp.
-        free: (n,) whether it touches nothing on the way in either.
-        angles_fit: (n,) number of angles that fit.
-        angles_collision_free: (n,) number of angles that are free.
-    """
-
-    directions: Floats
-    fits: Flags
-    free: Flags
-    angles_fit: Ints
-    angles_collision_free: Ints
+    directions: Floats  # (n, 3) unit vectors along which the hand moves towards the object
+    fits: Flags  # (n,) whether the hand touches nothing at the grasp
+    free: Flags  # (n,) whether it touches nothing on the way in either
+    angles_fit: Ints  # (n,) number of angles that fit
+    angles_collision_free: Ints  # (n,) number of angles that are free
 
 
 def best_approaches(
-    caster: RayCaster,
-    grasps: ContactPairs,
-    body: HandBody,
-    *,
-    angles: int = 16,
-    way: float = 0.1,
+    caster: RayCaster, grasps: ContactPairs, body: HandBody, *, angles: int = 16, way: float = 0.1
 ) -> Approaches:
     """Find the approach with the most clearance for the open hand, for each of n grasps.
 
     The approaches tried are spread evenly around the closing axis; the first points down (along -z)
     as far as the axis allows. At each, the hand is tested exactly, at the grasp and along its
-    straight way in: it is swept along that way, and no part of it may share a point with the
-    object, surface or inside. The free approach farthest from any that is not free is chosen. If
-    none is free, the same is done with those that fit at the grasp; if none fits, the first
+    straight way in (metres): it is swept along that way, and no part of it may share a point with
+    the object, surface or inside. The free approach farthest from any that is not free is chosen.
+    If none is free, the same is done with those that fit at the grasp; if none fits, the first
     approach is chosen.
-
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        grasps: The grasps.
-        body: The hand.
-        angles: Number of approaches to try.
-        way: Length of the straight way in, metres.
     """
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
@@ -124,10 +104,9 @@ def _swallowed(
     turns: Floats,
     behind: Floats | None,
 ) -> Flags:
-    """In which poses a part of the hand has its middle in the object: (n, k).
+    """In which poses a part of the hand has its middle in the object, (n, k); see `blocked_turns`.
 
-    A part that touches no surface lies entirely inside or outside, like any of its points. The
-    arguments are those of `blocked_turns`.
+    A part that touches no surface lies entirely inside or outside, like any of its points.
     """
     result = np.zeros((len(origins), len(turns)), dtype=bool)
     back = np.zeros((len(origins), 1)) if behind is None else behind[:, None]

@@ -171,9 +171,9 @@ def local(
 
 @kernel()
 def clipped(polygon: Floats, planes: Floats) -> tuple[Floats, int]:
-    """Clip a convex polygon (c, 3) by planes: corners, and how many of them; 0 if nothing is left.
+    """Corners of a convex polygon (c, 3) clipped by planes, and their number; 0: nothing is left.
 
-    Sutherland and Hodgman 1974. Whatever is in front of a plane (normal . point + offset > 0) is
+    Sutherland and Hodgman 1974. What is in front of a plane (normal . point + offset > 0) is
     removed.
     """
     count = len(polygon)

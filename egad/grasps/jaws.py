@@ -17,41 +17,26 @@ from egad.grippers import HandBody, ModelBody
 
 
 class JawFaces(NamedTuple):
-    """The inner faces of a hand with one moving jaw, at n grasps.
-
-    Attributes:
-        body: The hand.
-        approaches: (n, 3) unit vectors along which it points.
-        excess: (n,) how much wider than the contacts it stays open because it meets something else
-            first, metres.
-    """
+    """The inner faces of a hand with one moving jaw, at n grasps."""
 
     body: ModelBody
-    approaches: Floats
-    excess: Floats
+    approaches: Floats  # (n, 3) unit vectors along which it points
+    excess: Floats  # (n,) how much wider than the contacts it stays open, stopped before, metres
 
     @classmethod
     def of(
         cls, body: HandBody, grasps: ContactPairs, approaches: Floats, needed: Floats
     ) -> Self | None:
-        """The jaw faces at some grasps; None for a hand with parallel jaws.
-
-        Args:
-            body: The hand.
-            grasps: The grasps.
-            approaches: (n, 3) unit vectors along which it points.
-            needed: (n,) openings from `needed_openings`, metres.
-        """
+        """The jaw faces at n grasps at the openings they need, metres; None for parallel jaws."""
         if not isinstance(body, ModelBody) or body.model.lever is None:
             return None
         excess = np.where(np.isfinite(needed), needed - grasps.widths, 0.0)
         return cls(body, approaches, excess)
 
     def normals(self, grasps: ContactPairs) -> Floats:
-        """Outward normals of an object that fits the faces at the contacts: (n, 2, 3).
+        """Outward normals (n, 2, 3) of an object that fits the faces at the contacts.
 
-        Args:
-            grasps: The same grasps, or as many copies of each, grasp by grasp.
+        The grasps are the same, or as many copies of each, grasp by grasp.
         """
         copies = len(grasps) // max(len(self.excess), 1)
         excess = np.repeat(self.excess, copies)
@@ -61,13 +46,10 @@ class JawFaces(NamedTuple):
 
 
 def face_normals(axes: Floats, approaches: Floats, angles: Floats) -> Floats:
-    """Outward normals of n objects that fit between jaws at an angle: (n, 2, 3).
+    """Outward normals (n, 2, 3) of objects that fit between jaws at angles (n,), radians.
 
-    Args:
-        axes: (n, 3) unit closing axes; both faces lean equally to them.
-        approaches: (n, 3) unit vectors; their components along the axes do not count.
-        angles: (n,) angles between the faces, radians; positive if they are farther apart at the
-            tips.
+    Positive angles are those of faces farther apart at the tips. Both lean equally to the axes (n,
+    3); the components of the approaches along them do not count.
     """
     along = np.einsum("nk,nk->n", approaches, axes)[:, None] * axes
     ahead = approaches - along

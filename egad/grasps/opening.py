@@ -26,23 +26,14 @@ SKIN = 1e-6  # of it: how far below the surface rays start
 def needed_openings(
     caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: HandBody
 ) -> Floats:
-    """The smallest opening at which both fingers stand beside the object at each of n grasps.
+    """The smallest opening, metres, at which both fingers stand beside the object, (n,).
 
     The hand is at the grasp, with its fingers equally far from the middle of the contacts and at
     least as far apart as the contacts. The fingers are whole boxes with width, length and
-    thickness; both what they enclose and what is behind them count. The palm does not. If the
-    opening is larger than the width of the grasp, closing pads meet something else before they
-    reach both contacts.
-
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        grasps: The grasps.
-        approaches: (n, 3) unit vectors along which the hand points, at right angles to the axes.
-        body: The hand. For boxes, the opening does not matter; for a maker's model, see
-            `needed_openings_of_model`.
-
-    Returns:
-        (n,) metres, between the inner faces of the fingers; may exceed the opening of the gripper.
+    thickness; both what they enclose and what is behind them count. The palm does not, nor does the
+    opening of the hand, which the result may exceed. If the result is larger than the width of the
+    grasp, closing pads meet something else before they reach both contacts. For a maker's model,
+    see `needed_openings_of_model`.
     """
     if isinstance(body, ModelBody):
         return needed_openings_of_model(caster, grasps, approaches, body)
@@ -79,11 +70,10 @@ def _gaps(
     frames: Floats,
     least: Floats,
 ) -> tuple[Floats, Floats]:
-    """The first gap in the surface that both fingers fit into, for each of n grasps.
+    """The first gap in the surface that both fingers fit into, from (n,) to (n,) from the middle.
 
-    Returns:
-        (n,) smallest distance of the inner faces from the middle, at least `least`, at which no
-        triangle reaches into a finger, and (n,) the distance at which one would again.
+    Between these distances of the inner faces, the first at least `least`, no triangle reaches into
+    a finger.
     """
     planes = np.zeros((4, 4))
     for axis in range(2):
@@ -200,21 +190,11 @@ def graspable_fraction(widths: Floats, areas: Floats, opening: float) -> float:
 def needed_openings_of_model(
     caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: ModelBody
 ) -> Floats:
-    """The smallest opening at which both fingers stand beside the object at each of n grasps.
+    """The smallest opening, metres, at which both fingers of a model stand beside the object, (n,).
 
     The hand stays where its pads will reach the contacts, and its fingers close along their path.
     Only openings that the model tabulates are tried, so the result is too large by at most the step
-    between two of them.
-
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        grasps: The grasps.
-        approaches: (n, 3) unit vectors along which the hand points, at right angles to the axes.
-        body: The hand.
-
-    Returns:
-        (n,) metres between the pads, at least the widths of the grasps; infinite if the hand does
-        not open that far.
+    between two of them; infinite if the hand does not open that far.
     """
     if body.model.lever is not None:
         return _needed_by_jaw(caster, grasps, approaches, body)

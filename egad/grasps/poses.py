@@ -62,7 +62,7 @@ def graspnet_poses(poses: Floats, depth: float) -> Floats:
 
 
 def dexnet_frames(axes: Floats) -> Floats:
-    """Rotations of Dex-Net's grasp frame at approach angle 0: (n, 3, 3).
+    """Rotations (n, 3, 3) of Dex-Net's grasp frame at approach angle 0.
 
     Its y is the closing axis, its x the approach: horizontal, and along the object's x where the
     closing axis is vertical.
@@ -72,10 +72,7 @@ def dexnet_frames(axes: Floats) -> Floats:
 
 
 def dexnet_angles(axes: Floats, approaches: Floats) -> Floats:
-    """Dex-Net's approach angles, radians, (n,).
-
-    At an angle `a`, the approach is `cos(a) x + sin(a) z` of the frame at angle 0.
-    """
+    """Dex-Net's approach angles, radians, (n,): `cos(a) x + sin(a) z` of the frame at angle 0."""
     frames = dexnet_frames(axes)
     along = np.einsum("nk,nk->n", frames[:, :, 0], approaches)
     aside = np.einsum("nk,nk->n", frames[:, :, 2], approaches)

@@ -124,21 +124,12 @@ def pressures(normals: Floats, axis: Floats) -> Floats:
 def wrenches(
     arms: Floats, normals: Floats, axis: Floats, friction: Floats, torsion: float, cone_faces: int
 ) -> Floats:
-    """The wrenches that the contacts of each of n grasps can apply to the object.
+    """Force and scaled torque that contacts of n grasps can apply, (n, 2 cone_faces + 4, 6).
 
     A finger presses with the component of a unit force along its inward normal. Its friction cone
     has `cone_faces` edges, the first leaning towards x; torsion acts either way about the normal.
-
-    Args:
-        arms: (n, 2, 3) contacts relative to the center of mass, times the torque scaling.
-        normals: (n, 2, 3) outward unit normals.
-        axis: (n, 3) closing axes.
-        friction: (n,) friction coefficients.
-        torsion: Scaled torsion per friction and pressure.
-        cone_faces: Edges of a cone.
-
-    Returns:
-        (n, 2 * cone_faces + 4, 6): force, then scaled torque.
+    The arms (n, 2, 3) are relative to the center of mass, times the torque scaling; torsion is
+    scaled, per friction and pressure; normals are outward.
     """
     angles = 2 * np.pi * np.arange(cone_faces) / cone_faces
     result: Floats = _wrenches(
@@ -183,13 +174,7 @@ def _wrenches(
 
 @kernel()
 def _frame(normal: Floats, tangent: Floats, other: Floats) -> None:
-    """Fill in the unit tangent nearest to x, or to y where the normal is along x, and their cross.
-
-    Args:
-        normal: (3,) unit vector.
-        tangent: (3,) to be filled.
-        other: (3,) to be filled with normal x tangent.
-    """
+    """Fill in the unit tangent nearest to x, or to y if the normal is along x, and their cross."""
     axis = 1 if abs(normal[0]) > 1 - 1e-9 else 0
     length = 0.0
     for k in range(3):

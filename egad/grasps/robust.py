@@ -77,17 +77,9 @@ def robust_ferrari_canny(
 def close_fingers(
     caster: RayCaster, centers: Floats, axes: Floats, opening: float
 ) -> tuple[ContactPairs, NDArray[np.bool_]]:
-    """Close fingers from half an opening on either side of n centers.
+    """Contacts of fingers closed from half an opening, metres, on either side of n centers.
 
-    Args:
-        caster: The object.
-        centers: (n, 3) midpoints of the open fingers, metres.
-        axes: (n, 3) unit vectors from the first finger to the second.
-        opening: Distance between the open fingers, metres.
-
-    Returns:
-        The contacts, and where they exist: both fingers start outside and meet the object before
-        they meet each other.
+    Contacts exist where both fingers start outside and meet the object before they meet each other.
     """
     directions = np.stack([axes, -axes], axis=1)
     starts = centers[:, None] - opening / 2 * directions

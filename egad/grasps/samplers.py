@@ -52,7 +52,7 @@ def draw_grasps(
     robust: Robust | None = None,
     density: float = DENSITY,
 ) -> Sampled:
-    """Grasps of any sampler except the antipodal one.
+    """Grasps of any sampler except the antipodal one, at most n.
 
     Args:
         mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
@@ -84,11 +84,7 @@ def draw_grasps(
 
 
 def check_sampler(gripper: Gripper) -> None:
-    """Make sure that the sampler of a gripper exists and is for its kind.
-
-    Raises:
-        UserError: It does not, or is not.
-    """
+    """Raise `UserError` if the sampler of a gripper does not exist or is not for its kind."""
     name = gripper.grasps_with
     if name == ANTIPODAL and gripper.cup is not None:
         raise UserError("the sampler `antipodal` is for jaws; the gripper has a cup")
@@ -99,11 +95,7 @@ def check_sampler(gripper: Gripper) -> None:
 
 
 def own_samplers(grippers: Iterable[Gripper]) -> list[str]:
-    """Fingerprints of the files of the user's own samplers, which are not run.
-
-    Raises:
-        UserError: There is no such file.
-    """
+    """Fingerprints of the files of the user's own samplers, which are not run, or `UserError`."""
     names = [gripper.grasps_with for gripper in grippers]
     return [plugins.source_hash(name, WHERE) for name in names if name not in BUILT_IN]
 
@@ -126,11 +118,7 @@ def _own(gripper: Gripper, mesh: trimesh.Trimesh, n: int, rng: np.random.Generat
 
 
 def _checked(gripper: Gripper, given: Any, n: int) -> Sampled:  # noqa: ANN401 (whatever it gives)
-    """An answer as grasps.
-
-    Raises:
-        UserError: It is something else.
-    """
+    """An answer of the user's sampler as grasps, or `UserError`."""
     name = gripper.grasps_with
     wanted = f"the sampler {name} must return poses (k, 4, 4), widths (k,) and qualities (k,)"
     try:

@@ -24,32 +24,18 @@ from egad.random import generator
 
 
 class LabelledGrasps(NamedTuple):
-    """Labelled grasps of an object.
+    """Labelled grasps of an object."""
 
-    Attributes:
-        table: Columns of `tables.grasping.GRASPS` without `id` and `label`; none without grasps.
-        statistics: How many candidates there were, and why some were rejected.
-        reason: Why there is no grasp; empty if there is one.
-    """
-
-    table: pd.DataFrame
-    statistics: SamplingStatistics
-    reason: str = ""
+    table: pd.DataFrame  # columns of `tables.grasping.GRASPS` but `id` and `label`; may be empty
+    statistics: SamplingStatistics  # how many candidates there were, and why some were rejected
+    reason: str = ""  # why there is no grasp; empty if there is one
 
 
 class Labeller:
-    """Samples and rates grasps of objects, as the gripper requires.
-
-    Attributes:
-        settings: The gripper, how many grasps, and how to rate them.
-    """
+    """Samples and rates grasps of objects, as the gripper requires."""
 
     def __init__(self, settings: LabelParameters) -> None:
-        """Read the hand.
-
-        Raises:
-            UserError: A file of the gripper, or its sampler, cannot be used.
-        """
+        """Read the hand, or raise `UserError` if a file or its sampler cannot be used."""
         self.settings = settings
         self._body = None if settings.gripper.cup else hand_body(settings.gripper)
         check_sampler(settings.gripper)
@@ -57,12 +43,7 @@ class Labeller:
     def __call__(
         self, mesh: trimesh.Trimesh, com: Floats, rng: np.random.Generator
     ) -> LabelledGrasps:
-        """The labelled grasps of an object.
-
-        Args:
-            mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
-            com: (3,) center of mass, metres.
-            rng: Random number generator.
+        """The labelled grasps of an object as it is grasped, with a center of mass (3,), metres.
 
         Raises:
             RejectedError: The mesh is open, bounds no volume or is not finite, no cup seals, or the
@@ -80,13 +61,7 @@ class Labeller:
                 rate_grasps(caster, com, pairs, settings, rng, self._body), statistics
             )
         poses, widths, quality = draw_grasps(
-            mesh,
-            com,
-            gripper,
-            wanted.grasps,
-            rng,
-            robust=settings.robust,
-            density=settings.density,
+            mesh, com, gripper, wanted.grasps, rng, robust=settings.robust, density=settings.density
         )
         if gripper.cup is not None:
             is_rate = gripper.grasps_with == SUCTION

@@ -60,17 +60,11 @@ def antipodal_success_rates(grasps: pd.DataFrame) -> pd.DataFrame:
 
 
 class SuccessRate(NamedTuple):
-    """How often grasps succeeded.
+    """How often grasps succeeded."""
 
-    Attributes:
-        n: Number of grasps that the engine could judge.
-        rate: Number that succeeded / n; NaN if n is 0.
-        std: Standard error of the rate.
-    """
-
-    n: int
-    rate: float
-    std: float
+    n: int  # number of grasps that the engine could judge
+    rate: float  # number that succeeded / n; NaN if n is 0
+    std: float  # standard error of the rate
 
 
 def success_rate(outcomes: Iterable[str]) -> SuccessRate:

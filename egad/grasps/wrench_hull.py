@@ -57,16 +57,10 @@ def _workspace() -> Workspace:
 
 
 def depths(points: NDArray[np.float64], floor: float = 0.0) -> NDArray[np.float64]:
-    """Distance from the origin to the boundary of the convex hull of each set of points.
+    """Distance from the origin to the boundary of each hull of n sets of at most 62 points, (n,).
 
-    Args:
-        points: (n, m, 6): n sets of at most 62 points.
-        floor: A depth below this may be replaced by an upper bound that is also below it; this
-            saves time.
-
-    Returns:
-        (n,): the smallest facet offset of the hull; 0 where the origin is not strictly inside,
-        which includes flat hulls.
+    The smallest facet offset; 0 where the origin is not strictly inside, which includes flat hulls.
+    To save time, a depth below `floor` may be replaced by an upper bound that is also below it.
     """
     result: NDArray[np.float64] = _depths(np.ascontiguousarray(points, dtype=float), floor)
     for i in np.flatnonzero(np.isnan(result)):
@@ -158,11 +152,7 @@ def _start(points: NDArray[np.float64], space: Workspace, tolerance: float) -> b
 def _find_horizon(
     apex: NDArray[np.float64], first: int, used: int, space: Workspace, tolerance: float
 ) -> tuple[int, int]:
-    """Collect the facets that the apex lies beyond (stack) and the edge of that region (horizon).
-
-    Returns:
-        The numbers of facets and of horizon ridges.
-    """
+    """Count the facets that the apex lies beyond (stack) and the edges of the region (horizon)."""
     for f in range(used):
         space.heights[f] = _dot(space.normals[f], apex) - space.offsets[f]
         space.seen[f] = 0
@@ -187,12 +177,7 @@ def _find_horizon(
 def _raise_facets(
     apex: int, edges: int, used: int, free: int, space: Workspace, tolerance: float
 ) -> tuple[int, int]:
-    """Join the apex to every ridge of the horizon.
-
-    Returns:
-        How many facets are in use and how many of them are free again; -1 free if the ridges
-        do not close.
-    """
+    """Join the apex to each ridge of the horizon: facets in use, and free; -1 if left open."""
     vertices, neighbors = space.vertices, space.neighbors
     normals, offsets, heights = space.normals, space.offsets, space.heights
     horizon, ridges, ends = space.horizon, space.ridges, space.ends

@@ -20,7 +20,6 @@ from .model import HandLink as HandLink
 from .packaged import PACKAGED as PACKAGED
 from .packaged import packaged_settings as packaged_settings
 from .parameters import ANTIPODAL as ANTIPODAL
-from .parameters import PADS as PADS
 from .parameters import SIZES as SIZES
 from .parameters import SUCTION as SUCTION
 from .parameters import Gripper as Gripper

@@ -11,15 +11,7 @@ FILE = "a gripper with a URDF or MJCF file"
 
 
 def read_described(path: Path, values: Mapping[str, Any]) -> GripperModel:
-    """The hand that a file describes.
-
-    Args:
-        path: The file.
-        values: Settings of a gripper; those that override what is found in the file count.
-
-    Raises:
-        UserError: The file cannot be used, or MuJoCo is not installed.
-    """
+    """The hand that a file describes; settings that override what is found in the file count."""
     with needed_for(FILE):
         from egad.grippers.reading import choices_of, read_model  # noqa: PLC0415 (an extra)
     return read_model(path, choices_of(values))

@@ -26,11 +26,7 @@ BOX_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1
 
 
 def read_description(path: Path) -> mujoco.MjSpec:
-    """A URDF or MJCF file as it is written.
-
-    Raises:
-        UserError: It cannot be read.
-    """
+    """A URDF or MJCF file as it is written, or `UserError`."""
     if not path.is_file():
         raise UserError("there is no such file")
     if path.suffix.lower() in USD:
@@ -77,16 +73,7 @@ def compile_skeleton(spec: mujoco.MjSpec) -> mujoco.MjModel:
 
 
 def compile_with_shapes(spec: mujoco.MjSpec, path: Path, bodies: Collection[int]) -> mujoco.MjModel:
-    """The links and joints of a description, with the collision shapes of some links.
-
-    Args:
-        spec: The description; it is changed.
-        path: Its file.
-        bodies: Numbers of the links whose shapes are read.
-
-    Raises:
-        UserError: One of their shapes cannot be used.
-    """
+    """A description, which is changed, compiled with the collision shapes of some links."""
     for number, body in enumerate(spec.bodies):
         if number not in bodies:
             for shape in body.geoms:
@@ -126,10 +113,7 @@ def mesh_files(spec: mujoco.MjSpec, path: Path) -> list[Path]:
 
 @contextmanager
 def name_file_in_messages(path: Path) -> Iterator[None]:
-    """Name the file in errors, and log MuJoCo's warnings with its name.
-
-    Otherwise MuJoCo writes its warnings into a file in the current folder.
-    """
+    """Name the file in errors and in MuJoCo's warnings, which it would write into a file here."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda text: log.warning("%s: %s", path, text))
     try:
@@ -168,11 +152,7 @@ def shapes_of(model: mujoco.MjModel, body: int) -> list[Floats]:
 
 
 def shape_surfaces(model: mujoco.MjModel, body: int) -> Iterator[tuple[Floats, Ints]]:
-    """Points and faces of the collision shapes of a link, in its frame.
-
-    Shapes that are not meshes, and meshes of which only the convex hull is known, have no faces:
-    the convex hull of their points counts.
-    """
+    """Points and faces of the collision shapes of a link; no faces: their convex hull counts."""
     first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
     for shape in range(first, first + count):
         if _collides(model, shape):
@@ -243,11 +223,7 @@ def _check_shapes(model: mujoco.MjModel) -> None:
 
 
 def _read_meshes(spec: mujoco.MjSpec, path: Path) -> None:
-    """Let meshes be read from their files, or give them the corners of their convex hulls.
-
-    Raises:
-        UserError: One is missing or cannot be read; the message names its link.
-    """
+    """Let meshes be read from their files, or give them corners of their hulls, or `UserError`."""
     packages = cache(list_packages)
     users = {shape.meshname: shape.parent.name for shape in reversed(spec.geoms) if shape.meshname}
     for mesh in spec.meshes:

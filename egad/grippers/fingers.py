@@ -22,29 +22,17 @@ WHOLE_ROBOT = "; for a whole robot, name a link of each finger: finger_links: [N
 
 
 class Sides(NamedTuple):
-    """The moving links of both fingers, and the axis along which they close.
+    """The moving links of both fingers, and the axis along which they close."""
 
-    Attributes:
-        links: Links of the finger at the lower end of the axis, and of the one at the higher end.
-        axis: Unit vector in the frame of the palm.
-        signs: Which way each driven joint moves from open to closed, (n,).
-    """
-
-    links: tuple[frozenset[int], frozenset[int]]
-    axis: Floats
-    signs: Floats
+    links: tuple[frozenset[int], frozenset[int]]  # of fingers at the lower and higher end
+    axis: Floats  # unit vector in the frame of the palm
+    signs: Floats  # which way each driven joint moves from open to closed, (n,)
 
 
 def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = None) -> list[int]:
     """The driven joints of a hand: those with an actuator, or else those that mimic no other.
 
-    Args:
-        model: The description.
-        joints: Numbers of the joints of the hand.
-        wanted: Name of the driven joint, if it is known.
-
-    Raises:
-        UserError: There is none of this name, or it has no limits, or there are too many.
+    Raises `UserError` if the wanted one does not exist or has no limits, or there are too many.
     """
     names = {joint_name(model, joint): joint for joint in joints}
     if wanted is not None:
@@ -74,12 +62,7 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
 
 
 def find_moving_jaw(mechanism: Mechanism, chains: list[int]) -> int | None:
-    """The only moving link of a hand, if one joint moves it against the rest; None otherwise.
-
-    Args:
-        mechanism: The joints.
-        chains: Numbers of the links on the palm that move.
-    """
+    """The only moving link of a hand, if one joint moves it against the rest; None otherwise."""
     model = mechanism.model
     groups = [subtree(model, chain) for chain in chains]
     solid = [each for each in groups if any(shapes_of(model, body) for body in each)]
@@ -90,15 +73,7 @@ def find_moving_jaw(mechanism: Mechanism, chains: list[int]) -> int | None:
 
 
 def find_sides(mechanism: Mechanism, chains: list[int]) -> Sides:
-    """Which links belong to which finger: those that move against each other.
-
-    Args:
-        mechanism: The joints.
-        chains: Numbers of the links on the palm that move.
-
-    Raises:
-        UserError: They are not two fingers that close along a line.
-    """
+    """Which links belong to which finger: those that move against each other along a line."""
     model = mechanism.model
     groups = [frozenset(subtree(model, chain)) for chain in chains]
     solid = [group for group in groups if any(shapes_of(model, body) for body in group)]
@@ -128,21 +103,13 @@ def find_sides(mechanism: Mechanism, chains: list[int]) -> Sides:
 
 
 class _Motion(NamedTuple):
-    """A small step of the driven joints that the other joints can follow.
+    """A small step of the driven joints that the other joints can follow."""
 
-    Attributes:
-        sizes: How far groups of links move against each other, along each axis, descending.
-        axis: The axis along which they move most.
-        before: (n, 3) the middles of the groups before the step.
-        after: The same after it.
-        signs: Which way each driven joint moves, (n,).
-    """
-
-    sizes: Floats
-    axis: Floats
-    before: Floats
-    after: Floats
-    signs: Floats
+    sizes: Floats  # how far groups of links move against each other, along each axis, descending
+    axis: Floats  # the axis along which they move most
+    before: Floats  # (n, 3) the middles of the groups before the step
+    after: Floats  # the same after it
+    signs: Floats  # which way each driven joint moves, (n,)
 
 
 def _motions(mechanism: Mechanism, groups: list[frozenset[int]]) -> Iterator[_Motion]:

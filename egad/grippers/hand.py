@@ -50,17 +50,11 @@ class Part(NamedTuple):
 
 
 class Pieces(NamedTuple):
-    """Parts of n hands that differ only by a shift.
+    """Parts of n hands that differ only by a shift."""
 
-    Attributes:
-        rows: (m,) which of the hands.
-        parts: Their parts.
-        shifts: (m, 3) by which each is shifted, in the frame of the hand, metres.
-    """
-
-    rows: Ints
+    rows: Ints  # (m,) which of the hands
     parts: list[Part]
-    shifts: Floats
+    shifts: Floats  # (m, 3) by which each is shifted, in the frame of the hand, metres
 
 
 class HandBody(ABC):

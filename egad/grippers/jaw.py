@@ -32,31 +32,19 @@ FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
 
 
 class JawStroke(NamedTuple):
-    """The way of a jaw from closed to open.
+    """The way of a jaw from closed to open."""
 
-    Attributes:
-        positions: (k, q) positions of all joints.
-        openings: (k,) gap of the inner faces at the pads, ascending, metres.
-        angles: (k,) angles between them, radians; positive if they are farther apart at the tips.
-        pads: Where they are measured.
-    """
-
-    positions: Floats
-    openings: Floats
-    angles: Floats
-    pads: JawPads
+    positions: Floats  # (k, q) positions of all joints
+    openings: Floats  # (k,) gap of the inner faces at the pads, ascending, metres
+    angles: Floats  # (k,) radians between them; positive if they are farther apart at the tips
+    pads: JawPads  # where they are measured
 
 
 def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None) -> JawStroke:
     """Where the pads are, and how far apart they are at each position of the joint.
 
-    Args:
-        jaws: The jaws.
-        frame: The directions of the hand.
-        tcp: Middle of the closed pads in the frame of the palm, metres; found if None.
-
-    Raises:
-        UserError: They do not open, or open wider than any hand.
+    The `tcp` is the middle of the closed pads in the frame of the palm, metres; found if None.
+    Raises `UserError` if they do not open, or open wider than any hand.
     """
     low, high = jaws.mechanism.ranges()[0]
     closed, wide = (low, high) if jaws.facing.closing < 0 else (high, low)
@@ -102,14 +90,7 @@ def _useful(gaps: Floats, start: int) -> tuple[int, int]:
 
 
 def _find_pads(jaws: JawSolids, frame: JawFrame, joints: Floats, parallel: float) -> JawPads:
-    """Where the jaws meet first when they close, and what protrudes as far, once parallel.
-
-    Args:
-        jaws: The jaws.
-        frame: The directions of the hand.
-        joints: Positions of the joint, from closed to open.
-        parallel: That at which their faces are parallel, or nearly so.
-    """
+    """Where the jaws meet first when they close, and what protrudes as far, once parallel."""
     points, gaps = _opposite(jaws, frame, parallel, _grid(jaws, frame))
     if not len(points):
         raise UserError("its jaws never face each other where their faces are parallel")
@@ -151,11 +132,7 @@ def _foremost(depths: Floats) -> float:
 def _opposite(
     jaws: JawSolids, frame: JawFrame, joint: float, points: Floats
 ) -> tuple[Floats, Floats]:
-    """The points of the fixed jaw's face behind others that have a moving face before them.
-
-    Returns:
-        (k, 3) in the frame of the palm, and (k,) gaps there, metres.
-    """
+    """Points (k, 3) of the fixed face behind those with a moving one before them, and gaps."""
     behind = jaws.fixed_face(points, frame)
     here = np.isfinite(behind)
     points = points[here] - behind[here, None] * frame.closing
@@ -185,14 +162,7 @@ def _squeezes(jaws: JawSolids, frame: JawFrame, joint: float, points: Floats) ->
 def _gaps_before_contact(
     jaws: JawSolids, frame: JawFrame, joints: Floats, points: Floats
 ) -> Floats:
-    """Distances from points of the fixed jaw's face to the other jaw, just before it touches any.
-
-    Args:
-        jaws: The jaws.
-        frame: The directions of the hand.
-        joints: Positions of the joint, from closed to open.
-        points: (n, 3) on the fixed jaw's face, in the frame of the palm, metres.
-    """
+    """Distances from points of the fixed face to the other jaw, just before it touches any."""
     nearest = np.full(len(points), np.inf)
     for joint in joints[::-8]:
         gaps = jaws.gaps(points, float(joint), frame)

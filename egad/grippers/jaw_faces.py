@@ -32,20 +32,12 @@ SLIDE = mujoco.mjtJoint.mjJNT_SLIDE
 
 
 class Facing(NamedTuple):
-    """How two jaws face each other.
+    """How two jaws face each other."""
 
-    Attributes:
-        axis: Normal of the fixed jaw's inner face, towards the moving one, in the frame of the
-            palm.
-        normal: Normal of the moving jaw's inner face, in the frame of its link.
-        closing: 1 if the jaw closes while the position of its joint grows, else -1.
-        points: (n, 3) of the fixed jaw's face, in the frame of the palm, metres.
-    """
-
-    axis: Floats
-    normal: Floats
-    closing: float
-    points: Floats
+    axis: Floats  # normal of the fixed jaw's inner face, to the other, in the frame of the palm
+    normal: Floats  # normal of the moving jaw's inner face, in the frame of its link
+    closing: float  # 1 if the jaw closes while the position of its joint grows, else -1
+    points: Floats  # (n, 3) of the fixed jaw's face, in the frame of the palm, metres
 
 
 def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
@@ -66,16 +58,8 @@ def find_facing(mechanism: Mechanism, body: int, moving: RayCaster, fixed: RayCa
 
     Faces that the jaw itself hides from the other one, such as those of its ribs and cavities, do
     not count. A face is taken as if it did not tilt along a hinge, or from the way that a jaw
-    slides: so the sides of a groove have the direction of its edges.
-
-    Args:
-        mechanism: The joints, of which one is driven.
-        body: Number of the link that moves.
-        moving: Its surface, in its frame.
-        fixed: What does not move, in the frame of the palm.
-
-    Raises:
-        UserError: They never face each other.
+    slides: so the sides of a groove have the direction of its edges. The surfaces are in the frames
+    of the jaw and of the palm. Raises `UserError` if they never face each other.
     """
     samples = spread(moving.mesh, SPACING)
     counts = np.bincount(samples.faces, minlength=len(moving.areas))

@@ -22,17 +22,9 @@ MAX_PARTS = 64
 def gaps_along(
     jaws: JawSolids, frame: JawFrame, stroke: JawStroke, root: float
 ) -> tuple[Floats, Floats]:
-    """Gaps of the inner faces along the fixed jaw.
+    """Depths (d,) beyond the pads, and gaps (k, d) of the inner faces there, metres.
 
-    Args:
-        jaws: The jaws.
-        frame: The directions of the hand.
-        stroke: Its pads and the positions of its joint.
-        root: Where the fixed jaw begins, along the approach, metres.
-
-    Returns:
-        (d,) depths beyond the pads and (k, d) gaps between what protrudes most near the middle of
-        their breadth, metres; NaN where one of the faces is missing.
+    They lie between what protrudes most near the middle of their breadth; NaN without a face.
     """
     length = float(stroke.pads.middle @ frame.approach) - root
     depths = -DEPTH_STEP * np.arange(max(int(length / DEPTH_STEP), 0) + 1)
@@ -50,7 +42,7 @@ def gaps_along(
 
 
 def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
-    """Where the fixed jaw begins, along the approach: the palm is what protrudes from its face.
+    """Where the fixed jaw begins, along the approach: the palm protrudes from its face.
 
     If nothing protrudes, the jaw begins where the hand begins.
     """
@@ -78,11 +70,7 @@ def jaw_links(
 ) -> tuple[HandLink, HandLink, HandLink]:
     """The palm, the fixed jaw and the moving one, with the convex parts of their shapes.
 
-    Args:
-        jaws: The jaws.
-        frame: The directions of the hand.
-        root: Where the fixed jaw begins, along the approach, metres.
-        static: Numbers of the links that do not move; the first one is the palm.
+    The fixed jaw begins at `root` along the approach; the first of the static links is the palm.
     """
     model = jaws.mechanism.model
     palm: list[trimesh.Trimesh] = []

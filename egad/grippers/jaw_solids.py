@@ -18,17 +18,11 @@ STEEPEST = np.cos(np.radians(75.0))  # how far the face of a jaw may turn away f
 
 
 class JawFrame(NamedTuple):
-    """The directions of a hand with one jaw, in the frame of its palm; unit vectors.
+    """The directions of a hand with one jaw, in the frame of its palm; unit vectors."""
 
-    Attributes:
-        closing: From the fixed jaw to the moving one.
-        across: Along the breadth of the jaws.
-        approach: Along the jaws, towards their tips.
-    """
-
-    closing: Floats
-    across: Floats
-    approach: Floats
+    closing: Floats  # from the fixed jaw to the moving one
+    across: Floats  # along the breadth of the jaws
+    approach: Floats  # along the jaws, towards their tips
 
     @property
     def matrix(self) -> Floats:
@@ -37,21 +31,13 @@ class JawFrame(NamedTuple):
 
 
 class JawPads(NamedTuple):
-    """The pads of both jaws.
+    """The pads of both jaws."""
 
-    Attributes:
-        middle: (3,) middle of the fixed pad, in the frame of the palm, metres.
-        extent: Breadth and length of both, metres.
-        bridge: (3,) middle of the moving pad, along its `axes`, metres.
-        axes: (3, 3) closing, across and approach in the frame of the moving link, in rows.
-        recess: As in `GripperModel`.
-    """
-
-    middle: Floats
-    extent: Floats
-    bridge: Floats
-    axes: Floats
-    recess: tuple[float, float]
+    middle: Floats  # (3,) middle of the fixed pad, in the frame of the palm, metres
+    extent: Floats  # breadth and length of both, metres
+    bridge: Floats  # (3,) middle of the moving pad, along its `axes`, metres
+    axes: Floats  # (3, 3) closing, across and approach in the frame of the moving link, in rows
+    recess: tuple[float, float]  # as in `GripperModel`
 
 
 class JawSolids:
@@ -67,16 +53,7 @@ class JawSolids:
     """
 
     def __init__(self, mechanism: Mechanism, body: int, static: list[int]) -> None:
-        """Read the shapes of a hand.
-
-        Args:
-            mechanism: The joints, of which one is driven.
-            body: Number of the link that moves.
-            static: Numbers of the links that do not move.
-
-        Raises:
-            UserError: The jaws never face each other.
-        """
+        """Read the shapes of a hand with one driven joint; the first static link is the palm."""
         model = mechanism.model
         self.mechanism, self.body = mechanism, body
         self.moving_solids = solids_of(model, body)
@@ -110,16 +87,10 @@ class JawSolids:
         return float(np.arctan2(normal @ frame.approach, -normal @ frame.closing))
 
     def gaps(self, starts: Floats, joint: float, frame: JawFrame) -> Floats:
-        """Distances from points along the closing axis to the moving jaw's inner face.
+        """Distances (n,) from points along the closing axis to the moving jaw's inner face, metres.
 
-        Args:
-            starts: (n, 3) on the fixed jaw's face, in the frame of the palm, metres.
-            joint: Position of the driven joint.
-            frame: The directions of the hand.
-
-        Returns:
-            (n,) metres; infinite where a ray meets nothing, or another side of the jaw, and
-            negative infinity within the jaw.
+        Infinite where a ray meets nothing, or another side of the jaw, negative infinity within the
+        jaw.
         """
         turns, places = self.mechanism.placement(self.positions(joint))
         turn, place = turns[self.body], places[self.body]
@@ -130,8 +101,7 @@ class JawSolids:
     def gap(self, pads: JawPads, joint: float, frame: JawFrame) -> float:
         """Gap of the inner faces at the pads, metres; NaN where the moving jaw is not there.
 
-        It is that of what protrudes most across their breadth. Holes and grooves in the moving
-        pad are bridged.
+        It is that of what protrudes most: holes and grooves in the moving pad are bridged.
         """
         starts = pads.middle + pads.extent[0] * BREADTH[:, None] * frame.across
         gap = float(self.gaps(starts, joint, frame).min())
@@ -145,10 +115,9 @@ class JawSolids:
         return gap if np.isfinite(gap) else np.nan
 
     def fixed_face(self, points: Floats, frame: JawFrame) -> Floats:
-        """Distances of points from the fixed jaw, back along the closing axis.
+        """Distances (n,) from the fixed jaw, back along the closing axis, metres.
 
-        Returns:
-            (n,) metres; infinite where there is no face, and negative infinity within the link.
+        Infinite where there is no face, negative infinity within the link.
         """
         back = np.tile(-frame.closing, (len(points), 1))
         return _distances(self._fixed, points, back)

@@ -12,17 +12,7 @@ from egad.grippers.tree import body_name, joint_name
 
 
 def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides) -> HandLink:
-    """A link of a hand.
-
-    Args:
-        model: The description.
-        body: Number of the link in it.
-        bodies: Numbers of all links of the hand.
-        sides: The fingers.
-
-    Raises:
-        UserError: It has several joints.
-    """
+    """A link of a hand; `UserError` if it has several joints."""
     shapes = []
     for points in shapes_of(model, body):
         try:

@@ -26,14 +26,7 @@ class Placement(NamedTuple):
 
 
 class Mechanism:
-    """The joints of a hand, some of which are driven; the others follow.
-
-    Attributes:
-        model: Links, joints and constraints.
-        palm: Number of the link that carries the fingers.
-        driven: Numbers of the joints that are driven.
-        followers: Numbers of the joints that follow.
-    """
+    """The joints of a hand, some of which are driven; the others follow."""
 
     def __init__(
         self, model: mujoco.MjModel, palm: int, driven: list[int], followers: list[int]
@@ -64,14 +57,10 @@ class Mechanism:
         return self.follow(self.ranges().mean(axis=1), self.model.qpos0.copy())
 
     def follow(self, driven: Floats, near: Floats) -> Floats:
-        """Positions of all joints for positions of the driven ones.
+        """Positions of all joints for (n,) positions of the driven ones, starting near known ones.
 
         The followers obey all constraints between them. What the constraints leave open is decided
         by the springs, as in a hand that touches nothing, and by the limits.
-
-        Args:
-            driven: (n,) metres or radians.
-            near: Positions of all joints to start from.
         """
         positions = near.copy()
         positions[self._driven_at] = driven
@@ -118,11 +107,7 @@ class Mechanism:
         )
 
     def joints_beyond_limits(self, way: Floats) -> list[str]:
-        """Names of the followers that go beyond their own limits.
-
-        Args:
-            way: (k, q) positions of all joints.
-        """
+        """Names of the followers that go beyond their own limits on a way (k, q)."""
         low, high = self.model.jnt_range[self.followers].T
         there = way[:, self._followers_at]
         beyond = ((there < low - LOOSE) | (there > high + LOOSE)).any(axis=0)
@@ -152,16 +137,10 @@ class Mechanism:
         return np.asarray(back @ self._data.xaxis[joint])
 
     def velocities(self, positions: Floats, body: int, points: Floats) -> tuple[Floats, Floats]:
-        """How fast points move with the only joint between a link and the palm.
+        """Velocities (n, 3) of points per radian, or per metre, and their levers (n,), metres.
 
-        Args:
-            positions: Positions of all joints.
-            body: The link.
-            points: (n, 3) on it, in the frame of the palm.
-
-        Returns:
-            (n, 3) metres per radian, or per metre, in the frame of the palm; and (n,) the levers
-            of the points about a hinge, metres; 1 for a sliding joint.
+        They move with the only joint between a link and the palm, whose frame it is. The levers are
+        about a hinge; 1 for a sliding joint.
         """
         joint = int(self.model.body_jntadr[body])
         axis = self.axis(joint, positions)

@@ -11,21 +11,13 @@ PALM_BODY, FIRST_FINGER, SECOND_FINGER = 0, -1, 1  # what a link belongs to
 
 
 class LinkJoint(NamedTuple):
-    """How a link moves on the one that carries it.
+    """How a link moves on the one that carries it."""
 
-    Attributes:
-        name: Name in the description.
-        kind: prismatic or revolute.
-        axis: Unit vector that it moves along or about, in the frame of the link.
-        anchor: A point of the axis, in the frame of the link, metres.
-        zero: Its position when the link is at its `place`.
-    """
-
-    name: str
+    name: str  # name in the description
     kind: Literal["prismatic", "revolute"]
-    axis: Floats
-    anchor: Floats
-    zero: float
+    axis: Floats  # unit vector that it moves along or about, in the frame of the link
+    anchor: Floats  # a point of the axis, in the frame of the link, metres
+    zero: float  # its position when the link is at its `place`
 
 
 class HandLink(NamedTuple):

@@ -9,16 +9,10 @@ from egad.errors import UserError
 
 
 class PackagedHand(NamedTuple):
-    """A hand in other packages.
+    """A hand in other packages."""
 
-    Attributes:
-        sources: Names of the packages, as they are installed, the modules that they provide, and
-            where the file is in these; the first one that exists is used.
-        settings: Its settings besides its file.
-    """
-
-    sources: tuple[tuple[str, str, str], ...]
-    settings: Mapping[str, Any]
+    sources: tuple[tuple[str, str, str], ...]  # packages, their modules, files in these
+    settings: Mapping[str, Any]  # its settings besides its file
 
 
 # 10 N at the tip: half the stall torque of the servo, to which LeRobot limits it. Its jaws are

@@ -28,38 +28,18 @@ UNEVEN = 5e-4  # metres by which the face of a pad may lie behind its foremost p
 
 
 class Pads(NamedTuple):
-    """The faces of the fingers that meet the object.
+    """The faces of the fingers that meet the object."""
 
-    Attributes:
-        links: Which link each is on.
-        centers: (2, 3) their middles, in the frames of these links.
-        corners: (2, n, 3) arrays of corners of their faces, in the frames of these links.
-        recess: As in `GripperModel`.
-    """
-
-    links: tuple[int, int]
-    centers: Floats
-    corners: tuple[Floats, Floats]
-    recess: tuple[float, float]
+    links: tuple[int, int]  # which link each is on
+    centers: Floats  # (2, 3) their middles, in the frames of these links
+    corners: tuple[Floats, Floats]  # of their faces, (n, 3) each, in these frames
+    recess: tuple[float, float]  # as in `GripperModel`
 
 
 def find_pads(
-    mechanism: Mechanism,
-    closed: Floats,
-    sides: Sides,
-    links: Sequence[str] | None = None,
+    mechanism: Mechanism, closed: Floats, sides: Sides, links: Sequence[str] | None = None
 ) -> Pads:
-    """The faces of both fingers that meet first when the hand closes.
-
-    Args:
-        mechanism: The joints.
-        closed: Their positions when the hand is closed.
-        sides: The fingers.
-        links: Names of the links with the pads; found if None.
-
-    Raises:
-        UserError: No faces of the fingers look at each other.
-    """
+    """The faces of both fingers that meet first when the hand closes; `UserError` if none do."""
     model = mechanism.model
     placement = mechanism.placement(closed)
     wanted = None if links is None else {link_number(model, name) for name in links}

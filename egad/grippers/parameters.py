@@ -12,15 +12,10 @@ from egad.grippers.cup import SuctionCup
 
 
 class Pad(NamedTuple):
-    """Finger pads on printed plastic (our own typical values).
+    """Finger pads on printed plastic (our own typical values)."""
 
-    Attributes:
-        friction: Sliding friction.
-        radius: Radius of the contact patch on a round object, metres; it resists twisting.
-    """
-
-    friction: float
-    radius: float
+    friction: float  # sliding friction
+    radius: float  # radius of the contact patch on a round object, metres; it resists twisting
 
 
 PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
@@ -203,11 +198,7 @@ class Gripper(UserParameters):
 
 
 def _with_cup(values: dict[str, Any]) -> dict[str, Any]:
-    """The settings of a gripper with a cup.
-
-    Raises:
-        ValueError: It has a setting of jaws.
-    """
+    """The settings of a gripper with a cup; `ValueError` if it has a setting of jaws."""
     fields = Gripper.model_fields
     others = {name: value for name, value in values.items() if name in fields.keys() - OF_CUP}
     if odd := [name for name, value in others.items() if value != fields[name].default]:

@@ -60,16 +60,7 @@ class Choices(NamedTuple):
 
 
 def read_model(path: Path, choices: Choices = Choices()) -> GripperModel:  # noqa: B008 (a tuple)
-    """The hand that a URDF or MJCF file describes.
-
-    Args:
-        path: The file.
-        choices: What is given instead of found.
-
-    Raises:
-        UserError: The file cannot be used, or it is not a hand with two jaws; the message names the
-            link or joint.
-    """
+    """The hand that a URDF or MJCF file describes; a `UserError` names the link or joint."""
     changed = path.stat().st_mtime_ns if path.is_file() else 0
     with name_file_in_messages(path):
         meshes = mesh_files(_description(path, changed), path)

@@ -23,10 +23,7 @@ STL_FACES = 200_000  # at most, of a file that MuJoCo reads
 
 
 def list_packages() -> Packages:
-    """The ROS packages below ROS_PACKAGE_PATH, by their names and those of their folders.
-
-    Links are followed, into each folder once.
-    """
+    """ROS packages below ROS_PACKAGE_PATH by their names and folders; links are followed once."""
     packages: dict[str, list[Path]] = {}
     entered: set[str] = set()
     for root in _listed("ROS_PACKAGE_PATH"):
@@ -45,17 +42,11 @@ def list_packages() -> Packages:
 
 
 def find_file(wanted: str, path: Path, packages: Callable[[], Packages] = list_packages) -> Path:
-    """The path of a file that a description names.
+    """The path of a file that a description names; a `UserError` says where it was searched for.
 
-    Args:
-        wanted: A path, or a URI: file://, or package://NAME/ or model://NAME/ for ROS packages in
-            the folders above the description, and in those of ROS_PACKAGE_PATH and
-            AMENT_PREFIX_PATH.
-        path: The description.
-        packages: Called if a package is not in the folders above; may remember its result.
-
-    Raises:
-        UserError: It does not exist; the message says where it was searched for.
+    A path, or a URI: file://, or package://NAME/ or model://NAME/ for ROS packages in the folders
+    above the description, and in those of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. `packages` is
+    called if a package is not in the folders above; it may remember its result.
     """
     folder = path.resolve().parent
     scheme = next((each for each in PACKAGE if wanted.startswith(each)), None)
@@ -107,20 +98,11 @@ def _package_name(folder: Path) -> str | None:
 
 
 def read_shape(path: Path) -> Floats | None:
-    """Corners of the convex hull of a shape that MuJoCo does not read; None if it does.
+    """Hull corners (n, 3) of a shape that MuJoCo does not read, in the unit of the file; or None.
 
-    MuJoCo reads OBJ, its own MSH, and binary STL of up to 200,000 faces. Text STL, larger
-    STL, PLY, OFF, glTF and Collada are read here. The unit of a Collada file counts, but the up
+    MuJoCo reads OBJ, its own MSH, and binary STL of up to 200,000 faces. Text STL, larger STL, PLY,
+    OFF, glTF and Collada, in metres, are read here. The unit of a Collada file counts, but the up
     axis of Collada and glTF does not, as in RViz, MoveIt and SAPIEN.
-
-    Args:
-        path: The file.
-
-    Returns:
-        (n, 3) in the unit of the file; in metres for Collada.
-
-    Raises:
-        UserError: It cannot be read, or is in another format.
     """
     ending = path.suffix[1:].lower()
     if ending in ("obj", "msh") or (ending == "stl" and _is_regular_stl(path)):

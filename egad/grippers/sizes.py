@@ -16,9 +16,6 @@ def sizes_of(model: GripperModel) -> dict[str, Any]:
 
     A finger is measured at its pad. It begins where the fixed links end, at the opening where the
     pads are nearest to these links: the pads of a linkage move forward while they close.
-
-    Args:
-        model: The hand.
     """
     opening = float(model.openings[-1])
     closed = model.points(float(model.openings[0]))

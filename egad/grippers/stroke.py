@@ -18,30 +18,15 @@ MIN_OPENING, MAX_OPENING = 0.5e-3, 1.0  # metres
 
 
 class Stroke(NamedTuple):
-    """The way from closed to open.
+    """The way from closed to open."""
 
-    Attributes:
-        positions: (k, q) positions of all joints.
-        middles: (k, 2, 3) middles of both pads, in the frame of the palm, metres.
-        pads: The faces that meet.
-    """
-
-    positions: Floats
-    middles: Floats
-    pads: Pads
+    positions: Floats  # (k, q) positions of all joints
+    middles: Floats  # (k, 2, 3) middles of both pads, in the frame of the palm, metres
+    pads: Pads  # the faces that meet
 
 
 def find_stroke(mechanism: Mechanism, sides: Sides, links: Sequence[str] | None = None) -> Stroke:
-    """The part of the way on which the pads come together, up to where they meet.
-
-    Args:
-        mechanism: The joints.
-        sides: The fingers.
-        links: Names of the links with the pads; found if None.
-
-    Raises:
-        UserError: The fingers have no pads that come together.
-    """
+    """The part of the way on which the pads come together until they meet, or `UserError`."""
     way = _follow(mechanism, sides, np.linspace(0, 1, LEVELS))
     pads = find_pads(mechanism, way[-1], sides, links)
 
@@ -59,10 +44,7 @@ def find_stroke(mechanism: Mechanism, sides: Sides, links: Sequence[str] | None 
 
 
 def _follow(mechanism: Mechanism, sides: Sides, parts: Floats) -> list[Floats]:
-    """Positions of all joints at fractions of the way between the ends of the driven joints.
-
-    The joints are followed from the middle outwards, each step from the previous one.
-    """
+    """Positions of all joints at fractions of the driven way, from the middle outwards."""
     ranges = mechanism.ranges()
     start = np.where(sides.signs > 0, ranges[:, 0], ranges[:, 1])
     way = sides.signs * np.ptp(ranges, axis=1)
@@ -91,12 +73,7 @@ def _middles(mechanism: Mechanism, way: Sequence[Floats], pads: Pads) -> Floats:
 def _useful(gaps: Floats, names: str) -> tuple[float, float]:
     """The fractions of the way between which the pads come together, up to where they meet.
 
-    Args:
-        gaps: Distances between the pads at even fractions of the way, metres.
-        names: Names of their links.
-
-    Raises:
-        UserError: They do not come together, or open wider than any hand.
+    Raises `UserError` if the gaps, metres, at even fractions do not close, or are those of no hand.
     """
     parts, widest = np.linspace(0, 1, len(gaps)), int(gaps.argmax())
     opening = float(gaps[widest])

@@ -13,18 +13,10 @@ GRIPPERS = {
     ),
     "egad_75mm": Gripper(opening=0.075, finger_length=0.06, palm=_PANDA_PALM, force=70),
     "robotiq_2f_85": Gripper(
-        opening=0.085,
-        finger_length=0.038,
-        finger_width=0.022,
-        palm=(0.15, 0.075, 0.09),
-        force=100,
+        opening=0.085, finger_length=0.038, finger_width=0.022, palm=(0.15, 0.075, 0.09), force=100
     ),
     "robotiq_2f_140": Gripper(
-        opening=0.14,
-        finger_length=0.065,
-        finger_width=0.027,
-        palm=(0.2, 0.075, 0.09),
-        force=80,
+        opening=0.14, finger_length=0.065, finger_width=0.027, palm=(0.2, 0.075, 0.09), force=80
     ),
     "cup_15mm": Gripper(cup=SuctionCup(radius=0.0075, stem_radius=0.0075), opening=0.08),
     "cup_30mm": Gripper(cup=SuctionCup(radius=0.015), opening=0.08),

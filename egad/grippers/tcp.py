@@ -15,15 +15,10 @@ ALONG_JAWS = np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 class LinkFrame(NamedTuple):
-    """A frame on the link that carries the jaws.
+    """A frame on the link that carries the jaws."""
 
-    Attributes:
-        origin: Metres, in the frame of the link.
-        axes: (3, 3) its axes in columns.
-    """
-
-    origin: tuple[float, float, float]
-    axes: Floats
+    origin: tuple[float, float, float]  # metres, in the frame of the link
+    axes: Floats  # (3, 3) its axes in columns
 
 
 _SO101_AXES = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])

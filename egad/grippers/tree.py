@@ -20,11 +20,7 @@ def joint_name(model: mujoco.MjModel, joint: int) -> str:
 
 
 def link_number(model: mujoco.MjModel, name: str) -> int:
-    """Number of a link.
-
-    Raises:
-        UserError: There is none of this name.
-    """
+    """Number of a link, or `UserError`."""
     names = [body_name(model, body) for body in range(model.nbody)]
     if name not in names:
         raise UserError(f"it has no link {name!r}; it has {', '.join(names[1:])}")
@@ -57,13 +53,6 @@ def find_palm(model: mujoco.MjModel, fingers: Sequence[str] | None = None) -> tu
     """The link that carries the fingers, and the links on it that move.
 
     Joints between the root and the palm belong to an arm, and stay where they are.
-
-    Args:
-        model: The description.
-        fingers: A link of each finger, by name; found if None.
-
-    Raises:
-        UserError: There is none.
     """
     if fingers is not None:
         first, second = (ancestors(model, link_number(model, name)) for name in fingers)

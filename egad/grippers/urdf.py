@@ -28,12 +28,6 @@ def read_urdf(path: Path) -> str | None:
     are moments of inertia, which may be impossible ones. If an element occurs several times in a
     joint or shape, the first one counts, as in ROS. A floating joint is treated as fixed: it
     belongs to what carries the hand.
-
-    Args:
-        path: The file.
-
-    Raises:
-        UserError: It is xacro, or neither URDF nor MJCF, or it names a link or joint that it lacks.
     """
     root = _root(path.read_bytes())
     if root is None or root.tag == "mujoco":
@@ -60,9 +54,6 @@ def without_faults(path: Path) -> str | None:
     """MJCF without assets that repeat an earlier one, and attributes of defaults.
 
     Programs that put hands onto robots allow both. None if there are none, or it is not XML.
-
-    Raises:
-        UserError: It has different assets of one name.
     """
     root, faulty = _root(path.read_bytes()), False
     if root is None:

@@ -1,5 +1,4 @@
 from .archives import write_zip as write_zip
-from .content import Content as Content
 from .csv_text import csv_lines as csv_lines
 from .folders import EVERY_FILE as EVERY_FILE
 from .folders import files_below as files_below

@@ -31,12 +31,7 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 
 
 def parse_glb(data: bytes) -> Content:
-    """Read a GLB file, turned to have z up. Materials, textures and animations are left out.
-
-    Raises:
-        RejectedError: It is truncated, needs an extension that is not read, refers to other files,
-            has skins or morphed shapes, or more than is read.
-    """
+    """Read a GLB file, turned to have z up, without materials, textures and animations."""
     document, binary = _chunks(data)
     _check_extensions(document)
     try:

@@ -161,8 +161,6 @@ def _parsed(path: Path) -> Content:
 def parse_file(path: Path) -> Content:
     """What a mesh file holds. It may unfold to any amount of memory, unless it is a binary STL.
 
-    Raises:
-        RejectedError: It has more than is read, a feature that is not read, or is cut short.
-        Exception: It is damaged; anything may be raised.
+    A file that is damaged may raise anything; `RejectedError` says what is not read.
     """
     return PARSERS[path.suffix.lower()](path.read_bytes())

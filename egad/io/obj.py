@@ -28,12 +28,7 @@ IGNORED = frozenset(
 
 
 def parse_obj(data: bytes) -> Content:
-    """Read an OBJ file.
-
-    Raises:
-        RejectedError: It has a line that is not understood, a free-form curve or surface, or more
-            than is read.
-    """
+    """Read an OBJ file, or raise `RejectedError`, as for free-form curves and surfaces."""
     text = plain_text(data)
     reader = _Reader()
     kept = b""

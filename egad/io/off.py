@@ -16,12 +16,7 @@ _COMMENTS = re.compile(rb"#[^\n]*")
 
 
 def parse_off(data: bytes) -> Content:
-    """Read an OFF file. Colors, normals and texture coordinates are left out.
-
-    Raises:
-        RejectedError: It is binary, has coordinates of more dimensions, is truncated, or holds more
-            than its header says.
-    """
+    """Read an OFF file without colors, normals and texture points, or raise `RejectedError`."""
     text = plain_text(data)
     kind, body = _body(_COMMENTS.sub(b"", text))
     words = body.split()

@@ -24,12 +24,7 @@ def write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
 
 
 def obj_text(vertices: Floats, faces: Ints) -> str:
-    """An OBJ file, with enough digits to read it back.
-
-    Args:
-        vertices: (n, 3).
-        faces: (m, 3) vertex indices.
-    """
+    """An OBJ file of vertices (n, 3) and faces (m, 3), with enough digits to read it back."""
     points = "v %s %s %s\n" * len(vertices) % tuple(_texts(vertices.ravel()))
     return points + "f %d %d %d\n" * len(faces) % tuple((faces + 1).ravel().tolist())
 
@@ -45,15 +40,7 @@ def _texts(values: Floats) -> list[str]:
 
 
 def parse_plain_obj(data: bytes) -> tuple[Floats, Ints] | None:
-    """Vertices (n, 3) and faces (m, 3) of a file that has lines as `obj_text` writes them.
-
-    Returns:
-        None for a file with anything else in it: comments, normals, polygons, blank lines.
-
-    Raises:
-        RejectedError: It has more vertices or faces than are read, or faces of vertices that do not
-            exist.
-    """
+    """Vertices (n, 3), faces (m, 3) of a file with lines as `obj_text` writes; None for others."""
     check_at_most(data.count(b"\nv ") + data.startswith(b"v "), MAX_VERTICES, "vertices")
     check_at_most(data.count(b"\nf "), MAX_FACES, "faces")
     middle = data.find(b"\nf ") + 1

@@ -53,29 +53,18 @@ class Element(NamedTuple):
 
 
 class ElementRows(NamedTuple):
-    """The numbers of an element that are used.
+    """The numbers of an element that are used."""
 
-    Attributes:
-        points: Coordinates of vertices, (n, 3); empty for other elements.
-        items: The values of all lists of indices, one after the other.
-        lengths: Lengths of these lists.
-    """
-
-    points: Floats
-    items: Ints
-    lengths: Ints
+    points: Floats  # coordinates of vertices, (n, 3); empty for other elements
+    items: Ints  # the values of all lists of indices, one after the other
+    lengths: Ints  # lengths of these lists
 
 
 NOTHING = ElementRows(np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64))
 
 
 def parse_ply(data: bytes) -> Content:
-    """Read a PLY file. Other elements and properties are left out.
-
-    Raises:
-        RejectedError: Its header is not that of a PLY file, it has no vertices, it is truncated, or
-            holds more than its header says.
-    """
+    """Read a PLY file without other elements and properties, or raise `RejectedError`."""
     data = data.removeprefix(BYTE_ORDER_MARK)
     if not data.startswith(b"ply"):
         plain_text(data)  # says so if it is UTF-16

@@ -12,20 +12,11 @@ ROUNDING = 1e-6  # of areas of polygons of size 1
 
 
 def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
-    """Triangles of polygons, in their order; (m, 3) vertex indices.
+    """Triangles (m, 3) of polygons in their order, whose (k,) corners follow one another.
 
     A polygon is cut by diagonals from its first corner where that is valid, as it is for all convex
-    ones. Others are triangulated in their mean plane. Polygons of one or two corners have no area:
-    they are points and edges, which are left out.
-
-    Args:
-        vertices: (n, 3).
-        corners: Vertex indices of all polygons, one polygon after the other; (k,).
-        lengths: How many corners each polygon has.
-
-    Raises:
-        RejectedError: There are more triangles than are read, a corner does not exist, or a
-            polygon crosses itself.
+    ones. Others are triangulated in their mean plane, and rejected if they cross themselves.
+    Polygons of one or two corners have no area: they are points and edges, which are left out.
     """
     check_at_most(int(np.maximum(lengths - 2, 0).sum()), MAX_FACES, "faces")
     check_corners(corners, len(vertices))
@@ -42,11 +33,7 @@ def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
 
 
 def check_corners(corners: Ints, count: int) -> None:
-    """Make sure that faces have vertices that exist.
-
-    Raises:
-        RejectedError: They have others.
-    """
+    """Raise `RejectedError` if faces have vertices that do not exist."""
     if corners.size and (corners.min() < 0 or corners.max() >= count):
         raise RejectedError("faces refer to vertices that do not exist")
 

@@ -84,13 +84,7 @@ def cura_kind(found: Element) -> str:
 
 
 def part_kind(volumes: Sequence[Volume], index: int, number: str) -> str | None:
-    """The kind of a mesh object; None if it is not mentioned.
-
-    Args:
-        volumes: Those of the object that is built.
-        index: Which of its mesh objects it is: the same one may occur as several parts.
-        number: Its number.
-    """
+    """The kind of the `index`-th mesh object, which may occur several times; None if not there."""
     same = [each.kind for each in volumes[index : index + 1] if each.number == number]
     same += [each.kind for each in volumes if each.number == number and each.first is None]
     return same[0] if same else None
@@ -99,8 +93,7 @@ def part_kind(volumes: Sequence[Volume], index: int, number: str) -> str | None:
 def volume_sizes(volumes: Sequence[Volume], count: int) -> list[tuple[str, int]]:
     """The kinds of the volumes of an object, and how many of its triangles, in turn, each has.
 
-    Raises:
-        RejectedError: They do not divide its triangles, and not all are solid.
+    Raises `RejectedError` if they do not divide its triangles, and not all are solid.
     """
     if all(sign_of(each.kind) == 1 for each in volumes):
         return [("", count)]

@@ -20,11 +20,7 @@ _FLOATS = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 
 
 def parse_stl(data: bytes) -> Content:
-    """Read an STL file. Each face has three vertices of its own.
-
-    Raises:
-        RejectedError: It is neither kind, is truncated, or holds more than its header says.
-    """
+    """Read an STL file of either kind, or raise `RejectedError`; faces share no vertices."""
     if not data:
         raise RejectedError("it is empty")
     count = int.from_bytes(data[80:HEADER], "little")
@@ -54,11 +50,7 @@ def _is_text(data: bytes) -> bool:
 
 
 def parse_binary(data: bytes) -> Content:
-    """Read a binary STL file. Programs that do not know the count yet write 0.
-
-    Raises:
-        RejectedError: It is truncated, or holds more facets than its header says.
-    """
+    """Read a binary STL file. Programs that do not know the count yet write 0."""
     if len(data) < HEADER:
         raise RejectedError("it is truncated: its header is incomplete")
     count, there = int.from_bytes(data[80:HEADER], "little"), (len(data) - HEADER) // FACET

@@ -21,11 +21,7 @@ _BLANKS = dict.fromkeys(map(ord, "\t\n\r\x1a"))
 
 
 def plain_text(data: bytes) -> bytes:
-    r"""A text without byte-order mark, with `\n` at the ends of its lines, and with `nan` as such.
-
-    Raises:
-        RejectedError: It is UTF-16 or UTF-32, or binary.
-    """
+    r"""A text without byte-order mark, with `\n` at ends of lines and `nan` as such; UTF-8 only."""
     if is_utf16(data):
         raise RejectedError("it is UTF-16 text; save it as UTF-8")
     if 0 in data[:START]:
@@ -53,15 +49,7 @@ def is_padding(rest: bytes) -> bool:
 
 
 def reals(words: Sequence[bytes], what: str) -> NDArray[np.float64]:
-    """Words as numbers, (n,).
-
-    Args:
-        words: The words.
-        what: What each of them belongs to, for the message.
-
-    Raises:
-        RejectedError: One of them is not a number; the message quotes it.
-    """
+    """Words as numbers, (n,), or a `RejectedError` that quotes the wrong one and names `what`."""
     try:
         return _numbers(words, np.float64)
     except ValueError:
@@ -82,11 +70,7 @@ def _numbers(words: Sequence[bytes], kind: type[np.number[Any]]) -> NDArray[Any]
 
 
 def check_digits(words: Sequence[bytes]) -> None:
-    """Refuse numbers that only Python accepts: digits with underscores between them.
-
-    Raises:
-        ValueError: There are some.
-    """
+    """Raise `ValueError` for numbers that only Python accepts: with underscores between digits."""
     if b"_" in b"".join(words):
         raise ValueError
 

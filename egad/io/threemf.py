@@ -61,12 +61,7 @@ class _Leaf(NamedTuple):
 
 
 def parse_3mf(data: bytes) -> Content:
-    """Read a 3MF file. Bodies for support, and what is not built, are left out.
-
-    Raises:
-        RejectedError: It is not a 3MF file, needs an extension that is not read, has no solid to
-            build, or more than is read.
-    """
+    """Read a 3MF file without support and what is not built, or raise `RejectedError`."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             check_at_most(
@@ -241,11 +236,7 @@ def _cut(pieces: list[_Placed]) -> list[_Placed]:
 
 
 class _Tree(ElementTree.TreeBuilder):
-    """Builds the elements of a file, and notes the names of its namespaces.
-
-    Attributes:
-        namespaces: Those of the root, by prefix.
-    """
+    """Builds the elements of a file, and notes the `namespaces` of the root, by prefix."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -279,12 +270,7 @@ def _is_foreign_shape(element: Element) -> bool:
     """Whether an element of an extension shapes an object, such as a lattice of beams."""
     if element.tag.startswith(TAG):
         return False
-    return _local_name(element) in (
-        "beamlattice",
-        "booleanshape",
-        "levelset",
-        "displacementmesh",
-    )
+    return _local_name(element) in ("beamlattice", "booleanshape", "levelset", "displacementmesh")
 
 
 def _local_name(element: Element) -> str:

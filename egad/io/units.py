@@ -33,10 +33,7 @@ _COMMENTS = re.compile(rb"(?:#|^(?:comment|obj_info)\b)[^\n]*", re.MULTILINE)
 
 
 def stated_in(comment: bytes) -> str | None:
-    """The unit that a comment or header states, such as `unit: millimetre` or `units in cm`.
-
-    A word that is not a unit of length states none.
-    """
+    """The unit of length that a comment states, as `unit: millimetre` or `units in cm`, or None."""
     words = (word.decode().lower() for word in _STATEMENT.findall(comment))
     return next((UNIT_OF[word] for word in words if word in UNIT_OF), None)
 
@@ -48,26 +45,16 @@ def stated_in_comments(data: bytes) -> str | None:
 
 
 def check_unit(asked: str | None) -> None:
-    """Make sure that a unit is one that a caller may give, or none.
-
-    Raises:
-        UserError: It is another.
-    """
+    """Raise `UserError` if a unit is neither None nor one that a caller may give."""
     if asked is not None and asked not in METRES:
         raise UserError(f"unit {asked!r} is not known; allowed: {', '.join(METRES)}")
 
 
 def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float:
-    """How long the unit of a file is, metres.
+    """Metres per unit of a file: the unit asked for or stated in it, or that of its ending.
 
-    Args:
-        asked: The unit that the caller gives.
-        stated: The unit that the file states.
-        ending: Ending of its name, without a dot.
-
-    Raises:
-        UserError: The caller gives an unknown unit.
-        RejectedError: The file states another unit; or neither gives one.
+    Raises `UserError` for an unknown unit, `RejectedError` if the file states another or none is
+    known.
     """
     check_unit(asked)
     if asked and stated and asked != stated:

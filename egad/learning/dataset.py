@@ -32,7 +32,7 @@ from egad.learning.images import Rectangles, check_splits, depth_of, files, half
 from egad.learning.targets import targets
 from egad.random import generator
 from egad.tables import parquet
-from egad.tables.row_groups import RowGroups
+from egad.tables.parquet import RowGroups
 
 GRASP = ["u", "v", "angle", "opening", "depth_center", "quality"]
 SIMULATED = "simulated_success"

@@ -4,7 +4,6 @@ from .attainable import attainable_graspability as attainable_graspability
 from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
 from .custom import source_hash as source_hash
-from .graspability import GraspabilityEstimate as GraspabilityEstimate
 from .graspability import grasped_size as grasped_size
 from .graspability import rough_graspability as rough_graspability
 from .graspability import spaced_graspability as spaced_graspability
@@ -19,7 +18,6 @@ from .grid import filled_cells as filled_cells
 from .grid import filled_part as filled_part
 from .grid import labels as labels
 from .measure import Estimate as Estimate
-from .measure import MeasureValues as MeasureValues
 from .measure import measure_mesh as measure_mesh
 from .measure import measure_repeatably as measure_repeatably
 from .parameters import MAP_RULE as MAP_RULE

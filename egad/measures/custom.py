@@ -16,16 +16,11 @@ WHERE = "measures"
 
 
 def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | None = None) -> float:
-    """The value of a user's measure.
+    """The value of a user's measure, `FILE.py:FUNCTION` or `package.module:FUNCTION`.
 
-    Args:
-        measure: `FILE.py:FUNCTION` or `package.module:FUNCTION`.
-        mesh: Closed, in metres; the function gets a copy.
-        axes: Has the parameters; those that are arguments of the function are passed to it.
-
-    Raises:
-        RejectedError: The function fails, or does not return a finite number.
-        UserError: There is no such function.
+    The function gets a copy of the closed mesh, metres, and those parameters of `axes` that are
+    arguments of it. Raises `RejectedError` if it fails or gives no finite number, and `UserError`
+    if there is none.
     """
     function, name = _function(measure), plugin_name(measure)
     try:

@@ -43,26 +43,17 @@ from egad.measures.percentile import (
 MAX_CUPS = 4096  # candidates of a suction cup, each rated by 25 perturbed copies
 FLAT = 1e-6  # smallest side over longest: below this a surface has no inside
 _Sample: TypeAlias = Callable[
-    [RayCaster, float, int, Sampling, np.random.Generator],
-    tuple[ContactPairs, SamplingStatistics],
+    [RayCaster, float, int, Sampling, np.random.Generator], tuple[ContactPairs, SamplingStatistics]
 ]
 
 
 class GraspabilityEstimate(NamedTuple):
-    """An estimate of the graspability of an object.
+    """An estimate of the graspability of an object."""
 
-    Attributes:
-        value: Percentile of the quality of sampled grasps.
-        std: Its standard error; NaN if it is not known.
-        confidence: Probability that the percentile of all grasps lies in the same cell; NaN if it
-            is not known.
-        grasps: Number of grasps that it was computed from.
-    """
-
-    value: float
-    std: float
-    confidence: float
-    grasps: int
+    value: float  # percentile of the quality of sampled grasps
+    std: float  # its standard error; NaN if it is not known
+    confidence: float  # probability that the percentile of all grasps lies in the cell; or NaN
+    grasps: int  # number of grasps that it was computed from
 
 
 class GraspedSize(NamedTuple):
@@ -166,10 +157,7 @@ def rough_graspability(
 
 
 def spaced_graspability(
-    mesh: trimesh.Trimesh,
-    settings: MeasureParameters,
-    count: int,
-    rng: np.random.Generator,
+    mesh: trimesh.Trimesh, settings: MeasureParameters, count: int, rng: np.random.Generator
 ) -> GraspabilityEstimate:
     """The paper's estimator: a percentile of grasps that keep a minimum distance from each other.
 
@@ -193,11 +181,7 @@ def spaced_graspability(
 
 
 class _RatedGrasps:
-    """Grasps on an object, and the percentile of their quality.
-
-    Attributes:
-        statistics: Sampling statistics of the candidates so far.
-    """
+    """Grasps on an object, and the percentile of their quality."""
 
     def __init__(
         self,
@@ -274,11 +258,7 @@ class _RatedGrasps:
         )
 
     def percentile(self) -> float:
-        """The percentile of their quality.
-
-        Raises:
-            RejectedError: There is no grasp; the message has the sampling statistics.
-        """
+        """The percentile of their quality, or `RejectedError` with the sampling statistics."""
         if not len(self):
             raise RejectedError(f"no grasp ({self.statistics})")
         percent = self._settings.graspability.percentile
@@ -295,11 +275,7 @@ class _RatedGrasps:
 
 
 def _principal_box(vertices: ArrayLike) -> tuple[Floats, Floats, Floats]:
-    """The middle of the vertices, their principal axes as columns, the longest last, and extents.
-
-    Raises:
-        RejectedError: The vertices lie in a plane.
-    """
+    """Middle of vertices, principal axes as columns, the longest last, and extents, if not flat."""
     vertices = np.asarray(vertices)
     middle = vertices.mean(axis=0)
     _, axes = np.linalg.eigh(np.cov(vertices - middle, rowvar=False))

@@ -66,12 +66,7 @@ def labels(complexity_cell: Iterable[int], difficulty_cell: Iterable[int]) -> li
 
 
 def cell_counts(objects: pd.DataFrame, space: MeasureSpace) -> Cells:
-    """How many objects each cell holds: (cells, cells), by difficulty, then complexity.
-
-    Args:
-        objects: Columns complexity_cell and difficulty_cell.
-        space: The cells.
-    """
+    """How many objects each cell holds: (cells, cells), by difficulty, then complexity."""
     counts = np.zeros((space.cells, space.cells), np.int64)
     np.add.at(counts, (objects["difficulty_cell"], objects["complexity_cell"]), 1)
     return counts

@@ -15,11 +15,9 @@ class BoundedSample:
     """Values with known upper bounds; the values themselves are computed on demand."""
 
     def __init__(self, compute: Callable[[Ints, float], Floats]) -> None:
-        """Start without values.
+        """Start without values; `compute` gives those at some indices.
 
-        Args:
-            compute: Gives the values at some indices; for a value below a limit, it may give any
-                upper bound that is also below it.
+        For a value below a limit, it may give any upper bound that is also below it.
         """
         self._compute = compute
         self._upper = np.empty(0)  # the value itself where it is known
@@ -87,16 +85,11 @@ def percentile_std(sample: BoundedSample, percent: float) -> float:
 
 
 def confidence_between(sample: BoundedSample, percent: float, limits: tuple[float, float]) -> float:
-    """Probability that the percentile of a distribution lies between two limits.
+    """Probability that the percentile of a distribution lies between two limits, maybe infinite.
 
     The number of n independent values that are less than a limit follows a binomial distribution;
     the fraction of the distribution below the limit then has a beta distribution (with Jeffreys'
     prior).
-
-    Args:
-        sample: Independent values.
-        percent: Which percentile, 0 to 100.
-        limits: The lower one, which may be -inf, and the upper one, which may be inf.
     """
     low, high = (_chance_above(sample, percent / 100, limit) for limit in limits)
     return max(low - high, 0.0)

@@ -28,10 +28,7 @@ class Noted(BaseModel):
     inputs: list[tuple[str, str]]
 
     def sources(self) -> list[tuple[Path, str]]:
-        """The inputs where they should be now, with their recorded hashes.
-
-        It is not known where inputs from elsewhere are: their paths lead nowhere.
-        """
+        """The inputs where they should be now, with hashes; nowhere if they are from elsewhere."""
         folder = self.path if self.path.is_dir() else self.path.parent
         return [
             (Path(name if name.startswith(ELSEWHERE) else os.path.normpath(folder / name)), digest)
@@ -52,12 +49,7 @@ def is_near(path: Path, folders: Iterable[Path]) -> bool:
 
 
 def origin_of(path: Path) -> Noted | None:
-    """The recorded origin of a file or folder, if there is one.
-
-    Raises:
-        TableError: A table is damaged.
-        UserError: The record is damaged.
-    """
+    """The recorded origin of a file or folder, if any; `TableError` or `UserError` if damaged."""
     if path.suffix == TABLE:
         values = parquet.origin_of(path)
     else:
@@ -67,3 +59,34 @@ def origin_of(path: Path) -> Noted | None:
         return Noted.model_validate({**values, "path": path}) if values else None
     except (ValidationError, TypeError) as error:
         raise UserError(f"{path}: its provenance record is damaged") from error
+
+
+def provenance_graph(paths: Iterable[Path], folder: Path) -> dict[str, dict[str, Any]]:
+    """The recorded origin of files and folders, and of all that they were made from, by path.
+
+    Paths are relative to the folder. An origin is the stage, version and fingerprint of the code,
+    hash of the settings, seed, arguments, and inputs with their SHA-256. Inputs without a record,
+    and those outside the working directory, have no entry. Raises `TableError` or `UserError` if a
+    table or a record is damaged.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    waiting = list(paths)
+    while waiting:
+        path = waiting.pop()
+        name = _relative(path, folder)
+        if name in found or not is_near(path, [Path.cwd(), folder]):
+            continue
+        noted = origin_of(path)
+        if noted:
+            found[name] = _entry(noted, folder)
+            waiting.extend(source for source, _ in noted.sources())
+    return dict(sorted(found.items()))
+
+
+def _entry(noted: Noted, folder: Path) -> dict[str, Any]:
+    values = noted.model_dump(exclude={"path", "inputs"})
+    return values | {"inputs": {_relative(path, folder): sha for path, sha in noted.sources()}}
+
+
+def _relative(path: Path, folder: Path) -> str:
+    return str(path) if str(path).startswith(ELSEWHERE) else os.path.relpath(path, folder)

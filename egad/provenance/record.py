@@ -23,14 +23,10 @@ def recorded(
     arguments: Mapping[str, Any] | None = None,
     inputs: Iterable[Path] = (),
 ) -> Iterator[None]:
-    """Record the origin of whatever is written in the block.
+    """Record the origin of whatever is written in the block: rule or command, fingerprint of code.
 
-    Args:
-        stage: Name of the rule or command.
-        code: Fingerprint of its code.
-        settings: Those that it reads; their hash and their seed are recorded.
-        arguments: What else determines the result; those that are None are left out.
-        inputs: Files and folders that it reads; their hashes are recorded.
+    So are the hash and the seed of the settings, the hashes of the inputs, files and folders, and
+    the arguments that are not None and also determine the result.
     """
     values = _plain(settings or {})
     origin = Origin(

@@ -27,10 +27,7 @@ def tree(path: Path) -> Iterator[str]:
 
     Files that were made alike, such as those of shards, share a line. A subtree that was shown is
     not shown again. Inputs are checked in the working directory and in the folder of the file.
-
-    Raises:
-        TableError: A table is damaged.
-        UserError: The record of a file is damaged.
+    Raises `TableError` or `UserError` if a table or a record is damaged.
     """
     root = [FileNode(path, origin_of(path))]
     folders = (Path.cwd(), path if path.is_dir() else path.parent)

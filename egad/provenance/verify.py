@@ -17,33 +17,20 @@ UNSEALED = "no provenance recorded: not written by egad, or by an older version"
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found.
+    """What was found."""
 
-    Attributes:
-        checked: How many files were compared with a hash.
-        problems: What is wrong, for each file that is not as it was made.
-        unknown: Files without a record.
-        gone: How many inputs no longer exist, or lie neither in the folder nor in the working
-            directory.
-    """
-
-    checked: int
-    problems: dict[Path, str]
-    unknown: list[Path]
-    gone: int
+    checked: int  # how many files were compared with a hash
+    problems: dict[Path, str]  # what is wrong, for each file that is not as it was made
+    unknown: list[Path]  # files without a record
+    gone: int  # inputs that no longer exist, or lie in neither the folder nor the working directory
 
 
 def verify(folder: Path) -> Verdict:
     """Compare all files of a folder, except hidden ones, with the hashes recorded for them.
 
     A table contains a hash of itself; other files have theirs beside them. Every file is also
-    compared with the hash that was recorded when another file was made from it.
-
-    Args:
-        folder: Such as `results/egad`.
-
-    Raises:
-        UserError: There is no such folder, or no file in it has a record.
+    compared with the hash that was recorded when another file was made from it. Raises `UserError`
+    if there is no such folder, or no file in it has a record.
     """
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder")

@@ -23,15 +23,9 @@ STRING, INT, FLOAT, BOOL, BINARY = (
 
 
 class Result(NamedTuple):
-    """A file or folder that a run writes.
+    """A file or folder that a run writes."""
 
-    Attributes:
-        path: In `results/`; D stands for a dataset, G for a gripper, P for a grasp detector.
-        meaning: What it is.
-        columns: The columns of a table.
-    """
-
-    path: str
+    path: str  # in `results/`; D stands for a dataset, G for a gripper, P for a grasp detector
     meaning: str
     columns: pa.Schema | None = None
 
@@ -146,11 +140,7 @@ _UNSAFE = re.compile(r"[/\\\x00]|^\.{1,2}$")
 
 
 def check_names(frame: pd.DataFrame, path: Path, columns: Sequence[str] = LABELS) -> None:
-    """Make sure that names of objects can be names of files, in any folder.
-
-    Raises:
-        TableError: One cannot; the text names it.
-    """
+    """Raise a `TableError` that names an object whose name cannot be that of a file anywhere."""
     for column in (name for name in columns if name in frame):
         for name in frame[column].unique():
             if isinstance(name, str) and _UNSAFE.search(name):

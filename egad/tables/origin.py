@@ -18,25 +18,15 @@ ELSEWHERE = "elsewhere:"
 
 @dataclass(frozen=True)
 class Origin:
-    """What a file was made from and by.
+    """What a file was made from and by."""
 
-    Attributes:
-        program: Version of the program.
-        stage: Name of the rule or command.
-        code: Fingerprint of its code.
-        settings: Hash of the settings that it reads; none if it reads none.
-        seed: The seed among the settings.
-        arguments: Its other arguments that decide the result.
-        inputs: Paths of the files and folders that it reads, and their hashes.
-    """
-
-    program: str
-    stage: str
-    code: str
-    settings: str | None = None
+    program: str  # its version
+    stage: str  # name of the rule or command
+    code: str  # fingerprint of its code
+    settings: str | None = None  # hash of the settings that it reads; none if it reads none
     seed: int | None = None
-    arguments: Mapping[str, Any] = field(default_factory=dict)
-    inputs: tuple[tuple[Path, str], ...] = ()
+    arguments: Mapping[str, Any] = field(default_factory=dict)  # that decide the result, too
+    inputs: tuple[tuple[Path, str], ...] = ()  # files and folders, and their hashes
 
     def noted(self, folder: Path) -> dict[str, Any]:
         """As plain values, for a file in a folder: inputs by their paths relative to it.

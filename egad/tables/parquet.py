@@ -4,7 +4,7 @@ A table is written under a temporary name and then renamed, so a file that exist
 """
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from egad.tables.untrusted import BATCH, DAMAGED, Source, unreadable
 
 __all__ = [
     "BATCH",
+    "RowGroups",
     "TableError",
     "batches",
     "check_columns",
@@ -63,15 +64,8 @@ def write(
 ) -> None:
     """Write a table atomically: exactly the columns of its schema, in that order.
 
-    The file also records its origin (`egad.tables.origin`), and is sealed.
-
-    Args:
-        frame: The rows.
-        schema: The columns.
-        path: The file.
-        notes: Kept in the file beside the rows; see `notes`.
-        group: How many rows can be read without the others (`tables.row_groups`); None for a
-            million.
+    The file also records its origin (`egad.tables.origin`) and notes, and is sealed. A group of
+    rows can be read without the others (`RowGroups`): a million rows if None.
     """
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
@@ -86,20 +80,12 @@ def write(
 
 
 def columns(path: Path) -> list[str]:
-    """Names of the columns of a table.
-
-    Raises:
-        TableError: The file is missing, is not Parquet, or is cut short.
-    """
+    """Names of the columns of a table, or `TableError`."""
     return list(schema_of(path).names)
 
 
 def check_columns(path: Path, names: list[str]) -> None:
-    """Make sure that a table has some columns.
-
-    Raises:
-        TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
-    """
+    """Raise `TableError` if a table lacks a column."""
     found = columns(path)
     if missing := [name for name in names if name not in found]:
         old = [f"{OLD[name]} is now {name}" for name in missing if OLD.get(name) in found]
@@ -119,11 +105,7 @@ def _advice(path: Path) -> str:
 
 
 def schema_of(path: Path) -> pa.Schema:
-    """The columns of a table.
-
-    Raises:
-        TableError: The file is missing, is not Parquet, or is cut short.
-    """
+    """The columns of a table, or `TableError`."""
     try:
         return pq.read_schema(path)
     except DAMAGED as error:
@@ -131,20 +113,12 @@ def schema_of(path: Path) -> pa.Schema:
 
 
 def notes(path: Path) -> dict[str, Any]:
-    """What was kept in a file beside its rows; nothing if it has no such notes.
-
-    Raises:
-        TableError: The file is missing, is not Parquet, or is cut short.
-    """
+    """What was kept in a file beside its rows; nothing if it has no such notes; or `TableError`."""
     return _kept(path, _NOTES)
 
 
 def origin_of(path: Path) -> dict[str, Any]:
-    """The `egad.tables.origin.Origin` of a table; nothing if it has none.
-
-    Raises:
-        TableError: The file is missing, is not Parquet, or is cut short.
-    """
+    """The `egad.tables.origin.Origin` of a table; nothing if it has none; or `TableError`."""
     return _kept(path, _ORIGIN)
 
 
@@ -194,11 +168,7 @@ def _plain(schema: pa.Schema, names: list[str]) -> pa.Schema:
 
 
 def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
-    """Read some columns of a table, `BATCH` rows at a time.
-
-    Raises:
-        TableError: The file is missing, is not Parquet, is cut short, or lacks a column.
-    """
+    """Read some columns of a table, `BATCH` rows at a time, or raise `TableError`."""
     try:
         source = Source(path)
         check_columns(path, names)
@@ -213,3 +183,26 @@ def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:
 def distinct(path: Path, name: str) -> set[Any]:
     """The distinct values of a column; raises what `batches` raises."""
     return {value for rows in batches(path, [name]) for value in rows[name]}
+
+
+class RowGroups:
+    """The groups of rows of a table too large to be read at once, in any order."""
+
+    def __init__(self, path: Path, names: Sequence[str]) -> None:
+        """Open a table with some columns, without reading its rows, or raise `TableError`."""
+        self._path = path
+        try:
+            self._source = Source(path)
+        except DAMAGED as error:
+            raise unreadable(path, error) from error
+        self.sizes = self._source.group_rows
+        check_columns(path, list(names))
+
+    def read(self, group: int, names: Sequence[str]) -> pd.DataFrame:
+        """Some columns of a group, by its number; `TableError` if it is damaged."""
+        try:
+            frame: pd.DataFrame = self._source.read(names, group).to_pandas()
+        except DAMAGED as error:
+            raise unreadable(self._path, error) from error
+        check_names(frame, self._path)
+        return frame

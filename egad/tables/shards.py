@@ -14,16 +14,10 @@ from egad.tables import parquet
 
 
 def shard_files(folder: Path, names: Sequence[str], target: str) -> list[tuple[Path, ...]]:
-    """The files of each shard of a folder, in the order of their numbers.
+    """The files of each shard of a folder, by number; messages call the set by its first name.
 
-    Args:
-        folder: Where they are.
-        names: Names of the tables of a shard; messages call the set by the first one.
-        target: What makes them, for messages.
-
-    Raises:
-        UserError: Some are missing, or are not all of one set.
-        TableError: One is damaged.
+    Raises `UserError`, with the target that makes them, if some are missing or of another set, and
+    `TableError` if one is damaged.
     """
     found = {path.name: path for name in names for path in sorted(folder.glob(f"{name}-*.parquet"))}
     if not found:
@@ -45,26 +39,16 @@ def shard_files(folder: Path, names: Sequence[str], target: str) -> list[tuple[P
 
 
 def rows_of(paths: Iterable[Path], schema: pa.Schema, names: list[str]) -> pd.DataFrame:
-    """Some columns of all rows of tables of the same schema, one after the other.
-
-    Raises:
-        TableError: One is damaged, or lacks a column.
-    """
+    """Some columns of tables of the same schema, one after the other; or `TableError`."""
     parts = [rows for path in paths for rows in parquet.batches(path, names)]
     return pd.concat(parts, ignore_index=True) if parts else parquet.empty(schema)[names]
 
 
 def remove_leftovers(folder: Path, names: Sequence[str], shards: int) -> None:
-    """Remove the files of an earlier, larger set.
+    """Remove the files of an earlier, larger set than the one of `shards` in a folder.
 
-    Args:
-        folder: Where they are.
-        names: Names of the tables of a shard.
-        shards: How many shards the set has.
-
-    Raises:
-        UserError: The set that is there has another number of shards.
-        TableError: Its first file is missing or damaged.
+    Raises `UserError` if that set has another number of shards, `TableError` if its first file is
+    damaged.
     """
     if parquet.notes(folder / f"{names[0]}-0.parquet").get("shards") != shards:
         raise UserError(f"{folder}: expected {names[0]} in {shards} shards; make them again")

@@ -36,9 +36,6 @@ class Source:
     def __init__(self, path: Path) -> None:
         """Check a file without reading its rows.
 
-        Attributes:
-            group_rows: How many rows each group has.
-
         Raises:
             TableError: It is too large, or altered since it was sealed.
             OSError, ArrowException, FailedError, LimitError: It is damaged.
@@ -51,12 +48,7 @@ class Source:
         self.group_rows = _group_rows(path) if self._sealed else limited(_group_rows, path)
 
     def read(self, columns: Sequence[str], group: int | None = None) -> pa.Table:
-        """Some columns, of all rows or of one group.
-
-        Raises:
-            TableError: They take too much memory.
-            OSError, ArrowException, FailedError, LimitError: The file is damaged.
-        """
+        """Some columns, of all rows or of one group; raises as `Source` does."""
         if self._sealed:
             return _read(self._path, columns, group)
         packed = limited(_read_packed, self._path, list(columns), group)

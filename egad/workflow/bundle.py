@@ -52,18 +52,11 @@ def write_bundle(
     out: Path,
     worker_count: int = 1,
 ) -> int:
-    """Write all files that a simulator needs.
+    """Write all files that a simulator needs, and return how many objects could not be used.
 
-    Args:
-        settings: Material, and method of the convex decomposition.
-        objects: Mesh files and names.
-        units: Unit of the meshes; None: as stated in the files.
-        out: Folder for `LABEL/`, `bundle.parquet`, `rejected.parquet`, `README.md` and
-            `SHA256SUMS`.
-        worker_count: Processes; the result does not depend on it.
-
-    Returns:
-        How many objects could not be used; `rejected.parquet` names them.
+    The folder `out` has `LABEL/`, `bundle.parquet`, `README.md` and `SHA256SUMS`;
+    `rejected.parquet` names the objects that could not be used. Units are as stated in the files if
+    None.
     """
     rows, left_out, sides = [], [], {}
     with workers(worker_count) as mapper, atomic_output(out) as folder:

@@ -33,12 +33,7 @@ def rows_by_id(bundle: Path) -> dict[str, Row]:
 
 
 def model_in(bundle: Path, row: Row) -> Model:
-    """An object of a simulation bundle.
-
-    Args:
-        bundle: Its folder.
-        row: Columns of `tables.evaluation.BUNDLE`.
-    """
+    """An object of a simulation bundle, with the columns of `tables.evaluation.BUNDLE`."""
     made = read_simulation_object(bundle, row)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)
 
@@ -64,13 +59,10 @@ class LazyModels(Mapping[str, Model]):
 
 
 def models_in(dataset: Path, settings: Settings, gripper: str) -> Models:
-    """The objects that were used in trials of a dataset.
+    """The objects that were used in trials of a dataset, a folder with a simulation bundle.
 
-    Args:
-        dataset: Its folder, with a simulation bundle; or `evaluation-set`: the released objects, as
-            `egad benchmark` and `egad.run_trials` simulate them.
-        settings: How objects are scaled, for `evaluation-set`.
-        gripper: Name of the gripper.
+    Or `evaluation-set`: the released objects, as `egad benchmark` and `egad.run_trials` scale and
+    simulate them.
     """
     if str(dataset) == EVALUATION_SET:
         return evaluation_set_models(settings.grippers[gripper], settings.rescale.rule)
@@ -103,13 +95,10 @@ def run_or_replace(
     item: Item | None,
     otherwise: Callable[[Outcome], pd.DataFrame],
 ) -> pd.DataFrame:
-    """The result of the work on an object, even if the engine crashes.
+    """The table of the work on an object, or one whose attempts all have the same outcome.
 
-    Args:
-        row: Label and id of the object.
-        work: Returns the table of the item, or None if the process crashed.
-        item: Argument of the work; None if the object is not in the bundle.
-        otherwise: Returns the table of an object whose attempts all have the given outcome.
+    That is `crashed` if the work returns None, and `failed` if there is no item, as for an object
+    that the bundle does not contain.
     """
     table = None if item is None else work(item)
     if table is not None:

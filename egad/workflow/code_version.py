@@ -113,17 +113,11 @@ class _Used:
 
 
 class _About(NamedTuple):
-    """What is known of a name.
-
-    Attributes:
-        definitions: Its definitions.
-        methods: Methods of a class of settings: name without the class, and definition.
-        uses: What it uses, and what runs when the modules around it are imported.
-    """
+    """What is known of a name."""
 
     definitions: list[Definition]
-    methods: Mapping[Name, tuple[str, Definition]]
-    uses: frozenset[Name]
+    methods: Mapping[Name, tuple[str, Definition]]  # of settings: name without the class
+    uses: frozenset[Name]  # what it uses, and what runs when the modules around it are imported
 
 
 @cache

@@ -27,19 +27,11 @@ def write_datasheet(
     out: Path,
     introduction: str = "",
 ) -> None:
-    """Write the datasheet of an evaluation set.
+    """Write the datasheet of an evaluation set: objects, sizes, how to report results.
 
-    Args:
-        settings: Grid and printing.
-        dataset: Name of the dataset.
-        evaluation: Evaluation set.
-        grippers: Names of the grippers; pictures show the first.
-        manifests: Tables of print files for these grippers.
-        grasps: Labelled grasps for these grippers.
-        out: Folder with the datasheet of the evaluation set (objects, sizes, how to report
-            results), a contact sheet of its objects with names and sizes, and an empty table for
-            attempts with a real robot.
-        introduction: Text above the tables; by default, what the rows and columns are.
+    The folder `out` has a contact sheet of the objects, too, and an empty table for attempts with a
+    real robot. Manifests of print files and grasps are those for the grippers; pictures show the
+    first. The introduction above the tables says, by default, what the rows and columns are.
     """
     chosen = parquet.read(evaluation, EVAL49)
     known = {

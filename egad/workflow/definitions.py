@@ -15,41 +15,24 @@ _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class Definition(NamedTuple):
-    """A function, class, constant or method.
+    """A function, class, constant or method."""
 
-    Attributes:
-        code: Its statements in one fixed layout, without comments and docstrings.
-        uses: Dotted names in it, such as `PADS` and `np.pad`.
-        words: Names of attributes in it, and texts: they may name methods and files.
-    """
-
-    code: str
-    uses: frozenset[str]
-    words: frozenset[str]
+    code: str  # its statements in one fixed layout, without comments and docstrings
+    uses: frozenset[str]  # dotted names in it, such as `PADS` and `np.pad`
+    words: frozenset[str]  # names of attributes in it, and texts: they may name methods and files
 
 
 class Module(NamedTuple):
-    """A module.
+    """A module."""
 
-    Attributes:
-        definitions: Definitions by name, those without a name under `LOOSE`; a name may be defined
-            twice.
-        methods: Methods of classes of settings, by class and name. Only used ones count.
-        imports: What local names refer to, as dotted names; including imports within functions.
-    """
-
-    definitions: Mapping[str, list[Definition]]
-    methods: Mapping[str, Mapping[str, Definition]]
-    imports: Mapping[str, set[str]]
+    definitions: Mapping[str, list[Definition]]  # by name, which may be defined twice; or `LOOSE`
+    methods: Mapping[str, Mapping[str, Definition]]  # of settings, by class and name
+    imports: Mapping[str, set[str]]  # what local names refer to, also those within functions
 
 
 @cache
 def read_module(package: Path, name: str) -> Module:
-    """The definitions of a module or script.
-
-    Raises:
-        ModuleNotFoundError: There is no such script, or no such module in the package.
-    """
+    """The definitions of a module of the package or a script, or `ModuleNotFoundError`."""
     path = source_of(package, name)
     if path is None:
         raise ModuleNotFoundError(f"{name} is not a module of {package}")

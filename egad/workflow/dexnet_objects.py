@@ -22,22 +22,12 @@ log = logging.getLogger(__name__)
 
 
 def write_objects(
-    settings: DexNetObjects,
-    objects: Path,
-    meshes: Path,
-    shard: tuple[int, int],
-    out: Path,
+    settings: DexNetObjects, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
 ) -> None:
     """Write the objects of a shard for a Dex-Net database: distance fields, stable poses.
 
-    If the stable poses of an object cannot be computed, it is written without them and logged.
-
-    Args:
-        settings: Settings of this stage.
-        objects: Objects of the dataset.
-        meshes: Folder of the scaled meshes.
-        shard: Number of this shard, and number of shards.
-        out: HDF5 file with one group per object in its group `objects`.
+    The HDF5 file has a group for each in its group `objects`. If the stable poses of an object
+    cannot be computed, it is written without them and logged.
     """
     rows = parquet.records(rows_in_shard(parquet.read(objects, OBJECTS), *shard))
     with writing(out) as file:

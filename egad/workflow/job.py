@@ -30,13 +30,10 @@ FOLDERS = ("meshes", "bundle")  # params that are read: an input is a table in e
 
 
 def run_job(function: Callable[..., object]) -> None:
-    """Run the function of a script as a job of Snakemake.
+    """Run the function of a script, where Snakemake puts the object `snakemake`, as a job.
 
     Messages go to the log of the rule. The provenance of a table is written into it; that of other
     files and folders is written next to them. A user error is reported in one sentence.
-
-    Args:
-        function: Function of the running script, where Snakemake puts the object `snakemake`.
     """
     job = vars(sys.modules["__main__"])["snakemake"]
     for log in job.log[:1]:
@@ -64,15 +61,7 @@ def run_job(function: Callable[..., object]) -> None:
 
 
 def arguments_of(function: Callable[..., object], job: Any) -> dict[str, Any]:  # noqa: ANN401
-    """The arguments of a function that a job provides, not yet converted to its types.
-
-    Args:
-        function: Function of a script.
-        job: The object `snakemake`.
-
-    Raises:
-        TypeError: A name is used twice.
-    """
+    """The arguments of a function in the object `snakemake`, not yet converted to its types."""
     hints = get_type_hints(function)
     found: dict[str, Any] = {"jobs": job.threads, **dict(job.wildcards.items())}
     found |= dict(job.params.items())

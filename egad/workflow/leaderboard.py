@@ -76,26 +76,15 @@ class Entry(Parameters):
 
 @dataclass(frozen=True)
 class Checks:
-    """How tables are verified.
+    """How tables are verified."""
 
-    Attributes:
-        sample: Number of objects or rounds of each table to simulate again; all if None.
-        tolerance: How much numbers may differ, on another kind of processor.
-        jobs: Processes; the result does not depend on them.
-    """
-
-    sample: int | None = None
-    tolerance: float = 0.0
-    jobs: int = 1
+    sample: int | None = None  # objects or rounds of each table to simulate again; all if None
+    tolerance: float = 0.0  # how much numbers may differ, on another kind of processor
+    jobs: int = 1  # processes; the result does not depend on them
 
 
 def read_entry(path: Path) -> Entry:
-    """The file of an entry.
-
-    Raises:
-        UserError: It is missing or not YAML, or values are missing or not allowed; the message has
-            a line for each.
-    """
+    """The file of an entry; a `UserError` has a line for each value that is missing or wrong."""
     if not path.is_file():
         raise UserError(f"{path} is missing")
     values = read_values(path)
@@ -108,11 +97,7 @@ def read_entry(path: Path) -> Entry:
 
 
 def read_protocol(path: Path) -> tuple[Protocol, Settings]:
-    """A protocol: a configuration with a section `trials` or `clutter` and one gripper.
-
-    Raises:
-        UserError: The file is missing or wrong, or the engine is not installed.
-    """
+    """A protocol: a configuration with a section `trials` or `clutter` and one gripper."""
     try:
         values = read_values(path)
         if not {"trials", "clutter"} & set(values or ()):
@@ -130,15 +115,9 @@ def read_protocol(path: Path) -> tuple[Protocol, Settings]:
 
 
 def build(folder: Path, out: Path, checks: Checks) -> list[str]:
-    """Verify all tables of a leaderboard, and write its page.
+    """Verify all tables of a leaderboard, and write its page and films into a folder.
 
-    Args:
-        folder: Folder with `protocols/` and `entries/`.
-        out: Folder to write: `index.html` and `films/`.
-        checks: How tables are verified.
-
-    Returns:
-        A sentence for each entry or table that is missing, broken or refused.
+    A sentence is returned for each entry or table that is missing, broken or refused.
     """
     problems: list[str] = []
     protocols = dict(_protocols(folder / PROTOCOLS, problems))
@@ -232,18 +211,9 @@ def _listed(
 
 
 def _verified(
-    this: _Submitted,
-    models_of: Callable[[Gripper, str], Models],
-    checks: Checks,
-    out: Path,
+    this: _Submitted, models_of: Callable[[Gripper, str], Models], checks: Checks, out: Path
 ) -> SubmittedTable:
-    """A table that the simulation reproduces, with films of it.
-
-    Raises:
-        _NotVerifiedError: The simulation does not reproduce it.
-        UserError: It is missing.
-        TableError: It cannot be read.
-    """
+    """A table that the simulation reproduces, with films of it; otherwise `_NotVerifiedError`."""
     log.info("%s", this.path)
     if not this.path.is_file():
         raise UserError(f"{this.path} is missing: {ENTRY} names this protocol")

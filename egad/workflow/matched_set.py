@@ -50,16 +50,10 @@ def write_matched_set(
 ) -> None:
     """Write a matched set as a dataset folder, with everything that the workflow makes for one.
 
-    Args:
-        settings: The whole configuration; labels are always engraved, and the grid of the set has
-            the pairs as columns.
-        gripper: Name of the gripper.
-        found: The pairs.
-        detector: Name of the detector.
-        out: Folder for `pairs.parquet` and `attempts.parquet`, see `MatchedSet.save`, and the files
-            of a dataset: `archive.parquet`, `objects.parquet`, `meshes/`, `eval49.parquet`,
-            `rescaled/G/`, `grasps/G.parquet`, `print/G/`, `bundle/G/` and `eval49/`.
-        jobs: Processes; the result does not depend on it.
+    Labels are always engraved, and the grid of the set has the pairs as columns. The folder has
+    `pairs.parquet` and `attempts.parquet`, see `MatchedSet.save`, and the files of a dataset:
+    `archive.parquet`, `objects.parquet`, `meshes/`, `eval49.parquet`, `rescaled/G/`,
+    `grasps/G.parquet`, `print/G/`, `bundle/G/` and `eval49/`.
     """
     settings = settings.model_copy(
         update={
@@ -104,11 +98,7 @@ def write_matched_set(
 
 
 def _write_objects(settings: Settings, found: MatchedSet, folder: Path, jobs: int) -> pd.DataFrame:
-    """Write `objects.parquet`, `rejected.parquet`, `meshes/` and `eval49.parquet`.
-
-    Returns:
-        Columns of `tables.objects.OBJECTS`.
-    """
+    """Write `objects.parquet`, returned, `rejected.parquet`, `meshes/`, and `eval49.parquet`."""
     work = partial(_solid, shape=found.shape, settings=select(settings, PostprocessSolids))
     records = parquet.records(found.table)
     with workers(jobs) as mapper:

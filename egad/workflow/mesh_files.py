@@ -19,15 +19,10 @@ log = logging.getLogger(__name__)
 def use_mesh(
     path: Path, units: str | None, use: Callable[[trimesh.Trimesh], T]
 ) -> tuple[T | str, float]:
-    """What is made from a mesh file, or the reason why nothing is; and its longest side.
+    """What is made from a mesh file, or the reason why nothing is; and its longest side, metres.
 
-    Args:
-        path: The file.
-        units: Unit of its coordinates; None: as stated in the file.
-        use: Makes something from the mesh, or raises `RejectedError`.
-
-    Returns:
-        The result or the reason; and the side in metres, NaN if the file cannot be read.
+    The side is NaN if the file cannot be read. The unit is as stated in the file if None; `use` may
+    raise `RejectedError`.
     """
     longest = np.nan
     try:
@@ -39,11 +34,6 @@ def use_mesh(
 
 
 def warn_of_units(sides: Mapping[str, float], units: str | None) -> None:
-    """Warn if the size of meshes suggests that their unit is wrong.
-
-    Args:
-        sides: Longest side of each mesh by its name, metres; NaN if it could not be read.
-        units: Unit that they were read with.
-    """
+    """Warn if the size of meshes, longest sides in metres, suggests that their unit is wrong."""
     if doubt := units_doubt(sides, units):
         log.warning("%s", doubt)

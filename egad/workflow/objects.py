@@ -46,13 +46,7 @@ def _shown(batches: list[NDArray[np.int64]]) -> Iterator[NDArray[np.int64]]:
 
 
 def write_meshes(frame: pd.DataFrame, out: Path, jobs: int = 1) -> None:
-    """Write the meshes of objects as `LABEL.obj`, in metres.
-
-    Args:
-        frame: Columns `label`, `vertices` and `faces`.
-        out: Folder to write.
-        jobs: Processes; the result does not depend on it.
-    """
+    """Write the meshes of objects, `label`, `vertices` and `faces`, as `LABEL.obj`, in metres."""
     with workers(jobs) as mapper, atomic_output(out) as folder:
         folder.mkdir()
         columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)

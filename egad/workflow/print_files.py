@@ -41,20 +41,11 @@ def write_print_files(
     out: Path,
     grasps: Path | None = None,
 ) -> None:
-    """Write STL and 3MF files of the evaluation set, in millimetres.
+    """Write STL and 3MF files of the evaluation set, in millimetres, named objects on plates.
 
-    An object without a mesh, too thin, or too large for the bed gets a note in the table instead
-    of files.
-
-    Args:
-        settings: Gripper, bed, pose, limits of the printer.
-        gripper: Name of the gripper, for the plates.
-        evaluation: Evaluation set.
-        meshes: Folder of the scaled meshes.
-        scales: Table of the scales, in that folder.
-        out: Folder with the evaluation set for gripper G, in millimetres: STL files, plates of
-            named objects, and a table of the objects on each plate.
-        grasps: Labelled grasps; engraved labels avoid their contacts.
+    An object without a mesh, too thin, or too large for the bed gets a note in the table instead of
+    files. The table of the scales is in the folder of the scaled meshes. Engraved labels avoid the
+    contacts of the grasps.
     """
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
     solids, missing = _read(chosen, meshes)

@@ -23,14 +23,7 @@ from egad.tables.objects import GRAPHS
 def dataset_graphs(
     objects: Dataset, settings: Similarity, mapper: Mapper, shipped: bool = True
 ) -> list[bytes]:
-    """Packed Reeb graphs of the objects of a dataset, in the order of its table.
-
-    Args:
-        objects: The dataset.
-        settings: How graphs are made.
-        mapper: Maps a function over the objects.
-        shipped: Whether to take those that are shipped, which have single precision.
-    """
+    """Packed Reeb graphs of a dataset, in its order; those shipped have single precision."""
     known: dict[str, bytes] = {}
     if shipped and (settings, objects.shape) == (Similarity(), Shape()):
         table = parquet.read(released_graphs(), GRAPHS)

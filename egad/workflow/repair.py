@@ -13,26 +13,14 @@ log = logging.getLogger(__name__)
 
 
 def repaired_body(mesh: trimesh.Trimesh, wanted: Postprocess, density: float) -> Body:
-    """Repair a mesh and compute its mass properties.
-
-    Raises:
-        RejectedError: The mesh cannot be repaired, or is too small.
-    """
+    """Repair a mesh, and compute its mass properties; `RejectedError` if it is too small."""
     return repair_and_weigh(
-        mesh,
-        density,
-        wanted.min_volume,
-        wanted.open_surfaces,
-        wanted.shell_thickness,
+        mesh, density, wanted.min_volume, wanted.open_surfaces, wanted.shell_thickness
     )
 
 
 def repaired_mesh(mesh: trimesh.Trimesh, name: str) -> trimesh.Trimesh:
-    """The repaired mesh; the log says which bodies were left out.
-
-    Raises:
-        RejectedError: The mesh cannot be repaired.
-    """
+    """The repaired mesh, or `RejectedError`; the log says which bodies were left out."""
     repaired = repair(mesh)
     if repaired.dropped:
         log.warning("%s: %s", name, repaired.dropped)
@@ -40,12 +28,7 @@ def repaired_mesh(mesh: trimesh.Trimesh, name: str) -> trimesh.Trimesh:
 
 
 def warn_of_shapes(table: pd.DataFrame, prefix: str = "") -> None:
-    """Warn of meshes that lost bodies.
-
-    Args:
-        table: Columns of `tables.objects.SOLIDS` or `MEASURED`; the first has the names.
-        prefix: Prefix of every warning.
-    """
+    """Warn of meshes that lost bodies; the first column of the table has their names."""
     names = table.iloc[:, 0]
     dropped = table["dropped_bodies"] > 0
     bodies, volumes = table["dropped_bodies"][dropped], table["dropped_volume"][dropped]

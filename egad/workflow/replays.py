@@ -30,20 +30,10 @@ from egad.tables.evaluation import TRIALS
 def film_attempt(
     settings: TrialParameters, trials: Path, models: Models, label: str, attempt: int, out: Path
 ) -> str:
-    """Repeat an attempt and film it.
+    """Repeat an attempt, film it (`.gif` or `.mp4`), and return its outcome.
 
-    The detector does not run again: its proposal is read from the table.
-
-    Args:
-        settings: Settings of the trials.
-        trials: Table with the columns of `tables.evaluation.TRIALS`.
-        models: The objects by their ids.
-        label: The object.
-        attempt: Number of the attempt.
-        out: Film to write, `.gif` or `.mp4`.
-
-    Returns:
-        The outcome.
+    The detector does not run again: its proposal is read from the table,
+    `tables.evaluation.TRIALS`. The objects are known by their ids.
 
     Raises:
         UserError: There is no such attempt, it never started, or its outcome differs.
@@ -60,13 +50,7 @@ def film_attempt(
 def repeat_attempt(
     settings: TrialParameters, row: Mapping[str, Any], models: Models
 ) -> tuple[Attempt, list[RgbImage]]:
-    """Repeat an attempt; return its outcome and the frames of its film.
-
-    Args:
-        settings: Settings of the trials.
-        row: Columns of `tables.evaluation.TRIALS`, of an attempt that started.
-        models: The objects by their ids.
-    """
+    """Repeat an attempt that started, a row of TRIALS: its outcome and the frames of its film."""
     if row["id"] not in models:
         raise UserError(f"no object {row['label']} ({row['id']}) in this dataset")
     arm = ARMS[settings.trials.arm](settings.gripper)
@@ -103,22 +87,11 @@ def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
 
 
 def film_clearing(
-    settings: ClutterParameters,
-    table: Path,
-    models: Models,
-    name: tuple[str, str, int],
-    out: Path,
+    settings: ClutterParameters, table: Path, models: Models, name: tuple[str, str, int], out: Path
 ) -> None:
-    """Repeat a round without its detector, and film it.
+    """Repeat a round without its detector, and film it (`.gif` or `.mp4`).
 
-    Args:
-        settings: Settings of the rounds.
-        table: Columns of `tables.clutter.CLUTTER`.
-        models: The objects by their ids.
-        name: Kind of scene, noise and number of the round.
-        out: Film to write, `.gif` or `.mp4`.
-
-    Raises:
-        UserError: There is no such round, or it ends differently.
+    A kind of scene, the noise and a number name a round, `tables.clutter.CLUTTER`. Raises
+    `UserError` if there is no such round, or it ends differently.
     """
     write_film(film_round(parquet.read(table, CLUTTER), *name, models, settings), out)

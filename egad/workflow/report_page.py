@@ -74,29 +74,18 @@ class DatasetReport:
 
 @dataclass(frozen=True)
 class ReportData:
-    """A whole run.
+    """A whole run."""
 
-    Attributes:
-        settings: The resolved configuration.
-        comparison: Columns of `tables.objects.COMPARISON`.
-        datasets: Reports by name of the dataset.
-        versions: Version of each program that was used.
-    """
-
-    settings: Settings
-    comparison: pd.DataFrame
-    datasets: Mapping[str, DatasetReport]
-    versions: Mapping[str, str]
+    settings: Settings  # the resolved configuration
+    comparison: pd.DataFrame  # columns of `tables.objects.COMPARISON`
+    datasets: Mapping[str, DatasetReport]  # reports by name of the dataset
+    versions: Mapping[str, str]  # version of each program that was used
 
 
 def build(report: ReportData) -> str:
-    """Combine a run into one HTML page.
+    """Combine a run into one HTML page, the same for the same report, pictures inline.
 
-    Args:
-        report: Tables, pictures, settings and versions; what a dataset lacks is left out.
-
-    Returns:
-        The text of the page: the same for the same report. Pictures and figures are inline.
+    What a dataset lacks is left out.
     """
     return report_page(_sections(report), alone=len(report.datasets) == 1)
 
@@ -142,13 +131,7 @@ def _sections(report: ReportData) -> Iterator[Section]:
 
 
 def is_listed(settings: Settings, name: str, objects: pd.DataFrame) -> bool:
-    """Whether the objects of a dataset are shown one by one rather than on a map.
-
-    Args:
-        settings: The resolved configuration.
-        name: The dataset.
-        objects: Columns of `tables.objects.OBJECTS`.
-    """
+    """Whether the objects of a dataset are shown one by one rather than on a map."""
     return settings.datasets[name].source == "meshes" and len(objects) <= MAX_LISTED
 
 

@@ -34,20 +34,11 @@ def rescale_files(
     suffix: str = "",
     jobs: int = 1,
 ) -> int:
-    """Scale every mesh by the rule, and write the meshes with a table of their scales.
+    """Scale every mesh by the rule; return how many files could not be used.
 
-    Args:
-        settings: Gripper and rule.
-        meshes: Mesh files.
-        units: Unit of their coordinates: m, mm, cm, inch; without it, as stated in the files.
-        out: Folder with the meshes scaled to gripper G (`.obj` in metres, `.stl` in millimetres), a
-            table of their scales, and a table of the rejected objects.
-        ending: `obj` or `stl`.
-        suffix: Appended to the names of the files.
-        jobs: Processes; the result does not depend on it.
-
-    Returns:
-        How many files could not be used; `rejected.parquet` names them.
+    The folder `out` has the meshes (`obj` in metres, `stl` in millimetres, with a suffix on their
+    names), a table of their scales, and `rejected.parquet`. Units are m, mm, cm, inch, or as stated
+    in the files.
     """
     named = object_names(meshes)
     scales, left_out, sides = [], [], {}

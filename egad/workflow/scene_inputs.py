@@ -30,19 +30,12 @@ KEPT = 200  # objects kept in memory
 
 
 class ScenePlan(NamedTuple):
-    """The planned scenes of a dataset.
-
-    Attributes:
-        scenes: All scenes.
-        splits: How the objects are split.
-        rejected: Objects that cannot be simulated, columns of `tables.objects.REJECTED`.
-        usable: The split of each object that can be simulated.
-    """
+    """The planned scenes of a dataset."""
 
     scenes: list[PlannedScene]
-    splits: Splits
-    rejected: pd.DataFrame
-    usable: dict[str, str]
+    splits: Splits  # how the objects are split
+    rejected: pd.DataFrame  # objects that cannot be simulated, columns of `tables.objects.REJECTED`
+    usable: dict[str, str]  # the split of each object that can be simulated
 
 
 def read_plan(
@@ -53,18 +46,9 @@ def read_plan(
     evaluation: Path | None,
     ancestry: Path | None,
 ) -> ScenePlan:
-    """Plan the scenes of a dataset.
+    """Plan the scenes of a dataset; an evaluation set is held out, with ancestors if known.
 
-    Args:
-        settings: Settings of the scenes.
-        objects: Objects of the dataset.
-        scales: Their scales for the gripper.
-        convex_parts: Their convex parts.
-        evaluation: Evaluation set to hold out, if any.
-        ancestry: Objects and their ancestors, if known.
-
-    Raises:
-        UserError: All objects are held out, or none can be simulated.
+    Raises `UserError` if all objects are held out, or none can be simulated.
     """
     table = parquet.read(objects, OBJECTS)[["id", "label"]]
     lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
@@ -88,10 +72,7 @@ def read_plan(
         raise UserError(f"{objects}: no object of the dataset can be simulated in scenes")
     rows = [rejection(name, "scenes", reason) for name, reason in sorted(reasons.items())]
     return ScenePlan(
-        planned_scenes(usable, settings),
-        splits,
-        pd.DataFrame(rows, columns=REJECTED.names),
-        usable,
+        planned_scenes(usable, settings), splits, pd.DataFrame(rows, columns=REJECTED.names), usable
     )
 
 
@@ -101,14 +82,7 @@ class StoredModels:
     def __init__(
         self, settings: MakeScenes, objects: Path, meshes: Path, convex_parts: Path
     ) -> None:
-        """Find the objects.
-
-        Args:
-            settings: Their material.
-            objects: Objects of the dataset.
-            meshes: Folder of the scaled meshes.
-            convex_parts: Their convex parts.
-        """
+        """Find the objects of a dataset, their scaled meshes and their convex parts."""
         table = parquet.read(objects, OBJECTS)
         self._labels = dict(zip(table["id"], table["label"], strict=True))
         self._parts = dict(iter(parquet.read(convex_parts, CONVEX_PARTS).groupby("label")))

@@ -55,11 +55,7 @@ def open_trials(
 def open_detector(
     settings: SimulatedTrials, grasps: Path | None
 ) -> Iterator[Callable[[str], Detector | Labels]]:
-    """A function that returns the detector of an object by its id, valid within the context.
-
-    Raises:
-        UserError: The detector cannot be found or created.
-    """
+    """A function that returns the detector of an object by its id, valid within the context."""
     config = settings.detector
     if config.detector == "labels":
         yield _labels(grasps)

@@ -19,17 +19,10 @@ from egad.workflow.repair import repaired_mesh
 def curves(
     settings: SizeEffectParameters, files: Mapping[str, Path], units: str | None, worker_count: int
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Compute grasp quality over size for repaired meshes.
+    """Compute grasp quality over size for repaired meshes, and the reasons of rejected ones.
 
-    Args:
-        settings: Settings of this stage.
-        files: Mesh files by name.
-        units: Unit of their coordinates, None: as stated in the files; does not affect the result.
-        worker_count: Processes; the result does not depend on it.
-
-    Returns:
-        Columns of `tables.grasping.SIZE_EFFECT`, meshes in the given order; and the reasons
-        of the rejected meshes by name.
+    The columns are `tables.grasping.SIZE_EFFECT`, meshes in the given order. Units, as stated in
+    the files if None, do not affect the result.
     """
     work = partial(_curve, units=units, settings=settings)
     with workers(max(1, min(worker_count, len(files)))) as mapper:

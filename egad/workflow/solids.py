@@ -14,16 +14,9 @@ from egad.workflow.repair import repaired_body
 def solid_row(
     mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids, *, resample: bool
 ) -> dict[str, Any]:
-    """The row of `tables.objects.SOLIDS` of one object.
+    """The row of `tables.objects.SOLIDS` of one object, or `RejectedError`.
 
-    Args:
-        mesh: Its mesh.
-        object_id: Its name in the dataset.
-        settings: Settings of the stage.
-        resample: See `egad.measures.measure_repeatably`; not for evolved objects.
-
-    Raises:
-        RejectedError: The mesh cannot be repaired, is too small, or cannot be grasped.
+    Whether to resample, see `egad.measures.measure_repeatably`; not for evolved objects.
     """
     repaired, mass = repaired_body(mesh, settings.postprocess, settings.material.density)
     solid = repaired.mesh

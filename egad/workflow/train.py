@@ -35,25 +35,14 @@ FOR_PEOPLE = (WEIGHTS, CHART, CARD)
 
 
 def train(
-    settings: TrainNetwork,
-    images: list[Path],
-    out: Path,
-    jobs: int = 1,
-    start: Path | None = None,
+    settings: TrainNetwork, images: list[Path], out: Path, jobs: int = 1, start: Path | None = None
 ) -> Score:
-    """Train a network; interrupted training resumes after its last epoch.
+    """Train a network on folders of images; interrupted training resumes after its last epoch.
 
-    Args:
-        settings: Settings of this stage.
-        images: Folders of images in the compact layout, used as one set.
-        out: A trained network: `weights.safetensors`, its model card `README.md`, and
-            `history.svg`; the training history, one epoch per row; and the score on images of
-            held-out objects. See `docs/vision.md`.
-        jobs: Cores; no result depends on it.
-        start: Initial weights; random if omitted.
-
-    Returns:
-        The score of the network on the split `test`.
+    The folder `out` has the network: `weights.safetensors`, its model card `README.md`,
+    `history.svg`, one row per epoch of history, and the score on images of held-out objects, the
+    split `test`, which is returned. See `docs/vision.md`. Weights to start from are random if
+    omitted.
 
     Raises:
         UserError: PyTorch, the images of a split, or all positive grasps are missing; an object is
@@ -121,17 +110,7 @@ def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> ImageDataset
 
 
 def check_folders(folders: Sequence[Path], wanted: str, others: str, text: str) -> None:
-    """Make sure that folders do not hold shards of another kind instead.
-
-    Args:
-        folders: Where to look.
-        wanted: Prefix of the names of shards.
-        others: Prefix of the names of shards of the other kind.
-        text: Error message.
-
-    Raises:
-        UserError: A folder does.
-    """
+    """Raise `UserError` with a text if a folder holds shards of another kind, by prefixes."""
     for folder in folders:
         if any(folder.glob(f"{others}-*.parquet")) and not any(folder.glob(f"{wanted}-*.parquet")):
             raise UserError(f"{folder}: {text}")

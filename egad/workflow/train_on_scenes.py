@@ -45,19 +45,10 @@ def train_on_scenes(
     device: str = "cpu",
     start: Path | None = None,
 ) -> SceneScore:
-    """Train VGN's network; interrupted training resumes after its last epoch.
+    """Train VGN's network on folders of labelled scenes; resumes after its last epoch.
 
-    Args:
-        settings: Settings of this stage.
-        gripper: Name of the gripper of the scenes, for the card.
-        folders: Folders of labelled scenes, used as one set.
-        out: A trained network, in the same files as `egad.workflow.train.train` writes.
-        jobs: Cores; no result depends on it.
-        device: `cpu`, or `cuda`, where the last digits of a result may differ from run to run.
-        start: Initial weights; random if omitted.
-
-    Returns:
-        The score of the network on the split `test`.
+    The files and the score are those of `egad.workflow.train.train`. On `cuda`, rather than `cpu`,
+    the last digits of a result may differ from run to run. The card names the gripper.
 
     Raises:
         UserError: PyTorch, the device, the scenes of a split, or all positive grasps are missing;
@@ -106,11 +97,7 @@ def train_on_scenes(
 
 
 def check_device(device: str) -> None:
-    """Make sure that PyTorch can compute on a device.
-
-    Raises:
-        UserError: There is no GPU that it can use.
-    """
+    """Raise `UserError` if PyTorch cannot compute on a device, such as a GPU that is not there."""
     import torch  # noqa: PLC0415 (an extra)
 
     if device == "cuda" and not torch.cuda.is_available():
@@ -120,13 +107,7 @@ def check_device(device: str) -> None:
 
 
 def open_scenes(folders: Sequence[Path]) -> SceneDataset:
-    """The scenes to train on.
-
-    Raises:
-        UserError: A folder has images instead, a split has no scenes, or all grasps of a split
-            failed.
-        TableError: A shard cannot be read.
-    """
+    """The scenes to train on; `UserError` without scenes or successful grasps in a split."""
     text = "these are images, for ggcnn and ggcnn2; vgn learns from labelled scenes"
     check_folders(folders, "scenes", "images", text)
     scenes = load_scenes(list(folders))

@@ -29,10 +29,8 @@ from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.DataFrame]:
     """The attempts of each object, or of each round of clearing a table.
 
-    Args:
-        rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
-        sample: How many of these groups, sampled at random; all if None.
-        seed: Determines the sample, together with the table, so that nobody can know it in advance.
+    A sample of these groups is random. The seed determines it together with the table, so that
+    nobody can know it in advance.
     """
     keys = ROUND if "scene" in rows else ["id"]
     groups = [own for _, own in rows.groupby(keys, sort=False)]
@@ -53,21 +51,10 @@ def verify_groups(
     tolerance: float = 0.0,
     jobs: int = 1,
 ) -> list[Difference]:
-    """Simulate attempts again, without their detector.
+    """Simulate attempts again, without their detector: the differences beyond a tolerance.
 
-    Args:
-        groups: From `groups_of`.
-        models: The objects by their ids.
-        settings: Settings of the attempts.
-        gripper: Name of the gripper.
-        tolerance: How much numbers may differ; 0 on the same kind of processor.
-        jobs: Processes; the result does not depend on them.
-
-    Returns:
-        The differences.
-
-    Raises:
-        UserError: There is no object of this name.
+    The tolerance is 0 on the same kind of processor. Raises `UserError` if there is no object of a
+    name.
     """
     is_clutter = any("scene" in rows for rows in groups)
     check = (
@@ -96,14 +83,7 @@ def gaps(
 ) -> Iterator[str]:
     """Missing or surplus rows of a table: leaving out failures would improve the success rate.
 
-    Args:
-        rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
-        objects: Columns label and id: what was tried.
-        settings: Settings of the attempts.
-        gripper: Name of the gripper.
-
-    Yields:
-        A sentence for each object or round that is not there as planned.
+    It is a sentence for each object (label and id), or round, that is not there as planned.
     """
     counts: dict[str, int | None]
     if "scene" in rows:

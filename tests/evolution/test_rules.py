@@ -2,7 +2,7 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
-from egad.evolution.rules import mesh_of
+from egad.evolution.constraints import mesh_of
 
 
 def test_a_region_is_one_body(tmp_path):

@@ -22,7 +22,7 @@ from egad.tables import parquet
 from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import GRASPS, SCALES
-from egad.tables.row_groups import RowGroups
+from egad.tables.parquet import RowGroups
 
 SECONDS = 20  # that reading may take here
 SPARE = 60  # for all else, on a busy machine

@@ -32,17 +32,8 @@ def run(
     """Execute labelled grasps of the evaluation objects of a shard in simulation.
 
     As in `simulate`, everything runs in a separate process. If an object crashes it twice, the
-    grasps of that object are marked as crashed.
-
-    Args:
-        settings: Settings of this stage.
-        evaluation: Evaluation set.
-        bundle: Folder of the simulation bundle, scaled to the gripper. Grasps of objects that it
-            does not contain count as failed.
-        grasps: Labelled grasps for the gripper; a sample of them is executed.
-        shard: Number of this shard, and number of shards.
-        out: A sample of the labelled grasps for gripper G, executed in simulation. Made if
-            `targets.agreement` is true.
+    grasps of that object are marked as crashed. Grasps of objects that the bundle does not contain
+    count as failed.
     """
     objects = parquet.read(evaluation, EVAL49)
     share = dict(zip(objects["id"], evenly(settings.agreement.grasps, len(objects)), strict=True))

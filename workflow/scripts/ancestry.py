@@ -13,18 +13,8 @@ from egad.workflow.job import run_job
 log = logging.getLogger(__name__)
 
 
-def run(
-    archive: Path,
-    lineages: list[Path],
-    ancestry: Path,
-) -> None:
-    """Find the ancestors of the elites of an archive.
-
-    Args:
-        archive: The elites.
-        lineages: Everything that the archives of all islands accepted, in all epochs.
-        ancestry: Elites and ancestors, in the order in which they were created.
-    """
+def run(archive: Path, lineages: list[Path], ancestry: Path) -> None:
+    """Find the ancestors of the elites of an archive in the lineages of all islands and epochs."""
     ids = parquet.read(archive, ARCHIVE)["id"]
     born = pd.concat([parquet.read(path, LINEAGE) for path in lineages], ignore_index=True)
     table = ancestors(ids, born)

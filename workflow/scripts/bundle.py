@@ -10,15 +10,7 @@ from egad.workflow.job import run_job
 def run(
     settings: SimulationBundle, evaluation: Path, meshes: Path, out: Path, jobs: int = 1
 ) -> None:
-    """Prepare the evaluation set for simulators: convex parts, URDF, MJCF, poses at rest.
-
-    Args:
-        settings: Material, and method of the convex decomposition.
-        evaluation: Evaluation set.
-        meshes: Folder of the scaled meshes, in metres.
-        out: Folder to write: see docs/bundle.md.
-        jobs: Processes; the result does not depend on it.
-    """
+    """Prepare the evaluation set for simulators: convex parts, URDF, MJCF, poses at rest."""
     write_bundle(settings, evaluation_objects(evaluation, meshes), "m", out, jobs)
 
 

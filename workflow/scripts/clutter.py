@@ -34,15 +34,6 @@ def run(
 
     As in `simulate`, everything runs in a separate process. A round that crashes it twice is marked
     as crashed.
-
-    Args:
-        settings: Settings of this stage.
-        bundle: Folder of the simulation bundle, scaled to the gripper.
-        shard: Number of this shard, and number of shards; the rounds are distributed among them.
-        out: Rounds in which detector P clears a table of objects with gripper G, one attempt per
-            row. Made for the detectors in `targets.clutter`.
-        grasps: Labelled grasps of the objects, for the detector `labels`.
-        keep_going: Whether to continue with a detector that fails in every attempt.
     """
     number, shards = shard
     todo = rounds_of(list(rows_by_id(bundle)), settings)[number::shards]

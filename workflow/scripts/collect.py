@@ -31,19 +31,8 @@ def run(
 ) -> None:
     """Combine the shards of a dataset: cells, labels, diversities, meshes.
 
-    Args:
-        settings: Settings of this stage.
-        source: `evolved`, `archive`, `meshes` or `primitives`. The first two get labels from their
-            cells, the others keep the names of their meshes.
-        solids: Objects of the shards, from postprocess.
-        rejects: Rejected objects of the shards.
-        objects: The repaired and measured objects.
-        rejected: The rejected objects, with reasons.
-        meshes: The meshes of these objects, in metres.
-        jobs: Processes and threads; the result does not depend on it.
-
-    Raises:
-        UserError: No object is left.
+    Sources `evolved` and `archive` get labels from their cells, `meshes` and `primitives` keep the
+    names of their meshes.
     """
     name = objects.parent.name
     found, left_out = join(solids, SOLIDS, ["id"]), join(rejects, REJECTED, ["id", "stage"])
@@ -60,13 +49,7 @@ def run(
 
 
 def _warn(name: str, frame: pd.DataFrame, left_out: pd.DataFrame) -> None:
-    """Warn about a user's meshes that could not be used, and about doubts on the others.
-
-    Args:
-        name: Name of the dataset.
-        frame: Columns of `tables.objects.SOLIDS`.
-        left_out: Columns of `tables.objects.REJECTED`.
-    """
+    """Warn about a user's meshes that could not be used, and about doubts on the others."""
     longest = frame[["extents_x", "extents_y", "extents_z"]].max(axis=1)
     if doubt := units_doubt(dict(zip(frame["id"], longest, strict=True)), None):
         log.warning("%s: %s", name, doubt)

@@ -23,23 +23,11 @@ from egad.workflow.job import run_job
 
 
 def run(
-    settings: MeasureParameters,
-    datasets: list[str],
-    objects: list[Path],
-    out: Path,
-    figure: Path,
+    settings: MeasureParameters, datasets: list[str], objects: list[Path], out: Path, figure: Path
 ) -> str:
-    """Compare datasets: coverage and diversity, and a map of the objects of each.
+    """Write coverage and diversity of datasets, and a map of each, on a common scale.
 
-    Args:
-        settings: Settings of this stage.
-        datasets: Their names.
-        objects: Their objects.
-        out: Coverage and diversity of all datasets.
-        figure: A small map of each dataset: objects per cell, on a common scale.
-
-    Returns:
-        The table for a terminal, with the published numbers below.
+    The text is the table for a terminal, with the published numbers below.
     """
     tables = {
         name: parquet.read(path, OBJECTS) for name, path in zip(datasets, objects, strict=True)

@@ -20,22 +20,11 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: SimulationBundle,
-    objects: Path,
-    meshes: Path,
-    shard: tuple[int, int],
-    out: Path,
+    settings: SimulationBundle, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
 ) -> None:
     """Make the convex parts of the objects of a shard, which represent them in simulators.
 
-    Args:
-        settings: Material, and how the parts are made.
-        objects: Objects of the dataset.
-        meshes: Folder of the scaled meshes.
-        shard: Number of this shard, and number of shards.
-        out: Convex parts of all objects, one row each, in the frame of
-            `D/rescaled/G/LABEL.obj`. An object without any is missing, and the log says why. Made
-            for a release, and for exports of all objects to simulators.
+    An object without any is missing, and the log says why.
     """
     frame = rows_in_shard(parquet.read(objects, OBJECTS), *shard)
     made = []

@@ -29,21 +29,7 @@ def run(
     islands: int | None = None,
     jobs: int = 1,
 ) -> None:
-    """Evolve one island for one epoch.
-
-    Args:
-        settings: Settings of this stage.
-        epoch: Number of the epoch.
-        island: Number of the island.
-        archive: Archive of the island.
-        history: Statistics of the archive, one row per step.
-        lineage: All objects that the archive accepted, even if it removed them later.
-        base: Merged archive of the previous epoch; without it, evolution starts from random
-            genomes.
-        page: HTML page to write, a live map of the archive.
-        islands: Number of islands, for the page.
-        jobs: Processes, and threads; the result does not depend on it.
-    """
+    """Evolve one island for one epoch; without a merged archive as base, from random genomes."""
     check_measures(settings.measures)
     rules = rules_of(settings)
     watch = watch_of(settings, epoch, island, page, islands) if page else None

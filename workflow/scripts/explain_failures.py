@@ -8,13 +8,7 @@ from egad.workflow.job import run_job
 
 
 def run(failures: Path, page: Path, jobs: int) -> None:
-    """Write the page of an atlas.
-
-    Args:
-        failures: Objects that the detector fails at; the other tables of the atlas are next to it.
-        page: Map of the failures, their reasons and features of shape, and films of the worst.
-        jobs: Processes.
-    """
+    """Write the page of an atlas, whose other tables are next to its failures."""
     write_page(FailureAtlas.load(failures), page, jobs=jobs)
 
 

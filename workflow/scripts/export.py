@@ -15,16 +15,7 @@ def run(
     chosen: ObjectSet,
     out: Path,
 ) -> None:
-    """Write a folder in a format.
-
-    Args:
-        settings: Settings of the format.
-        dataset: Folder of the dataset.
-        gripper: Name of the gripper.
-        format_name: The format.
-        chosen: Which objects are written, for a format of objects.
-        out: Folder to write.
-    """
+    """Write a folder in a format; `chosen` are the objects, for a format of objects."""
     parsed = settings_class(format_name, chosen).model_validate(settings)
     reads = {name: dataset / file for name, file in sources(format_name, gripper, chosen).items()}
     write_format(format_name, chosen, parsed, gripper, reads, out)

@@ -88,24 +88,9 @@ def run(
 ) -> None:
     """Write a static site with a map of the objects of a dataset and a page for each of them.
 
-    Args:
-        settings: Settings of this stage.
-        objects: Objects of the dataset.
-        meshes: Folder of their meshes.
-        out: Data of the gallery: an index, sheets of pictures, and a script for each object and
-            each of its ancestors. The page next to it reads them.
-        page: The gallery. It works offline and on any web server.
-        detectors: Names of grasp detectors.
-        trials: Their trials with the evaluation set.
-        gripper: Name of the gripper of the grasps.
-        scales: Scales of the objects for the gripper, in the folder of the scaled meshes.
-        grasps: Labelled grasps of the gripper, in one file or one for each shard.
-        evaluation: Evaluation set.
-        archive: Archive that the objects come from, with their genomes.
-        ancestry: The objects of the archive and their ancestors.
-        pieces: The folders `data` and `meshes` of the release, which the page links to.
-        archives: Archives of the release, which the page also links to.
-        jobs: Processes; the result does not depend on it.
+    The page reads the data in `out`: an index, sheets of pictures, and a script for each object and
+    each of its ancestors. It works offline and on any web server, and links to the pieces and
+    archives of the release.
     """
     data = GalleryData(
         objects=parquet.read(objects, OBJECTS),

@@ -30,20 +30,7 @@ def run(
     sampling: Path,
     rejected: Path,
 ) -> None:
-    """Label the grasps of the objects of a shard.
-
-    Args:
-        settings: Settings of this stage.
-        objects: Objects of the dataset.
-        meshes: Folder of the scaled meshes.
-        shard: Number of this shard, and number of shards.
-        out: Labelled grasps for gripper G, in the frame of `D/rescaled/G/LABEL.obj`. It has the
-            columns `simulated_*` only if `targets.simulated_labels` is true, or an export needs
-            them.
-        sampling: Sampling statistics of each object: number of candidates, and the reasons of their
-            rejection.
-        rejected: The objects without grasps.
-    """
+    """Label the grasps of the objects of a shard."""
     frame = parquet.read(objects, OBJECTS)
     frame = rows_in_shard(frame, *shard)
     label, wanted = Labeller(settings), settings.grasp_label.grasps

@@ -19,21 +19,11 @@ from egad.workflow.job import run_job
 
 
 def run(
-    settings: GraspabilityOfGripper,
-    objects: Path,
-    meshes: Path,
-    out: Path,
-    jobs: int = 1,
+    settings: GraspabilityOfGripper, objects: Path, meshes: Path, out: Path, jobs: int = 1
 ) -> None:
     """Measure the graspability of every object for a gripper, in the same way as for its cell.
 
-    Args:
-        settings: Settings of this stage.
-        objects: Table of the objects.
-        meshes: Folder of their meshes, in metres.
-        out: Graspability of the objects for gripper G: each is scaled until its smallest side is
-            `graspability.side_fraction` of the opening. Made if `targets.graspability` is true.
-        jobs: Processes; the result does not depend on it.
+    Each is scaled until its smallest side is `graspability.side_fraction` of the opening.
     """
     labels = parquet.read(objects, OBJECTS)["label"].tolist()
     with workers(jobs) as mapper:

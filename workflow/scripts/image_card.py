@@ -28,19 +28,7 @@ def run(
     figure: Path,
     rejected: Path,
 ) -> None:
-    """Write the card of a set of images: counts, splits, sizes, camera, noise.
-
-    Args:
-        settings: Settings that the images were rendered with.
-        dataset: Name of the dataset.
-        gripper: Name of the gripper.
-        images: Folder of the images; leftovers of an earlier, larger set are removed.
-        shards: Number of shards.
-        rejects: Rejected objects of the shards.
-        out: Description of the images for gripper G.
-        figure: How far the hand opens for the good grasps in them.
-        rejected: The objects without images, with reasons.
-    """
+    """Write the card of a set of images, and remove leftovers of an earlier, larger set."""
     remove_leftovers(images, ["images"], shards)
     batches = [rows for path in files(images) for rows in parquet.batches(path, COLUMNS)]
     rows = pd.concat(batches) if batches else pd.DataFrame(columns=COLUMNS)

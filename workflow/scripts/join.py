@@ -9,13 +9,7 @@ from egad.workflow.shards import join
 
 
 def run(tables: list[Path], by: list[str], joined: Path) -> None:
-    """Combine the tables of all shards into one.
-
-    Args:
-        tables: Tables with the same columns.
-        by: Columns to sort by, so that the result does not depend on the shards.
-        joined: The joined table.
-    """
+    """Combine the tables of all shards into one, sorted so that shards do not affect it."""
     phase(f"joining {len(tables)} tables")
     schema = parquet.schema_of(tables[0]).remove_metadata()
     parquet.write(join(tables, schema, by), schema, joined)

@@ -21,14 +21,7 @@ def run(
 ) -> None:
     """Join the failures of a grasp detector, and ask it again why it failed.
 
-    Args:
-        settings: Settings of this stage.
-        examined: Objects that each shard looked at.
-        attempts: Simulated grasps of each shard.
-        failures: Objects that detector P fails at although gripper G can grasp them, one per row.
-            The examined objects and the attempts are written next to it. Made for the detectors in
-            `targets.failures`.
-        jobs: Processes.
+    The examined objects and the attempts are written next to the failures.
     """
     shards = [
         Found(parquet.read(each, EXAMINED), parquet.read(other, FAILURE_ATTEMPTS))

@@ -10,20 +10,8 @@ from egad.tables.evolution import EPOCH
 from egad.workflow.job import run_job
 
 
-def run(
-    settings: CellsAndDiversities,
-    islands: list[Path],
-    archive: Path,
-    jobs: int = 1,
-) -> None:
-    """Merge the islands of an epoch into one archive.
-
-    Args:
-        settings: Settings of this stage.
-        islands: Archives of all islands.
-        archive: Merged archive.
-        jobs: Threads; the result does not depend on it.
-    """
+def run(settings: CellsAndDiversities, islands: list[Path], archive: Path, jobs: int = 1) -> None:
+    """Merge the islands of an epoch into one archive."""
     frames = [parquet.read(path, EPOCH) for path in islands]
     if len(frames) > 1:
         phase(f"merging {len(frames)} islands")

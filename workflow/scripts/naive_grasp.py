@@ -23,23 +23,11 @@ log = logging.getLogger(__name__)
 GRASP_TIME = 5.0  # seconds; a grasp takes a tenth of that
 
 
-def run(
-    settings: NaiveGrasps,
-    convex_parts: Path,
-    meshes: Path,
-    out: Path,
-) -> None:
-    """Try naive grasps of the objects of a shard.
+def run(settings: NaiveGrasps, convex_parts: Path, meshes: Path, out: Path) -> None:
+    """Try naive grasps of the objects of a shard that have convex parts.
 
     Everything runs in a separate process. If an object crashes it twice, its grasps are marked as
     crashed.
-
-    Args:
-        settings: Settings of this stage.
-        convex_parts: Convex parts of the objects; an object without any is left out.
-        meshes: Folder of the scaled meshes.
-        out: Naive grasps of all objects, in free space and on a table, one row each. Made if
-            `targets.simulated_labels` is true.
     """
     names = parquet.read(convex_parts, CONVEX_PARTS)[["label", "id"]].drop_duplicates()
     count = settings.naive_grasp.grasps

@@ -41,19 +41,7 @@ def run(
     rejected: Path,
     archive: Path | None = None,
 ) -> None:
-    """Repair and measure the objects of a shard, from an archive, mesh files or primitives.
-
-    Args:
-        settings: Settings of this stage.
-        dataset: Where the objects come from.
-        shard: Number of this shard, and number of shards.
-        solids: Repaired objects with mass properties, measures and Reeb graphs.
-        rejected: Table of the rejected objects, with reasons.
-        archive: Archive of evolved objects, unless they are meshes or primitives.
-
-    Raises:
-        UserError: The objects cannot be used.
-    """
+    """Repair and measure the objects of a shard, from an archive, mesh files or primitives."""
     if dataset.folder is not None:
         pattern = dataset.pattern or EVERY_FILE
         sources, known = from_folder(Path(dataset.folder), dataset.units, *shard, pattern)
@@ -74,15 +62,10 @@ def measure_objects(
     *,
     resample: bool,
 ) -> None:
-    """Repair and measure objects.
+    """Repair and measure objects, whose sources are functions that return their meshes.
 
-    Args:
-        settings: Settings of this stage.
-        sources: For each id, a function that returns its mesh.
-        known: Graspability by id that evolution used for selection; empty for other meshes.
-        out: Table with the columns of `tables.objects.SOLIDS`.
-        rejected: Table of the rejected objects, with reasons.
-        resample: See `egad.measures.measure_repeatably`; False for evolved objects.
+    `known` is the graspability that evolution used for selection; empty for other meshes, which are
+    resampled (`egad.measures.measure_repeatably`).
     """
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
@@ -102,10 +85,8 @@ def from_archive(
 ) -> tuple[Sources, pd.Series]:
     """The evolved objects of a shard, and the graspability that each was selected by.
 
-    Graspability is omitted if it was measured with different settings.
-
-    Raises:
-        UserError: The archive was made with different settings of shapes.
+    Graspability is omitted if it was measured with different settings; settings of shapes must not
+    differ.
     """
     check_provenance(path, settings, ("shape",))
     archive = parquet.read(path, ARCHIVE).set_index("id")

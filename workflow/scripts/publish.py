@@ -8,12 +8,7 @@ from egad.workflow.job import run_job
 
 
 def run(final: Path, archive: Path) -> None:
-    """Publish the archive of the last epoch.
-
-    Args:
-        final: Archive of the last epoch; its internal columns are omitted.
-        archive: The elites of evolution, one per row.
-    """
+    """Publish the archive of the last epoch, without its internal columns."""
     parquet.write(parquet.read(final, ARCHIVE), ARCHIVE, archive, parquet.notes(final))
 
 

@@ -16,25 +16,9 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: SimulationBundle,
-    format_name: str,
-    meshes: Path,
-    convex_parts: Path,
-    out: Path,
+    settings: SimulationBundle, format_name: str, meshes: Path, convex_parts: Path, out: Path
 ) -> None:
-    """Write all objects that have convex parts in a format for simulators.
-
-    Args:
-        settings: Density and friction.
-        format_name: The format, such as `urdf`.
-        meshes: Folder of the scaled meshes.
-        convex_parts: Convex parts of the objects, sorted by label.
-        out: Objects for simulators, scaled to the gripper of the release, for each FORMAT of
-            `release.archives`. An object without convex parts is missing.
-
-    Raises:
-        UserError: The format needs a package that is not installed.
-    """
+    """Write all objects that have convex parts, sorted by label, in a format for simulators."""
     write = writer_of(format_name)
     count = len(mesh_files(meshes, "*.obj"))
     with atomic_output(out, keep=False) as path:

@@ -32,7 +32,7 @@ from egad.exchange.release import (
     licence_text,
 )
 from egad.io import checksum, files_of
-from egad.provenance.graph import provenance_graph
+from egad.provenance.lookup import provenance_graph
 from egad.tables import parquet
 from egad.tables.release import RELEASED_GRASPS, RELEASED_OBJECTS
 from egad.workflow.job import run_job
@@ -41,26 +41,12 @@ PROGRAM = f"egad {__version__}"
 
 
 def run(
-    settings: ReleaseCard,
-    pieces: list[Path],
-    archives: list[Path],
-    gallery: list[Path],
-    out: Path,
+    settings: ReleaseCard, pieces: list[Path], archives: list[Path], gallery: list[Path], out: Path
 ) -> None:
     """Write the card of a release, its licence, citation, provenance and checksums.
 
-    Args:
-        settings: Settings of the card.
-        pieces: Folders of tables, meshes and previews.
-        archives: Archives of objects for simulators.
-        gallery: The page of the gallery, and its folder.
-        out: Files that explain the folder `release`: a dataset card for Hugging Face, a description
-            of the same tables for tools that read Croissant, how to cite it, the licence of the
-            data, what each file was made from, the checksums of all files, and the networks that
-            egad ships. The rule `release` makes the folder. See `docs/released.md`.
-
-    Raises:
-        UserError: The folder has archives of an earlier release.
+    The rule `release` makes the folder: see `docs/released.md`. Archives of an earlier release in
+    it are an error.
     """
     _check_archives(out, archives)
     with atomic_output(out / "networks") as folder:

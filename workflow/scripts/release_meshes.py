@@ -14,20 +14,10 @@ from egad.tables.objects import OBJECTS
 from egad.workflow.job import run_job
 
 
-def run(
-    objects: Path,
-    meshes: Path,
-    out: Path,
-    jobs: int = 1,
-) -> None:
-    """Write the mesh of each object as GLB.
+def run(objects: Path, meshes: Path, out: Path, jobs: int = 1) -> None:
+    """Write the mesh of each object as GLB, in metres, not scaled.
 
-    Args:
-        objects: Objects of the dataset.
-        meshes: Folder of their meshes, which are not scaled.
-        out: The meshes of the objects in metres, not scaled. glTF is Y up: the z axis of the
-            tables is y in these files, and most programs turn it back.
-        jobs: Processes; the result does not depend on it.
+    glTF is Y up: the z axis of the tables is y in these files, and most programs turn it back.
     """
     stems = file_stems(parquet.read(objects, OBJECTS)["label"])
     with workers(jobs) as mapper, atomic_output(out) as folder:

@@ -17,21 +17,8 @@ from egad.workflow.job import run_job
 SIZE = 192  # pixels along each side
 
 
-def run(
-    objects: Path,
-    meshes: Path,
-    out: Path,
-    jobs: int = 1,
-) -> None:
-    """Draw each object.
-
-    Args:
-        objects: Objects of the dataset.
-        meshes: Folder of their meshes.
-        out: Pictures of the objects on a transparent ground, z up, each scaled to fill the
-            picture.
-        jobs: Processes; the result does not depend on it.
-    """
+def run(objects: Path, meshes: Path, out: Path, jobs: int = 1) -> None:
+    """Draw each object on a transparent ground, z up, scaled to fill the picture."""
     stems = file_stems(parquet.read(objects, OBJECTS)["label"])
     with workers(jobs) as mapper, atomic_output(out) as folder:
         folder.mkdir()

@@ -36,25 +36,14 @@ def run(
 ) -> None:
     """Write the objects, the grasps with simulated labels, and the evaluation set of a release.
 
-    Args:
-        settings: Numbers of grasps, fraction for validation.
-        objects: Objects of the dataset.
-        scales: Scales of the objects for the gripper.
-        evaluation: Evaluation set of the dataset.
-        grasps: Grasps with simulated labels of all shards.
-        out: Tables of the release, with `train`, `validation` and `test` for SPLIT. Grasps are in
-            the frame of the object, scaled to the gripper of the release.
-        ancestry: Objects and their ancestors; without it, each object is a family of its own.
+    Grasps are in the frame of the object, scaled to the gripper of the release. Without ancestry,
+    each object is a family of its own.
     """
     known = parquet.read(objects, OBJECTS)
     chosen = parquet.read(evaluation, EVAL49)
     found, simulated = _grasps(grasps, settings.release.grasps)
     table = released_objects(
-        known,
-        parquet.read(scales, SCALES),
-        simulated,
-        Counter(found["label"]),
-        chosen["id"],
+        known, parquet.read(scales, SCALES), simulated, Counter(found["label"]), chosen["id"]
     )
     lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
     family_of = families(table["id"], lineage)

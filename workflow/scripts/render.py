@@ -77,19 +77,8 @@ def run(
 ) -> None:
     """Render the depth images of a shard, with their reachable grasps.
 
-    A shard contains all images of the objects and scenes whose first image is in it.
-
-    Args:
-        settings: Settings of this stage.
-        objects: Objects of the dataset.
-        meshes: Folder of the scaled meshes.
-        shard: Number of this shard, and number of shards.
-        out: Depth images with grasps for gripper G. Made if `targets.render` is true. Read the
-            folder with `egad.learning.images.image_shards.read`. See `docs/vision.md`.
-        rejected: The objects and scenes without images, with reasons.
-        evaluation: Evaluation set to hold out.
-        convex_parts: Convex parts of the objects; needed for scenes of several objects, and to
-            simulate grasps.
+    A shard contains all images of the objects and scenes whose first image is in it. Scenes of
+    several objects and simulated grasps need convex parts.
     """
     number, total = shard
     chosen = [
@@ -116,11 +105,7 @@ def run(
 def planned(
     settings: RenderParameters, objects: Path, meshes: Path, evaluation: Path | None
 ) -> list[Share]:
-    """The images of all objects scaled to the gripper; arguments as in `run`.
-
-    Raises:
-        UserError: An evaluation set is given although none is held out, or vice versa.
-    """
+    """The images of all objects scaled to the gripper; an evaluation set must be held out."""
     if settings.render.hold_out != (evaluation is not None):
         raise UserError(
             "render.hold_out is true: the evaluation set must be given"
@@ -138,17 +123,9 @@ class Studio:
     """Makes the images of the objects of a dataset."""
 
     def __init__(
-        self,
-        settings: RenderImages,
-        objects: pd.DataFrame,
-        meshes: Path,
-        convex_parts: Path | None,
+        self, settings: RenderImages, objects: pd.DataFrame, meshes: Path, convex_parts: Path | None
     ) -> None:
-        """Take the inputs of the images; arguments as in `run`.
-
-        Raises:
-            UserError: Convex parts are needed but not given, or the sizes are too large.
-        """
+        """Take the inputs of the images; convex parts if they are needed, or `UserError`."""
         if settings.render.needs_convex_parts and convex_parts is None:
             raise UserError(
                 "render.packed, render.pile and render.simulate need convex parts, "
@@ -170,11 +147,7 @@ class Studio:
         self._known = lru_cache(KEPT)(self._read)
 
     def pictures(self, share: Share) -> Iterator[RenderedImage]:
-        """The images of an object, or of a scene of several.
-
-        Raises:
-            RejectedError: An object cannot be used.
-        """
+        """The images of an object, or of a scene of several, or `RejectedError`."""
         simulate = self._simulate if self.settings.render.simulate else None
         if share.scene == "single":
             (label,) = share.members

@@ -54,20 +54,8 @@ THUMBNAIL, PORTRAIT = 96, 192
 SHOWN = 4  # scenes of clutter of each kind
 
 
-def run(
-    settings: Settings,
-    results: Path,
-    out: Path,
-    jobs: int = 1,
-) -> None:
-    """Write the report: one HTML file that works offline.
-
-    Args:
-        settings: The whole configuration.
-        results: Folder of all results.
-        out: An overview of all results, in one file that works offline.
-        jobs: Processes; the result does not depend on it.
-    """
+def run(settings: Settings, results: Path, out: Path, jobs: int = 1) -> None:
+    """Write the report: one HTML file that works offline."""
     with workers(jobs) as mapper:
         datasets = {
             name: _dataset(settings, name, results / name, mapper) for name in settings.datasets

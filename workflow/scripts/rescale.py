@@ -8,14 +8,7 @@ from egad.workflow.rescale import rescale_files
 
 
 def run(settings: RescaleMeshes, meshes: Path, out: Path, jobs: int = 1) -> None:
-    """Scale the meshes of a dataset to a gripper.
-
-    Args:
-        settings: Gripper and rule.
-        meshes: Folder of the meshes, in metres.
-        out: Folder to write: the scaled meshes, `scales.parquet` and `rejected.parquet`.
-        jobs: Processes; the result does not depend on it.
-    """
+    """Scale the meshes of a dataset, in metres, to a gripper."""
     rescale_files(settings, sorted(meshes.glob("*.obj")), "m", out, jobs=jobs)
 
 

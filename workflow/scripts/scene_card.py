@@ -23,20 +23,7 @@ def run(
     evaluation: Path | None = None,
     ancestry: Path | None = None,
 ) -> None:
-    """Write the card of a set of scenes: counts, labels, splits, cameras, noise.
-
-    Args:
-        settings: Settings that the scenes were made with.
-        dataset: Name of the dataset.
-        gripper: Name of the gripper.
-        folder: Folder of the scenes; leftovers of an earlier, larger set are removed.
-        shards: Number of shards.
-        objects: Objects of the dataset.
-        scales: Their scales for the gripper.
-        convex_parts: Their convex parts.
-        evaluation: Evaluation set that is held out.
-        ancestry: Objects and their ancestors.
-    """
+    """Write the card of a set of scenes, and remove leftovers of an earlier, larger set."""
     remove_leftovers(folder, ["scenes", "grasps"], shards)
     plan = read_plan(settings, objects, scales, convex_parts, evaluation, ancestry)
     title = f"Labelled scenes of {dataset} for {gripper}"

@@ -27,19 +27,7 @@ def run(
 ) -> None:
     """Make the scenes of a shard, with their images and labelled grasps.
 
-    Args:
-        settings: Settings of this stage.
-        gripper: Name of the gripper.
-        objects: Objects of the dataset.
-        scales: Their scales for the gripper.
-        meshes: Folder of the scaled meshes.
-        convex_parts: Their convex parts.
-        shard: Number of this shard, and number of shards.
-        out: Packed and piled objects with depth images, one row per scene. Made if `targets.scenes`
-            is true. Read the folder with `egad.load_scenes`. See `docs/vision.md`.
-        grasps: Grasps in these scenes, labelled by simulation.
-        evaluation: Evaluation set to hold out.
-        ancestry: Objects and their ancestors; without it, each object is a family of its own.
+    Without ancestry, each object is a family of its own.
     """
     number, total = shard
     plan = read_plan(settings, objects, scales, convex_parts, evaluation, ancestry)

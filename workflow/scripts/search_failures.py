@@ -21,19 +21,7 @@ log = logging.getLogger(__name__)
 def run(
     settings: DetectorFailures, archive: Path, shard: int, examined: Path, attempts: Path
 ) -> None:
-    """Search for failures of a grasp detector.
-
-    Args:
-        settings: Settings of this stage.
-        archive: Objects that the search begins with.
-        shard: Number of this shard, of `failures.shards`.
-        examined: Objects that the search looked at, one per row.
-        attempts: Simulated grasps, one per row.
-
-    Raises:
-        UserError: The detector cannot be used or only fails, or the archive was made with other
-            settings of shapes.
-    """
+    """Search a shard of an archive for failures of a grasp detector."""
     check_provenance(archive, settings.breeding, ("shape",))
     objects = parquet.read(archive, ARCHIVE)
     if other := differences(archive, settings.breeding, MEASURING):

@@ -55,18 +55,9 @@ def run(
     """Choose the evaluation set, or take all objects, or those that have already been chosen.
 
     A chosen set has one printable object per cell, which maximizes the dissimilarity of the set.
-
-    Args:
-        settings: Settings of this stage.
-        objects: Objects of the dataset.
-        solids: Objects of the shards, from postprocess, for their Reeb graphs and meshes.
-        labels: Labels of objects by id, if the set has already been chosen.
-        selection: `cells`: choose; `all`: all objects, in the cells that they are named after if
-            all of them are; `names`: those that are; `labels`: those in the file.
-        own: Whether the objects are a user's meshes: then each one that is not chosen is listed.
-        out: The evaluation set.
-        rejected: The objects that were not chosen, with reasons.
-        jobs: Threads; the result does not depend on it.
+    The selection is `cells`: choose; `all`: all objects, in the cells that they are named after if
+    all of them are; `names`: those that are; `labels`: those in the file of labels by id. If the
+    objects are a user's own, each one that is not chosen is listed.
     """
     frame = parquet.read(objects, OBJECTS)
     rows = join(solids, SOLIDS, ["id"]).set_index("id").loc[frame["id"]]

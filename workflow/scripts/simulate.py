@@ -33,17 +33,8 @@ def run(
     """Run simulated grasping trials on the evaluation objects of a shard.
 
     Everything runs in a separate process, which is restarted if the engine crashes or hangs. If
-    that happens twice with an object, it is marked as crashed.
-
-    Args:
-        settings: Settings of this stage.
-        evaluation: Evaluation set.
-        bundle: Folder of the simulation bundle, scaled to the gripper. All attempts of an object
-            that it does not contain fail.
-        shard: Number of this shard, and number of shards.
-        out: Simulated trials of detector P with gripper G, one attempt per row.
-        grasps: Labelled grasps of the objects, for the detector `labels`.
-        keep_going: Whether to continue with a detector that fails in every attempt.
+    that happens twice with an object, it is marked as crashed. All attempts of an object that the
+    bundle does not contain fail.
     """
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)

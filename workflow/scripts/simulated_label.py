@@ -20,23 +20,12 @@ log = logging.getLogger(__name__)
 
 
 def run(
-    settings: SimulatedLabels,
-    grasps: Path,
-    convex_parts: Path,
-    meshes: Path,
-    out: Path,
+    settings: SimulatedLabels, grasps: Path, convex_parts: Path, meshes: Path, out: Path
 ) -> None:
     """Simulate the grasps of the objects of a shard: closed in free space, shaken and lifted.
 
     Everything runs in a separate process. If an object crashes it twice, its grasps are marked as
     crashed.
-
-    Args:
-        settings: Settings of this stage.
-        grasps: Labelled grasps of the shard.
-        convex_parts: Convex parts of its objects.
-        meshes: Folder of the scaled meshes.
-        out: The same grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
     """
     labelled = parquet.read(grasps, GRASPS)
     found = []

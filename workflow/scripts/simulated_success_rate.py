@@ -10,22 +10,8 @@ from egad.tables.grasping import NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJEC
 from egad.workflow.job import run_job
 
 
-def run(
-    grasps: Path,
-    naive: Path,
-    out: Path,
-) -> None:
-    """Count how often the naive and the antipodal grasps of each object succeed.
-
-    Args:
-        grasps: Labelled grasps with simulated labels.
-        naive: Naive grasps.
-        out: How often simulated grasps of each object succeed, for gripper G. Made if
-            `targets.simulated_labels` is true.
-
-    Raises:
-        UserError: The grasps have no simulated labels.
-    """
+def run(grasps: Path, naive: Path, out: Path) -> None:
+    """Count how often the naive and the antipodal grasps of each object succeed in simulation."""
     if not is_simulated(grasps):
         raise UserError(f"{grasps} has no simulated labels; set targets.simulated_labels: true")
     held = antipodal_success_rates(parquet.read(grasps, SIMULATED_GRASPS))

@@ -16,14 +16,7 @@ log = logging.getLogger(__name__)
 
 
 def run(settings: SizeEffectParameters, evaluation: Path, meshes: Path, size_effect: Path) -> None:
-    """Compute grasp quality over size for an easy, a medium and a hard evaluation object.
-
-    Args:
-        settings: Settings of this stage.
-        evaluation: Evaluation set.
-        meshes: Folder of the meshes of the dataset, in metres.
-        size_effect: Grasp quality over size, of the easiest, the median and the hardest object.
-    """
+    """Compute grasp quality over size for an easy, a medium and a hard evaluation object."""
     shown = spread(parquet.read(evaluation, EVAL49))
     files = {
         name: meshes / f"{label}.obj"
@@ -36,12 +29,7 @@ def run(settings: SizeEffectParameters, evaluation: Path, meshes: Path, size_eff
 
 
 def spread(evalset: pd.DataFrame) -> pd.DataFrame:
-    """The easiest, the median and the hardest object of an evaluation set, in that order.
-
-    Args:
-        evalset: Columns of `tables.evaluation.EVAL49`. A high graspability is easy; ties are
-            sorted by label.
-    """
+    """The easiest (highest graspability), median and hardest object, in order; ties by label."""
     ordered = evalset.sort_values(["graspability", "label"], ascending=[False, True])
     last = len(ordered) - 1
     chosen = dict.fromkeys([0, last // 2, last] if len(ordered) else [])

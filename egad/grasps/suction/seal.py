@@ -50,17 +50,11 @@ class Seals(NamedTuple):
 
 
 class Springs(NamedTuple):
-    """Lengths of the springs of n cups, (n, sides) each, metres.
+    """Lengths of the springs of n cups, (n, sides) each, metres."""
 
-    Attributes:
-        perimeter: From each vertex of the ring to the next.
-        flexion: From each vertex of the ring to the next but one.
-        cone: From each vertex of the ring to the apex.
-    """
-
-    perimeter: Floats
-    flexion: Floats
-    cone: Floats
+    perimeter: Floats  # from each vertex of the ring to the next
+    flexion: Floats  # from each vertex of the ring to the next but one
+    cone: Floats  # from each vertex of the ring to the apex
 
 
 def seal_cups(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats) -> Seals:
@@ -144,14 +138,11 @@ def _failures_within(
 
 @lru_cache(maxsize=8)
 def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
-    """Points inside the ring of a cup, and where on its wall they lie.
+    """Points (k, 2) in the ring of a cup, a sunflower pattern, and some on the ring, metres.
 
-    The points form a sunflower pattern, with some of them on the ring.
-
-    Returns:
-        (k, 2) points, metres; (k,) the first vertex of the sector that each lies in; (k, 3) shares
-        of this vertex, the next one and the apex in the point: that of the apex is negative between
-        the ring and its chord.
+    Then (k,) the first vertex of the sector that each lies in, and (k, 3) shares of this vertex,
+    the next one and the apex in the point: that of the apex is negative between the ring and its
+    chord.
     """
     number = np.arange(1, HOLE_POINTS + 1)
     outer = round(2 * np.sqrt(HOLE_POINTS))
@@ -170,9 +161,9 @@ def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
 def _depths(
     caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, points: Floats
 ) -> Floats:
-    """Depths at which points (k, 2) of n cups meet the object, (n, k), metres.
+    """Depths at which points (k, 2) of n cups meet the object, (n, k), metres; infinite if not.
 
-    They are infinite where a point meets nothing, or starts inside the object.
+    Infinite, too, for points that start inside the object.
     """
     x, y, z = frames[:, None, 0], frames[:, None, 1], frames[:, None, 2]
     starts = origins[:, None] - cup.approach * z + points[:, :1] * x + points[:, 1:] * y

@@ -16,19 +16,12 @@ from egad.grippers import SuctionCup
 
 
 class CupLimits(NamedTuple):
-    """The largest value of each component of a load that a cup resists, if the others are 0.
+    """The largest value of each component of a load that a cup resists, if the others are 0."""
 
-    Attributes:
-        pull: Along its axis, newtons.
-        across: Along x or y, newtons.
-        torsion: About its axis, newton metres.
-        bending: About x or y, newton metres, with the tolerance.
-    """
-
-    pull: float
-    across: float
-    torsion: float
-    bending: float
+    pull: float  # along its axis, newtons
+    across: float  # along x or y, newtons
+    torsion: float  # about its axis, newton metres
+    bending: float  # about x or y, newton metres, with the tolerance
 
 
 def limits(cup: SuctionCup) -> CupLimits:

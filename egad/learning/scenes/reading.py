@@ -22,7 +22,7 @@ from egad.learning.images import SPLITS, check_splits, depth_of, pixels, pose_ma
 from egad.random import entropy
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
-from egad.tables.row_groups import RowGroups
+from egad.tables.parquet import RowGroups
 from egad.tables.scenes import SCENE_GRASPS, SCENES
 from egad.tables.shards import rows_of, shard_files
 

@@ -38,11 +38,9 @@ class EdgeGraph(NamedTuple):
 def edge_graph(mesh: Triangulation, shortcuts: bool) -> EdgeGraph:
     """The graph of the edges of a mesh, ready for searches.
 
-    Args:
-        mesh: Any mesh.
-        shortcuts: Whether a path may also cross two faces from corner to corner, like the short-cut
-            of Hilaga et al. (SIGGRAPH 2001). Along edges alone, a distance depends on how they run;
-            with shortcuts, it stays nearly the same when the surface is remeshed.
+    With shortcuts, a path may also cross two faces from corner to corner, like the short-cut of
+    Hilaga et al. (SIGGRAPH 2001). Along edges alone, a distance depends on how they run; with
+    shortcuts, it stays nearly the same when the surface is remeshed.
     """
     ends, lengths = mesh.edges, _lengths(mesh)
     if shortcuts:
@@ -171,21 +169,12 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
 def even_integral(
     graph: EdgeGraph, vertices: Floats, faces: Ints32, areas: Floats, count: int
 ) -> Floats:
-    """The integral from farthest-point bases, each of which represents the vertices nearest to it.
+    """The integral (n,) from farthest-point bases, each for the vertices nearest to it.
 
     The first base is the vertex farthest from the center of the surface, so neither the order of
     the vertices nor the position of the mesh matters; every other one is the vertex farthest from
-    those before it. The choice of bases is ours: the paper leaves it open.
-
-    Args:
-        graph: Edges of the mesh.
-        vertices: (n, 3).
-        faces: (f, 3).
-        areas: (f,) of the faces.
-        count: Number of bases; fewer if no other vertex is left.
-
-    Returns:
-        (n,).
+    those before it. There are fewer than `count` if no other vertex is left. The choice of bases is
+    ours: the paper leaves it open.
     """
     share = _shares(faces, areas, len(vertices))
     bases, owner, order = _farthest(graph, _farthest_from_center(vertices, share), count)
@@ -197,10 +186,7 @@ def even_integral(
 
 @kernel()
 def _farthest(graph: EdgeGraph, base: int, count: int) -> tuple[Ints, Ints, Ints]:
-    """Farthest-point bases, the owner of each vertex, and the vertices from the first base on.
-
-    The owner is the first of the nearest bases.
-    """
+    """Farthest-point bases, the first nearest base of each vertex, vertices from the first on."""
     vertices = len(graph.starts) - 1
     nearest, before = np.full(vertices, np.inf), np.full(vertices, np.inf)
     owner, order = np.zeros(vertices, np.int64), np.empty(vertices, np.int64)
@@ -248,21 +234,12 @@ def _claim(nearest: Floats, before: Floats, owner: Ints, number: int) -> int:
 
 @kernel()
 def scan_integral(graph: EdgeGraph, faces: Ints32, areas: Floats, radius: float) -> Floats:
-    """The integral from the bases of the program that the published values come from.
+    """The integral (n,) from the bases of the program that the published values come from.
 
     Vertices are visited in order: one that is not covered yet becomes a base and covers all
-    vertices within the radius. It represents all faces with a vertex that it is the first to cover,
-    so faces between bases count several times, and a different order of the vertices gives a
-    different mu.
-
-    Args:
-        graph: Edges of the mesh.
-        faces: (f, 3).
-        areas: (f,) of the faces.
-        radius: Geodesic distance up to which a base covers.
-
-    Returns:
-        (n,).
+    vertices within the radius, a geodesic distance. It represents all faces with a vertex that it
+    is the first to cover, so faces between bases count several times, and a different order of the
+    vertices gives a different mu.
     """
     count = len(graph.starts) - 1
     result, distances = np.zeros(count), np.empty(count)

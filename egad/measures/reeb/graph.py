@@ -35,16 +35,10 @@ _MAGIC, _VERSION = b"REEB", 1
 def levels(
     parts: Parts, count: int
 ) -> tuple[Ints32, Ints32, Floats, Floats, Ints32, Ints32, Ints32, Ints32, Ints32]:
-    """Build `count` levels, each with half as many ranges as the one before.
+    """Build `count` levels, each with half as many ranges as the one before: fields of `ReebGraph`.
 
-    A coarser node is a connected union of finer ones, with the sums of their areas and lengths.
-
-    Args:
-        parts: The finest level, sorted by range.
-        count: Number of levels, the finest included.
-
-    Returns:
-        The fields of `egad.measures.reeb.graph.ReebGraph`.
+    The finest, sorted by range, counts. A coarser node is a connected union of finer ones, with the
+    sums of their areas and lengths.
     """
     most = count * len(parts.ranges)
     starts = np.zeros(count + 1, np.int32)
@@ -231,11 +225,7 @@ def pack(graph: ReebGraph) -> bytes:
 
 
 def unpack(data: bytes) -> ReebGraph:
-    """The graph of `pack`, bit for bit.
-
-    Raises:
-        UserError: The bytes are damaged, or from another version.
-    """
+    """The graph of `pack`, bit for bit; `UserError` for damaged bytes or another version."""
     if len(data) < _HEADER.size + _CHECKSUM.size or data[:4] != _MAGIC:
         raise UserError("This is not a packed Reeb graph.")
     _, version, ranges, nodes, links = _HEADER.unpack_from(data)

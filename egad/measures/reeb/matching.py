@@ -48,22 +48,13 @@ def match(
     least: float,
     space: MatchingMemory,
 ) -> tuple[float, bool]:
-    """Similarity of two graphs, level by level, as long as it can still reach a minimum.
+    """Similarity of two graphs and True, or an upper bound that is below `least` and False.
 
-    The children of a level's matches share at most as much on every finer level as the level
-    itself. The last digit of `most` may be wrong: `least` must leave room for it.
-
-    Args:
-        nodes: All nodes.
-        starts: The finest node of either graph; where matches are equally good, the result can
-            depend on which graph is the first.
-        roots: The coarsest one.
-        most: Upper bounds of what the graphs share on each level, the finest first.
-        least: Stop when the similarity must be less.
-        space: Memory.
-
-    Returns:
-        The similarity from 0 to 1 and True, or an upper bound of it and False.
+    It goes level by level, as long as it can still reach the minimum. The children of a level's
+    matches share at most as much on every finer level as the level itself. The last digit of the
+    upper bounds `most` of each level, the finest first, may be wrong: `least` must leave room for
+    it. Nodes begin at the finest and end at the coarsest one; where matches are equally good, the
+    result can depend on which graph is the first.
     """
     space.ints[STATE, 0] = space.ints[STATE, 1] = 0
     space.ints[STATE, 3], space.ints[STATE, 4] = -starts[0], space.ints.shape[1] // 2 - starts[1]

@@ -29,16 +29,7 @@ class _Crossings(NamedTuple):
 
 @kernel()
 def cut(mesh: Triangulation, areas: Floats, values: Floats) -> Parts:
-    """Cut a surface wherever a function takes an integer value.
-
-    Args:
-        mesh: The surface.
-        areas: (f,) of the faces.
-        values: (n,) function at the vertices, at least 0; linear on each face.
-
-    Returns:
-        The parts; their areas sum to that of the surface.
-    """
+    """Cut a surface where a function (n,) of at least 0, linear on faces, takes integer values."""
     crossings = _crossings(mesh, values)
     roots = np.arange(crossings.first[-1]).astype(np.int32)
     _join_at_vertices(mesh, values, crossings, roots)
@@ -173,14 +164,8 @@ def distinct(low: Ints32, high: Ints32, bound: int) -> Ints32:
 def outer_shell(vertices: Floats, faces: Ints32) -> Ints32:
     """The faces of a body without the walls of its cavities, which nothing can see or touch.
 
-    A cavity is a shell within the box of the largest one that is wound the other way.
-
-    Args:
-        vertices: (n, 3).
-        faces: (f, 3).
-
-    Raises:
-        RejectedError: The surface is in several pieces, and not all but one are cavities.
+    A cavity is a shell within the box of the largest one that is wound the other way. A surface in
+    several pieces that are not all cavities but one is rejected.
     """
     shells = _shells(faces, len(vertices))
     count = shells.max() + 1

@@ -62,19 +62,7 @@ def weighted_distances(
     sources: Ints,
     weights: Floats,
 ) -> Floats:
-    """Sum of weighted distances of each vertex to all sources, one added after the other.
-
-    Args:
-        starts: (n + 1,) of the rows of edges of each vertex.
-        neighbors: (2 e,).
-        lengths: (2 e,).
-        order: (n,) of the visits.
-        sources: (s,).
-        weights: (s,).
-
-    Returns:
-        (n,).
-    """
+    """Sum (n,) of weighted distances of each vertex to all sources, one added after the other."""
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     rows = renumber(starts, neighbors, lengths, order, rank)
@@ -93,15 +81,7 @@ def weighted_distances(
 def renumber(
     starts: Indices, neighbors: Indices, lengths: Floats, order: Ints, rank: Ints
 ) -> VertexEdges:
-    """Edges row by row, with the vertices renumbered.
-
-    Args:
-        starts: (n + 1,) of the rows.
-        neighbors: (2 e,).
-        lengths: (2 e,).
-        order: (n,): vertices in their new order.
-        rank: (n,): new number of each vertex.
-    """
+    """Edges row by row with vertices renumbered: `rank` has the new numbers, `order` the old."""
     result = VertexEdges(
         np.zeros(len(order) + 1, np.int64),
         np.empty(len(order), np.int64),
@@ -124,17 +104,11 @@ def renumber(
 
 @kernel()
 def sweep(rows: VertexEdges, sources: Ints) -> Floats:
-    """Distances of all vertices to each source.
+    """Distances (n, LANES) of all vertices to at most LANES sources; infinite without a source.
 
     On the way forward, only the vertices before a vertex can have changed since the way back, where
-    it came after all the others. So half of the edges are enough in each direction.
-
-    Args:
-        rows: Edges of n vertices; the better their order fits the distances, the faster.
-        sources: At most LANES.
-
-    Returns:
-        (n, LANES): columns without a source are infinite.
+    it came after all the others. So half of the edges are enough in each direction. The better the
+    order of the rows fits the distances, the faster.
     """
     count = len(rows.middles)
     distances = np.full((count, LANES), np.inf)
@@ -179,15 +153,9 @@ def lower(
     start: int,
     end: int,
 ) -> bool:
-    """Lower the distances of a vertex to those via some neighbors; returns whether any was lowered.
+    """Lower the (LANES,) distances of a vertex, not NaN, to those via the neighbors start to end.
 
-    Args:
-        distances: (n, LANES), contiguous; no NaN.
-        vertex: The vertex.
-        neighbors: (e,).
-        lengths: (e,) of the edges to them.
-        start: First of these edges to use.
-        end: The one after the last.
+    Returns whether any was lowered.
     """
     own = distances[vertex]
     lowered = False

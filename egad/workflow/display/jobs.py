@@ -14,19 +14,12 @@ SILENCE = 30.0  # seconds without any output after which a job no longer counts 
 
 @dataclass(eq=False)
 class Job:
-    """A running job.
-
-    Attributes:
-        rule: Name of its rule.
-        message: What it does; words in parentheses at the end are shown only once.
-        log: Its log, if it has one.
-        start: When it started, by the monotonic clock.
-    """
+    """A running job."""
 
     rule: str
-    message: str
-    log: Path | None
-    start: float = field(default_factory=time.monotonic)
+    message: str  # what it does; words in parentheses at the end are shown only once
+    log: Path | None  # its log, if it has one
+    start: float = field(default_factory=time.monotonic)  # when it started, by the monotonic clock
     _former: tuple[int, int] | None = field(init=False)
 
     def __post_init__(self) -> None:
@@ -53,11 +46,7 @@ class Job:
 
 
 class Jobs:
-    """The running jobs, by their numbers in Snakemake. Several threads may use it at once.
-
-    Attributes:
-        steps: How many jobs are done, and how many there are.
-    """
+    """The running jobs, by their numbers in Snakemake. Several threads may use it at once."""
 
     def __init__(self, steps: int) -> None:
         """Start with no job running or done, of `steps`."""

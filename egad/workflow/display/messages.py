@@ -32,11 +32,8 @@ FAILURE, CAUTION = "bold red", "yellow"
 def start_display(steps: int, whole_logs: Collection[str] = ()) -> None:
     """Show the jobs of this run of Snakemake until it closes its log handlers.
 
-    Nothing changes with `--quiet`, or where a logger plugin writes to the terminal.
-
-    Args:
-        steps: How many jobs there are.
-        whole_logs: Rules whose logs are printed when their jobs are done.
+    Nothing changes with `--quiet`, or where a logger plugin writes to the terminal. The logs of
+    some rules are printed whole when their jobs are done.
     """
     for handler in [each for each in LOGGER.handlers if isinstance(each, Display)]:
         LOGGER.removeHandler(handler)

@@ -39,12 +39,7 @@ def _name_changes(workflow: Any, record: Any) -> bool:  # noqa: ANN401 (of Snake
 
 
 def changes(before: Collection[str], now: Mapping[str, Any]) -> str:
-    """The differences between params.
-
-    Args:
-        before: Former values of those that have changed, as Snakemake keeps them: without names.
-        now: Their new values.
-    """
+    """The differences between former values of params, without names, and the new ones."""
     former = list(map(_value, before))
     found = [each for name, value in now.items() for each in _changes_of(name, value, former)]
     rest = [f"and {len(found) - MOST} more"] if len(found) > MOST else []
