@@ -25,20 +25,10 @@ def coacd_parts(
 ) -> list[trimesh.Trimesh]:
     """Convex hulls that together approximate a solid, by CoACD with seed 0.
 
-    CoACD runs in a separate process because it sometimes aborts its process.
-
-    Args:
-        mesh: A closed surface wound outwards: inside out, CoACD loses most of the volume.
-        threshold: Concavity that a part may have, by CoACD's measure.
-        max_parts: Maximum number of hulls.
-        max_vertices: Maximum number of vertices of a hull. Those that matter least are left out.
-
-    Returns:
-        Convex meshes with outward normals, at least one.
-
-    Raises:
-        UserError: The package `coacd` is not installed, or its process was killed.
-        RejectedError: CoACD fails.
+    CoACD runs in a separate process because it sometimes aborts its process. The surface must be
+    wound outwards: inside out, CoACD loses most of the volume. The threshold is the concavity that
+    a part may have, by CoACD's measure; corners that matter least are left out. Raises `UserError`
+    if `coacd` is not installed or its process was killed, `RejectedError` if it fails.
 
     Source: Wei et al., Approximate Convex Decomposition for 3D Meshes with Collision-Aware
     Concavity and Tree Search, 2022.

@@ -83,15 +83,9 @@ def convex_parts(
 
 
 def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
-    """Convex parts of a solid, from the cache if they were made before.
+    """Convex parts of a solid, metres, from the cache if they were made before.
 
-    Args:
-        mesh: A closed surface wound outwards, metres.
-        settings: How the parts are made.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or has no such parts.
-        UserError: It is not a mesh, or CoACD is requested but not installed.
+    Raises `RejectedError` if it has none, `UserError` if CoACD is requested but not installed.
     """
     return _unpacked(
         _cached("convex-parts", mesh, settings, lambda: _packed(_made(mesh, settings)))
@@ -101,13 +95,7 @@ def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
 def measure_parts(
     mesh: trimesh.Trimesh, parts: Sequence[trimesh.Trimesh], settings: Bundle
 ) -> Closeness:
-    """How close the parts of `make_parts` are to their object, from the cache if known.
-
-    Args:
-        mesh: A closed surface wound outwards, metres.
-        parts: What `make_parts` returned for it.
-        settings: How the parts were made.
-    """
+    """How close the parts of `make_parts` are to their object, from the cache if known."""
 
     def measured() -> Arrays:
         solid, together = to_solid(mesh.vertices, mesh.faces), union_of_parts(parts)
@@ -131,17 +119,7 @@ def _cached(
 
 
 def warn_if_beyond(name: str, within: bool, volume_error: float, bound: float) -> None:
-    """Warn if convex parts are farther from their object than the requested bounds allow.
-
-    Args:
-        name: What the warning calls the object.
-        within: Whether they meet the bounds.
-        volume_error: Volume of the parts / volume of the object - 1.
-        bound: The deviation that the parts meet, metres; NaN if unknown.
-
-    Warns:
-        PartsWarning: They do not meet the bounds.
-    """
+    """Warn if convex parts are farther from their object than the requested bounds allow."""
     if within:
         return
     depth = "" if np.isnan(bound) else f" and their deviation {1000 * bound:.2g} mm"

@@ -145,12 +145,8 @@ def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
 def group_poses(poses: list[StablePose], angle: float) -> list[StablePose]:
     """Merge poses that are nearly the same: a rounded bottom has many small faces.
 
-    Args:
-        poses: The most probable first.
-        angle: Each joins the first one whose resting face is turned by less than this, radians.
-
-    Returns:
-        The poses that others joined, with the summed probabilities; again the most probable first.
+    Each, from the most probable on, joins the first whose resting face is turned by less than
+    `angle`, radians.
     """
     kept: list[StablePose] = []
     normals, least = np.empty((len(poses), 3)), np.cos(angle)

@@ -16,22 +16,11 @@ from egad.tables.columns import vector_names
 def label_poses(
     caster: RayCaster, poses: Floats, widths: Floats, quality: Floats, body: HandBody, way: float
 ) -> pd.DataFrame:
-    """Label grasps that are given as poses.
+    """Label grasps given as poses: columns of `tables.grasping.GRASPS` but `id` and `label`.
 
     The normals are those where rays from the open fingers along the closing axis meet the surface;
-    they are missing if the rays meet none.
-
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        poses: (n, 4, 4) poses of the hand, see `Grasps.poses`, metres.
-        widths: (n,) distances between the contacts, metres.
-        quality: (n,).
-        body: Body of the hand.
-        way: Length of the straight way in, metres.
-
-    Returns:
-        Columns of `tables.grasping.GRASPS` without `id` and `label`. The robust quality is the
-        given one; its deviation and the success rate are missing.
+    they are missing if the rays meet none. The `way` in is straight, metres. The robust quality is
+    the given one; its deviation and the success rate are missing.
     """
     centers, frames = poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
     axes, approaches = frames[:, 0], frames[:, 2]
@@ -68,18 +57,8 @@ def posed_table(
 ) -> pd.DataFrame:
     """Columns of `tables.grasping.GRASPS` of n grasps that have one approach each.
 
-    Args:
-        centers: (n, 3) origins of the hand, metres.
-        frames: (n, 3, 3) its unit vectors x, y, z in rows.
-        contacts: (n, 2, 3) metres.
-        normals: (n, 2, 3) outward unit normals there.
-        quality: (n,) nominal and robust quality.
-        fits: (n,) whether the hand touches nothing at the grasp.
-        free: (n,) whether it touches nothing on its way either.
-
-    Returns:
-        Width and needed opening are 0; the deviation of the quality and the success rate are
-        missing.
+    Rows of the frames are the unit vectors x, y, z of the hand. The quality is the nominal and the
+    robust one; width and needed opening are 0, deviation and success rate are missing.
     """
     vectors = {
         "center": centers,
@@ -114,19 +93,11 @@ def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float)
 def label_cups(
     caster: RayCaster, cup: SuctionCup, poses: Floats, quality: Floats, *, is_rate: bool
 ) -> pd.DataFrame:
-    """Label suction grasps that are given as poses.
+    """Label suction grasps that are given as poses, with columns as of `label_poses`.
 
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        cup: The cup.
-        poses: (n, 4, 4) poses of the cup, see `suction_poses`, metres.
-        quality: (n,) not negative.
-        is_rate: Whether the quality is the share of perturbed copies that hold.
-
-    Returns:
-        Columns of `tables.grasping.GRASPS` without `id` and `label`. Both contacts are the origin
-        of the pose, both normals the opposite of the approach; the width is 0. Deviation and
-        success rate are missing if the quality is not a rate.
+    Both contacts are the origin of the pose, both normals the opposite of the approach; the width
+    is 0. Deviation and success rate are missing if the quality is not a rate: the share of
+    perturbed copies that hold.
     """
     origins, frames = poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
     depths = seal_cups(caster, cup, origins, frames).depths
