@@ -12,16 +12,8 @@ from egad.config.archive_settings import check_provenance
 from egad.config.files import read_values
 from egad.config.stages import select
 from egad.data import archive_path, released, released_ancestry, released_simulated
-from egad.evolution import (
-    UNBOUND,
-    Elite,
-    EvolutionParameters,
-    GenomeVoxels,
-    express,
-    packed_surface,
-    voxels,
-)
-from egad.evolution.evaluation import measure, refine
+from egad.evolution import UNBOUND, Elite, EvolutionParameters, express, packed_surface, voxels
+from egad.evolution.evaluation import GenomeVoxels, measure, refine
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.measures.reeb import diversities
 from egad.measures.reeb import graph as reeb

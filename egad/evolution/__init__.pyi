@@ -7,9 +7,7 @@ from .archive import merge as merge
 from .archive import ribs_frame as ribs_frame
 from .constraints import UNBOUND as UNBOUND
 from .constraints import Rules as Rules
-from .constraints import build_rules as build_rules
 from .constraints import rules_of as rules_of
-from .evaluation import GenomeVoxels as GenomeVoxels
 from .evaluation import express as express
 from .evolver import evolution_parameters as evolution_parameters
 from .expressions import INPUT_NAMES as INPUT_NAMES
@@ -17,13 +15,9 @@ from .expressions import ExpressionNode as ExpressionNode
 from .expressions import genome_text as genome_text
 from .expressions import used_nodes as used_nodes
 from .genome import Row as Row
-from .genome import child as child
-from .genome import neat_config as neat_config
-from .genome import random_genome as random_genome
 from .growth import check_regrown as check_regrown
 from .growth import check_resolution as check_resolution
 from .growth import genome_mesh as genome_mesh
-from .growth import grow as grow
 from .island import Watch as Watch
 from .island import evolve as evolve
 from .parameters import COARSEST as COARSEST
@@ -35,7 +29,6 @@ from .parameters import Hole as Hole
 from .parameters import KeepSolid as KeepSolid
 from .parameters import Limits as Limits
 from .parameters import Neat as Neat
-from .parameters import Region as Region
 from .parameters import Shape as Shape
 from .parameters import Symmetry as Symmetry
 from .surface import packed_surface as packed_surface

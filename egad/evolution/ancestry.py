@@ -17,7 +17,7 @@ class Lineage:
     """Lines of descent among elites and all their ancestors (ours).
 
     A child of two parents has the structure of its network from the first one: connections and
-    nodes that only one parent has come from that one (`egad.evolution.child`). So the line of first
+    nodes that only one parent has come from that one (`genome.child`). So the line of first
     parents leads from each object to one founder, a random genome. All objects with the same
     founder are a family.
 

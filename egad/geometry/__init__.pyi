@@ -34,8 +34,6 @@ from .parameters import Rescale as Rescale
 from .parameters import Smoothing as Smoothing
 from .parts import PartsWarning as PartsWarning
 from .precision import in_single_precision as in_single_precision
-from .precision import is_single as is_single
-from .precision import to_single as to_single
 from .primitives import joined_primitives as joined_primitives
 from .rays import RayCaster as RayCaster
 from .rays import TriangleScene as TriangleScene

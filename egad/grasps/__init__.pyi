@@ -16,7 +16,6 @@ from .grasps import Grasps as Grasps
 from .grasps import vectors as vectors
 from .labels import label_grasps as label_grasps
 from .labels import label_parameters as label_parameters
-from .labels import rate_grasps as rate_grasps
 from .labels import sample_for_labels as sample_for_labels
 from .labels import statistics_row as statistics_row
 from .opening import graspable_fraction as graspable_fraction
@@ -41,5 +40,4 @@ from .simulated import TABLE as TABLE
 from .simulated import antipodal_success_rates as antipodal_success_rates
 from .simulated import held_when_shaken as held_when_shaken
 from .simulated import naive_success_rates as naive_success_rates
-from .simulated import success_rate as success_rate
 from .simulated import with_outcome as with_outcome

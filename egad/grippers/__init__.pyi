@@ -1,5 +1,4 @@
 from .cup import SuctionCup as SuctionCup
-from .described import description_files as description_files
 from .hand import CLEARANCE as CLEARANCE
 from .hand import FINGERS as FINGERS
 from .hand import JAW_CLEARANCE as JAW_CLEARANCE

@@ -30,4 +30,3 @@ from .sums import missing_files as missing_files
 from .sums import read_sums as read_sums
 from .sums import sums_path as sums_path
 from .sums import write_sums as write_sums
-from .units import METRES as METRES

@@ -23,10 +23,10 @@ def recorded(
     arguments: Mapping[str, Any] | None = None,
     inputs: Iterable[Path] = (),
 ) -> Iterator[None]:
-    """Record the origin of whatever is written in the block: rule or command, fingerprint of code.
+    """Record the origin of whatever is written in the block, by a rule or command.
 
-    So are the hash and the seed of the settings, the hashes of the inputs, files and folders, and
-    the arguments that are not None and also determine the result.
+    Recorded are the fingerprint of its code, the hash and the seed of the settings, the hashes of
+    inputs, files and folders, and other arguments that determine the result, except for None.
     """
     values = _plain(settings or {})
     origin = Origin(

@@ -83,7 +83,7 @@ def gaps(
 ) -> Iterator[str]:
     """Missing or surplus rows of a table: leaving out failures would improve the success rate.
 
-    It is a sentence for each object (label and id), or round, that is not there as planned.
+    There is a sentence for each object (label and id), or round, that is not there as planned.
     """
     counts: dict[str, int | None]
     if "scene" in rows:

@@ -19,14 +19,13 @@ from egad.evolution import (
     UNBOUND,
     Archive,
     EvolutionParameters,
-    GenomeVoxels,
     breed,
     evolve,
     express,
     packed_surface,
 )
 from egad.evolution import query as cppn
-from egad.evolution.evaluation import measure
+from egad.evolution.evaluation import GenomeVoxels, measure
 from egad.geometry.convex_parts import decompose, union_of_parts
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters

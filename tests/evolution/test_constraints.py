@@ -9,14 +9,13 @@ from egad.evolution import (
     Hole,
     KeepSolid,
     Limits,
-    Region,
     Rules,
     Symmetry,
-    build_rules,
     constraints,
     voxels,
 )
-from egad.evolution.constraints import region_voxels, voxel_middles, with_images
+from egad.evolution.constraints import build_rules, region_voxels, voxel_middles, with_images
+from egad.evolution.parameters import Region
 
 R = 12
 

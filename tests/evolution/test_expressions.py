@@ -5,19 +5,9 @@ import pytest
 from scipy.special import expit
 
 import egad
-from egad.evolution import (
-    Envelope,
-    Hole,
-    Neat,
-    Shape,
-    Symmetry,
-    child,
-    genome_text,
-    neat_config,
-    random_genome,
-    used_nodes,
-)
+from egad.evolution import Envelope, Hole, Neat, Shape, Symmetry, genome_text, used_nodes
 from egad.evolution.expressions import EXACT, enough_digits
+from egad.evolution.genome import child, neat_config, random_genome
 from egad.evolution.query import query
 
 NUMPY = {name: getattr(np, name) for name in ("sqrt", "exp", "sin", "cos", "abs", "arctan2")}

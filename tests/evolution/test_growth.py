@@ -5,7 +5,8 @@ import pytest
 
 import egad
 from egad.errors import UserError
-from egad.evolution import Limits, Symmetry, check_regrown, constraints, genome_mesh, grow
+from egad.evolution import Limits, Symmetry, check_regrown, constraints, genome_mesh
+from egad.evolution.growth import grow
 
 BALL = {  # output = 0.5 + 0.8 - r, above the threshold within 0.8 of the center
     "node_keys": [0],

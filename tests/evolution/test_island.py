@@ -12,7 +12,6 @@ from egad.evolution import (
     Archive,
     Evolution,
     EvolutionParameters,
-    GenomeVoxels,
     Shape,
     ancestors,
     breed,
@@ -20,7 +19,7 @@ from egad.evolution import (
     evolve,
     merge,
 )
-from egad.evolution.evaluation import measure, refine
+from egad.evolution.evaluation import GenomeVoxels, measure, refine
 from egad.evolution.island import Island
 from egad.evolution.variation import MIN_WEIGHT, parent_odds
 from egad.measures import Graspability

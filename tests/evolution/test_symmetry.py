@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
-from egad.evolution import Neat, Symmetry, neat_config, random_genome
+from egad.evolution import Neat, Symmetry
 from egad.evolution import query as cppn
 from egad.evolution.constraints import folded, is_whole, turned
+from egad.evolution.genome import neat_config, random_genome
 
 CONFIG = neat_config(Neat(initial_connections=1.0))
 

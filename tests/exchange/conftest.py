@@ -9,7 +9,8 @@ from egad.config import Settings
 from egad.config.stages import RescaleMeshes, select
 from egad.geometry import Bundle, RayCaster, center_of_mass, make_simulation_object, part_rows
 from egad.geometry.mass import mass_properties
-from egad.grasps import LabelParameters, rate_grasps, sample_for_labels
+from egad.grasps import LabelParameters, sample_for_labels
+from egad.grasps.labels import rate_grasps
 from egad.grippers import hand_body
 from egad.io import read_mesh, write_obj
 from egad.random import generator

@@ -4,7 +4,8 @@ import trimesh
 
 import egad
 from egad.evolution.surface import surface
-from egad.geometry import is_single, rescale, to_single
+from egad.geometry import rescale
+from egad.geometry.precision import is_single, to_single
 from egad.geometry.repair import repair, repair_for_files
 
 BALL = trimesh.creation.icosphere(subdivisions=3, radius=0.0517)

@@ -3,7 +3,8 @@ import pytest
 import trimesh
 
 from egad.errors import RejectedError, UserError
-from egad.io import METRES, read_mesh, write_obj, write_stl_mm
+from egad.io import read_mesh, write_obj, write_stl_mm
+from egad.io.units import METRES
 
 BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
 

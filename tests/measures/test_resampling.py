@@ -6,9 +6,8 @@ import egad
 from egad.errors import RejectedError
 from egad.geometry import to_mesh, to_solid
 from egad.geometry.repair import repair
-from egad.measures import map_complexity
 from egad.measures.complexity import complexity
-from egad.measures.resampling import resampled_complexity
+from egad.measures.resampling import map_complexity, resampled_complexity
 
 RELEASED = egad.load("released")
 TURN = trimesh.transformations.rotation_matrix(0.5, [1, 2, 3])

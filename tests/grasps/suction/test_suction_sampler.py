@@ -13,7 +13,8 @@ import egad
 from egad.errors import RejectedError, UserError
 from egad.geometry import RayCaster
 from egad.grasps import RobustSuction, vectors
-from egad.grasps.suction import SealFailure, collision_free, sample_suction, suction_poses
+from egad.grasps.suction import collision_free, sample_suction, suction_poses
+from egad.grasps.suction.seal import SealFailure
 from egad.grippers import SuctionCup
 
 SMALL = SuctionCup(radius=0.006, height=0.012)

@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from egad.errors import UserError
 from egad.geometry import RayCaster
-from egad.grasps.suction import SealFailure, ring_vertices, seal_cups, spring_lengths
+from egad.grasps.suction import ring_vertices, seal_cups
+from egad.grasps.suction.seal import SealFailure, spring_lengths
 from egad.grippers import SuctionCup
 
 CUP = SuctionCup()
