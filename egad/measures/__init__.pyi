@@ -31,4 +31,5 @@ from .parameters import SizeEffect as SizeEffect
 from .parameters import SizeEffectParameters as SizeEffectParameters
 from .parameters import default_measures as default_measures
 from .parameters import space_of as space_of
+from .resampling import map_complexity as map_complexity
 from .size_effect import summarize as summarize
