@@ -289,7 +289,7 @@ def test_measures_are_a_table_with_what_they_hold_for():
     found = egad.measure(BOX, gripper="panda", rule="none", max_candidates=512)
     table = facts(found)
     assert shown(found)[0] == found.label
-    assert table["complexity"] == f"{found.complexity:.3f} bit"
+    assert table["complexity"] == f"{found.complexity:.3f} bit (0.000 by its triangles)"
     assert table["grasped by"] == "a gripper (panda, opening 80 mm)"
     assert table["not comparable with the map"] == "(exact, yumi)"
 

@@ -12,7 +12,7 @@ from egad.workflow.repair import repaired_body
 
 
 def solid_row(
-    mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids, *, resample: bool
+    mesh: trimesh.Trimesh, object_id: str, settings: PostprocessSolids, *, resample: bool = True
 ) -> dict[str, Any]:
     """The row of `tables.objects.SOLIDS` of one object, or `RejectedError`.
 

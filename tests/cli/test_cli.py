@@ -192,7 +192,8 @@ def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_pat
         assert "1 of 2 meshes could not be used" in result.stderr
         table = read(out).set_index("name")
         assert table.columns.tolist() == MEASURED.names[1:]
-        assert table.loc["cube", "complexity"] == 0
+        assert table.loc["cube", "raw_complexity"] == 0
+        assert table.loc["cube", "complexity"] == pytest.approx(1.23, abs=0.05)
         assert table.loc["cube", "graspability"] == pytest.approx(0.0025, abs=0.0003)
         assert table.loc["cube", "cell_confidence"] >= 0.99
         assert 0 < table.loc["cube", "graspability_std"] < 0.0001

@@ -218,7 +218,7 @@ def test_an_object_without_stable_poses_is_written(
     def none(*_):
         raise RejectedError("its center of mass is not inside its convex hull")
 
-    monkeypatch.setattr("egad.workflow.dexnet_objects.stable_poses", none)
+    monkeypatch.setattr("egad.workflow.dexnet_objects.resting_poses", none)
     with h5py.File(export(settings, dataset, tmp_path, 1)) as file:
         group = file["datasets/tiny/objects/A00_0"]
         assert group["stable_poses"].attrs["num_stable_poses"] == 0

@@ -203,8 +203,8 @@ def test_bodies_that_are_left_out_are_said_with_their_part_of_the_volume(bad, ta
 def test_cells_are_comparable_with_the_map_by_its_rule_and_gripper():
     own = DEFAULTS.graspability.gripper
     assert incomparable(DEFAULTS, own, "exact") == ""
-    assert "by the rule none for yumi cannot" in incomparable(DEFAULTS, own, "none")
-    assert "by the rule exact for panda cannot" in incomparable(DEFAULTS, "panda", "exact")
+    assert "for the rule none and yumi," in incomparable(DEFAULTS, own, "none")
+    assert "for the rule exact and panda," in incomparable(DEFAULTS, "panda", "exact")
 
 
 def test_workers_leave_no_trace(bad, table):
@@ -221,8 +221,8 @@ def test_an_object_has_the_measures_that_it_has_in_a_dataset(bad, table):
 
 def test_an_evolved_object_has_the_measures_of_its_mesh_file(tmp_path):
     """Also in another unit: grasps are named after the triangles."""
-    made = surface(np.pad(np.ones((3, 5, 9), bool), 2), DEFAULTS.shape)
-    row = solid_row(made, "0123", select(DEFAULTS, PostprocessSolids))
+    made = surface(np.pad(np.ones((9, 15, 25), bool), 2), DEFAULTS.shape)
+    row = solid_row(made, "0123", select(DEFAULTS, PostprocessSolids), resample=False)
     mesh = trimesh.Trimesh(
         np.reshape(row["vertices"], (-1, 3)), np.reshape(row["faces"], (-1, 3)), process=False
     )
@@ -232,7 +232,8 @@ def test_an_evolved_object_has_the_measures_of_its_mesh_file(tmp_path):
         (found,) = measure_files(SETTINGS, {name: tmp_path / f"{name}.obj"}, units, 1).to_dict(
             "records"
         )
-        assert found["complexity"] == pytest.approx(row["complexity"], abs=1e-6)
+        assert found["raw_complexity"] == pytest.approx(row["complexity"], abs=1e-6)
+        assert found["complexity"] == pytest.approx(row["complexity"], abs=0.15)
         assert found["graspability"] == pytest.approx(row["graspability"], rel=1e-6)
 
 

@@ -60,7 +60,7 @@ def measure_objects(
     out: Path,
     rejected: Path,
     *,
-    resample: bool,
+    resample: bool = True,
 ) -> None:
     """Repair and measure objects, whose sources are functions that return their meshes.
 
