@@ -125,7 +125,7 @@ def test_commands_run_in_an_empty_folder(installed):
     installed.run("egad", "measure", "box.stl", "--units", "mm", "--out", "measured.csv")
     names, values = (installed.folder / "measured.csv").read_text().split()
     measured = dict(zip(names.split(","), values.split(","), strict=True))
-    assert (measured["name"], float(measured["complexity"])) == ("box", 0)
+    assert (measured["name"], float(measured["raw_complexity"])) == ("box", 0)
     assert float(measured["longest_side"]) == pytest.approx(0.08)
 
 
