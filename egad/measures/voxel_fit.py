@@ -39,11 +39,12 @@ class FitTarget:
         positions, self.normals = fine.points[some], fine.normals[some]
         self._rays = RayCaster(scaled)
         self._positions = cKDTree(positions)
-        self._growth = _growth(scaled, positions, self.normals)
+        scene = TriangleScene(scaled.vertices, scaled.faces)
+        self._growth = _growth(scene, positions, self.normals)
         self.points = positions + self._growth[:, None] * self.normals
         some = slice(None, None, 1 + len(coarse.points) // FEW_POINTS)
         positions, self.few_normals = coarse.points[some], coarse.normals[some]
-        growth = _growth(scaled, positions, self.few_normals)
+        growth = _growth(scene, positions, self.few_normals)
         self.few_points = positions + growth[:, None] * self.few_normals
         self.face_normals, self.areas = np.asarray(scaled.face_normals), scaled.area_faces
         self.spacing = np.sqrt(scaled.area / len(scaled.vertices))  # of the mesh's own vertices
@@ -131,9 +132,8 @@ class Fit(NamedTuple):
         return self.deviation * self.grid.pitch
 
 
-def _growth(mesh: trimesh.Trimesh, points: Floats, normals: Floats) -> Floats:
+def _growth(scene: TriangleScene, points: Floats, normals: Floats) -> Floats:
     """How far the surface at points (n, 3) is moved outwards so that no wall is thin, (n,)."""
-    scene = TriangleScene(mesh.vertices, mesh.faces)
     thickness = scene.distances(points - INWARDS * normals, -normals)
     return np.where(thickness < THIN, (THICKENED - thickness) / 2, 0.0)
 
@@ -175,8 +175,7 @@ def compare(target: FitTarget, grid: Grid, voxels: Flags) -> Fit:
     """How far the surface of voxels is from the target, seen from both."""
     sharp, surface, normals = _surface(voxels)
     points = np.asarray(surface.vertices)
-    heights, _ = target.nearest(grid.place(points), normals @ grid.frame)
-    heights = np.clip(heights / grid.pitch, -1, 1)
+    heights = _heights(target, grid, points, normals)
     ends = [(np.floor(sharp), heights), (np.ceil(sharp), heights)]
     seen = (target.few_points - grid.origin) @ grid.frame.T / grid.pitch
     ways = target.few_normals @ grid.frame.T
@@ -186,8 +185,8 @@ def compare(target: FitTarget, grid: Grid, voxels: Flags) -> Fit:
     ends += [(np.round(seen - ways / 2), back), (np.round(seen + ways / 2), back)]
     count, total, squares = _sums(ends, grid.shape)
     errors = uniform_filter(squares, 3) / np.maximum(uniform_filter(count, 3), 1e-9)
-    deviation = float(np.sqrt(np.mean(heights**2)))
-    return Fit(grid, voxels, surface, normals, deviation, total / np.maximum(count, 1), errors)
+    offsets = total / np.maximum(count, 1)
+    return Fit(grid, voxels, surface, normals, _root_mean_square(heights), offsets, errors)
 
 
 def deviation(target: FitTarget, grid: Grid, most: int) -> float:
@@ -197,9 +196,18 @@ def deviation(target: FitTarget, grid: Grid, most: int) -> float:
         return np.inf
     _, surface, normals = _surface(voxels)
     some = slice(None, None, max(1, len(normals) // most))
-    points = grid.place(np.asarray(surface.vertices)[some])
-    heights, _ = target.nearest(points, normals[some] @ grid.frame)
-    return float(np.sqrt(np.mean(np.clip(heights / grid.pitch, -1, 1) ** 2)))
+    points = np.asarray(surface.vertices)[some]
+    return _root_mean_square(_heights(target, grid, points, normals[some]))
+
+
+def _heights(target: FitTarget, grid: Grid, points: Floats, normals: Floats) -> Floats:
+    """Heights (n,) of the target over oriented points of a grid, in cubes, between -1 and 1."""
+    heights, _ = target.nearest(grid.place(points), normals @ grid.frame)
+    return np.clip(heights / grid.pitch, -1, 1)
+
+
+def _root_mean_square(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def aligned(target: FitTarget, best: Fit, turn: bool) -> Grid:
