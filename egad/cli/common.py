@@ -12,9 +12,9 @@ import typer
 from egad._util.cpus import available_cpus
 from egad._util.files import check_writable
 from egad._util.parameters import ScaleRule
-from egad.config import Settings
 from egad.errors import UserError, check_name
 from egad.grippers import GRIPPERS, PACKAGED, Gripper, gripper
+from egad_workflow.settings import Settings
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -116,15 +116,15 @@ MaxCandidates = Annotated[
 
 def settings_in(config: Path | None) -> Settings:
     """Settings of a YAML file, merged into the defaults; without a file, the defaults."""
-    from egad.config.check import check
-    from egad.config.files import defaults, merged, read_values
+    from egad_workflow.check import check
+    from egad_workflow.config_files import defaults, merged, read_values
 
     return Settings() if config is None else check(merged(defaults(), read_values(config)))
 
 
 def with_option(settings: Settings, option: str, key: str, value: object) -> Settings:
     """Settings with an option's value at a key such as `size_effect.grasps`; None keeps them."""
-    from egad.config.check import check
+    from egad_workflow.check import check
 
     if value is None:
         return settings

@@ -94,10 +94,10 @@ def failures(
     jobs: Jobs = CORES,
 ) -> None:
     """Search for objects at which a grasp detector fails although they can be grasped."""
-    from egad.bench.failures import check_searchable, search_failures
-    from egad.config.stages import DetectorFailures, select
+    from egad.bench.failures import DetectorFailures, check_searchable, search_failures
     from egad.detectors import keep_failure
-    from egad.provenance.record import recorded
+    from egad_workflow.provenance import recorded
+    from egad_workflow.settings import select
 
     settings = settings_in(config)
     for key, value in {

@@ -60,13 +60,14 @@ def run(
     Other settings, such as the engine, depth noise and errors of a real cell, are in the section
     `trials` of --config.
     """
+    from egad.bench import SimulatedTrials
     from egad.bench.stats import simulated_in
     from egad.bench.trials import try_objects
     from egad.cli.terminal_tables import outcome_list, succeeded
-    from egad.config.stages import SimulatedTrials, select
     from egad.io import check_ending
     from egad.sim import check_engine
     from egad.tables.evaluation import TRIALS
+    from egad_workflow.settings import select
 
     settings = settings_in(config)
     for option, key, value in (

@@ -66,9 +66,9 @@ def similarity_of_files(
     """
     import pandas as pd
 
+    from egad.io import warn_of_units
     from egad.measures.reeb import graph as reeb
     from egad.measures.reeb import similarity_matrix
-    from egad.workflow.mesh_files import warn_of_units
 
     work = partial(_graph, units=units, settings=settings)
     with workers(min(worker_count, len(files))) as mapper:
@@ -87,8 +87,8 @@ def similarity_of_files(
 
 def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes | str, float]:
     """The packed Reeb graph of a mesh, or the reason why there is none; and its longest side."""
+    from egad.io import use_mesh
     from egad.measures.reeb import graph as reeb
-    from egad.workflow.mesh_files import use_mesh
 
     return use_mesh(path, units, lambda mesh: reeb.pack(graph_of(mesh, settings, path.stem)))
 
@@ -99,8 +99,8 @@ def graph_of(mesh: "trimesh.Trimesh", settings: Similarity, name: str) -> "ReebG
     With `scan` bases it is the graph of the original mesh if possible: these bases depend on the
     order of the vertices, which repair changes.
     """
+    from egad.geometry.repair import repaired_mesh
     from egad.measures.reeb import graph as reeb
-    from egad.workflow.repair import repaired_mesh
 
     if settings.bases == "scan":
         with suppress(RejectedError):

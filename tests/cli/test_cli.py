@@ -16,11 +16,11 @@ from typer.main import get_command
 from egad import __version__
 from egad.cli.commands import app
 from egad.cli.common import settings_in
-from egad.config import Settings
 from egad.grippers import Gripper
 from egad.tables import parquet
 from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED
+from egad_workflow.settings import Settings
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow/scripts"
@@ -50,7 +50,7 @@ def test_help_imports_no_library_that_is_slow_and_nothing_of_the_workflow():
         "import sys, egad.cli.commands\n"
         "slow = {'numba', 'trimesh', 'pybullet', 'mujoco', 'scipy', 'snakemake', 'torch'}\n"
         "slow |= {'numpy', 'pandas', 'pyarrow', 'matplotlib', 'skimage'}\n"
-        "print([n for n in sys.modules if n in slow or n.startswith('egad.workflow')])"
+        "print([n for n in sys.modules if n in slow or n.startswith('egad_workflow')])"
     )
     loaded = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True

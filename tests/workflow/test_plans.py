@@ -10,7 +10,6 @@ import trimesh
 from described_hands import PANDA, box_urdf
 from failure_searches import FEW, QUICK
 
-from egad.config import Settings
 from egad.learning.images import read
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -18,7 +17,8 @@ from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.failures import EXAMINED
 from egad.tables.grasping import SCALES, SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
-from egad.workflow.shards import shard_of
+from egad_workflow.settings import Settings
+from egad_workflow.shards import shard_of
 
 GRIPPER = "egad_75mm"
 TRIED = {"simulated_trial", "join_trials"}

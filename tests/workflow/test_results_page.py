@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from rule_texts import ROOT, TEXT
 
-from egad.workflow import results_page
+from egad_workflow import results_page
 
 RESULTS = results_page.results()
 
