@@ -106,7 +106,6 @@ lint: tools
 	snakefmt --check Snakefile workflow studies/scenes studies/training
 	snakemake --lint
 	python -m egad_workflow.manual --check
-	python -m egad_workflow.results_page --check
 
 lock:
 	$(PYTHON) -m venv build/lock

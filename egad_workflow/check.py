@@ -18,7 +18,6 @@ from egad_workflow.settings import Settings
 
 Problem = Mapping[str, Any]  # an error of pydantic: its type, loc, input and msg
 Path = tuple[str | int, ...]
-_SIMILAR = 0.6
 # These replace entries with a mistake, so that references to them are not reported as well.
 _SOUND_ENTRY: dict[str, dict[str, Any]] = {
     "datasets": {"source": "meshes", "folder": ".", "units": "m"},
@@ -96,20 +95,14 @@ def _sentences(error: Problem) -> list[str]:
 
 
 def _unknown_key(path: Path) -> str:
-    known = keys_of(node_at(path[:-1]) or {})
-    nearest = _nearest(path)
-    guess = f"did you mean {_dotted(nearest)}?" if nearest else f"known: {', '.join(known)}"
+    """The sentence for a key; the most similar one is named, if possible of the same section."""
+    section = node_at(path[:-1]) or {}
+    keys = [*_all_keys(section, path[:-1]), *_all_keys(schema(), ())]
+    known = {str(key[-1]): key for key in reversed(keys)}
+    nearest = difflib.get_close_matches(str(path[-1]).lower(), known, n=1)
+    names = ", ".join(keys_of(section))
+    guess = f"did you mean {_dotted(known[nearest[0]])}?" if nearest else f"known: {names}"
     return f"{_dotted(path)}: unknown key; {guess}"
-
-
-def _nearest(path: Path) -> Path | None:
-    """The key with the most similar name; among equals, one in the same section."""
-    rated = [
-        (difflib.SequenceMatcher(None, str(path[-1]).lower(), str(key[-1])).ratio(), key)
-        for key in [*_all_keys(node_at(path[:-1]) or {}, path[:-1]), *_all_keys(schema(), ())]
-    ]
-    ratio, key = max(rated, key=lambda pair: pair[0])
-    return key if ratio >= _SIMILAR else None
 
 
 def _all_keys(node: Node, path: Path) -> list[Path]:

@@ -13,12 +13,18 @@ from egad_workflow.settings import Settings
 
 BUILT_IN = ("grippers", "cameras", "detectors")
 DESCRIBED = {"file", "opening"}  # an entry with one of these is a gripper of its own
-# Settings that name grippers
-GRIPPERS_IN = (
-    ("targets", "grippers"),
-    ("graspability", "gripper"),
-    ("select_eval", "gripper"),
-    ("release", "gripper"),
+# Settings that name entries of tables: section, key and table
+NAMES = (
+    ("targets", "datasets", "datasets"),
+    ("targets", "grippers", "grippers"),
+    ("targets", "detectors", "detectors"),
+    ("targets", "clutter", "detectors"),
+    ("targets", "failures", "detectors"),
+    ("render", "camera", "cameras"),
+    ("graspability", "gripper", "grippers"),
+    ("select_eval", "gripper", "grippers"),
+    ("release", "dataset", "datasets"),
+    ("release", "gripper", "grippers"),
 )
 
 
@@ -58,7 +64,7 @@ def with_built_in(values: Mapping[str, Any]) -> dict[str, Any]:
 def _packaged(values: Mapping[str, Any]) -> list[str]:
     """The hands of other packages that are used without a file or opening being given."""
     used: list[Any] = []
-    for section, key in GRIPPERS_IN:
+    for section, key in (name[:2] for name in NAMES if name[2] == "grippers"):
         chosen = values.get(section)
         names = chosen.get(key) if isinstance(chosen, Mapping) else None
         used += names if isinstance(names, list) else [names]

@@ -1,6 +1,6 @@
-"""The list of all settings in `config/README.md`.
+"""The list of all settings in `config/README.md`, and the manual of the results.
 
-`python -m egad_workflow.manual` writes it, `--check` says whether it is up to date.
+`python -m egad_workflow.manual` writes both, `--check` says whether they are up to date.
 """
 
 import json
@@ -13,6 +13,7 @@ from typing import Any
 from egad._util.files import write_text
 from egad._util.markdown import table
 from egad._util.parameters import Node, allowed, keys_of
+from egad_workflow import results_page
 from egad_workflow.check import node_at
 from egad_workflow.config_files import defaults
 
@@ -108,13 +109,14 @@ def _is_section(name: str) -> bool:
 
 
 def main() -> None:
-    """Write the list, or with `--check` say whether it is up to date."""
+    """Write both pages, or with `--check` say which are out of date."""
     text = PAGE.read_text(encoding="utf-8")
-    current = BETWEEN.sub(lambda _: manual(), text)
+    pages = {PAGE: BETWEEN.sub(lambda _: manual(), text), results_page.PAGE: results_page.page()}
     if "--check" not in sys.argv:
-        write_text(PAGE, current)
-    elif text != current:
-        sys.exit(f"{PAGE} is out of date: run python -m egad_workflow.manual")
+        for path, page in pages.items():
+            write_text(path, page)
+    elif old := [str(path) for path, page in pages.items() if path.read_text("utf-8") != page]:
+        sys.exit(f"{', '.join(old)}: out of date; run python -m egad_workflow.manual")
 
 
 if __name__ == "__main__":

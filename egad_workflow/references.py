@@ -1,11 +1,12 @@
 """Whether the names that a configuration refers to are defined in it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from egad.bench.failures import check_searchable
 from egad.detectors import IN_ANY_DIRECTION, check_gripper
 from egad.errors import UserError
 from egad.grippers import ANTIPODAL
+from egad_workflow.config_files import NAMES
 from egad_workflow.settings import Settings
 
 
@@ -17,19 +18,7 @@ def wrong_references(settings: Settings) -> list[str]:
     again.
     """
     problems = [
-        *unknown_names("targets.datasets", settings.targets.datasets, settings.datasets),
-        *unknown_names("targets.grippers", settings.targets.grippers, settings.grippers),
-        *unknown_names("targets.detectors", settings.targets.detectors, settings.detectors),
-        *unknown_names("targets.clutter", settings.targets.clutter, settings.detectors),
-        *unknown_names("targets.failures", settings.targets.failures, settings.detectors),
-        *unknown_names("render.camera", [settings.render.camera], settings.cameras),
-        *unknown_names("graspability.gripper", [settings.graspability.gripper], settings.grippers),
-        *unknown_names(
-            "select_eval.gripper",
-            [name] if (name := settings.select_eval.gripper) else [],
-            settings.grippers,
-        ),
-        *_unknown_in_release(settings),
+        *_undefined(settings),
         *_wrong_kind("targets.detectors", settings.targets.detectors, settings),
         *_not_for_trials(settings),
         *_wrong_kind("targets.clutter", settings.targets.clutter, settings),
@@ -44,14 +33,14 @@ def wrong_references(settings: Settings) -> list[str]:
     return problems
 
 
-def _unknown_in_release(settings: Settings) -> list[str]:
-    """Unknown names of the section, if it is given; its defaults may name what is missing."""
-    if "release" not in settings.model_fields_set:
-        return []
-    return [
-        *unknown_names("release.dataset", [settings.release.dataset], settings.datasets),
-        *unknown_names("release.gripper", [settings.release.gripper], settings.grippers),
-    ]
+def _undefined(settings: Settings) -> Iterator[str]:
+    """A line for each name that is not defined; defaults of `release` may name what is missing."""
+    for section, key, table in NAMES:
+        if section == "release" and section not in settings.model_fields_set:
+            continue
+        names = getattr(getattr(settings, section), key)
+        listed = names if isinstance(names, list) else [names] if names else []
+        yield from unknown_names(f"{section}.{key}", listed, getattr(settings, table))
 
 
 def _wrong_kind(key: str, detectors: Iterable[str], settings: Settings) -> list[str]:

@@ -1,9 +1,5 @@
-"""The manual of the results, `results/README.md`: every file, and the columns of every table.
+"""The manual of the results, `results/README.md`: every file, and the columns of every table."""
 
-`python -m egad_workflow.results_page` writes it; `--check` checks whether it is up to date.
-"""
-
-import sys
 from collections import Counter
 from importlib import import_module
 from itertools import chain
@@ -13,7 +9,6 @@ from pkgutil import iter_modules
 import pyarrow as pa
 
 from egad import tables
-from egad._util.files import write_text
 from egad._util.markdown import table
 from egad.tables.columns import Result, meaning_of
 
@@ -81,15 +76,3 @@ def _rows(schema: pa.Schema) -> list[Row]:
         parts = [f"`_{each.rpartition('_')[2]}`" for each in others]
         rows.append((", ".join([f"`{first}`", *parts]), kind, unit, meaning))
     return rows
-
-
-def main() -> None:
-    """Write the manual or, with `--check`, check whether it is up to date."""
-    if "--check" not in sys.argv:
-        write_text(PAGE, page())
-    elif PAGE.read_text(encoding="utf-8") != page():
-        sys.exit(f"{PAGE} is out of date: run python -m egad_workflow.results_page")
-
-
-if __name__ == "__main__":
-    main()

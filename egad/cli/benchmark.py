@@ -22,7 +22,6 @@ from egad.cli.common import (
     gripper_option,
     out_option,
     settings_in,
-    with_option,
 )
 from egad.cli.repeat import run_trials
 
@@ -73,10 +72,13 @@ def benchmark(
     from egad.tables.clutter import CLUTTER
     from egad_workflow.settings import select
 
-    settings = with_option(settings_in(config), "--protocol", "clutter.protocol", protocol)
-    settings = with_option(settings, "--rounds", "clutter.rounds", rounds)
-    settings = with_option(settings, "--keep-going", "clutter.keep_going", keep_going or None)
-    settings = with_option(settings, "--rule", "rescale.rule", rule)
+    options = {
+        "--protocol": ("clutter.protocol", protocol),
+        "--rounds": ("clutter.rounds", rounds),
+        "--keep-going": ("clutter.keep_going", keep_going or None),
+        "--rule": ("rescale.rule", rule),
+    }
+    settings = settings_in(config, options)
     settings, gripper = gripper_in(settings, gripper)
     check_engine(settings.clutter.engine)
     settings, name = detector_in(settings, detector, weights, command)

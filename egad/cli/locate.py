@@ -21,7 +21,6 @@ from egad.cli.common import (
     out_option,
     reasons_in,
     settings_in,
-    with_option,
 )
 from egad.cli.measure import SIZE, measure_row, sizes, warn_of_measures
 from egad.errors import RejectedError, UserError
@@ -61,8 +60,8 @@ def locate(
 
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
-    option = ("--max-candidates", "postprocess.max_candidates", max_candidates)
-    settings = select(with_option(settings_in(config), *option), MeasureMeshes)
+    options = {"--max-candidates": ("postprocess.max_candidates", max_candidates)}
+    settings = select(settings_in(config, options), MeasureMeshes)
     objects = reference(among, settings)
     files = object_names(files_in(meshes, units))
     table, shown = locate_files(settings, objects, files, units, jobs)

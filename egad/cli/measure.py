@@ -25,7 +25,6 @@ from egad.cli.common import (
     gripper_option,
     reasons_in,
     settings_in,
-    with_option,
 )
 from egad.errors import RejectedError
 from egad.grippers import SUCTION
@@ -64,8 +63,8 @@ def measure(
     from egad.tables.objects import MEASURED
 
     check_ending(out)
-    option = ("--max-candidates", "postprocess.max_candidates", max_candidates)
-    whole = with_option(settings_in(config), *option)
+    options = {"--max-candidates": ("postprocess.max_candidates", max_candidates)}
+    whole = settings_in(config, options)
     whole, name = gripper_in(whole, gripper or whole.graspability.gripper)
     files = object_names(files_in(meshes, units))
     settings = select(whole, MeasureMeshes, name)

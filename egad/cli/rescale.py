@@ -17,7 +17,6 @@ from egad.cli.common import (
     gripper_in,
     gripper_option,
     settings_in,
-    with_option,
 )
 
 
@@ -40,7 +39,7 @@ def rescale(
     from egad_workflow.provenance import recorded
     from egad_workflow.settings import select
 
-    whole = with_option(settings_in(config), "--rule", "rescale.rule", rule)
+    whole = settings_in(config, {"--rule": ("rescale.rule", rule)})
     whole, name = gripper_in(whole, gripper)
     settings = select(whole, RescaleMeshes, name)
     meshes = files_in(meshes, units)

@@ -21,7 +21,6 @@ from egad.cli.common import (
     gripper_option,
     out_option,
     settings_in,
-    with_option,
 )
 from egad.cli.log_sheet import ATTEMPTS
 from egad.cli.repeat import run_trials
@@ -69,14 +68,13 @@ def run(
     from egad.tables.evaluation import TRIALS
     from egad_workflow.settings import select
 
-    settings = settings_in(config)
-    for option, key, value in (
-        ("--attempts", "trials.attempts", attempts or (None if config else ATTEMPTS)),
-        ("--seed", "seed", seed),
-        ("--keep-going", "trials.keep_going", keep_going or None),
-        ("--rule", "rescale.rule", rule),
-    ):
-        settings = with_option(settings, option, key, value)
+    options = {
+        "--attempts": ("trials.attempts", attempts or (None if config else ATTEMPTS)),
+        "--seed": ("seed", seed),
+        "--keep-going": ("trials.keep_going", keep_going or None),
+        "--rule": ("rescale.rule", rule),
+    }
+    settings = settings_in(config, options)
     settings, gripper = gripper_in(settings, gripper)
     check_engine(settings.trials.engine)
     settings, name = detector_in(settings, detector, weights, command)

@@ -20,7 +20,6 @@ from egad.cli.common import (
     complain,
     files_in,
     settings_in,
-    with_option,
 )
 from egad.errors import RejectedError
 from egad.measures.reeb import Bases, Similarity
@@ -48,7 +47,7 @@ def similarity(
     from egad.io import check_ending, object_names, write_matrix
 
     check_ending(out)
-    whole = with_option(settings_in(config), "--bases", "similarity.bases", bases)
+    whole = settings_in(config, {"--bases": ("similarity.bases", bases)})
     files = object_names(files_in(meshes, units))
     matrix, reasons = similarity_of_files(whole.similarity, files, units, jobs)
     if out is not None:

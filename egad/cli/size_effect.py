@@ -18,7 +18,6 @@ from egad.cli.common import (
     gripper_option,
     out_option,
     settings_in,
-    with_option,
 )
 
 
@@ -47,7 +46,7 @@ def size_effect(
 
     for path in out:
         check_ending(path, (".svg", ".parquet", ".csv"))
-    whole = with_option(settings_in(config), "--grasps", "size_effect.grasps", grasps)
+    whole = settings_in(config, {"--grasps": ("size_effect.grasps", grasps)})
     whole, name = gripper_in(whole, gripper or whole.targets.grippers[0])
     files = object_names(files_in(meshes, units))
     table, reasons = curves(select(whole, SizeEffectParameters, name), files, units, jobs)

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from egad.cli.common import CORES, Config, Jobs, OutFolder, settings_in, with_option
+from egad.cli.common import CORES, Config, Jobs, OutFolder, settings_in
 from egad.errors import UserError
 from egad.learning import NetworkName
 from egad_workflow.settings import Settings
@@ -48,11 +48,12 @@ def train(
 
     After an interruption, the same command resumes after the last epoch, with the same result.
     """
-    whole = with_option(settings_in(config), "--network", "training.network", network)
+    options = {"--network": ("training.network", network), "--seed": ("seed", seed)}
+    whole = settings_in(config, options)
     scenes = whole.training.network == "vgn"
-    key = "training_vgn.examples" if scenes else "training.images"
-    whole = with_option(whole, "--budget", key, budget)
-    whole = with_option(whole, "--seed", "seed", seed)
+    if budget is not None:
+        key = "training_vgn.examples" if scenes else "training.images"
+        whole = settings_in(config, {**options, "--budget": (key, budget)})
     if not scenes and device != "cpu":
         raise UserError(f"--device {device} is for the network vgn; others train on the CPU")
     if scenes:

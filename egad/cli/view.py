@@ -21,7 +21,6 @@ from egad.cli.common import (
     named_gripper,
     out_option,
     settings_in,
-    with_option,
 )
 from egad.errors import RejectedError, UserError, check_name
 from egad.geometry import Rescale
@@ -61,8 +60,8 @@ def view(
     from egad.report.viewer import page
 
     check_ending(out, (".html",))
-    whole = with_option(settings_in(config), "--grasps", "grasp_label.grasps", grasps)
-    whole = with_option(whole, "--rule", "rescale.rule", rule)
+    options = {"--grasps": ("grasp_label.grasps", grasps), "--rule": ("rescale.rule", rule)}
+    whole = settings_in(config, options)
     if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
         for option, value in {"--rule": rule, "--units": units, "--grasps": grasps}.items():
             if value is not None:

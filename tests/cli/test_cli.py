@@ -45,17 +45,18 @@ def test_a_file_that_is_no_mesh_is_told_as_that(tmp_path):
     assert "not a mesh file; allowed endings: .3mf .glb" in found.stderr
 
 
-def test_help_imports_no_library_that_is_slow_and_nothing_of_the_workflow():
+def test_help_imports_no_library_that_is_slow_and_of_the_workflow_only_its_settings():
     code = (
         "import sys, egad.cli.commands\n"
         "slow = {'numba', 'trimesh', 'pybullet', 'mujoco', 'scipy', 'snakemake', 'torch'}\n"
         "slow |= {'numpy', 'pandas', 'pyarrow', 'matplotlib', 'skimage'}\n"
-        "print([n for n in sys.modules if n in slow or n.startswith('egad_workflow')])"
+        "slow |= {n for n in sys.modules if n.startswith('egad_workflow.')}\n"
+        "print(slow & set(sys.modules) - {f'egad_workflow.{n}' for n in ('settings', 'datasets')})"
     )
     loaded = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     )
-    assert loaded.stdout.strip() == "[]"
+    assert loaded.stdout.strip() == "set()"
 
 
 def test_help_lists_what_people_call_and_no_stage_of_the_workflow():

@@ -60,16 +60,20 @@ def test_the_manual_says_what_a_section_is_for_where_it_is_a_key():
 
 
 def test_a_manual_out_of_date_is_noticed(tmp_path, monkeypatch):
-    (tmp_path / "config").mkdir()
+    for name in ("config", "results"):
+        (tmp_path / name).mkdir()
     text = (ROOT / "config/README.md").read_text()
     (tmp_path / "config/README.md").write_text(text.replace("| `seed` |", "| `sed` |"))
+    (tmp_path / "results/README.md").write_text("# Results\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.argv", ["manual", "--check"])
-    with pytest.raises(SystemExit, match="out of date"):
+    with pytest.raises(SystemExit, match=r"^config/README.md, results/README.md: out of date"):
         manual.main()
     monkeypatch.setattr("sys.argv", ["manual"])
     manual.main()
-    assert (tmp_path / "config/README.md").read_text() == text
+    for name in ("config", "results"):
+        page = Path(name, "README.md")
+        assert (tmp_path / page).read_text() == (ROOT / page).read_text()
 
 
 def test_built_in_entries_stay_beside_those_of_the_user():

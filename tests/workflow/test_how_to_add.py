@@ -51,7 +51,7 @@ def copy(tmp_path_factory):
     """The sources with all of these."""
     folder = tmp_path_factory.mktemp("copy")
     skipped = shutil.ignore_patterns("__pycache__")
-    for name in ("egad", "workflow", "config", "profiles", "envs", "docs"):
+    for name in ("egad", "egad_workflow", "workflow", "config", "profiles", "envs", "docs"):
         shutil.copytree(ROOT / name, folder / name, ignore=skipped)
     shutil.copy(ROOT / "Snakefile", folder)
     for file, name, text in blocks():
@@ -116,12 +116,11 @@ def test_a_stage_runs_and_notes_what_it_was_made_from(copy, dataset):
 
 def test_the_manuals_have_the_stage_the_format_and_the_measure(copy):
     (copy / "results").mkdir(exist_ok=True)
-    run(copy, module="egad_workflow.results_page")
+    run(copy, module="egad_workflow.manual")
     manual = (copy / "results/README.md").read_text(encoding="utf-8")
     assert "| `D/weights.parquet` | what the objects weigh on the moon |" in manual
     assert "## `D/weights.parquet`\n" in manual
     assert "| `weight` | double | N | weight on the moon |" in manual
-    run(copy, module="egad_workflow.manual")
     settings = (copy / "config/README.md").read_text(encoding="utf-8")
     assert " or obj or plain or robosuite " in settings
     assert "| `compactness_power` | `1.0` | exponent of compactness |" in settings

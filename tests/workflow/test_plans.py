@@ -107,21 +107,31 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(planned, settings, rul
 @pytest.mark.parametrize(
     ("module", "old", "new", "rules"),
     [
-        ("sim/world.py", "GRAVITY = 9.81", "GRAVITY = 1.62", {"simulated_trial"} | AFTER_TRIALS),
-        ("workflow/job.py", "{twice[0]!r} twice", "{twice[0]!r} two times", set()),
         (
-            "tables/evaluation.py",
+            "egad/sim/world.py",
+            "GRAVITY = 9.81",
+            "GRAVITY = 1.62",
+            {"simulated_trial"} | AFTER_TRIALS,
+        ),
+        ("egad_workflow/job.py", "{twice[0]!r} twice", "{twice[0]!r} two times", set()),
+        (
+            "egad/tables/evaluation.py",
             "row of the coarse grid",
             "row",
             {"select_eval"} | AFTER_SELECTION,
         ),
-        ("measures/parameters.py", "percentile of the qualities", "of them", {"report", "all"}),
+        (
+            "egad/measures/parameters.py",
+            "percentile of the qualities",
+            "of them",
+            {"report", "all"},
+        ),
     ],
     ids=named,
 )
 def test_an_edit_re_runs_the_stages_that_use_it(copy, module, old, new, rules):
     copy.take_library()
-    path = copy.folder / "egad" / module
+    path = copy.folder / module
     text = path.read_text(encoding="utf-8")
     assert old in text
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
