@@ -7,7 +7,6 @@ would run stale code with new data. Nor does it consider whether the code checks
 
 import hashlib
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -50,18 +49,6 @@ def compiled_marker() -> Path:
     made_for = (sys.implementation.cache_tag, version("numba"), get_host_cpu_name())
     name = "-".join(["compiled", kernel_sources_version(), *map(str, made_for)])
     return kernel_folder() / name
-
-
-def compile_kernels() -> None:
-    """Compile all kernels in two processes, unless that was done before."""
-    if compiled_marker().exists():
-        return
-    if subprocess.run([sys.executable, "-m", "egad.workflow.precompile"], check=False).returncode:
-        print(
-            "Compilation failed; kernels will be compiled at their first use",
-            file=sys.stderr,
-            flush=True,
-        )
 
 
 def _parents(package: Path) -> Iterator[Path]:

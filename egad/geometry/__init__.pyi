@@ -31,6 +31,7 @@ from .parameters import Bundle as Bundle
 from .parameters import Material as Material
 from .parameters import OpenSurfaces as OpenSurfaces
 from .parameters import Rescale as Rescale
+from .parameters import SimulationBundle as SimulationBundle
 from .parameters import Smoothing as Smoothing
 from .parts import PartsWarning as PartsWarning
 from .precision import in_single_precision as in_single_precision

@@ -1,10 +1,12 @@
 """Repair any triangle mesh into one closed surface that bounds a solid, or say why it fails."""
 
+import logging
 from collections.abc import Iterator
 from typing import NamedTuple, cast, get_args
 
 import manifold3d
 import numpy as np
+import pandas as pd
 import trimesh
 from scipy.spatial import cKDTree
 from trimesh.graph import connected_component_labels
@@ -27,6 +29,8 @@ from egad.geometry.rays import RayCaster
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
 from egad.geometry.shell import shell
 from egad.geometry.touching import wedge_pairs
+
+log = logging.getLogger(__name__)
 
 Loop = list[int]
 
@@ -383,3 +387,20 @@ def _parity(faces: Ints) -> Floats:
 
 def _size(vertices: Floats) -> float:
     return float(np.ptp(vertices, axis=0).max())
+
+
+def repaired_mesh(mesh: trimesh.Trimesh, name: str) -> trimesh.Trimesh:
+    """The repaired mesh, or `RejectedError`; the log says which bodies were left out."""
+    repaired = repair(mesh)
+    if repaired.dropped:
+        log.warning("%s: %s", name, repaired.dropped)
+    return repaired.mesh
+
+
+def warn_of_shapes(table: pd.DataFrame, prefix: str = "") -> None:
+    """Warn of meshes that lost bodies; the first column of the table has their names."""
+    names = table.iloc[:, 0]
+    dropped = table["dropped_bodies"] > 0
+    bodies, volumes = table["dropped_bodies"][dropped], table["dropped_volume"][dropped]
+    for name, count, volume in zip(names[dropped], bodies, volumes, strict=True):
+        log.warning("%s%s: %s", prefix, name, dropped_text(int(count), volume))

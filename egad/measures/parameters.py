@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from egad._util.parameters import (
     Archived,
     Fraction,
+    Length,
     Name,
     ParameterGroup,
     Parameters,
@@ -21,7 +22,7 @@ from egad._util.parameters import (
     check_ascending,
     from_arguments,
 )
-from egad.geometry import SIDE_FRACTION, Material
+from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, Material, OpenSurfaces
 from egad.grasps import Quality, Robust, Sampling
 from egad.grippers import SUCTION, Gripper
 from egad.measures.reeb import Similarity
@@ -217,3 +218,47 @@ class SizeEffectParameters(ParameterGroup):
     quality: Quality
     robust: Robust | None = None  # of suction cups
     density: float = Material().density  # of the object, kg/m3, for suction cups
+
+
+class Postprocess(Parameters):
+    """Mesh repair, and measurement with other grasps than those used for selection in evolution."""
+
+    max_candidates: int = Field(
+        MAX_CANDIDATES,
+        ge=1,
+        description="maximum number of candidate grasps per object; sampling stops earlier once "
+        "the cell of the object is certain",
+    )
+    min_volume: float = Field(
+        1e-9, ge=0, description="objects with a smaller volume are rejected, m3"
+    )
+    open_surfaces: OpenSurfaces = Field(
+        "reject",
+        description="treatment of surfaces that are still open after small holes are closed, such "
+        "as scans of glasses and bowls: reject them, or thicken them to closed shells",
+    )
+    shell_thickness: Length = Field(
+        SHELL_THICKNESS,
+        description="wall thickness of thickened surfaces, metres, half on each side of the "
+        "surface (open_surfaces: thicken)",
+    )
+
+
+class MeasureMeshes(MeasureParameters):
+    """Measures of repaired objects, and their mass."""
+
+    postprocess: Postprocess
+    material: Material
+
+
+class GraspabilityOfGripper(MeasureParameters):
+    """Measures of objects for one gripper."""
+
+    postprocess: Postprocess
+
+
+class CellsAndDiversities(ParameterGroup):
+    """The cells of objects, and how much their shapes differ."""
+
+    space: MeasureSpace
+    similarity: Similarity

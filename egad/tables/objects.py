@@ -186,3 +186,8 @@ FILES = [
     ),
     Result("D/images/G/rejected.parquet", "objects without images", REJECTED),
 ]
+
+
+def rejection(object_id: str, stage: str, reason: object) -> dict[str, str]:
+    """A row of `REJECTED`."""
+    return {"id": object_id, "stage": stage, "reason": str(reason)}

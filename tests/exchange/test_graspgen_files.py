@@ -11,7 +11,6 @@ import yaml
 from described_hands import box_urdf, jaw_urdf
 
 from egad import Gripper
-from egad.config.stages import select
 from egad.errors import UserError
 from egad.exchange.grasps import graspgen
 from egad.exchange.grasps.graspgen import (
@@ -25,6 +24,7 @@ from egad.geometry.distance import nearest
 from egad.grippers import GRIPPERS, model_of
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
+from egad_workflow.settings import select
 
 GRIPPER = "yumi"
 

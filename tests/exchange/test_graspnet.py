@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config.stages import select
 from egad.errors import UserError
 from egad.exchange.grasps import graspnet
 from egad.exchange.grasps.graspnet import needed_friction
@@ -12,6 +11,7 @@ from egad.exchange.parameters import GripperFormat
 from egad.grasps import Grasps
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
+from egad_workflow.settings import select
 
 GRIPPER = "yumi"
 

@@ -3,9 +3,9 @@
 import pytest
 from chromium import CHROMIUM, IN_CHROMIUM
 
-from egad.config import Settings
 from egad.report.page import report_page, section_of
-from egad.workflow.config_tables import changed_parameters, settings_text
+from egad_workflow.config_tables import changed_parameters, settings_text
+from egad_workflow.settings import Settings
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = IN_CHROMIUM

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from egad.exchange.release import MAX_FILES
 from egad.report.axes import AxisPair
 from egad.report.gallery.dataset import GalleryData
 from egad.report.gallery.details import Download
@@ -10,6 +9,7 @@ from egad.report.gallery.files import FOLDER
 from egad.report.gallery.sheets import COLUMNS, PER_SHEET
 from egad.report.page import render_template
 from egad.report.viewer import LABELS
+from egad.tables.release import MAX_FILES
 
 
 def gallery_page(
