@@ -51,10 +51,7 @@ def run_trials(
     objects: tuple[str, str | None],
     out: tuple[Path, "pa.Schema"],
 ) -> Result:
-    """Simulate trials, and write their table with a note from which they can be repeated.
-
-    `objects` are the values of `--objects` and `--units`; `out` is the table and its columns.
-    """
+    """Simulate trials of `--objects` with `--units`; write the table, and a note to repeat it."""
     from egad.detectors import keep_failure
     from egad.provenance.record import recorded
     from egad.tables import parquet
@@ -102,10 +99,7 @@ def repeatable_in(
 def repeatable(
     table: Path, dataset: Path | None, gripper: str | None, config: Path | None
 ) -> tuple[Settings, str, "Models"]:
-    """Settings, name of the gripper and objects of the attempts in a table.
-
-    They are those in the note of the table; each option replaces its own part.
-    """
+    """Settings, gripper and objects in the note of a table; each option replaces its part."""
     from egad.config.check import check
     from egad.config.files import defaults, merged
     from egad.tables import parquet

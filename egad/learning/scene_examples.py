@@ -46,11 +46,7 @@ class Scene(Protocol):
 
 
 class SceneSource(Protocol):
-    """Labelled scenes with numbers.
-
-    Attributes:
-        index: One row per scene: `split`, `shard`, `grasps` and `positive`.
-    """
+    """Labelled scenes with numbers; the index has `split`, `shard`, `grasps` and `positive`."""
 
     index: pd.DataFrame
 
@@ -68,8 +64,7 @@ class NetworkGrasps(NamedTuple):
         poses: (n, 4, 4) in the world.
         success: (n,) 1 or 0.
         widths: (n,) distances of the pads when they hold, metres; 0 for a failed grasp.
-        yaws: (n, y) whether the hand holds when it is turned about the approach by k / y of half a
-            turn, k = 0, ..., y - 1.
+        yaws: (n, y) whether it holds when turned about the approach by k / y of half a turn.
     """
 
     poses: Floats

@@ -27,14 +27,10 @@ from egad.tables import parquet
 
 @dataclass(frozen=True)
 class ClutterView:
-    """Cleared tables of one gripper.
+    """Cleared tables of one gripper; rates by detector, addresses of pictures by kind of scene.
 
-    Attributes:
-        engine: The physics engine.
-        rates: Success rates in each kind of scene and noise, by detector.
-        thirds: Success of attempts, and share of objects cleared, by detector, axis (complexity,
-            difficulty) and third of the objects.
-        pictures: Addresses of pictures of scenes at the beginning of a round, by kind.
+    `thirds` has success of attempts, and share of objects cleared, by detector, axis (complexity,
+    difficulty) and third of the objects.
     """
 
     engine: str
@@ -53,10 +49,7 @@ def clutter_view(
     objects: pd.DataFrame,
     pictures: Mapping[str, Sequence[bytes]],
 ) -> ClutterView:
-    """What the section shows of `tables.clutter.CLUTTER` by detector.
-
-    `objects` has the columns id, complexity and graspability; `pictures` are PNGs by kind of scene.
-    """
+    """What the section shows of `tables.clutter.CLUTTER` by detector, and PNGs by kind of scene."""
     return ClutterView(
         engine_names(pd.concat(tables.values())),
         {name: clearing_rates(table) for name, table in tables.items()},

@@ -39,7 +39,7 @@ class EvolutionView:
 def evolution_view(
     objects: pd.DataFrame, history: pd.DataFrame | None, space: MeasureSpace
 ) -> EvolutionView | None:
-    """What the section shows of `tables.objects.OBJECTS`; None if they do not come from an archive.
+    """What the section shows of `tables.objects.OBJECTS`; None if they were not evolved.
 
     The history, `tables.evolution.HISTORY`, is None if the archive was not evolved here.
     """
@@ -58,16 +58,7 @@ def section(
     sampled: bool,
     islands: int,
 ) -> Section:
-    """The evolution of each dataset.
-
-    Args:
-        views: From `evolution_view`, by dataset.
-        space: The cells.
-        axes: What the axes of the space are called.
-        limit: Which rows objects are expected in.
-        sampled: Whether graspability comes from sampled grasps, not from a user-defined measure.
-        islands: How many islands evolved in parallel.
-    """
+    """The evolution of each dataset; `sampled`: graspability is of grasps, not a user's measure."""
     values = {"space": space, "axes": axes, "limit": limit, "sampled": sampled}
     values |= {"islands": islands}
     return section_of("evolution.html.j2", "Evolution", views=views, **values)

@@ -63,15 +63,7 @@ def section(
     size_grasps: int,
     size_repeats: int,
 ) -> Section:
-    """Grasps and sizes of each dataset.
-
-    Args:
-        views: From `grasp_view`, by dataset.
-        most_grasps: Maximum number of grasps per object.
-        copies: Perturbed copies of a grasp that robust quality averages over.
-        size_grasps: Grasps sampled at each size.
-        size_repeats: How often the sampling was repeated.
-    """
+    """Grasps and sizes of each dataset; `copies`: perturbed copies in the robust quality."""
     return section_of(
         "grasps.html.j2",
         "Grasps",
@@ -139,11 +131,11 @@ def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> No
 
 
 def size_chart(table: pd.DataFrame) -> str:
-    """SVG of percentiles of quality over size, one panel per object, all on the same axes.
+    """SVG of percentiles of quality over size (`tables.grasping.SIZE_EFFECT`), a panel per object.
 
     A line is the mean over repetitions, and its band spans from the lowest to the highest. A point
     is hollow where only some repetitions found grasps. Below is the share of candidates that are
-    possible grasps. The table is `tables.grasping.SIZE_EFFECT`, at least one row.
+    possible grasps.
     """
     numbers = summarize(table)
     names = list(dict.fromkeys(numbers["name"]))

@@ -136,8 +136,8 @@ def _jaw_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
 def jaw_table(model: GripperModel) -> list[dict[str, str]]:
     """Openings of a hand with one moving jaw; empty for other hands.
 
-    Columns `joint`, `opening`, `angle`; `friction` at which a round body is not squeezed out; and
-    `gaps` at the depths of the model, millimetres.
+    `friction` is that at which a round body is not squeezed out; `gaps` are in millimetres, at the
+    depths of the model.
     """
     if model.lever is None:
         return []
@@ -186,10 +186,7 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
 
 
 def hand_scene(model: GripperModel, word: str, opening: float) -> GraspScene:
-    """A hand at an opening (m) for the viewer, with its pads and its approach, which points down.
-
-    In a hand with one moving jaw, the fixed jaw stays where it is.
-    """
+    """A hand at an opening (m) for the viewer, with its pads; it points down, a fixed jaw stays."""
     middle = model.middle_at(np.array(opening))
     pads = [(pad, PAD_COLOR) for pad in _pads(model, opening, middle)]
     mesh, paint = painted([*link_shapes(model, opening), *pads, (_arrow(middle), APPROACH_COLOR)])

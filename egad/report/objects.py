@@ -26,13 +26,7 @@ class ObjectsView(NamedTuple):
 
 
 class GripperTables(NamedTuple):
-    """Tables of the objects of a dataset, for grippers.
-
-    Attributes:
-        scales: Columns of `tables.grasping.SCALES`, by gripper.
-        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
-        trials: Columns of `tables.evaluation.TRIALS`, by gripper and detector.
-    """
+    """Tables of objects: `SCALES`, `MANIFEST` by gripper, `TRIALS` also by detector."""
 
     scales: Mapping[str, pd.DataFrame]
     manifests: Mapping[str, pd.DataFrame]
@@ -48,17 +42,7 @@ def objects_view(
     scenes: Sequence[GraspScene],
     gripper: Gripper,
 ) -> ObjectsView:
-    """Collect what the section shows of a dataset.
-
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        pictures: PNG by label; optional for each.
-        axes: What the axes of the space are called.
-        evalset: Columns of `tables.evaluation.EVAL49`, if there is a set.
-        tables: Scales, prints and trials.
-        scenes: The objects with grasps.
-        gripper: The gripper of the grasps.
-    """
+    """What the section shows of `tables.objects.OBJECTS`; not all have a PNG, by label."""
     labels: dict[str, str] = {}
     if evalset is not None:
         labels |= zip(evalset["label"], evalset["object_label"], strict=True)

@@ -27,10 +27,7 @@ def scenes(
 def scene(
     folder: Path, gripper: str, label: str, grasps: pd.DataFrame, name: str | None = None
 ) -> GraspScene:
-    """One object of a dataset, by its label; `name` is shown instead of the label if given.
-
-    If there are no grasps, the note gives the reason.
-    """
+    """An object of a dataset, by its label or another name; a note says why it has no grasps."""
     mesh = read_mesh(folder / "rescaled" / gripper / f"{label}.obj", "m")
     own = grasps[grasps["label"] == label]
     note = "" if len(own) else _reason(folder, gripper, label)

@@ -38,12 +38,9 @@ TOP = 0.98  # quantile of the quality that gets the last color
 
 @dataclass(frozen=True)
 class GraspScene:
-    """An object with its grasps.
+    """An object, metres, as it is grasped, with its grasps.
 
     Attributes:
-        name: Its name.
-        title: A short description.
-        mesh: As it is grasped, metres.
         grasps: Columns contact0, contact1, approach (each with x, y and z), quality,
             robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh;
             `simulated_success`, if it is there, is packed too.
@@ -62,8 +59,8 @@ class GraspScene:
 def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any]:
     """What the script of the viewer reads, ready for JSON, from at least one scene.
 
-    `finger`: from the contacts back to the palm, or to the top of the cup, metres; `objects`: each
-    packed; `metrics`: key, name, and the value that gets the last color, the same for all objects.
+    `finger` is from the contacts back to the palm, or to the top of the cup, metres; `metrics` has
+    key, name, and the value that gets the last color, the same for all objects.
     """
     return {
         "finger": gripper.cup.height if gripper.cup else -finger_span(gripper)[0],
@@ -114,10 +111,7 @@ def pack(scene: GraspScene) -> dict[str, Any]:
 
 
 def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
-    """Labels of grasps by simulation, as positions in `LABELS`, (n,).
-
-    Only collision-free grasps are simulated. Those without an outcome count as not simulated.
-    """
+    """Positions in `LABELS` of grasps, (n,); without an outcome, and if not free: not simulated."""
     free, held = grasps["collision_free"], grasps["simulated_success"]
     codes = np.select([~free.astype(bool), held.isna(), held.eq(True)], [3, 0, 1], 2)
     return codes.astype(np.uint8)
@@ -126,10 +120,7 @@ def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
 def page(scene: GraspScene, name: str | None, gripper: Gripper) -> str:
     """An HTML page with one object that needs no other file, and the hand at its best grasp.
 
-    Args:
-        scene: The object.
-        name: Name of the gripper, may be empty; None: it is not named.
-        gripper: The gripper of the grasps.
+    The name is that of the gripper, may be empty; None: it is not named.
     """
     scenes = [scene]
     if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:

@@ -123,13 +123,9 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
 
 
 def match_attempts(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
-    """The attempts that both detectors made, in the order in which these pairs became complete.
+    """Attempts that both made, in the order in which pairs became complete; errors as `compare`.
 
     Other columns than label and attempt get the suffixes _1 and _2.
-
-    Raises:
-        NothingInCommonError: They have no attempt in common.
-        UserError: A label stands for one object in the first table and for another in the second.
     """
     one, other = (table.assign(place=np.arange(len(table))) for table in (first, second))
     pairs = one.merge(other, on=["label", "attempt"], suffixes=("_1", "_2"))

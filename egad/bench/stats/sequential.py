@@ -118,10 +118,9 @@ def attempts_in_a_row(table: pd.DataFrame) -> int:
 
 
 def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
-    """Simulated attempts in the order in which a robot should make them: rows sorted into rounds.
+    """Simulated attempts as a robot should make them: every object once before any again.
 
-    Every object is tried once before any is tried again, each time in another random order, which
-    depends only on labels and numbers.
+    The order within a round is random and depends only on labels and numbers.
     """
     order = [
         (attempt, entropy(0, "rounds", str(label), int(attempt)))

@@ -36,14 +36,10 @@ HUB = "https://huggingface.co/datasets/"
 
 @dataclass(frozen=True)
 class Files:
-    """Files of a release that are of one kind.
+    """Files of a release that are of one kind; the meaning is that of each file, or row of a table.
 
-    Attributes:
-        name: What they are called.
-        meaning: What each file is, or each row of a table.
-        pattern: Name of the only file, relative to the release, or a glob of them, whose `*` also
-            stands for folders.
-        media_type: Media type of each.
+    The pattern is the name of the only file, relative to the release, or a glob whose `*` also
+    stands for folders.
     """
 
     name: str
@@ -68,15 +64,10 @@ def croissant_json(
 ) -> str:
     """The description as JSON-LD.
 
-    Args:
-        about: Properties of the dataset by the names of schema.org, such as `name`, `license`,
-            `version`, or by those of Croissant RAI; those that are None are left out. `url` is the
-            address of the folder of the release, or of the dataset on Hugging Face: with it, the
-            description can be read from anywhere, and without it, beside the files.
-        tables: Tables, which can be iterated over.
-        files: Other files.
-        sums: SHA-256 of the files without a glob, by name. Without sums, the dataset counts as one
-            that changes.
+    `about` has properties of schema.org or Croissant RAI; None is left out. With the `url` of the
+    release, the description can be read from anywhere, otherwise only beside the files. `tables`
+    can be iterated over; `sums` are SHA-256 of the files without a glob, by name. Without sums, the
+    dataset counts as one that changes.
     """
     url = str(about.get("url") or "")
     whole = {

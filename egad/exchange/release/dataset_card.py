@@ -43,17 +43,9 @@ SIZES = {  # bounds of Hugging Face's categories
 
 @dataclass(frozen=True)
 class ReleaseFacts:
-    """What a card says about a release.
+    """What a card says about a release; metres, kg/m3.
 
-    Attributes:
-        title: Name of the dataset for people.
-        gripper: Name of the gripper.
-        opening: Opening of the gripper, metres.
-        density: Density of the objects, kg/m3.
-        friction: Friction coefficient of the simulated labels.
-        grasps: Largest number of grasps per object.
-        engine: Physics engine of the simulated labels; empty without any.
-        program: Name and version of the program.
+    Friction and engine are those of the simulated labels; the engine is empty without any.
     """
 
     title: str
@@ -204,14 +196,10 @@ def card_page(
     success: Mapping[str, float],
     contents: Iterable[tuple[str, str, int, int]],
 ) -> str:
-    """The page as Markdown, with the front matter.
+    """The page as Markdown, with the front matter, from `RELEASED_OBJECTS` of all splits.
 
-    Args:
-        facts: What is said about the release.
-        objects: Columns of `tables.release.RELEASED_OBJECTS`, of all splits.
-        success: Share of the judged grasps that held, by split; nothing without such grasps.
-        contents: For each pattern of files: the pattern, its meaning, and the numbers of files and
-            bytes.
+    `success` is the share of the judged grasps that held, by split; `contents` have pattern,
+    meaning, numbers of files and of bytes.
     """
     grasps = int(objects["n_grasps"].sum())
     text = PAGE.format(

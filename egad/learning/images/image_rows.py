@@ -43,10 +43,7 @@ def depth_of(row: Mapping[str, Any]) -> NDArray[np.float32]:
 
 
 def pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
-    """The pixels of a PNG file of a row, (height, width) as the row says; else TableError.
-
-    The mode is what Pillow calls such pixels, or how that begins.
-    """
+    """Pixels of a PNG file of a row, (height, width) as it says; TableError if of another mode."""
     try:
         with Image.open(io.BytesIO(row[name]), formats=["PNG"]) as image:
             if image.size != (row["width"], row["height"]) or not image.mode.startswith(mode):

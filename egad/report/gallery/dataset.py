@@ -18,17 +18,13 @@ from egad.tables.parquet import empty, records
 
 @dataclass(frozen=True)
 class GalleryData:
-    """A dataset for the gallery.
+    """A dataset for the gallery, with a gripper; empty name: nothing is scaled.
 
     Attributes:
-        objects: Columns of `tables.objects.OBJECTS`.
-        gripper: Name of the gripper; empty if nothing is scaled.
-        factors: Scale factors for the gripper by label, without objects that cannot be scaled.
-        grasps: Labelled grasps of the gripper; None if there is no table. A table with
-            `simulated_success` also needs the other columns that `antipodal_success_rates` reads.
-        evaluation: Columns of `tables.evaluation.EVAL49`.
+        factors: Scale factors by label, without objects that cannot be scaled.
+        grasps: Labelled grasps; None if there is no table. A table with `simulated_success` also
+            needs the other columns that `antipodal_success_rates` reads.
         trials: Attempts with the evaluation set by grasp detector: columns label and success.
-        lineage: Lineage of the objects and their ancestors; None if it is not known.
         genomes: Columns id and those of `tables.evolution.GENOME`.
     """
 

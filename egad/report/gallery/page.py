@@ -15,10 +15,7 @@ from egad.report.viewer import LABELS
 def gallery_page(
     title: str, data: GalleryData, axes: AxisPair, links: Sequence[Download], legend: str = ""
 ) -> str:
-    """The HTML page that shows the data in the folder next to it.
-
-    `links` are files of the whole dataset; `legend` says what the hatched rows of the map are.
-    """
+    """The HTML page of the data beside it; the legend says what the hatched rows of the map are."""
     return render_template(
         "gallery.html.j2",
         title=title,

@@ -19,20 +19,14 @@ Place = tuple[int, int]
 
 
 def cell_ranks(objects: pd.DataFrame) -> NDArray[np.int64]:
-    """The rank of each object in its cell, (n,): 0 is the most diverse one.
-
-    Sheet k contains the objects of rank k, each at the position of its cell.
-    """
+    """The rank of each object in its cell, (n,): 0 is the most diverse. Sheet k has rank k."""
     ordered = objects.sort_values(["diversity", "label"], ascending=[False, True])
     ranks = ordered.groupby(["complexity_cell", "difficulty_cell"]).cumcount()
     return np.asarray(ranks.loc[objects.index], dtype=np.int64)
 
 
 def sheet(pictures: Mapping[Place, RgbImage], columns: int, rows: int) -> bytes:
-    """A WebP file of pictures, (TILE, TILE, 4), by column and row from the top.
-
-    The same bytes for the same pictures and version of the encoder.
-    """
+    """A WebP file of (TILE, TILE, 4) by column and row from the top; same pictures, same bytes."""
     canvas = np.zeros((rows * TILE, columns * TILE, 4), np.uint8)
     for (column, row), picture in pictures.items():
         top, left = row * TILE, column * TILE
