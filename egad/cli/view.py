@@ -76,7 +76,7 @@ def view(
 def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "GraspScene":
     """An object by its label, with grasps of a gripper; UserError if the opening, m, differs."""
     from egad.exchange import check_opening
-    from egad.report.scenes import scene
+    from egad.report.viewer import scene
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
     from egad.tables.grasping import GRASPS, SCALES

@@ -5,7 +5,7 @@ from typer.testing import CliRunner
 import egad
 from egad.cli.commands import app
 from egad.grasps.suction import limits, resists
-from egad.report.cup import cup_entry, cup_facts, cup_page, spring_shapes
+from egad.report.hand import cup_entry, cup_facts, cup_page, spring_shapes
 
 CUP = egad.SuctionCup(radius=0.01, height=0.025, sides=12, vacuum_force=20, friction=0.4)
 

@@ -22,9 +22,9 @@ from egad.config import Settings
 from egad.config.stages import select
 from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
-from egad.report.scenes import scenes
 from egad.report.space_map import shown_objects
 from egad.report.summary import MOST_SHOWN, name_stages
+from egad.report.viewer import scenes
 from egad.sim.world import UnstableError
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER

@@ -42,10 +42,10 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
     """All pairs of detectors, with simultaneous intervals of 95 % for other groups of their kind.
 
     Rates are sums of successes of each group (an object, or a round of clearing a table), (n,),
-    over sums of sizes, (n,). Groups are drawn with replacement, the same for all pairs. The half-
-    width of an interval, in standard errors, is the 95 % quantile over the draws of the largest
-    deviation of any difference, widened for few groups as in `bootstrap`. Less than 6 groups cannot
-    differ significantly: all pairs are ties.
+    over sums of sizes, (n,). Groups are drawn with replacement, the same for all pairs. The
+    half-width of an interval, in standard errors, is the 95 % quantile over the draws of the
+    largest deviation of any difference, widened for few groups as in `bootstrap`. Less than 6
+    groups cannot differ significantly: all pairs are ties.
     """
     pairs = list(combinations(successes, 2))
     count = len(sizes)
@@ -72,10 +72,10 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
 
 
 def ranks(names: list[str], pairs: list[Lead]) -> dict[str, Ranks]:
-    """The ranks that each detector may have, from `leads` (Mogstad et al.
+    """The ranks that each detector may have, from its leads.
 
-    2024). The best is 1 plus the number of detectors that are certainly better; the worst is the
-    number of detectors minus those that are certainly worse.
+    The best is 1 plus the number of detectors that are certainly better; the worst is the number of
+    detectors minus those that are certainly worse (Mogstad, Romano, Shaikh and Wilhelm 2024).
     """
     certain = [each for each in pairs if each.is_certain]
     better = {name: sum(each.second == name for each in certain) for name in names}

@@ -9,8 +9,7 @@ import pandas as pd
 from egad.grippers import Gripper, finger_span
 from egad.measures import MeasureSpace
 from egad.report.axes import AxisPair, MeasureAxis
-from egad.report.gallery.files import FOLDER, SHEETS, file_link, rounded
-from egad.report.gallery.sheets import cell_ranks
+from egad.report.gallery.files import FOLDER, SHEETS, cell_ranks, file_link, rounded
 
 
 @dataclass(frozen=True)
