@@ -1,4 +1,4 @@
-"""Pictures of a whole dataset: its objects arranged in the space, or their number in each cell."""
+"""One picture of the objects of a dataset, arranged in the space."""
 
 from functools import partial
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import Annotated
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cli.common import CORES, ArchiveFile, Config, Dataset, Jobs, out_option, settings_in
+from egad.cli.common import CORES, Config, Dataset, Jobs, out_option, settings_in
 
 SIZE = 96
 
@@ -44,30 +44,3 @@ def _picture(label: str, meshes: Path) -> bytes:
     from egad.report.pictures import png_bytes, render
 
     return png_bytes(render(read_mesh(meshes / f"{label}.obj", "m"), SIZE))
-
-
-def heatmap(
-    archive: ArchiveFile,
-    out: Annotated[Path, out_option("drawing to write: .svg")],
-    config: Config = None,
-) -> None:
-    """Draw the number of elites per cell of an archive, as SVG."""
-    from egad._util.files import write_text
-    from egad.config.archive_settings import check_provenance
-    from egad.config.stages import MeasureMeshes, select
-    from egad.data import archive_path
-    from egad.io import check_ending
-    from egad.measures import MeasureParameters, attainable_graspability
-    from egad.report.axes import axis_pair
-    from egad.report.comparison import dataset_maps
-    from egad.tables import parquet
-    from egad.tables.evolution import ARCHIVE
-
-    check_ending(out, (".svg",))
-    settings = settings_in(config)
-    check_provenance(archive_path(archive), select(settings, MeasureMeshes), ("space",))
-    objects = parquet.read(archive_path(archive), ARCHIVE)
-    limit = attainable_graspability(select(settings, MeasureParameters))
-    axes = axis_pair(settings.measures)
-    maps = dataset_maps({archive.stem: objects}, settings.space, axes, limit.rows)
-    write_text(out, maps)

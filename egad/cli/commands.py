@@ -9,12 +9,13 @@ from typer.core import TyperGroup
 from egad import __version__
 from egad.cli.benchmark import benchmark
 from egad.cli.bundle import bundle
-from egad.cli.collage import collage, heatmap
+from egad.cli.collage import collage
 from egad.cli.export import export
 from egad.cli.export_meshes import export_meshes
 from egad.cli.failures import failures
 from egad.cli.genome import genome
 from egad.cli.gripper import gripper
+from egad.cli.heatmap import heatmap
 from egad.cli.locate import locate
 from egad.cli.log_sheet import log_sheet
 from egad.cli.matched_set import matched_set

@@ -13,7 +13,6 @@ from egad.bench.stats import Area, Bin, Rate, area, engine_names, gain, rate, re
 from egad.evalset import cell_of_label, in_grid
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
-from egad.report.page import Section, section_of
 from egad.report.trial_charts import draw_rates, outcome_counts
 
 QUALITIES = {
@@ -51,18 +50,6 @@ class LabelledSuccess:
     def figure(self) -> str:
         """The figure as an address."""
         return svg_uri(self.svg)
-
-
-def section(
-    datasets: Mapping[str, Mapping[str, LabelledSuccess]],
-    *,
-    lift_height: float,
-    hold_time: float,
-    friction: float,
-) -> Section:
-    """Labelled grasps of each dataset with each gripper; lift in metres and seconds."""
-    values = {"lift_height": lift_height, "hold_time": hold_time, "friction": friction}
-    return section_of("agreement.html.j2", "Labels", datasets=datasets, **values)
 
 
 def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:

@@ -21,7 +21,7 @@ from egad.bench.stats import (
     unusual,
 )
 from egad.report.drawing import data_uri
-from egad.report.page import Section, render_template, section_of
+from egad.report.page import render_template
 from egad.tables import parquet
 
 
@@ -37,11 +37,6 @@ class ClutterView:
     rates: dict[str, list[Clearing]]
     thirds: dict[str, dict[str, list[tuple[Rate, Rate]]]]
     pictures: dict[str, list[str]]
-
-
-def section(datasets: Mapping[str, Mapping[str, ClutterView]]) -> Section:
-    """Cleared tables, from `clutter_view`, of each dataset with each gripper."""
-    return section_of("clutter.html.j2", "Cleared tables", datasets=datasets)
 
 
 def clutter_view(

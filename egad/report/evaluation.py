@@ -13,10 +13,8 @@ from matplotlib.figure import Figure
 
 from egad.evalset import labels_of
 from egad.grippers import Gripper
-from egad.report.axes import AxisPair
 from egad.report.colors import INK, SOFT
 from egad.report.drawing import STYLE, data_uri
-from egad.report.page import Section, section_of
 from egad.report.pictures import render
 from egad.report.viewer import GraspScene, viewer_data
 
@@ -68,18 +66,6 @@ def evaluation_view(
 def _slot(label: str, item: Mapping[Any, Any] | None, pictures: Mapping[str, bytes]) -> Slot:
     small = pictures.get(item["object_label"], b"") if item else b""
     return Slot(label, item, data_uri(pictures.get(label, small)) if item else "")
-
-
-def section(
-    views: Mapping[str, EvaluationView],
-    axes: AxisPair,
-    *,
-    percentile: float | None,
-    gripper: str,
-) -> Section:
-    """The evaluation set of each dataset; the percentile is None without graspability."""
-    values = {"views": views, "axes": axes, "percentile": percentile, "gripper": gripper}
-    return section_of("evaluation.html.j2", "Evaluation set", **values)
 
 
 def contact_sheet(

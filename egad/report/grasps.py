@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from egad.measures import summarize
 from egad.report.colors import FAINT, INK, SOFT, line_color
 from egad.report.drawing import THOUSANDTHS, new_figure, show_percent, svg_uri
-from egad.report.page import Section, section_of
 
 COLUMNS = 3
 WIDTH, HEIGHT = 3.2, 3.7
@@ -53,26 +52,6 @@ def grasp_view(
         return None
     numbers = {name: grasp_numbers(table) for name, table in known.items()}
     return GraspView(numbers, svg_uri(grasp_chart(known)) if known else "", charts)
-
-
-def section(
-    views: Mapping[str, GraspView],
-    *,
-    most_grasps: int,
-    copies: int,
-    size_grasps: int,
-    size_repeats: int,
-) -> Section:
-    """Grasps and sizes of each dataset; `copies`: perturbed copies in the robust quality."""
-    return section_of(
-        "grasps.html.j2",
-        "Grasps",
-        views=views,
-        most_grasps=most_grasps,
-        copies=copies,
-        size_grasps=size_grasps,
-        size_repeats=size_repeats,
-    )
 
 
 def grasp_numbers(grasps: pd.DataFrame) -> GraspNumbers:

@@ -10,7 +10,7 @@ from egad.grippers import Gripper
 from egad.measures import cell_name
 from egad.report.axes import AxisPair
 from egad.report.drawing import data_uri
-from egad.report.page import DASH, Section, section_of
+from egad.report.page import DASH
 from egad.report.viewer import GraspScene, viewer_data
 
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -94,8 +94,3 @@ def _of_gripper(gripper: str, tables: GripperTables, labels: Mapping[str, str]) 
         title = "successes" if len(trials) == 1 else f"successes of {detector}"
         columns[title] = rates["successes"] + " of " + rates["attempts"]
     return pd.DataFrame(columns).add_suffix(f", {gripper}" if len(tables.scales) > 1 else "")
-
-
-def section(views: Mapping[str, ObjectsView], *, gripper: str) -> Section:
-    """The objects of each dataset, from `objects_view`; the 3D viewer shows this gripper."""
-    return section_of("objects.html.j2", "Objects", views=views, gripper=gripper)

@@ -1,7 +1,7 @@
 """HTML pages: sections, templates, numbers as text, and escaping.
 
-A section of the report is a module of this package. Its function `section` turns tables and plain
-values into a `Section`, using a template of the same name.
+A section of the report is a module of this package, which turns tables into what the template of
+the same name shows.
 """
 
 from collections.abc import Iterable

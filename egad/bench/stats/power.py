@@ -93,7 +93,6 @@ class Plan:
     """Attempts that show a difference with the requested power, at some number of objects.
 
     Attributes:
-        objects: Objects that both detectors try.
         attempts: Attempts of each detector at each object; None if the maximum is too low.
         power: Probability that the test over objects then finds the better detector.
         sequential: Total attempts of each detector after which the sequential test has found it

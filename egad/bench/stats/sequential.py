@@ -21,7 +21,6 @@ class SequentialTest:
     Attributes:
         e_values: E-value after each pair, (n,). If there is no difference, it reaches 1 / level
             with a probability of at most the level, however often one looks.
-        level: Probability of a wrong decision.
         decided_after: Pairs after which the e-value first reached 1 / level; None if it has not.
         better: Which detector the decision is for: `first` or `second`; empty without one.
     """

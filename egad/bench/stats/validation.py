@@ -199,20 +199,13 @@ def _agreement(
 
 
 def mmrv(simulated: Floats, real: Floats) -> Floats:
-    """Mean maximum rank violation of SIMPLER (Li et al. 2024): 0 if simulation ranks like reality.
+    """Mean maximum rank violation of SIMPLER (Li and others 2024), 0 to 1, of rates (..., n).
 
     For each object or detector, it takes the others that the simulation orders differently from
     reality, and the largest difference of real rates among these; the result is the mean. Real
     differences are what counts: a swap of two that are nearly equal on the robot hardly matters,
     however large the simulated difference. The published function takes (simulated, real), but its
     documentation has them the other way round, which weights by simulated differences.
-
-    Args:
-        simulated: (..., n) simulated success rates.
-        real: (..., n) real success rates of the same.
-
-    Returns:
-        (...,) a violation, 0 to 1.
     """
     flat = [rates.reshape(-1, rates.shape[-1]) for rates in np.broadcast_arrays(simulated, real)]
     count = flat[0].shape[1]

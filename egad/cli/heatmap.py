@@ -1,0 +1,33 @@
+"""The number of elites in each cell."""
+
+from pathlib import Path
+from typing import Annotated
+
+from egad.cli.common import ArchiveFile, Config, out_option, settings_in
+
+
+def heatmap(
+    archive: ArchiveFile,
+    out: Annotated[Path, out_option("drawing to write: .svg")],
+    config: Config = None,
+) -> None:
+    """Draw the number of elites per cell of an archive, as SVG."""
+    from egad._util.files import write_text
+    from egad.config.archive_settings import check_provenance
+    from egad.config.stages import MeasureMeshes, select
+    from egad.data import archive_path
+    from egad.io import check_ending
+    from egad.measures import MeasureParameters, attainable_graspability
+    from egad.report.axes import axis_pair
+    from egad.report.comparison import dataset_maps
+    from egad.tables import parquet
+    from egad.tables.evolution import ARCHIVE
+
+    check_ending(out, (".svg",))
+    settings = settings_in(config)
+    check_provenance(archive_path(archive), select(settings, MeasureMeshes), ("space",))
+    objects = parquet.read(archive_path(archive), ARCHIVE)
+    limit = attainable_graspability(select(settings, MeasureParameters))
+    axes = axis_pair(settings.measures)
+    maps = dataset_maps({archive.stem: objects}, settings.space, axes, limit.rows)
+    write_text(out, maps)
