@@ -162,7 +162,7 @@ def _objects(
         for name, data in datasets.items()
     }
     if views:
-        yield objects.section(views, gripper=gripper)
+        yield section_of("objects.html.j2", "Objects", views=views, gripper=gripper)
 
 
 def _evolution(
@@ -174,11 +174,13 @@ def _evolution(
         if (view := evolution.evolution_view(data.objects, data.history, settings.space))
     }
     if views:
-        yield evolution.section(
-            views,
-            settings.space,
-            axes,
-            limit,
+        yield section_of(
+            "evolution.html.j2",
+            "Evolution",
+            views=views,
+            space=settings.space,
+            axes=axes,
+            limit=limit,
             sampled=not settings.measures.graspability,
             islands=settings.schedule.islands,
         )
@@ -202,7 +204,14 @@ def _evaluation(
     }
     if views:
         percentile = None if settings.measures.graspability else settings.graspability.percentile
-        yield evaluation.section(views, axes, percentile=percentile, gripper=gripper)
+        yield section_of(
+            "evaluation.html.j2",
+            "Evaluation set",
+            views=views,
+            axes=axes,
+            percentile=percentile,
+            gripper=gripper,
+        )
 
 
 def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
@@ -212,8 +221,10 @@ def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterat
         if (view := grasps.grasp_view(data.grasps, data.size_effects))
     }
     if views:
-        yield grasps.section(
-            views,
+        yield section_of(
+            "grasps.html.j2",
+            "Grasps",
+            views=views,
             most_grasps=settings.grasp_label.grasps,
             copies=settings.robust.samples,
             size_grasps=settings.size_effect.grasps,
@@ -241,7 +252,7 @@ def _clutter(datasets: Mapping[str, DatasetReport]) -> Iterator[Section]:
         for name, data in datasets.items()
     }
     if any(found.values()):
-        yield clutter.section(found)
+        yield section_of("clutter.html.j2", "Cleared tables", datasets=found)
 
 
 def _agreement(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterator[Section]:
@@ -254,8 +265,10 @@ def _agreement(datasets: Mapping[str, DatasetReport], settings: Settings) -> Ite
         for name, data in datasets.items()
     }
     if any(found.values()):
-        yield agreement.section(
-            found,
+        yield section_of(
+            "agreement.html.j2",
+            "Labels",
+            datasets=found,
             lift_height=settings.trials.lift_height,
             hold_time=settings.trials.hold_time,
             friction=settings.quality.friction,

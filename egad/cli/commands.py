@@ -9,7 +9,6 @@ from typer.core import TyperGroup
 from egad import __version__
 from egad.cli.benchmark import benchmark
 from egad.cli.bundle import bundle
-from egad.cli.check_config import check_config
 from egad.cli.collage import collage
 from egad.cli.export import export
 from egad.cli.export_meshes import export_meshes
@@ -21,7 +20,7 @@ from egad.cli.locate import locate
 from egad.cli.log_sheet import log_sheet
 from egad.cli.matched_set import matched_set
 from egad.cli.measure import measure
-from egad.cli.provenance import provenance, verify
+from egad.cli.provenance import check_config, provenance, verify
 from egad.cli.rescale import rescale
 from egad.cli.similarity import similarity
 from egad.cli.size_effect import size_effect

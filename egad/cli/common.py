@@ -45,10 +45,7 @@ def grippers_like(incomplete: str) -> list[str]:
 
 
 def gripper_option(default: str = "", opening: bool = True) -> Any:  # noqa: ANN401 (as in typer)
-    """The option for the gripper.
-
-    Empty default: the command needs one, or typer shows it. `opening`: whether one is accepted.
-    """
+    """The option for the gripper; the default is only told. `opening`: whether one is accepted."""
     words = ["gripper of the configuration"]
     words += ["or an opening in metres, such as 0.08"] if opening else []
     told = ", ".join(words) + (f"; default: {default}" if default else "")
@@ -140,10 +137,7 @@ def settings_in(
 
 
 def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:
-    """Complete settings with the gripper of the option `--gripper`, and what it is called there.
-
-    Given is the name of a gripper, or the opening, in metres, of a gripper that has nothing else.
-    """
+    """Settings with the gripper of `--gripper`, a name or an opening in metres; and its name."""
     settings = with_packaged(settings, given)
     opening = None if given in settings.grippers else _number(given)
     if opening is None:

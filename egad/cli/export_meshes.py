@@ -69,8 +69,8 @@ def write_meshes(
 ) -> int:
     """Write objects of an archive as `ID.obj`, metres; return how many.
 
-    They are the surfaces that evolution measured, rounded to single precision, unless another
-    resolution is given. Objects of which nothing is left there are logged.
+    They are the surfaces that evolution measured, in single precision, unless another resolution is
+    given. Objects of which nothing is left there are logged.
     """
     from egad._util.files import atomic_output
     from egad.evolution import UNBOUND

@@ -40,8 +40,15 @@ def inspect(
     """
     from egad.grippers import Gripper, model_of
     from egad.io import check_ending
-    from egad.report.cup import cup_entry, cup_facts, cup_page
-    from egad.report.hand import hand_entry, hand_facts, hand_page, jaw_table
+    from egad.report.hand import (
+        cup_entry,
+        cup_facts,
+        cup_page,
+        hand_entry,
+        hand_facts,
+        hand_page,
+        jaw_table,
+    )
 
     check_ending(out, (".html",))
     if Path(hand).is_file():

@@ -77,10 +77,7 @@ def locate(
 
 
 def reference(source: Path, settings: MeasureMeshes) -> "Dataset":
-    """The objects that meshes are compared with, from a source as for `egad.load`.
-
-    UserError if the source does not exist, or was made with a finer grid.
-    """
+    """The objects to compare with, see `egad.load`; UserError if made with a finer grid."""
     from egad.objects import load
 
     found = load(str(source))

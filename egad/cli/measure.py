@@ -87,10 +87,7 @@ def measure_files(
     worker_count: int,
     rule: str = MAP_RULE,
 ) -> "pd.DataFrame":
-    """Repair and measure mesh files: a row of `tables.objects.MEASURED` for each, in order.
-
-    For an unusable mesh the measures are missing, and `reason` says why.
-    """
+    """Rows of `tables.objects.MEASURED` of repaired mesh files; `reason` if unusable."""
     import pandas as pd
 
     from egad.io import warn_of_units

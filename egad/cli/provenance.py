@@ -1,10 +1,11 @@
-"""Provenance of files, and verification of checksums."""
+"""The check of configuration files, provenance of files, and verification of checksums."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from egad.cli.common import settings_in
 from egad.errors import UserError
 
 
@@ -38,3 +39,12 @@ def verify(
     typer.echo(f"{verdict.checked} files checked, {len(verdict.problems)} altered or missing")
     if verdict.problems:
         raise typer.Exit(1)
+
+
+def check_config(
+    files: Annotated[list[Path], typer.Argument(help="configuration files")],
+) -> None:
+    """Check configuration files and list all problems."""
+    for file in files:
+        settings_in(file)
+        typer.echo(f"{file}: fine")

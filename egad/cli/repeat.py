@@ -51,10 +51,7 @@ def run_trials(
     objects: tuple[str, str | None],
     out: tuple[Path, "pa.Schema"],
 ) -> Result:
-    """Simulate trials, and write their table with a note from which they can be repeated.
-
-    `objects` are the values of `--objects` and `--units`; `out` is the table and its columns.
-    """
+    """Simulate trials of `--objects` with `--units`; write the table, and a note to repeat it."""
     from egad.detectors import keep_failure
     from egad.tables import parquet
     from egad_workflow.provenance import recorded
@@ -111,10 +108,7 @@ def repeatable_in(
 def repeatable(
     table: Path, dataset: Path | None, gripper: str | None, config: Path | None
 ) -> tuple[Settings, str, "Models"]:
-    """Settings, name of the gripper and objects of the attempts in a table.
-
-    They are those in the note of the table; each option replaces its own part.
-    """
+    """Settings, gripper and objects in the note of a table; each option replaces its part."""
     from egad.exchange import lazy_models
     from egad.tables import parquet
     from egad_workflow.check import check

@@ -59,10 +59,7 @@ def similarity(
 def similarity_of_files(
     settings: Similarity, files: Mapping[str, Path], units: str | None, worker_count: int
 ) -> "tuple[pd.DataFrame, dict[str, str]]":
-    """Square matrix of the similarity of mesh files, by name, and reasons of rejected meshes.
-
-    Their rows and columns have missing values.
-    """
+    """Similarities of mesh files by name, missing for rejected ones; and the reasons."""
     import pandas as pd
 
     from egad.io import warn_of_units
@@ -93,10 +90,10 @@ def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes |
 
 
 def graph_of(mesh: "trimesh.Trimesh", settings: Similarity, name: str) -> "ReebGraph":
-    """The Reeb graph of a mesh after repair, as in datasets.
+    """The Reeb graph of a mesh after repair, as in datasets; with `scan` bases, before it.
 
-    With `scan` bases it is the graph of the original mesh if possible: these bases depend on the
-    order of the vertices, which repair changes.
+    These bases depend on the order of the vertices, which repair changes. A mesh without a graph
+    before repair has that after it.
     """
     from egad.geometry.repair import repaired_mesh
     from egad.measures.reeb import graph as reeb

@@ -81,12 +81,9 @@ def view(
 
 
 def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "GraspScene":
-    """An object of a dataset, by its label, with labelled grasps of a gripper of this opening, m.
-
-    UserError if they do not exist, or were made with another opening.
-    """
+    """An object by its label, with grasps of a gripper; UserError if the opening, m, differs."""
     from egad.exchange import check_opening
-    from egad.report.scenes import scene
+    from egad.report.viewer import scene
     from egad.tables import parquet
     from egad.tables.evaluation import EVAL49
     from egad.tables.grasping import GRASPS, SCALES

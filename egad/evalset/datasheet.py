@@ -16,11 +16,9 @@ ATTEMPTS = 20  # as in the paper
 
 @dataclass(frozen=True)
 class ForGripper:
-    """Data about the set, scaled for a gripper.
+    """Data about the set, scaled for a gripper: `MANIFEST`, and best collision-free qualities.
 
-    Attributes:
-        manifest: Columns of `tables.evaluation.MANIFEST`.
-        best: Best collision-free grasp quality by the name of the object in its dataset.
+    Qualities are by the name of the object in its dataset.
     """
 
     manifest: pd.DataFrame

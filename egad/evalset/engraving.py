@@ -24,13 +24,10 @@ SKIN = 1e-6  # metres below the surface, where rays start inwards
 
 
 class Patch(NamedTuple):
-    """A place for a text.
+    """A place for a text, on the surface; the columns of the frame are right, up and outwards.
 
-    Attributes:
-        middle: Middle of the text, on the surface, (3,).
-        frame: Columns to the right of the text, up, and out of the surface, (3, 3).
-        relief: Height of the highest point below the text over the lowest, metres.
-        contacts: Number of grasp contacts on it.
+    `relief` is the height of the highest point below the text over the lowest, metres; `contacts`
+    is the number of grasp contacts on it.
     """
 
     middle: Floats
@@ -44,16 +41,9 @@ def engrave(
 ) -> trimesh.Trimesh | None:
     """A copy with a text cut into it at uniform depth, where it disturbs grasps least.
 
-    Args:
-        mesh: A closed surface, wound outwards, metres, at the size that it is printed in.
-        text: A few letters and digits.
-        settings: Depth, height of the letters, and how uneven the place may be.
-        wall: Thickness that must be left below the text, metres.
-        contacts: Where grasps touch the object, (n, 3); the place with the fewest is taken, and
-            among those the most even one.
-
-    Returns:
-        None if there is no place for the text, or if it would cut the object into pieces.
+    The mesh is closed, wound outwards, metres, at the size that it is printed in. At least `wall`
+    metres are left below the text. Of the places with the fewest of the contacts, (n, 3), the most
+    even one is taken. None if there is no place, or the text would cut the object into pieces.
     """
     patch = best_patch(mesh, text, settings, wall, contacts)
     return None if patch is None else cut_text(mesh, text, patch, settings)

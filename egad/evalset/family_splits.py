@@ -12,18 +12,12 @@ from egad.random import entropy
 
 
 def families(ids: Iterable[str], lineage: Lineage | None) -> dict[str, str]:
-    """The family of each object, by id: its founder along the line of first parents.
-
-    Without a lineage, each is a family of its own. UserError if the lineage lacks an object.
-    """
+    """The founder of each object, by id; itself without a lineage. UserError if that lacks it."""
     return {name: lineage.family(name) if lineage else name for name in ids}
 
 
 def with_parents_and_children(names: Iterable[str], lineage: Lineage | None) -> set[str]:
-    """Some objects, and their parents and children.
-
-    Without a lineage, nothing is added. UserError if the lineage lacks an object.
-    """
+    """Objects, their parents and children, if known; UserError if the lineage lacks an object."""
     found = set(names)
     if lineage is None:
         return found
@@ -35,17 +29,11 @@ def with_parents_and_children(names: Iterable[str], lineage: Lineage | None) -> 
 def split_by_family(
     family_of: Mapping[str, str], test: Collection[str], validation: float, seed: int
 ) -> dict[str, str]:
-    """The split of each object: `train`, `validation` or `test`.
+    """The split of each object, `train`, `validation` or `test`, whatever their order.
 
     No family is in both training and validation. The largest families go to training until it has
-    its share of the objects; all others go to validation. The result does not depend on the order
-    of the objects.
-
-    Args:
-        family_of: The family of each object, by id.
-        test: Ids of the objects for testing; those of other datasets are ignored.
-        validation: Largest fraction of the other objects that go to validation.
-        seed: Decides which of several families of the same size comes first.
+    its share of the objects; all others go to validation, at most that fraction of the objects that
+    are not for testing. The seed decides among families of the same size.
     """
     held_out = set(test)
     sizes = Counter(family for name, family in family_of.items() if name not in held_out)

@@ -54,19 +54,10 @@ def read_labels(path: Path) -> dict[str, str]:
 def take(
     objects: pd.DataFrame, labels: Mapping[str, str], distances: Distances, settings: SelectEval
 ) -> pd.DataFrame:
-    """The objects that have labels, as an evaluation set.
+    """The objects of `OBJECTS` with labels, by id, as `tables.evaluation.EVAL49`, sorted by label.
 
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        labels: Labels by the ids of objects; ids that are not among them are named in the log.
-        distances: (n, n) distances between the objects.
-        settings: Rows and columns of the grid.
-
-    Returns:
-        Columns of `tables.evaluation.EVAL49`, sorted by label.
-
-    Raises:
-        UserError: No object has a label, two have the same, or one lies outside the grid.
+    Ids that are not among them are named in the log. UserError if no object has a label, two have
+    the same, or one lies outside the grid.
     """
     if unknown := sorted(set(labels) - set(objects["id"])):
         log.warning("labelled objects that are not in the dataset: %s", ", ".join(unknown))

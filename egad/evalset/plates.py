@@ -19,14 +19,10 @@ SMALL_CONTACT = 1e-4  # m2: a smaller first layer comes off the bed easily
 
 @dataclass(frozen=True)
 class PrintItem:
-    """An object as it will be printed; lengths in metres.
+    """An object as it will be printed, lowest corner of its box at the origin; metres and kg.
 
-    Attributes:
-        pose: How it lies, the lowest corner of its box at the origin.
-        filament: Mass, kg, without supports.
-        plate: Number from 1; None if it is on no plate.
-        place: x and y of its lowest corner on the plate; None if it is on no plate.
-        note: What to know before printing.
+    Filament is without supports; the place is x and y of that corner on the plate, both None if on
+    none.
     """
 
     pose: PrintPose
@@ -42,16 +38,9 @@ def plan_prints(
     check: PrintCheck,
     watch: Watch = iter,
 ) -> dict[str, PrintItem]:
-    """Turn every object to its pose and pack all that can be printed onto few plates.
+    """Turn closed meshes to their poses and pack all that can be printed onto few plates.
 
-    Args:
-        meshes: Closed meshes in metres, by label.
-        settings: Bed, corner to keep out of, gap, pose, filament.
-        check: What can be printed.
-        watch: Passes the meshes through while they are turned, to show progress.
-
-    Returns:
-        One item for each label, in the order given.
+    `watch` passes the meshes through while they are turned, to show progress.
     """
     lying = {
         label: lie_down(mesh, settings.pose, settings.overhang_angle, int(np.argmax(settings.bed)))

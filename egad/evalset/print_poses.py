@@ -15,13 +15,10 @@ FOOTHOLD = 1e-6  # m2: slicers leave out a first layer much smaller than this
 
 
 class PrintPose(NamedTuple):
-    """An object lying on the bed, in metres, the lowest corner of its box at the origin.
+    """An object lying on the bed, metres and m2, the lowest corner of its box at the origin.
 
-    Attributes:
-        mesh: The turned object.
-        probability: Chance of coming to rest like this when dropped; NaN if there is no pose.
-        overhang: Area that needs support, m2.
-        contact: Area of the first layer, m2.
+    Overhangs need support; contact is the area of the first layer. The probability is that of
+    coming to rest like this when dropped; NaN if there is no pose.
     """
 
     mesh: trimesh.Trimesh
@@ -61,9 +58,9 @@ def _pose(
 
 
 def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> float:
-    """Area of the surface that needs support: it faces down and does not lie on the bed.
+    """Area that needs support: steeper than an angle (degrees), facing down, not on the bed.
 
-    After the rotation, z points up. Overhangs at a larger angle to the vertical count, degrees.
+    After the rotation, z points up. Overhangs at a larger angle to the vertical count.
     """
     up = rotation[2]
     heights = np.asarray(mesh.vertices) @ up

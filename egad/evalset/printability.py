@@ -43,8 +43,8 @@ class Thinness(NamedTuple):
 def thinness(mesh: trimesh.Trimesh, diameter: float) -> Thinness:
     """Roll a ball inside a solid: the morphological opening, measured on the surface.
 
-    A point of the surface is reached if the ball that touches it from within meets no other part
-    of the surface. What the ball reaches is the union of these balls.
+    A point of the surface is reached if the ball that touches it from within meets no other part of
+    the surface. What the ball reaches is the union of these balls.
     """
     radius = diameter / (1 + SLACK)  # so that a plate passes if it is as thick as the diameter
     flat, bent = spread(mesh, SPACING * diameter), rims(mesh, SPACING * diameter)
@@ -132,20 +132,13 @@ def _tree(points: Floats) -> cKDTree:
 
 
 def print_problems(mesh: trimesh.Trimesh, check: PrintCheck) -> list[str]:
-    """What keeps an object from being printed at its present size.
+    """What keeps an object, metres, from being printed at its present size, in a few words each.
 
     It must be closed, one body that does not touch itself, without a trapped void, and nowhere
     thinner than the nozzle allows: a ball as wide as the thinnest wall, rolled inside, must come
     close to all of the surface, and get from any place to any other. Edges and tips may become
     blunter by as much as the settings allow; where both sides are parallel within 30 degrees, half
     a wall is the limit.
-
-    Args:
-        mesh: Metres, scaled as it will be printed.
-        check: Thinnest wall, and what counts as an edge or a tip.
-
-    Returns:
-        A few words for each problem; empty if it can be printed.
     """
     if not is_closed(mesh):
         return ["not closed"]

@@ -98,13 +98,9 @@ def _distances(positions: Floats, cell: tuple[int, int]) -> Floats:
 
 
 class Selection(NamedTuple):
-    """What was chosen.
+    """What was chosen (`tables.evaluation.EVAL49`, sorted by label), as row numbers cell by cell.
 
-    Attributes:
-        table: Columns of `tables.evaluation.EVAL49`, sorted by label.
-        chosen: Row numbers of the objects, cell by cell.
-        candidates: Row numbers of all that could have been chosen, cell by cell.
-        left_out: Row numbers of the objects with problems, and their problems.
+    `left_out` has the row numbers of the objects with problems, and their problems.
     """
 
     table: pd.DataFrame
@@ -123,18 +119,10 @@ def select(
 ) -> Selection:
     """Choose one object for every coarse cell that has any, or one nearby to borrow.
 
-    The sum of the distances of all pairs is a local maximum: no exchange of one or two objects
-    for others of their cells makes it larger. The best of several random starts is taken. An
-    object with problems is left out and the rest is chosen again, so only objects that would be
-    chosen are checked.
-
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        distances: (n, n) distances between the objects.
-        settings: Rows, columns, restarts.
-        space: Ranges of the grid.
-        rng: For the random starts.
-        problems: What is wrong with the object of a row number; empty if it may be chosen.
+    The sum of the (n, n) distances of all pairs is a local maximum: no exchange of one or two
+    objects for others of their cells makes it larger. The best of several random starts is taken.
+    An object with `problems`, by its row number, is left out and the rest is chosen again, so only
+    objects that would be chosen are checked.
     """
     left_out: dict[int, list[str]] = {}
     fine: set[int] = set()
@@ -277,17 +265,7 @@ def nearest_distances(chosen: Ints, distances: Distances) -> NDArray[np.float64]
 def take_all(
     objects: pd.DataFrame, distances: Distances, settings: SelectEval, space: MeasureSpace
 ) -> pd.DataFrame:
-    """All objects as an evaluation set, under the labels that they have.
-
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        distances: (n, n) distances between the objects.
-        settings: Rows and columns of the grid.
-        space: Ranges of the grid.
-
-    Returns:
-        Columns of `tables.evaluation.EVAL49`, sorted by label; several may lie in the same cell.
-    """
+    """All objects, under their labels, as `EVAL49`, sorted by label; several may share a cell."""
     cells, everything = coarse_cells(objects, settings, space), np.arange(len(objects))
     borrowed, nearest = np.zeros(len(objects), bool), nearest_distances(everything, distances)
     table = selection_table(objects, cells, settings.columns, borrowed, nearest)

@@ -33,15 +33,9 @@ _TEXT = h5py.string_dtype()  # Dex-Net compares strings, and would get bytes fro
 
 @dataclass(frozen=True)
 class DexnetObject:
-    """What a database holds about an object.
+    """What a database holds about an object: kilograms, and metres in the frame of the grasps.
 
-    Attributes:
-        mesh: Metres, in the frame that the grasps are in.
-        mass: Kilograms.
-        field: Distances from its surface.
-        poses: Its stable poses.
-        name: Its id within its dataset.
-        measures: Its measures by name.
+    The field has distances from its surface; the name is its id within its dataset.
     """
 
     mesh: trimesh.Trimesh

@@ -73,10 +73,7 @@ def check_opening(dataset: Path, gripper: str, opening: float) -> None:
 
 
 def by_object(path: Path, columns: list[str]) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The rows of one label after the other, ascending, never more than a few thousand in memory.
-
-    UserError if the table is not sorted by label.
-    """
+    """Rows of one label after the other, few at a time; UserError if not sorted by label."""
     rest, last = pd.DataFrame(), ""
     for batch in parquet.batches(path, ["label", *columns]):
         rows = pd.concat([rest, batch]) if len(rest) else batch

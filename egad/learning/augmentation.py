@@ -41,11 +41,7 @@ def sample_change(zoom: tuple[float, float], rng: np.random.Generator) -> Change
 
 
 def sample_crop(rectangles: Rectangles, side: int, rng: np.random.Generator) -> Crop:
-    """Draw a square of an image: three out of four contain the center of one of its grasps (ours).
-
-    All squares that contain it are equally likely. The fourth, and those of an image without
-    grasps, are anywhere.
-    """
+    """Draw a square of an image: 3 of 4 contain the center of one of its grasps (ours)."""
     centers = rectangles[(np.abs(rectangles[:, :2] - (SIZE - 1) / 2) < SIZE / 2).all(axis=1), :2]
     low, high = np.zeros(2, int), np.full(2, SIZE - side)
     if rng.random() < AIMED and len(centers):

@@ -42,13 +42,10 @@ FARTHEST = 1e5  # pixels; numbers of grasps beyond this are not pixels of an ima
 
 
 class PositiveFilter(NamedTuple):
-    """Which grasps are shown to a network, and as what.
+    """Which grasps are positive: those free of collisions, with a robust quality above `quality`.
 
-    Attributes:
-        quality: Robust quality that a grasp must exceed; it must also be free of collisions.
-        breadth: Width of the jaws along their face, metres.
-        simulated: Whether a grasp must have succeeded in simulation, instead of exceeding the
-            quality.
+    If `simulated`, those that held in simulation instead. `breadth` is the width of the jaws along
+    their face, metres.
     """
 
     quality: float
@@ -64,23 +61,16 @@ class PositiveFilter(NamedTuple):
 class ImageDataset:
     """All images of some folders, as one set.
 
-    Attributes:
-        folders: Where they are.
-        index: One row per image: `shard`, `group` and `row` where it is stored, shards counted
-            through all folders; `image`, `id`, `objects` and `split`; `grasps`, how many it shows,
-            and `positive`, how many of these are positive by the rule.
+    The index has a row per image: `shard`, `group` and `row`, where it is stored, shards counted
+    through all folders; `image`, `id`, `objects`, `split`; and its numbers of `grasps` and of
+    `positive` ones.
     """
 
     def __init__(self, folders: Sequence[Path], rule: PositiveFilter) -> None:
-        """Look through the shards; no image is decoded.
+        """Look through `images-N.parquet` of each folder; no image is decoded.
 
-        Args:
-            folders: Each holds `images-0.parquet`, `images-1.parquet` and so on.
-            rule: Which grasps are positive.
-
-        Raises:
-            UserError: Some are missing, or are not all of one set, or an object is in two splits.
-            TableError: One cannot be read, or is not of this layout.
+        UserError if some are missing, or not all of one set, or an object is in two splits;
+        TableError if one cannot be read, or is not of this layout.
         """
         self.folders, self.rule = folders, rule
         self._names = list(dict.fromkeys([*NAMES, *rule.columns]))
@@ -114,14 +104,9 @@ class ImageDataset:
         return found
 
     def image(self, number: int) -> tuple[NDArray[np.float32], Rectangles]:
-        """The image of a row of the index.
+        """Depth, (300, 300) metres, NaN where missing, and positive grasps, from worst to best.
 
-        Returns:
-            Depth, (300, 300) metres, NaN where it is missing; and its positive grasps, from the
-            worst to the best.
-
-        Raises:
-            TableError: It is damaged or of another size.
+        By the row of the index; TableError if the image is damaged or of another size.
         """
         with self._named(number) as shown:
             return _whole(shown), positives(shown, self.rule)
@@ -273,10 +258,9 @@ def example(
     change: Change = UNCHANGED,
     crop: Crop = WHOLE,
 ) -> Example:
-    """The input of a network and its target, (1, side, side) and (4, side, side).
+    """Input and target of a network, (1, side, side) and (4, side, side), from depths in metres.
 
-    From the depths, metres, of the part that is shown, the mean of the whole changed image is
-    subtracted, as it is where the network is used.
+    The mean of the whole changed image is subtracted, as where the network is used.
     """
     filled = fill_missing(depth)
     seen = prepare_input(change_depth(filled, change, crop), mean_depth(filled, change))

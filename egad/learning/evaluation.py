@@ -53,23 +53,14 @@ def outline_score(shards: ImageDataset, numbers: Iterable[int]) -> OutlineScore:
 
 
 class ImageScore(NamedTuple):
-    """A network's answer to one image.
-
-    Attributes:
-        losses: Mean squared error of each map, (4,).
-        hit: Whether its best grasp agrees with a positive one; None if there is no positive one.
-    """
+    """Losses of the maps, (4,), and whether the best grasp agrees; None without a positive one."""
 
     losses: NDArray[np.float64]
     hit: bool | None
 
 
 def score_image(network: "nn.Module", depth: NDArray[np.float32], truth: Rectangles) -> ImageScore:
-    """Compare a network's answer to an image with the positive grasps (n, 5) in it.
-
-    The grasp that counts is the one at the highest peak of the smoothed quality
-    (`egad.learning.images.rectangles.agrees` says how).
-    """
+    """Compare an answer, at the highest peak of its smoothed quality, with grasps (n, 5)."""
     import torch  # noqa: PLC0415 (an extra)
 
     with torch.inference_mode():
@@ -98,13 +89,8 @@ def score(judgements: Sequence[ImageScore]) -> float:
 class Score:
     """What a network reached on images of held-out objects.
 
-    Attributes:
-        n_correct: Images in which its best grasp agrees with a positive one.
-        n_images: Images with a positive grasp.
-        objects: Objects in these.
-        interval: The 95 % interval of the share that is correct, for other objects and scenes of
-            the same kind.
-        loss: Mean over all images.
+    `n_correct` of the `n_images` with a positive grasp: the best grasp agrees with one. The
+    interval is for other objects and scenes of the same kind; `loss` is the mean over all images.
     """
 
     n_correct: int

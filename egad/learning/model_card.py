@@ -58,15 +58,9 @@ positive grasp, if there are any, are examples where nothing can be grasped.
 class TrainedNetwork:
     """What the card tells about a network.
 
-    Attributes:
-        title: Name of the network.
-        parameters: How many weights it has.
-        source: Where the images are.
-        index: `egad.learning.dataset.ImageDataset.index`.
-        history: Columns of `tables.training.HISTORY`.
-        score: Its score on the split `test`.
-        outline: The score of the outline alone there.
-        settings: How it was trained, by name; among them `positive` and `quality`.
+    The index is that of `ImageDataset`, the history `tables.training.HISTORY`; scores, its own and
+    that of the outline alone, are on the split `test`; settings are by name, with `positive` and
+    `quality`.
     """
 
     title: str

@@ -6,10 +6,9 @@ with all of its grasps, so that the network is computed once for all of them.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -17,48 +16,10 @@ from egad._util.arrays import Floats, Singles
 from egad.detectors import NoiseName, Observation, Tsdf, add_noise, encode, hand_in_network_frame
 from egad.grippers import Gripper
 from egad.learning.dataset import Passes
+from egad.learning.scenes import LabelledScene, SceneDataset
 from egad.random import generator
 
 WINDOW = 128  # scenes that are shuffled together, about
-
-
-class Scene(Protocol):
-    """The parts of a labelled scene that are read."""
-
-    @property
-    def view_count(self) -> int:
-        """How many depth images there are."""
-
-    @property
-    def noise(self) -> NoiseName:
-        """What noise they have."""
-
-    @property
-    def grasps(self) -> pd.DataFrame:
-        """One row per grasp, with `success`, `width`, metres, and `yaws`, see `NetworkGrasps`."""
-
-    @property
-    def poses(self) -> Floats:
-        """Poses of the hand, (n, 4, 4), in the order of `grasps`."""
-
-    def observation(self, views: Sequence[int] | None = None) -> Observation:
-        """What some or all of the cameras see."""
-
-
-class SceneSource(Protocol):
-    """Labelled scenes with numbers.
-
-    Attributes:
-        index: One row per scene: `split`, `shard`, `grasps` and `positive`.
-    """
-
-    index: pd.DataFrame
-
-    def indices(self, split: str) -> NDArray[np.int64]:
-        """Rows of the index that belong to a split."""
-
-    def scene(self, number: int) -> Scene:
-        """The scene of a row of the index."""
 
 
 class NetworkGrasps(NamedTuple):
@@ -68,8 +29,7 @@ class NetworkGrasps(NamedTuple):
         poses: (n, 4, 4) in the world.
         success: (n,) 1 or 0.
         widths: (n,) distances of the pads when they hold, metres; 0 for a failed grasp.
-        yaws: (n, y) whether the hand holds when it is turned about the approach by k / y of half a
-            turn, k = 0, ..., y - 1.
+        yaws: (n, y) whether it holds when turned about the approach by k / y of half a turn.
     """
 
     poses: Floats
@@ -110,7 +70,7 @@ class Move(NamedTuple):
 UNMOVED = Move()
 
 
-def labelled_grasps(scene: Scene, gripper: Gripper) -> NetworkGrasps:
+def labelled_grasps(scene: LabelledScene, gripper: Gripper) -> NetworkGrasps:
     """The grasps of a scene in the frame of VGN."""
     poses = scene.poses @ np.linalg.inv(hand_in_network_frame(gripper))
     success = scene.grasps["success"].to_numpy(bool)
@@ -170,7 +130,7 @@ class SceneStream:
 
     def __init__(
         self,
-        scenes: SceneSource,
+        scenes: SceneDataset,
         gripper: Gripper,
         length: int,
         rise: int = 0,

@@ -67,16 +67,8 @@ COUNTS = ("objects", "packed", "piles", "without a positive grasp", "grasps", "p
 class TrainedOnScenes:
     """What the card tells about a network.
 
-    Attributes:
-        title: Name of the network.
-        parameters: How many weights it has.
-        source: Where the scenes are.
-        gripper: Name of the gripper of their grasps.
-        index: One row per scene: `kind`, `split`, `objects`, `noise`, `views`, `grasps` and
-            `positive`.
-        history: Columns of `tables.training.SCENE_HISTORY`.
-        score: Its score on the split `test`.
-        settings: How it was trained, by name.
+    The index is that of `SceneDataset`, the history `tables.training.SCENE_HISTORY`; the score is
+    on the split `test`; settings are by name.
     """
 
     title: str

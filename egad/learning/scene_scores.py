@@ -17,11 +17,9 @@ THRESHOLDS = (0.5, 0.7, 0.8, 0.9, 0.95)
 
 
 class GraspAnswers(NamedTuple):
-    """What a network answers at the labelled grasps of a scene.
+    """What a network answers at m labelled grasps of a scene: quality, and errors.
 
     Attributes:
-        success: (m,) whether the grasp succeeded.
-        quality: (m,) predicted quality.
         angles: (m,) between the predicted rotation and the nearest one that holds, degrees.
         widths: (m,) how far the predicted width is off, metres.
         losses: (m, 3) of quality, rotation and width, weighted.
@@ -47,20 +45,15 @@ class SceneScore:
     """What a network reached on scenes of held-out objects.
 
     Attributes:
-        scenes: How many they are.
-        grasps: Labelled grasps in them.
-        positive: How many of these succeeded.
-        average_precision: Average precision of the quality; that of guesses is the share of
-            positives.
+        average_precision: Of the quality; that of guesses is the share of positives.
         balanced_accuracy: Mean of the fractions of the positive and of the negative grasps that are
             classified correctly at a quality of 0.5.
         angle: Mean error of the rotation at positive grasps, degrees.
         width: Mean error of the width at positive grasps, metres.
         loss: Mean over the grasps.
-        thresholds: Thresholds of the quality.
-        recall: Fraction of the positive grasps that have at least that quality.
-        precision: Fraction of the grasps with at least that quality that are positive; NaN if there
-            are none.
+        thresholds: Thresholds of the quality, for the next two.
+        recall: Fraction of the positive grasps with at least that quality.
+        precision: Fraction of the grasps of that quality that are positive; NaN if there are none.
     """
 
     scenes: int

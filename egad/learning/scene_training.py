@@ -22,12 +22,12 @@ from egad.grippers import Gripper
 from egad.learning.parameters import VgnTraining
 from egad.learning.scene_examples import (
     SceneExample,
-    SceneSource,
     SceneStream,
     labelled_grasps,
     scene_example,
 )
 from egad.learning.scene_scores import GraspAnswers, joint_average_precision, mean_loss
+from egad.learning.scenes import SceneDataset
 from egad.learning.training import LearningSchedule, spread, thread_pool
 
 WIDTH_WEIGHT = 0.01
@@ -57,7 +57,7 @@ class SceneTask:
 
     def __init__(
         self,
-        scenes: SceneSource,
+        scenes: SceneDataset,
         gripper: Gripper,
         settings: VgnTraining,
         seed: int,

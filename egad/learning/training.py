@@ -34,14 +34,7 @@ Weights = dict[str, torch.Tensor]
 
 
 class LearningSchedule(NamedTuple):
-    """How long a training is, and how fast.
-
-    Attributes:
-        examples: How many examples there are in all.
-        epoch: Examples between two validations.
-        batch: Examples per step.
-        learning_rate: The largest value.
-    """
+    """Examples in all, per epoch (one validation) and per step; the largest learning rate."""
 
     examples: int
     epoch: int
@@ -52,13 +45,9 @@ class LearningSchedule(NamedTuple):
 class Task(Protocol):
     """What a network learns.
 
-    Attributes:
-        schedule: How long and how fast.
-        unit: What examples are called in the history.
-        parts: Names of the losses that are summed.
-        score: Name of the score in the history, which is better if it is higher.
-        keep_best: Whether the weights after the epoch of the best score are the result; else the
-            last ones are.
+    `unit` is what examples are called in the history, `parts` names the losses that are summed,
+    `score` the score, better if higher. If `keep_best`, the weights after the epoch of the best
+    score are the result; else the last ones are.
     """
 
     schedule: LearningSchedule
@@ -76,14 +65,7 @@ class Task(Protocol):
 
 @dataclass
 class State:
-    """How far a training is.
-
-    Attributes:
-        network: As it is now.
-        optimizer: The optimizer, with all its state.
-        rows: The history, one row per epoch.
-        best: The weights after the epoch of the best score, if these are wanted.
-    """
+    """How far a training is; `best` has the weights of the best epoch, if these are wanted."""
 
     network: nn.Module
     optimizer: torch.optim.Optimizer
@@ -95,9 +77,7 @@ class State:
 class Checkpoint:
     """A file for the state.
 
-    Attributes:
-        path: The file.
-        fingerprint: All that determines the result; a state of another training is not used.
+    A state with another fingerprint, of all that determines the result, is not used.
     """
 
     path: Path
@@ -147,22 +127,11 @@ def train(
     jobs: int = 1,
     checkpoint: Checkpoint | None = None,
 ) -> list[Row]:
-    """Train a network on images.
+    """Train a network on images, see `learn`; it maps (n, 1, side, side) to (n, 4, side, side).
 
-    Args:
-        network: Maps depths (n, 1, side, side) to maps (n, 4, side, side), without parts that are
-            random or look at a batch as a whole. It is modified.
-        shards: The images.
-        settings: How long, how fast, and on what.
-        seed: Order and changes of the images follow from it.
-        jobs: Number of cores; the result does not depend on it.
-        checkpoint: Saved after every epoch; training resumes from it.
-
-    Returns:
-        One row per epoch: columns of `tables.training.HISTORY`.
-
-    Raises:
-        UserError: There are no images to train on or to validate with, or the loss is not finite.
+    It must not be random or look at a batch as a whole. Rows of the history are
+    `tables.training.HISTORY`. UserError also if there are no images to train on or to validate
+    with.
     """
     # Up to twice as fast as the usual order in memory.
     nn.utils.convert_conv2d_weight_memory_format(network, torch.channels_last)
@@ -172,20 +141,11 @@ def train(
 def learn(
     network: nn.Module, task: Task, jobs: int = 1, checkpoint: Checkpoint | None = None
 ) -> list[Row]:
-    """Train a network.
+    """Train a network, which is modified; `jobs` does not change the result.
 
-    Args:
-        network: It is modified.
-        task: What it learns.
-        jobs: Number of cores; the result does not depend on it.
-        checkpoint: Saved after every epoch; training resumes from it.
-
-    Returns:
-        One row per epoch: `epoch`; examples so far, by the unit of the task; `loss` and its parts;
-        `validation_loss` and the score.
-
-    Raises:
-        UserError: The loss is not finite.
+    The checkpoint is saved after every epoch, and training resumes from it. Returns one row per
+    epoch: `epoch`; examples so far, by the unit of the task; `loss` and its parts;
+    `validation_loss` and the score. UserError if the loss is not finite.
     """
     state = State(network, torch.optim.Adam(network.parameters(), lr=task.schedule.learning_rate))
     if checkpoint:
@@ -205,8 +165,8 @@ def learn(
 def learning_rate(schedule: LearningSchedule, batch: range) -> float:
     """The learning rate of a step: it falls along half a cosine from its largest value to 0.
 
-    Loshchilov and Hutter, "SGDR: stochastic gradient descent with warm restarts", ICLR 2017,
-    equation 5, without restarts, at the middle of the examples of the step.
+    Loshchilov and Hutter, "SGDR", ICLR 2017, equation 5, without restarts, at the middle of the
+    examples of the step.
     """
     progress = (batch.start + batch.stop) / 2 / schedule.examples
     return schedule.learning_rate * (1 + math.cos(math.pi * progress)) / 2

@@ -13,7 +13,6 @@ from egad.bench.stats import Area, Bin, Rate, area, engine_names, gain, rate, re
 from egad.evalset import cell_of_label, in_grid
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
-from egad.report.page import Section, section_of
 from egad.report.trial_charts import draw_rates, outcome_counts
 
 QUALITIES = {
@@ -51,25 +50,6 @@ class LabelledSuccess:
     def figure(self) -> str:
         """The figure as an address."""
         return svg_uri(self.svg)
-
-
-def section(
-    datasets: Mapping[str, Mapping[str, LabelledSuccess]],
-    *,
-    lift_height: float,
-    hold_time: float,
-    friction: float,
-) -> Section:
-    """Labelled grasps of each dataset with each gripper.
-
-    Args:
-        datasets: From `agreement`, by dataset and gripper.
-        lift_height: Metres that the object is lifted.
-        hold_time: Seconds that it is held there.
-        friction: Coefficient between object and fingers.
-    """
-    values = {"lift_height": lift_height, "hold_time": hold_time, "friction": friction}
-    return section_of("agreement.html.j2", "Labels", datasets=datasets, **values)
 
 
 def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:
@@ -114,8 +94,8 @@ def _ratings(
 def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Sequence[Area]]) -> str:
     """SVG of success over the rank by quality, and of ROC areas by row of the set, then over all.
 
-    Intervals of 95 % are left for other grasps of the same objects, right for other objects. A bin
-    lies where its grasps rank among all, from worst to best; equal qualities share a bin.
+    Intervals of 95 % are left for other grasps of the same objects, right for other objects. Equal
+    qualities share a bin.
     """
     with new_figure(8.6, 3.2) as drawing:
         left, right = drawing.figure.subplots(1, 2, width_ratios=[1, 1.25])

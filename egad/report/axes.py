@@ -71,10 +71,7 @@ def axis_pair(axes: CustomMeasures) -> AxisPair:
 
 
 def named_axes(across: str | None, upwards: str | None) -> AxisPair:
-    """Axes of measures with these names; high values of the second one come first.
-
-    Without a name: complexity; and graspability, along the axis of difficulty.
-    """
+    """Axes of measures of these names (default: complexity, difficulty); high values come first."""
     return AxisPair(
         MeasureAxis(across, across, "low", "high", across) if across else COMPLEXITY,
         MeasureAxis(upwards, upwards, "high", "low", upwards) if upwards else DIFFICULTY,

@@ -21,20 +21,16 @@ from egad.bench.stats import (
     unusual,
 )
 from egad.report.drawing import data_uri
-from egad.report.page import Section, render_template, section_of
+from egad.report.page import render_template
 from egad.tables import parquet
 
 
 @dataclass(frozen=True)
 class ClutterView:
-    """Cleared tables of one gripper.
+    """Cleared tables of one gripper; rates by detector, addresses of pictures by kind of scene.
 
-    Attributes:
-        engine: The physics engine.
-        rates: Success rates in each kind of scene and noise, by detector.
-        thirds: Success of attempts, and share of objects cleared, by detector, axis (complexity,
-            difficulty) and third of the objects.
-        pictures: Addresses of pictures of scenes at the beginning of a round, by kind.
+    `thirds` has success of attempts, and share of objects cleared, by detector, axis (complexity,
+    difficulty) and third of the objects.
     """
 
     engine: str
@@ -43,20 +39,12 @@ class ClutterView:
     pictures: dict[str, list[str]]
 
 
-def section(datasets: Mapping[str, Mapping[str, ClutterView]]) -> Section:
-    """Cleared tables, from `clutter_view`, of each dataset with each gripper."""
-    return section_of("clutter.html.j2", "Cleared tables", datasets=datasets)
-
-
 def clutter_view(
     tables: Mapping[str, pd.DataFrame],
     objects: pd.DataFrame,
     pictures: Mapping[str, Sequence[bytes]],
 ) -> ClutterView:
-    """What the section shows of `tables.clutter.CLUTTER` by detector.
-
-    `objects` has the columns id, complexity and graspability; `pictures` are PNGs by kind of scene.
-    """
+    """What the section shows of `tables.clutter.CLUTTER` by detector, and PNGs by kind of scene."""
     return ClutterView(
         engine_names(pd.concat(tables.values())),
         {name: clearing_rates(table) for name, table in tables.items()},

@@ -83,16 +83,10 @@ def dataset_maps(
     names: AxisPair = USUAL,
     unattainable: int = 0,
 ) -> str:
-    """How many objects of each dataset lie in each cell, simple to complex and easy to hard.
+    """SVG of how many objects of each dataset lie in each cell, on the same axes and colors.
 
-    Args:
-        datasets: Columns of `tables.objects.OBJECTS`, by name.
-        space: The cells.
-        names: Texts along the axes.
-        unattainable: How many of the easiest rows are hatched.
-
-    Returns:
-        SVG text: a map of each dataset, on the same axes and color scale.
+    Datasets have the columns of `tables.objects.OBJECTS`; `unattainable` of the easiest rows are
+    hatched.
     """
     counts = {name: objects.groupby(CELL).size() for name, objects in datasets.items()}
     most = max([2, *(int(count.max()) for count in counts.values() if len(count))])

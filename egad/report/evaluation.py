@@ -13,10 +13,8 @@ from matplotlib.figure import Figure
 
 from egad.evalset import labels_of
 from egad.grippers import Gripper
-from egad.report.axes import AxisPair
 from egad.report.colors import INK, SOFT
 from egad.report.drawing import STYLE, data_uri
-from egad.report.page import Section, section_of
 from egad.report.pictures import render
 from egad.report.viewer import GraspScene, viewer_data
 
@@ -51,15 +49,9 @@ def evaluation_view(
     scenes: Sequence[GraspScene],
     gripper: Gripper,
 ) -> EvaluationView:
-    """Collect what the section shows of an evaluation set.
+    """What the section shows of a set, `tables.evaluation.EVAL49`.
 
-    Args:
-        evalset: Columns of `tables.evaluation.EVAL49`.
-        rows: Letters of the set.
-        columns: Digits of the set.
-        pictures: PNG by label in the evaluation set or, if there is none, by label in the dataset.
-        scenes: Its objects with grasps.
-        gripper: The gripper of the grasps.
+    Pictures are PNGs by label in the evaluation set or, if there is none, by label in the dataset.
     """
     items = {item["label"]: item for item in evalset.to_dict("records")}
     labels = labels_of(rows, columns)
@@ -76,26 +68,6 @@ def _slot(label: str, item: Mapping[Any, Any] | None, pictures: Mapping[str, byt
     return Slot(label, item, data_uri(pictures.get(label, small)) if item else "")
 
 
-def section(
-    views: Mapping[str, EvaluationView],
-    axes: AxisPair,
-    *,
-    percentile: float | None,
-    gripper: str,
-) -> Section:
-    """The evaluation set of each dataset.
-
-    Args:
-        views: From `evaluation_view`, by dataset.
-        axes: What the axes of the space are called.
-        percentile: Percentile of grasp quality that graspability is, percent; None if another
-            measure is used in its place.
-        gripper: Name of the gripper of the 3D viewer.
-    """
-    values = {"views": views, "axes": axes, "percentile": percentile, "gripper": gripper}
-    return section_of("evaluation.html.j2", "Evaluation set", **values)
-
-
 def contact_sheet(
     title: str,
     rows: int,
@@ -103,17 +75,9 @@ def contact_sheet(
     meshes: Mapping[tuple[int, int], trimesh.Trimesh],
     captions: Mapping[tuple[int, int], tuple[str, str]],
 ) -> bytes:
-    """Show all objects of an evaluation set on one page, to tell prints apart.
+    """A PDF page with picture, name and size of each object of a set, to tell prints apart.
 
-    Args:
-        title: Text above the pictures.
-        rows: Rows of the grid.
-        columns: Columns of the grid.
-        meshes: By row and column.
-        captions: Name and size, by row and column; a cell without a mesh shows only these.
-
-    Returns:
-        A PDF page with a picture, name and size of each object, the same for the same objects.
+    Meshes and captions, (name, size), are by row and column; the same for the same objects.
     """
     with matplotlib.rc_context({**STYLE, "pdf.fonttype": 42}):
         figure = Figure(figsize=(PAGE[0], PAGE[1] * max(1, rows / MOST_ROWS)))

@@ -7,11 +7,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from egad.measures import Attainable, MeasureSpace, coverage, difficulty_cells
-from egad.report.axes import AxisPair
+from egad.measures import MeasureSpace, coverage, difficulty_cells
 from egad.report.colors import line_color
 from egad.report.drawing import new_figure, show_percent, svg_uri
-from egad.report.page import Section, section_of
 
 THIN = "\N{NARROW NO-BREAK SPACE}"
 
@@ -39,7 +37,7 @@ class EvolutionView:
 def evolution_view(
     objects: pd.DataFrame, history: pd.DataFrame | None, space: MeasureSpace
 ) -> EvolutionView | None:
-    """What the section shows of `tables.objects.OBJECTS`; None if they do not come from an archive.
+    """What the section shows of `tables.objects.OBJECTS`; None if they were not evolved.
 
     The history, `tables.evolution.HISTORY`, is None if the archive was not evolved here.
     """
@@ -47,30 +45,6 @@ def evolution_view(
     if history is None:
         return None if moves is None else EvolutionView("", moves)
     return EvolutionView(svg_uri(coverage_curves({"": history})), moves)
-
-
-def section(
-    views: Mapping[str, EvolutionView],
-    space: MeasureSpace,
-    axes: AxisPair,
-    limit: Attainable,
-    *,
-    sampled: bool,
-    islands: int,
-) -> Section:
-    """The evolution of each dataset.
-
-    Args:
-        views: From `evolution_view`, by dataset.
-        space: The cells.
-        axes: What the axes of the space are called.
-        limit: Which rows objects are expected in.
-        sampled: Whether graspability comes from sampled grasps, not from a user-defined measure.
-        islands: How many islands evolved in parallel.
-    """
-    values = {"space": space, "axes": axes, "limit": limit, "sampled": sampled}
-    values |= {"islands": islands}
-    return section_of("evolution.html.j2", "Evolution", views=views, **values)
 
 
 def re_evaluation(objects: pd.DataFrame, space: MeasureSpace) -> ReEvaluation | None:

@@ -131,18 +131,10 @@ def page(
     space: MeasureSpace,
     axes: AxisPair,
 ) -> str:
-    """An HTML page that needs no other file and explains the failures of a detector.
+    """An HTML page that needs no other file, from the three tables of `tables.failures`.
 
-    Args:
-        table: Columns of `tables.failures.FAILURES`.
-        examined: Columns of `tables.failures.EXAMINED`.
-        attempts: Columns of `tables.failures.FAILURE_ATTEMPTS`.
-        search: The search.
-        dataset: Columns complexity and graspability of the objects that the search began with.
-        features: Shape features; none if nothing is known.
-        examples: The worst failures, by id, in the order of the page.
-        space: The cells.
-        axes: What the axes of the map are called.
+    The dataset has the columns complexity and graspability; examples, in the order of the page, are
+    by id.
     """
     fresh = attempts[(attempts["purpose"] == "confirm") & attempts["id"].isin(set(table["id"]))]
     labelled = table.assign(label=failure_labels(table))

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from egad.measures import summarize
 from egad.report.colors import FAINT, INK, SOFT, line_color
 from egad.report.drawing import THOUSANDTHS, new_figure, show_percent, svg_uri
-from egad.report.page import Section, section_of
 
 COLUMNS = 3
 WIDTH, HEIGHT = 3.2, 3.7
@@ -53,34 +52,6 @@ def grasp_view(
         return None
     numbers = {name: grasp_numbers(table) for name, table in known.items()}
     return GraspView(numbers, svg_uri(grasp_chart(known)) if known else "", charts)
-
-
-def section(
-    views: Mapping[str, GraspView],
-    *,
-    most_grasps: int,
-    copies: int,
-    size_grasps: int,
-    size_repeats: int,
-) -> Section:
-    """Grasps and sizes of each dataset.
-
-    Args:
-        views: From `grasp_view`, by dataset.
-        most_grasps: Maximum number of grasps per object.
-        copies: Perturbed copies of a grasp that robust quality averages over.
-        size_grasps: Grasps sampled at each size.
-        size_repeats: How often the sampling was repeated.
-    """
-    return section_of(
-        "grasps.html.j2",
-        "Grasps",
-        views=views,
-        most_grasps=most_grasps,
-        copies=copies,
-        size_grasps=size_grasps,
-        size_repeats=size_repeats,
-    )
 
 
 def grasp_numbers(grasps: pd.DataFrame) -> GraspNumbers:
@@ -139,11 +110,11 @@ def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> No
 
 
 def size_chart(table: pd.DataFrame) -> str:
-    """SVG of percentiles of quality over size, one panel per object, all on the same axes.
+    """SVG of percentiles of quality over size (`tables.grasping.SIZE_EFFECT`), a panel per object.
 
     A line is the mean over repetitions, and its band spans from the lowest to the highest. A point
     is hollow where only some repetitions found grasps. Below is the share of candidates that are
-    possible grasps. The table is `tables.grasping.SIZE_EFFECT`, at least one row.
+    possible grasps.
     """
     numbers = summarize(table)
     names = list(dict.fromkeys(numbers["name"]))

@@ -39,8 +39,8 @@ def painted(shapes: list[Colored]) -> Painted:
 def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) -> Painted | None:
     """An object (metres) with the hand closed at its best collision-free grasp; None without one.
 
-    Grasps are columns of `tables.grasping.GRASPS`, in the frame of the mesh. A mesh for the palm is
-    shown as a box. UserError if the file of the gripper cannot be used.
+    Grasps are `tables.grasping.GRASPS`, in the frame of the mesh. A mesh for the palm is shown as a
+    box. UserError if the file of the gripper cannot be used.
     """
     free = grasps[grasps["collision_free"].astype(bool)]
     if free.empty:

@@ -32,16 +32,7 @@ ROWS, COLUMNS = 7, 7
 
 @dataclass(frozen=True)
 class Protocol:
-    """What tables that are ranked together have in common.
-
-    Attributes:
-        name: Name of its file.
-        engine: The physics engine.
-        is_clutter: Whether tables of several objects were cleared; otherwise single objects were
-            grasped.
-        text: Text of its file.
-        same: Equal for protocols that differ only in the engine.
-    """
+    """What tables that are ranked together share; `same` is equal if only the engine differs."""
 
     name: str
     engine: str
@@ -58,14 +49,9 @@ class Protocol:
 
 @dataclass(frozen=True)
 class SubmittedTable:
-    """A table that was verified.
+    """A verified table, of `TRIALS` or `CLUTTER`; `simulated` attempts were simulated again.
 
-    Attributes:
-        entry: Name of its entry.
-        protocol: Name of its protocol.
-        rows: Columns of `tables.evaluation.TRIALS` or `tables.clutter.CLUTTER`.
-        simulated: Attempts that were simulated again.
-        films: Addresses of films by what they show.
+    Addresses of films are by what they show.
     """
 
     entry: str
@@ -85,14 +71,9 @@ class Refusal(NamedTuple):
 
 @dataclass(frozen=True)
 class Board:
-    """Everything that the page shows.
+    """Everything that the page shows: fields of entries by name, tables verified or refused.
 
-    Attributes:
-        entries: The fields of the file of each entry, by name.
-        protocols: Protocols by name.
-        tables: Tables that were verified.
-        refusals: Tables that were refused.
-        problems: A sentence for each entry that is missing something.
+    A problem is a sentence about an entry that is missing something.
     """
 
     entries: Mapping[str, Mapping[str, Any]]

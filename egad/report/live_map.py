@@ -39,14 +39,9 @@ Cells = dict[str, tuple[int, str]]  # by name: how many objects, and a picture o
 
 @dataclass(frozen=True)
 class EpochOfIsland:
-    """What a page is about.
+    """What a page is about: islands of the same run and epoch share one.
 
-    Attributes:
-        run: Islands with the same text here and the same epoch share a page.
-        epoch: Number of the epoch.
-        island: Number of the island.
-        evaluations: Evaluations that the island makes in an epoch.
-        islands: Number of all islands, if known. An earlier run may have had more.
+    The number of islands is None if unknown; an earlier run may have had more.
     """
 
     run: str

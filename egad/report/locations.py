@@ -22,13 +22,7 @@ FEW = 3
 
 @dataclass(frozen=True)
 class Neighbor:
-    """An object of the dataset that is similar to the one shown.
-
-    Attributes:
-        label: Its label.
-        distance: 1 - similarity.
-        picture: PNG.
-    """
+    """An object of the dataset that is similar; its distance is 1 - similarity, its picture PNG."""
 
     label: str
     distance: float
@@ -37,13 +31,7 @@ class Neighbor:
 
 @dataclass(frozen=True)
 class Located:
-    """An object and its cell.
-
-    Attributes:
-        row: Columns of `tables.objects.LOCATED`.
-        picture: PNG.
-        neighbors: The most similar objects, nearest first.
-    """
+    """An object, `tables.objects.LOCATED`, its PNG, and the most similar objects, nearest first."""
 
     row: Mapping[str, Any]
     picture: bytes
@@ -60,8 +48,7 @@ def page(
 ) -> str:
     """An HTML page that needs no other file, with located objects in the space of a dataset.
 
-    `objects` has the columns complexity_cell and difficulty_cell; `reasons` says by name why meshes
-    could not be used.
+    `reasons` says by name why meshes could not be used.
     """
     cells = [(each.row["complexity_cell"], each.row["difficulty_cell"]) for each in located]
     return render_template(

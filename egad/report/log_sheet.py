@@ -65,13 +65,7 @@ class PlannedAttempt(NamedTuple):
 
 @dataclass(frozen=True)
 class LogObject:
-    """An object to try.
-
-    Attributes:
-        label: Its name in the evaluation set, such as C4.
-        id: Its name in the dataset.
-        picture: PNG file.
-    """
+    """An object to try: label in the evaluation set, such as C4; id in the dataset; PNG file."""
 
     label: str
     id: str
@@ -135,8 +129,7 @@ def plan(
 ) -> LogPlan:
     """Plan a session as in `attempt_order`; blind: detectors are called A, B, ... in random order.
 
-    Raises:
-        UserError: The names of the detectors cannot be used, or there are no attempts.
+    UserError if the names cannot be used, or there are no attempts.
     """
     _check_detectors(detectors)
     if attempts < 1:
@@ -149,11 +142,7 @@ def plan(
 
 
 def order_table(planned: LogPlan, objects: Iterable[LogObject]) -> pd.DataFrame:
-    """The order for the robot program, with the true names of the detectors.
-
-    Columns order (from 1), label, id, attempt (from 0), detector; and success, outcome and note,
-    which are empty.
-    """
+    """The order for a robot program, with true names of detectors, and empty cells for results."""
     ids = {item.label: item.id for item in objects}
     table = pd.DataFrame(planned.order, columns=list(PlannedAttempt._fields))
     table.insert(0, "order", range(1, len(table) + 1))

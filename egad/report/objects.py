@@ -10,7 +10,7 @@ from egad.grippers import Gripper
 from egad.measures import cell_name
 from egad.report.axes import AxisPair
 from egad.report.drawing import data_uri
-from egad.report.page import DASH, Section, section_of
+from egad.report.page import DASH
 from egad.report.viewer import GraspScene, viewer_data
 
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -26,13 +26,7 @@ class ObjectsView(NamedTuple):
 
 
 class GripperTables(NamedTuple):
-    """Tables of the objects of a dataset, for grippers.
-
-    Attributes:
-        scales: Columns of `tables.grasping.SCALES`, by gripper.
-        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
-        trials: Columns of `tables.evaluation.TRIALS`, by gripper and detector.
-    """
+    """Tables of objects: `SCALES`, `MANIFEST` by gripper, `TRIALS` also by detector."""
 
     scales: Mapping[str, pd.DataFrame]
     manifests: Mapping[str, pd.DataFrame]
@@ -48,17 +42,7 @@ def objects_view(
     scenes: Sequence[GraspScene],
     gripper: Gripper,
 ) -> ObjectsView:
-    """Collect what the section shows of a dataset.
-
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        pictures: PNG by label; optional for each.
-        axes: What the axes of the space are called.
-        evalset: Columns of `tables.evaluation.EVAL49`, if there is a set.
-        tables: Scales, prints and trials.
-        scenes: The objects with grasps.
-        gripper: The gripper of the grasps.
-    """
+    """What the section shows of `tables.objects.OBJECTS`; not all have a PNG, by label."""
     labels: dict[str, str] = {}
     if evalset is not None:
         labels |= zip(evalset["label"], evalset["object_label"], strict=True)
@@ -110,8 +94,3 @@ def _of_gripper(gripper: str, tables: GripperTables, labels: Mapping[str, str]) 
         title = "successes" if len(trials) == 1 else f"successes of {detector}"
         columns[title] = rates["successes"] + " of " + rates["attempts"]
     return pd.DataFrame(columns).add_suffix(f", {gripper}" if len(tables.scales) > 1 else "")
-
-
-def section(views: Mapping[str, ObjectsView], *, gripper: str) -> Section:
-    """The objects of each dataset, from `objects_view`; the 3D viewer shows this gripper."""
-    return section_of("objects.html.j2", "Objects", views=views, gripper=gripper)

@@ -1,7 +1,7 @@
 """HTML pages: sections, templates, numbers as text, and escaping.
 
-A section of the report is a module of this package. Its function `section` turns tables and plain
-values into a `Section`, using a template of the same name.
+A section of the report is a module of this package, which turns tables into what the template of
+the same name shows.
 """
 
 from collections.abc import Iterable
@@ -20,13 +20,7 @@ DASH = "\N{EN DASH}"
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page.
-
-    Attributes:
-        id: Anchor that links lead to.
-        title: Text of the link to it.
-        html: The section itself.
-    """
+    """A part of a page: anchor, title of the link to it, and the section itself."""
 
     id: str
     title: str
@@ -40,10 +34,7 @@ def section_of(template: str, title: str, /, **values: Any) -> Section:  # noqa:
 
 
 def report_page(sections: Iterable[Section], *, alone: bool = False) -> str:
-    """One HTML page of all sections, with links to each, that needs no other file.
-
-    `alone` says that there is only one dataset, whose name is not repeated in each section.
-    """
+    """One HTML page of sections with links, that needs no other file; of one dataset if `alone`."""
     return render_template("report.html.j2", sections=list(sections), alone=alone)
 
 
@@ -53,13 +44,7 @@ def render_template(
     /,
     **values: Any,  # noqa: ANN401 (as Jinja)
 ) -> str:
-    """The text of a template, filled with values.
-
-    Args:
-        name: Name of the template, such as `view.html.j2`.
-        folder: Folder of templates that may extend those of this package; default: only these.
-        values: Values for the template.
-    """
+    """The text of a template, which may extend one of this package if it is in another folder."""
     return _environment(folder).get_template(name).render(**values)
 
 

@@ -82,8 +82,8 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> RgbImage:
 def png_bytes(picture: RgbImage) -> bytes:
     """The same small PNG with a palette for the same picture, (height, width, 4).
 
-    Colors are rounded to 5 bits and alpha to 6 levels, which is not visible at this size. A
-    picture that still has more than 256 colors keeps full color.
+    Colors are rounded to 5 bits and alpha to 6 levels, which is not visible at this size. A picture
+    that still has more than 256 colors keeps full color.
     """
     step = np.array([8, 8, 8, 51], dtype=np.float64)
     coarse = np.minimum(np.round(picture / step) * step, 255).astype(np.uint8)
@@ -140,7 +140,7 @@ def _cast(scene: TriangleScene, vertices: Singles, faces: NDArray[np.int32], sid
 
 
 def _corner_normals(vertices: Singles, faces: NDArray[np.int32]) -> Singles:
-    """Normals at the corners of each face, (n, 3, 3): smooth, but flat at creases.
+    """Normals at the corners of faces, (n, 3, 3): smooth, but flat at creases.
 
     Faces are weighted by their angle at a vertex, so that the corners of a box are creases.
     """

@@ -102,8 +102,8 @@ def space_map(
 ) -> SpaceMap:
     """Lay out `tables.objects.OBJECTS` over the space, with PNGs by label of `shown_objects`.
 
-    A cell is colored by the mean diversity of its objects and shows the picture of the most
-    diverse one.
+    A cell is colored by the mean diversity of its objects and shows the picture of the most diverse
+    one.
     """
     ordered = _by_diversity(objects)
     groups = list(ordered.groupby(BY_CELL, sort=True))
@@ -170,18 +170,9 @@ def collage(
     unit: int = 48,
     axes: AxisPair = USUAL,
 ) -> bytes:
-    """Draw the most diverse object of every cell, complexity across and difficulty upwards.
+    """A PNG of the most diverse object of every cell, `unit` pixels along each side.
 
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        pictures: PNG of each object by its label, with a transparent background; objects without
-            one are left out.
-        space: The cells.
-        unit: Pixels along each side of a cell.
-        axes: Texts along the axes.
-
-    Returns:
-        A PNG file.
+    Pictures are PNGs by label, with a transparent background; objects without one are left out.
     """
     side, margin = unit * space.cells, unit
     image = Image.new("RGB", (side + margin, side + margin), "white")

@@ -23,15 +23,7 @@ LEFT_OUT_OF = {
 
 @dataclass(frozen=True)
 class DatasetSummary:
-    """A dataset in numbers.
-
-    Attributes:
-        objects: Columns of `tables.objects.OBJECTS`.
-        space: The cells.
-        evalset: Columns of `tables.evaluation.EVAL49`; None if there is no set.
-        results: What detectors achieved on that set, by gripper.
-        listed: Whether the objects are shown one by one rather than on a map.
-    """
+    """A dataset in numbers, with results of detectors on its evaluation set by gripper."""
 
     objects: pd.DataFrame
     space: MeasureSpace

@@ -47,9 +47,9 @@ DARK = (
 def trial_heat_map(
     grid: TrialGrid, rows: int, columns: int, present: set[str], axis_names: AxisPair = USUAL
 ) -> str:
-    """SVG of the success rates of every object, row and column, as in the paper.
+    """SVG of success rates of objects, rows and columns, as in the paper; easiest at the bottom.
 
-    The easiest row is at the bottom; cells of labels that are not `present` are hatched.
+    Cells of labels that are not `present` are hatched.
     """
     with new_figure(0.8 + 0.62 * (columns + 1.62), 0.6 + 0.62 * (rows + 1.37)) as drawing:
         axes = drawing.figure.add_subplot()

@@ -43,14 +43,7 @@ from egad.report.trial_charts import (
 
 @dataclass(frozen=True)
 class EvaluationSet:
-    """The evaluation set that was tried.
-
-    Attributes:
-        rows: Letters of the set.
-        columns: Digits of the set.
-        objects: Columns of `tables.evaluation.EVAL49`; None if it is not known.
-        axes: What the axes of the set are called.
-    """
+    """The evaluation set that was tried: letters, digits, `EVAL49` if known, names of the axes."""
 
     rows: int
     columns: int
@@ -97,13 +90,7 @@ class Results:
 def section(
     results: Mapping[str, Mapping[str, Results]], *, attempts: int, lift_height: float
 ) -> Section:
-    """The trials of each dataset with each gripper.
-
-    Args:
-        results: From `trial_results`, by dataset and gripper.
-        attempts: Attempts at each object.
-        lift_height: Metres above the table at which an object counts as held.
-    """
+    """The trials of each dataset with each gripper; the lift height is that of success, metres."""
     views = [view for each in results.values() for one in each.values() for view in one.views]
     in_grid = any(view.trend_figure for view in views)
     values = {"attempts": attempts, "lift_height": lift_height, "in_grid": in_grid}

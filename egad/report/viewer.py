@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import trimesh
 from numpy.typing import NDArray
 
@@ -23,9 +24,13 @@ from egad.errors import UserError
 from egad.geometry import check_mesh
 from egad.grasps import Grasps
 from egad.grippers import Gripper, as_gripper, finger_span
+from egad.io import read_mesh
 from egad.report.hand_shape import best_grasp
 from egad.report.page import render_template
+from egad.tables import parquet
+from egad.tables.columns import ID, LABEL
 from egad.tables.grasping import GRASPS
+from egad.tables.objects import REJECTED
 from egad.tables.parquet import empty
 
 STEPS = 2**13 - 1  # a hundredth of a millimetre for an object of 10 cm
@@ -38,12 +43,9 @@ TOP = 0.98  # quantile of the quality that gets the last color
 
 @dataclass(frozen=True)
 class GraspScene:
-    """An object with its grasps.
+    """An object, metres, as it is grasped, with its grasps.
 
     Attributes:
-        name: Its name.
-        title: A short description.
-        mesh: As it is grasped, metres.
         grasps: Columns contact0, contact1, approach (each with x, y and z), quality,
             robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh;
             `simulated_success`, if it is there, is packed too.
@@ -62,8 +64,8 @@ class GraspScene:
 def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any]:
     """What the script of the viewer reads, ready for JSON, from at least one scene.
 
-    `finger`: from the contacts back to the palm, or to the top of the cup, metres; `objects`: each
-    packed; `metrics`: key, name, and the value that gets the last color, the same for all objects.
+    `finger` is from the contacts back to the palm, or to the top of the cup, metres; `metrics` has
+    key, name, and the value that gets the last color, the same for all objects.
     """
     return {
         "finger": gripper.cup.height if gripper.cup else -finger_span(gripper)[0],
@@ -114,10 +116,7 @@ def pack(scene: GraspScene) -> dict[str, Any]:
 
 
 def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
-    """Labels of grasps by simulation, as positions in `LABELS`, (n,).
-
-    Only collision-free grasps are simulated. Those without an outcome count as not simulated.
-    """
+    """Positions in `LABELS` of grasps, (n,); without an outcome, and if not free: not simulated."""
     free, held = grasps["collision_free"], grasps["simulated_success"]
     codes = np.select([~free.astype(bool), held.isna(), held.eq(True)], [3, 0, 1], 2)
     return codes.astype(np.uint8)
@@ -126,10 +125,7 @@ def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
 def page(scene: GraspScene, name: str | None, gripper: Gripper) -> str:
     """An HTML page with one object that needs no other file, and the hand at its best grasp.
 
-    Args:
-        scene: The object.
-        name: Name of the gripper, may be empty; None: it is not named.
-        gripper: The gripper of the grasps.
+    The name is that of the gripper, may be empty; None: it is not named.
     """
     scenes = [scene]
     if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:
@@ -242,3 +238,33 @@ def _check_contacts(mesh: trimesh.Trimesh, grasps: Grasps | None) -> None:
             "the grasps do not touch the mesh: were they sampled on it, in the same frame and "
             "at the same scale?"
         )
+
+
+def scenes(
+    folder: Path, gripper: str, evalset: pd.DataFrame, grasps: pd.DataFrame
+) -> list[GraspScene]:
+    """The objects of an evaluation set that could be scaled to the gripper, named as in the set."""
+    meshes = folder / "rescaled" / gripper
+    return [
+        scene(folder, gripper, label, grasps, name=name)
+        for name, label in zip(evalset["label"], evalset["object_label"], strict=True)
+        if (meshes / f"{label}.obj").is_file()
+    ]
+
+
+def scene(
+    folder: Path, gripper: str, label: str, grasps: pd.DataFrame, name: str | None = None
+) -> GraspScene:
+    """An object of a dataset, by its label or another name; a note says why it has no grasps."""
+    mesh = read_mesh(folder / "rescaled" / gripper / f"{label}.obj", "m")
+    own = grasps[grasps["label"] == label]
+    note = "" if len(own) else _reason(folder, gripper, label)
+    return GraspScene(name or label, label if name else "", mesh, own, note)
+
+
+def _reason(folder: Path, gripper: str, label: str) -> str:
+    """Why an object has no grasp, from the table of rejected objects."""
+    objects = parquet.read(folder / "objects.parquet", pa.schema([ID, LABEL]))
+    rejected = parquet.read(folder / "grasps" / f"{gripper}.rejected.parquet", REJECTED)
+    own = rejected[rejected["id"].isin(objects.loc[objects["label"] == label, "id"])]
+    return own["reason"].iloc[0] if len(own) else "no grasp"

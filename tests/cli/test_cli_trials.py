@@ -3,6 +3,7 @@
 import pandas as pd
 import pytest
 from commands import egad
+from partial_tables import write_rows
 
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -53,10 +54,7 @@ def test_objects_under_their_own_names_are_reported_and_compared(filled):
 
 
 def test_the_template_of_a_set_has_its_objects(tmp_path):
-    blank = {"string": ""}
-    row = {field.name: blank.get(str(field.type), 0) for field in EVAL49}
-    rows = [row | {"label": label} for label in ("A0", "B3")]
-    parquet.write(pd.DataFrame(rows), EVAL49, tmp_path / "eval49.parquet")
+    write_rows(EVAL49, [{"label": "A0"}, {"label": "B3"}], tmp_path / "eval49.parquet")
     out = tmp_path / "results.csv"
     result = trials("template", "--eval", tmp_path / "eval49.parquet", "--out", out)
     assert result.stdout.strip().endswith("40 attempts at 2 objects")
@@ -64,9 +62,7 @@ def test_the_template_of_a_set_has_its_objects(tmp_path):
 
 
 def test_objects_that_are_not_in_the_set_are_left_out_and_named(filled):
-    row = {field.name: {"string": ""}.get(str(field.type), 0) for field in EVAL49}
-    rows = [row | {"label": label} for label in ("A0", "B3")]
-    parquet.write(pd.DataFrame(rows), EVAL49, filled / "eval49.parquet")
+    write_rows(EVAL49, [{"label": "A0"}, {"label": "B3"}], filled / "eval49.parquet")
     few = pd.read_csv(filled / "good.csv").query("label in ['A0', 'G6', 'C4']")
     few.to_csv(filled / "few.csv", index=False)
     given = ["report", filled / "few.csv", "--eval", filled / "eval49.parquet"]
@@ -82,11 +78,9 @@ def test_objects_that_are_not_in_the_set_are_left_out_and_named(filled):
 
 def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
     """What the simulation writes keeps the object's id on its way into a comparison."""
-    blank = {"string": "", "bool": False}
-    row = {field.name: blank.get(str(field.type), 0) for field in TRIALS}
     for name, number in (("one", 1), ("other", 1), ("another", 2)):
-        rows = [row | {"label": label, "id": f"{label}-{number}"} for label in ("A0", "B3")]
-        parquet.write(pd.DataFrame(rows), TRIALS, tmp_path / f"{name}.parquet")
+        rows = [{"label": label, "id": f"{label}-{number}"} for label in ("A0", "B3")]
+        write_rows(TRIALS, rows, tmp_path / f"{name}.parquet")
     same = trials("compare", tmp_path / "one.parquet", tmp_path / "other.parquet")
     assert same.returncode == 0, same.stderr
     result = trials("compare", tmp_path / "one.parquet", tmp_path / "another.parquet")
@@ -96,11 +90,9 @@ def test_tables_of_two_evaluation_sets_are_refused(tmp_path):
 
 
 def test_a_comparison_says_that_conditions_differ(tmp_path):
-    blank = {"string": "", "bool": False}
-    row = {field.name: blank.get(str(field.type), 0) for field in TRIALS} | {"engine": "mujoco"}
     for name in ("none", "typical"):
-        rows = [row | {"label": label, "errors": name} for label in ("A0", "B3")]
-        parquet.write(pd.DataFrame(rows), TRIALS, tmp_path / f"{name}.parquet")
+        rows = [{"label": label, "errors": name, "engine": "mujoco"} for label in ("A0", "B3")]
+        write_rows(TRIALS, rows, tmp_path / f"{name}.parquet")
     (tmp_path / "alike").mkdir()
     (tmp_path / "alike/also.parquet").write_bytes((tmp_path / "none.parquet").read_bytes())
     result = trials("compare", tmp_path / "none.parquet", tmp_path / "typical.parquet")
@@ -112,13 +104,11 @@ def test_a_comparison_says_that_conditions_differ(tmp_path):
 
 def cleared_table(path, won, **changes):
     """Two rounds with one object each."""
-    blank = {"string": "", "bool": False, "double": 0.0}
-    row = {field.name: blank.get(str(field.type), 1) for field in CLUTTER}
-    row |= {"scene": "single", "noise": "none", "objects": "a", "engine": "mujoco", "attempt": 0}
+    row = {"scene": "single", "noise": "none", "objects": "a", "engine": "mujoco", "n_objects": 1}
     ends = ["success" if each else "missed" for each in won]
     rounds = enumerate(zip(won, ends, strict=True))
     rows = [row | {"round": n, "success": ok, "outcome": end} | changes for n, (ok, end) in rounds]
-    parquet.write(pd.DataFrame(rows), CLUTTER, path)
+    write_rows(CLUTTER, rows, path)
     return path
 
 

@@ -55,7 +55,8 @@ def test_help_has_four_groups_in_their_order():
 
 
 def test_each_command_is_where_ls_shows_it():
-    kin = {"verify": "provenance", "film": "replay", "inspect": "gripper"}
+    kin = {"film": "replay", "inspect": "gripper"}
+    kin |= dict.fromkeys(("verify", "check_config"), "provenance")
     kin |= dict.fromkeys(("compare", "report", "template"), "trials")
     for function in FUNCTIONS:
         name = function.__name__

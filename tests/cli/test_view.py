@@ -7,7 +7,7 @@ from egad.cli import view
 from egad.cli.view import ViewMesh
 from egad.errors import UserError
 from egad.grasps import GraspLabel
-from egad.report.scenes import scenes
+from egad.report.viewer import scenes
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import GRASPS, SCALES

@@ -117,12 +117,6 @@ def test_a_thick_bridge_is_no_film(across):
         assert print_problems(film(1.3, across, along), CHECK) == []
 
 
-def test_scaling_down_makes_walls_too_thin():
-    plate = box(30, 25, 2)
-    assert print_problems(plate, CHECK) == []
-    assert print_problems(plate.apply_scale(0.5), CHECK) != []
-
-
 def test_a_trapped_void_is_found():
     cavity = box(8, 8, 8)
     cavity.invert()

@@ -15,7 +15,6 @@ from egad.geometry.mass import mass_properties
 from egad.grasps.grasps import vectors
 from egad.grasps.poses import PANDA_REACH
 from egad.tables import parquet
-from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
 from egad_workflow.settings import select
 
@@ -121,27 +120,6 @@ def test_our_own_label_is_what_its_attribute_says(files, labelled):
                 assert (values == rows[name]).all()
                 assert np.isfinite(values).all()
             assert file["gripper/type"][()].decode() == GRIPPER
-
-
-def test_without_simulated_labels_there_are_no_files(dataset, labelled, settings, tmp_path):
-    grasps = tmp_path / "grasps.parquet"
-    parquet.write(labelled, GRASPS, grasps)
-    scales = dataset / "rescaled" / GRIPPER / "scales.parquet"
-    with pytest.raises(UserError, match=r"no simulated labels.*simulated_labels: true"):
-        acronym.run(
-            select(settings, AcronymFiles, GRIPPER),
-            GRIPPER,
-            dataset / "objects.parquet",
-            scales,
-            grasps,
-            tmp_path / "out",
-        )
-
-
-def test_files_are_the_same_bytes_again(files, dataset, settings, tmp_path):
-    again = export(settings, dataset, tmp_path / "again")
-    for path in files.iterdir():
-        assert (again / path.name).read_bytes() == path.read_bytes()
 
 
 def test_grasps_of_an_unknown_object_are_refused(dataset, settings, tmp_path):

@@ -140,12 +140,6 @@ def test_a_wrong_name_is_told_before_anything_is_made(tmp_path):
         egad.export({"no_mesh": None, "a/b": BLOCK}, "obj", "panda", tmp_path / "out")
 
 
-@pytest.mark.usefixtures("without_usd")
-def test_a_missing_package_is_told_before_anything_is_made(tmp_path):
-    with pytest.raises(UserError, match=r"pip install 'egad\[usd\]'"):
-        egad.export({"block": BLOCK}, "usd", "panda", tmp_path / "out")
-
-
 def test_what_is_there_is_not_lost_and_mistakes_are_told(tmp_path):
     (tmp_path / "mine.txt").touch()
     with pytest.raises(UserError, match="is not empty, and its files would be lost; name a new"):

@@ -1,7 +1,6 @@
 """The folder is read the way that GraspGen's dataset reads it, by a reader of our own."""
 
 import json
-import shutil
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +10,6 @@ import yaml
 from described_hands import box_urdf, jaw_urdf
 
 from egad import Gripper
-from egad.errors import UserError
 from egad.exchange.grasps import graspgen
 from egad.exchange.grasps.graspgen import (
     default_split,
@@ -22,8 +20,6 @@ from egad.exchange.grasps.graspgen import (
 from egad.exchange.parameters import GripperFormat
 from egad.geometry.distance import nearest
 from egad.grippers import GRIPPERS, model_of
-from egad.tables import parquet
-from egad.tables.grasping import GRASPS
 from egad_workflow.settings import select
 
 GRIPPER = "yumi"
@@ -169,20 +165,3 @@ def test_objects_that_are_left_out_are_logged(dataset, settings, labelled, tmp_p
     assert "A00_0 has 0 grasps that hold; GraspGen leaves out objects with fewer than 5" in (
         caplog.text
     )
-
-
-def test_without_simulated_labels_there_are_no_files(dataset, labelled, settings, tmp_path):
-    grasps = tmp_path / "grasps.parquet"
-    parquet.write(labelled, GRASPS, grasps)
-    with pytest.raises(UserError, match=r"no simulated labels.*\{simulated_labels: true\}"):
-        export(settings, dataset, tmp_path / "out", grasps)
-    assert not (tmp_path / "out").exists()
-
-
-def test_files_are_the_same_bytes_again(folder, dataset, settings, tmp_path):
-    again = export(settings, dataset, tmp_path / "again")
-    files = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
-    assert len(files) == 2 * 2 + 2 + 3
-    for name in files:
-        assert (again / name).read_bytes() == (folder / name).read_bytes()
-    shutil.rmtree(again)

@@ -4,12 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.errors import UserError
 from egad.exchange.grasps import graspnet
 from egad.exchange.grasps.graspnet import needed_friction
 from egad.exchange.parameters import GripperFormat
 from egad.grasps import Grasps
-from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad_workflow.settings import select
 
@@ -95,10 +93,3 @@ def test_the_friction_that_is_needed_is_that_of_the_steeper_contact(degrees):
         assert found == np.inf
     else:
         assert found == pytest.approx(np.tan(angle), abs=1e-9)
-
-
-def test_without_simulated_labels_there_are_no_files(labelled, settings, tmp_path):
-    grasps = tmp_path / "grasps.parquet"
-    parquet.write(labelled, GRASPS, grasps)
-    with pytest.raises(UserError, match=r"no simulated labels.*\{simulated_labels: true\}"):
-        export(settings, grasps, tmp_path / "out")

@@ -57,10 +57,6 @@ def part(tmp_path):
     return path
 
 
-def test_the_names_in_a_group_of_a_sound_file(part):
-    assert sound_keys(part, "objects") == ["a", "b"]
-
-
 def test_a_file_cut_short_or_damaged_is_one_sentence(part):
     whole = part.read_bytes()
     for content in (whole[:-1], whole[: len(whole) // 2], b"", b"PAR1"):

@@ -11,8 +11,6 @@ from trimesh.transformations import translation_matrix
 
 import egad
 from egad import Gripper
-from egad.errors import UserError
-from egad.exchange import write_format
 from egad.exchange.grasps import isaac_grasp
 from egad.exchange.grasps.isaac_grasp import write_isaac_grasp
 from egad.exchange.parameters import GripperFormat
@@ -147,14 +145,6 @@ def test_an_object_of_which_nothing_is_known_has_no_grasps(rows, tmp_path):
     unknown = rows.assign(simulated_success=None, collision_free=True)
     write_isaac_grasp(tmp_path / "a.yaml", LABEL, gripper, unknown)
     assert read(tmp_path / "a.yaml")[0] == []
-
-
-def test_a_gripper_of_boxes_is_refused(dataset, settings, tmp_path):
-    chosen = select(settings, GripperFormat, "yumi")
-    reads = {"simulated_grasps": dataset / "grasps/yumi.parquet"}
-    with pytest.raises(UserError, match=r"'yumi' is made of boxes.*give its URDF or MJCF file"):
-        write_format("isaac_grasp", "all", chosen, "yumi", reads, tmp_path / "out")
-    assert not (tmp_path / "out").exists()
 
 
 def test_each_object_has_a_file(dataset, settings, tmp_path):

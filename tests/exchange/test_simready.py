@@ -3,7 +3,6 @@
 import json
 
 import numpy as np
-import pandas as pd
 import pytest
 import trimesh
 from described_hands import jaw_urdf
@@ -12,14 +11,13 @@ from PIL import Image
 pxr = pytest.importorskip("pxr")
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation  # noqa: E402 (an extra)
 
-from egad.errors import UserError  # noqa: E402
 from egad.exchange import NamedGripper, sources, write_format  # noqa: E402
 from egad.exchange.grasps.simready import write  # noqa: E402
 from egad.exchange.parameters import AllObjects  # noqa: E402
 from egad.grippers import GRIPPERS, Gripper  # noqa: E402
 from egad.grippers.hand import JAW_CLEARANCE  # noqa: E402
 from egad.tables import parquet  # noqa: E402
-from egad.tables.grasping import GRASPS, SIMULATED_GRASPS  # noqa: E402
+from egad.tables.grasping import SIMULATED_GRASPS  # noqa: E402
 from egad_workflow.settings import select  # noqa: E402
 
 LABELS = ("A00_0", "B01_0", "C02_0")
@@ -245,11 +243,3 @@ def test_missing_labels_are_no_success(made, labelled, tmp_path):
     write(tmp_path, "ell", made, rows, NamedGripper("yumi", GRIPPERS["yumi"]))
     stage = open_prop(tmp_path, "ell")
     assert lines_of(stage) == []
-
-
-def test_without_simulated_labels_there_are_no_props(settings, dataset, labelled, tmp_path):
-    table = tmp_path / "grasps.parquet"
-    parquet.write(pd.DataFrame(labelled), GRASPS, table)
-    with pytest.raises(UserError, match=r"no simulated labels.*simulated_labels: true"):
-        export(settings, dataset, tmp_path / "out", simulated_grasps=table)
-    assert not (tmp_path / "out").exists()

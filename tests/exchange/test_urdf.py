@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad.exchange.object_files import DRAKE
 from egad.exchange.objects import urdf, vgn
-from egad.exchange.xml_text import DRAKE
 
 
 def test_each_part_says_its_friction_and_that_it_is_convex(tmp_path, made):

@@ -2,6 +2,7 @@
 
 import io
 import json
+import sys
 
 import numpy as np
 import pandas as pd
@@ -153,3 +154,32 @@ def check_start(tmp_path):
         assert "| start | weights.safetensors, sha256 " in card
 
     return check
+
+
+@pytest.fixture
+def check_both_ways():
+    """Compares what a command of words and one with a configuration wrote."""
+
+    def check(folder):
+        names = sorted(path.name for path in (folder / "words").iterdir())
+        assert names == [
+            *("README.md", "README.md.sha256", "history.parquet", "history.svg"),
+            *("history.svg.sha256", "score.parquet", "weights.safetensors"),
+            "weights.safetensors.sha256",
+        ]
+        for name in names:
+            one, other = (folder / way / name for way in ("words", "config"))
+            assert one.read_bytes() == other.read_bytes(), name
+
+    return check
+
+
+@pytest.fixture
+def without_torch(monkeypatch):
+    """PyTorch cannot be imported, as without its extra."""
+    detectors = ("detectors.networks", "detectors.weights", "detectors.vgn_network")
+    learning = ("learning.training", "learning.evaluation", "learning.scene_training")
+    for name in (*detectors, *learning):
+        monkeypatch.delitem(sys.modules, f"egad.{name}", raising=False)
+        monkeypatch.delattr(f"egad.{name}", raising=False)
+    monkeypatch.setitem(sys.modules, "torch", None)

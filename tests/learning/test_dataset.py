@@ -128,17 +128,14 @@ def test_a_damaged_image_of_several_folders_is_named_with_its_folder(write, pict
 
 
 def test_an_object_in_two_splits_is_a_mistake(write, pictures, tmp_path):
+    """Also one that lies in a scene of several."""
     rows = [{**row, "split": "test"} for row in pictures[:3]]
-    parts = [write(tmp_path / "a", pictures), write(tmp_path / "b", rows, 1)]
-    with pytest.raises(UserError, match=r"/a, .*/b: the object id0 is in more than one split"):
-        ImageDataset(parts, RULE)
-
-
-def test_an_object_of_a_scene_in_another_split_is_a_mistake(write, pictures, tmp_path):
     scene = {**pictures[-1], "id": "pile-0", "objects": ["id19", "id0"], "split": "test"}
-    parts = [write(tmp_path / "a", pictures), write(tmp_path / "b", [scene], 1)]
-    with pytest.raises(UserError, match="the object id"):
-        ImageDataset(parts, RULE)
+    whole = write(tmp_path / "a", pictures)
+    for name, others in (("b", rows), ("c", [scene])):
+        parts = [whole, write(tmp_path / name, others, 1)]
+        with pytest.raises(UserError, match=rf"/a, .*/{name}: the object id\d+ is in more than"):
+            ImageDataset(parts, RULE)
 
 
 def test_few_images_are_kept_in_memory(images, monkeypatch):

@@ -18,6 +18,7 @@ torch = pytest.importorskip("torch")
 training = pytest.importorskip("egad.learning.training")
 lessons = pytest.importorskip("egad.learning.scene_training")
 vgn = pytest.importorskip("egad.detectors.vgn_network")
+interrupted = pytest.importorskip("interrupted")
 
 HAND = GRIPPERS["panda"]
 SHORT = VgnTraining(examples=10, epoch=4, batch=3, validation=2, rise=1)
@@ -35,26 +36,9 @@ def trained(scenes, settings=SHORT, seed=0, jobs=1, kept=None):
     return training.learn(network, task, jobs, kept), network.state_dict()
 
 
-def same(one, other):
-    return one[0] == other[0] and all(torch.equal(one[1][name], other[1][name]) for name in one[1])
-
-
 @pytest.fixture(scope="module")
 def undisturbed(scenes):
     return trained(scenes)
-
-
-class InterruptionError(Exception):
-    pass
-
-
-class Breaking(training.Checkpoint):
-    """Ends the training after its second epoch."""
-
-    def save(self, state):
-        super().save(state)
-        if len(state.rows) == 2:
-            raise InterruptionError
 
 
 class TestNetwork:
@@ -189,22 +173,18 @@ class TestLoss:
 
 class TestTraining:
     def test_nothing_but_the_seed_decides(self, scenes, undisturbed):
-        assert same(trained(scenes, jobs=2), undisturbed)
-        assert not same(trained(scenes, seed=1), undisturbed)
+        assert interrupted.same(trained(scenes, jobs=2), undisturbed)
+        assert not interrupted.same(trained(scenes, seed=1), undisturbed)
 
     def test_it_goes_on_after_an_interruption_with_the_same_result(
         self, scenes, undisturbed, tmp_path
     ):
         path = tmp_path / "checkpoint.pt"
-        with pytest.raises(InterruptionError):
-            trained(scenes, kept=Breaking(path, "this"))
-        assert same(trained(scenes, kept=training.Checkpoint(path, "this")), undisturbed)
-
-    def test_a_damaged_checkpoint_is_not_taken(self, scenes, undisturbed, tmp_path, caplog):
-        path = tmp_path / "checkpoint.pt"
-        path.write_bytes(b"nothing")
-        assert same(trained(scenes, kept=training.Checkpoint(path, "this")), undisturbed)
-        assert "cannot be read" in caplog.text
+        with pytest.raises(interrupted.InterruptionError):
+            trained(scenes, kept=interrupted.Breaking(path, "this"))
+        assert interrupted.same(
+            trained(scenes, kept=training.Checkpoint(path, "this")), undisturbed
+        )
 
     def test_the_history_tells_every_epoch(self, undisturbed):
         rows = undisturbed[0]
@@ -230,8 +210,8 @@ class TestTraining:
             return network.state_dict()
 
         path = tmp_path / "checkpoint.pt"
-        with pytest.raises(InterruptionError):
-            learn(Breaking(path, ""))
+        with pytest.raises(interrupted.InterruptionError):
+            learn(interrupted.Breaking(path, ""))
         result = learn(training.Checkpoint(path, ""))
         assert len(seen) == 3
         assert [all(torch.equal(result[key], each[key]) for key in each) for each in seen] == [
@@ -245,14 +225,6 @@ class TestTraining:
         _, answers = task.evaluate_split(network, "validation", 2, 1)
         best = max(row["validation_average_precision"] for row in rows)
         assert scene_score(answers).average_precision.value == best
-
-    def test_a_loss_that_is_not_finite_ends_it(self, scenes):
-        settings = SHORT.model_copy(update={"learning_rate": 1.0, "examples": 60, "epoch": 60})
-        network = vgn.new_vgn(0)
-        with torch.no_grad():
-            network.conv_width.bias.fill_(math.inf)
-        with pytest.raises(UserError, match="no longer finite; try a lower learning_rate"):
-            training.learn(network, lessons.SceneTask(scenes, HAND, settings, 0))
 
 
 class TestLearning:

@@ -46,16 +46,6 @@ def test_angles_are_anticlockwise_as_seen():
     assert quality[155, 155] == 0
 
 
-def test_the_later_rectangle_is_seen_and_widths_are_clipped():
-    one, other = [50.0, 50.0, 0.3, 40.0, 20.0], [50.0, 50.0, -0.3, 400.0, 20.0]
-    maps = targets(np.array([one, other]))
-    np.testing.assert_allclose(maps[:, 50, 50], [1, np.cos(0.6), -np.sin(0.6), 1], atol=1e-6)
-
-
-def test_no_grasp_gives_empty_maps():
-    assert not targets(np.empty((0, 5))).any()
-
-
 def test_what_is_painted_can_be_read_again():
     """The best grasp of a painted map is the one that was painted."""
     for turn in (-1.5, -0.7, 0.0, 0.4, 1.2):

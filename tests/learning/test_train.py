@@ -1,7 +1,6 @@
 """From images to weights, by the command; needs the extra."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -46,16 +45,8 @@ def trained(images, tmp_path_factory):
     return out
 
 
-def test_both_ways_and_any_number_of_cores_give_the_same_bytes(trained):
-    names = sorted(path.name for path in (trained / "words").iterdir())
-    assert names == [
-        *("README.md", "README.md.sha256", "history.parquet", "history.svg"),
-        *("history.svg.sha256", "score.parquet", "weights.safetensors"),
-        "weights.safetensors.sha256",
-    ]
-    for name in names:
-        one, other = (trained / way / name for way in ("words", "config"))
-        assert one.read_bytes() == other.read_bytes(), name
+def test_both_ways_and_any_number_of_cores_give_the_same_bytes(trained, check_both_ways):
+    check_both_ways(trained)
 
 
 def test_the_history_is_there_and_says_where_it_is_from(trained):
@@ -178,16 +169,7 @@ def test_a_folder_of_something_else_is_a_mistake(tmp_path):
         open_dataset([tmp_path], SETTINGS)
 
 
-def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
-    pytorch = (
-        "detectors.networks",
-        "detectors.weights",
-        "learning.training",
-        "learning.evaluation",
-    )
-    for name in pytorch:
-        monkeypatch.delitem(sys.modules, f"egad.{name}", raising=False)
-        monkeypatch.delattr(f"egad.{name}", raising=False)
-    monkeypatch.setitem(sys.modules, "torch", None)
+@pytest.mark.usefixtures("without_torch")
+def test_without_pytorch_the_message_names_the_extra(tmp_path):
     with pytest.raises(UserError, match=r"egad\[vision\]"):
         train(SETTINGS, [tmp_path], tmp_path)

@@ -3,7 +3,6 @@
 import json
 import pickle
 import shutil
-import sys
 import weakref
 
 import numpy as np
@@ -30,6 +29,7 @@ from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
 from egad_workflow.code_version import PACKAGES, code_version
 
 PLAN = VgnTraining(examples=4, epoch=2, batch=2, validation=2, test=3)
+SETTINGS = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
 CAMERA = Intrinsics(160, 120, 104.0, (79.5, 59.5))
 SPLITS = ("train", "train", "train", "validation", "test", "test")
 
@@ -109,16 +109,8 @@ def trained(scenes, tmp_path_factory):
     return out
 
 
-def test_both_ways_and_any_number_of_cores_give_the_same_bytes(trained):
-    names = sorted(path.name for path in (trained / "words").iterdir())
-    assert names == [
-        *("README.md", "README.md.sha256", "history.parquet", "history.svg"),
-        *("history.svg.sha256", "score.parquet", "weights.safetensors"),
-        "weights.safetensors.sha256",
-    ]
-    for name in names:
-        one, other = (trained / way / name for way in ("words", "config"))
-        assert one.read_bytes() == other.read_bytes(), name
+def test_both_ways_and_any_number_of_cores_give_the_same_bytes(trained, check_both_ways):
+    check_both_ways(trained)
 
 
 def test_history_and_score_are_those_of_the_card(trained, made):
@@ -188,7 +180,7 @@ def test_training_begins_with_given_weights(trained, scenes, check_start, tmp_pa
     files.write(networks.new_network("ggcnn", 0), tmp_path / "ggcnn.safetensors", {})
     with pytest.raises(UserError, match="not weights of VGN"):
         train_on_scenes(
-            TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"]),
+            SETTINGS,
             *("panda", [scenes], tmp_path / "wrong"),
             start=tmp_path / "ggcnn.safetensors",
         )
@@ -252,8 +244,7 @@ def test_a_training_keeps_no_scenes_in_memory(scenes, tmp_path, monkeypatch):
         return found
 
     monkeypatch.setattr(SceneDataset, "scene", watched)
-    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
-    train_on_scenes(settings, "panda", [scenes], tmp_path)
+    train_on_scenes(SETTINGS, "panda", [scenes], tmp_path)
     assert 0 < max(most) < len(SPLITS)
 
 
@@ -265,32 +256,30 @@ def test_the_gripper_is_that_of_the_scenes(made, scenes, tmp_path):
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
     assert "It was trained on grasps of egad_75mm." in (out / "README.md").read_text()
-    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     with pytest.raises(UserError, match="these scenes are for egad_75mm, with other settings than"):
-        train_on_scenes(settings, "panda", [folder], tmp_path / "other")
+        train_on_scenes(SETTINGS, "panda", [folder], tmp_path / "other")
     with pytest.raises(UserError, match=r"scenes for egad_75mm, but .* is for panda"):
         open_scenes([scenes, folder])
 
 
 def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
     pytest.importorskip("torch")
-    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
     other = shards_of(tmp_path / "other", made[::-1])
     files = [tmp_path / "a.pth", tmp_path / "b.pth"]
     for path in files:
         path.write_text(path.name)
     found = [
-        fingerprint(settings, [scenes], "cpu", ""),
-        fingerprint(settings, [scenes], "cuda", ""),
-        fingerprint(settings, [other], "cpu", ""),
-        fingerprint(settings.model_copy(update={"seed": 4}), [scenes], "cpu", ""),
+        fingerprint(SETTINGS, [scenes], "cpu", ""),
+        fingerprint(SETTINGS, [scenes], "cuda", ""),
+        fingerprint(SETTINGS, [other], "cpu", ""),
+        fingerprint(SETTINGS.model_copy(update={"seed": 4}), [scenes], "cpu", ""),
         fingerprint(
-            settings.model_copy(update={"gripper": GRIPPERS["egad_75mm"]}), [scenes], "cpu", ""
+            SETTINGS.model_copy(update={"gripper": GRIPPERS["egad_75mm"]}), [scenes], "cpu", ""
         ),
-        *(fingerprint(settings, [scenes], "cpu", "", weights) for weights in files),
+        *(fingerprint(SETTINGS, [scenes], "cpu", "", weights) for weights in files),
     ]
     assert len(set(found)) == 7
-    assert fingerprint(settings, [scenes], "cpu", "") == found[0]
+    assert fingerprint(SETTINGS, [scenes], "cpu", "") == found[0]
 
 
 CHANGED = [
@@ -325,17 +314,11 @@ def test_code_that_decides_a_training_is_in_its_fingerprint(tmp_path, file, old,
 
 def test_the_fingerprint_has_the_version_of_the_code(scenes):
     pytest.importorskip("torch")
-    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
-    found = json.loads(fingerprint(settings, [scenes], "cpu", "1f2e"))
+    found = json.loads(fingerprint(SETTINGS, [scenes], "cpu", "1f2e"))
     assert found["code"] == "1f2e"
 
 
-def test_without_pytorch_the_message_names_the_extra(monkeypatch, tmp_path):
-    detectors = ("detectors.networks", "detectors.weights", "detectors.vgn_network")
-    for name in (*detectors, "learning.training", "learning.scene_training"):
-        monkeypatch.delitem(sys.modules, f"egad.{name}", raising=False)
-        monkeypatch.delattr(f"egad.{name}", raising=False)
-    monkeypatch.setitem(sys.modules, "torch", None)
-    settings = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
+@pytest.mark.usefixtures("without_torch")
+def test_without_pytorch_the_message_names_the_extra(tmp_path):
     with pytest.raises(UserError, match=r"egad\[vision\]"):
-        train_on_scenes(settings, "panda", [tmp_path], tmp_path)
+        train_on_scenes(SETTINGS, "panda", [tmp_path], tmp_path)

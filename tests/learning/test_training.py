@@ -15,26 +15,13 @@ from egad.tables.training import HISTORY
 torch = pytest.importorskip("torch")
 networks = pytest.importorskip("egad.detectors.networks")
 training = pytest.importorskip("egad.learning.training")
-checkpoint = pytest.importorskip("egad.learning.training")
+interrupted = pytest.importorskip("interrupted")
 SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2, crop=96)
 
 
 @pytest.fixture(scope="module")
 def shards(images):
     return ImageDataset([images], PositiveFilter(0.002, 0.02))
-
-
-class InterruptionError(Exception):
-    pass
-
-
-class Breaking(checkpoint.Checkpoint):
-    """Ends the training after its second epoch."""
-
-    def save(self, state):
-        super().save(state)
-        if len(state.rows) == 2:
-            raise InterruptionError
 
 
 class Tiny(torch.nn.Conv2d):
@@ -52,35 +39,31 @@ def trained(shards, settings=SHORT, seed=0, jobs=1, kept=None):
     return rows, network.state_dict()
 
 
-def same(one, other):
-    return one[0] == other[0] and all(torch.equal(one[1][name], other[1][name]) for name in one[1])
-
-
 @pytest.fixture(scope="module")
 def undisturbed(shards):
     return trained(shards)
 
 
 def test_nothing_but_the_seed_decides(shards, undisturbed):
-    assert same(trained(shards, jobs=2), undisturbed)
-    assert not same(trained(shards, seed=1), undisturbed)
+    assert interrupted.same(trained(shards, jobs=2), undisturbed)
+    assert not interrupted.same(trained(shards, seed=1), undisturbed)
 
 
 def test_it_goes_on_after_an_interruption_with_the_same_result(shards, undisturbed, tmp_path):
     path = tmp_path / "checkpoint.pt"
-    with pytest.raises(InterruptionError):
-        trained(shards, kept=Breaking(path, "this"))
-    assert same(trained(shards, kept=checkpoint.Checkpoint(path, "this")), undisturbed)
+    with pytest.raises(interrupted.InterruptionError):
+        trained(shards, kept=interrupted.Breaking(path, "this"))
+    assert interrupted.same(trained(shards, kept=training.Checkpoint(path, "this")), undisturbed)
 
 
 @pytest.mark.parametrize("damage", [False, True])
 def test_a_checkpoint_of_something_else_is_not_taken(shards, undisturbed, tmp_path, caplog, damage):
     path = tmp_path / "checkpoint.pt"
-    with pytest.raises(InterruptionError):
-        training.train(Tiny(), shards, SHORT, 0, 1, Breaking(path, "that"))
+    with pytest.raises(interrupted.InterruptionError):
+        training.train(Tiny(), shards, SHORT, 0, 1, interrupted.Breaking(path, "that"))
     if damage:
         path.write_bytes(path.read_bytes()[:300])
-    assert same(trained(shards, kept=checkpoint.Checkpoint(path, "this")), undisturbed)
+    assert interrupted.same(trained(shards, kept=training.Checkpoint(path, "this")), undisturbed)
     assert ("cannot be read" if damage else "belongs to another training") in caplog.text
 
 

@@ -13,11 +13,10 @@ from PIL import Image
 from egad.evolution import Lineage
 from egad.grippers import GRIPPERS
 from egad.report.axes import USUAL
-from egad.report.gallery import details, sheets
-from egad.report.gallery.dataset import GalleryData
+from egad.report.gallery import details, files
 from egad.report.gallery.files import data_script, file_link
 from egad.report.gallery.index import index_data
-from egad.report.gallery.page import gallery_page
+from egad.report.gallery.page import GalleryData, gallery_page
 from egad.report.viewer import LABELS, label_codes
 
 HOSTILE = "</script><script>alert(1)</script>"
@@ -126,25 +125,25 @@ def test_no_two_objects_share_a_place_on_a_sheet(data, objects, settings):
 
 def test_pictures_lie_where_the_page_looks_for_them():
     tones = {(0, 0): 40, (2, 1): 200}
-    shape = (sheets.TILE, sheets.TILE, 4)
+    shape = (files.TILE, files.TILE, 4)
     pictures = {at: np.full(shape, [tone] * 3 + [255], np.uint8) for at, tone in tones.items()}
-    content = sheets.sheet(pictures, 3, 2)
-    assert content == sheets.sheet(dict(reversed(pictures.items())), 3, 2)
+    content = files.sheet(pictures, 3, 2)
+    assert content == files.sheet(dict(reversed(pictures.items())), 3, 2)
     image = np.asarray(Image.open(io.BytesIO(content)).convert("RGBA")).astype(int)
-    assert image.shape == (2 * sheets.TILE, 3 * sheets.TILE, 4)
-    middle = image[sheets.TILE // 2 :: sheets.TILE, sheets.TILE // 2 :: sheets.TILE]
+    assert image.shape == (2 * files.TILE, 3 * files.TILE, 4)
+    middle = image[files.TILE // 2 :: files.TILE, files.TILE // 2 :: files.TILE]
     assert (middle[..., 3] > 0).sum() == 2
     for (column, row), tone in tones.items():
         assert middle[row, column] == pytest.approx([tone] * 3 + [255], abs=3)
 
 
 def test_ancestors_fill_sheets_in_the_order_of_their_numbers():
-    picture = np.full((sheets.TILE, sheets.TILE, 4), 255, np.uint8)
-    numbers = [0, sheets.COLUMNS, sheets.PER_SHEET + 1]
-    found = list(sheets.ancestor_sheets(dict.fromkeys(numbers, picture), sheets.PER_SHEET + 2))
+    picture = np.full((files.TILE, files.TILE, 4), 255, np.uint8)
+    numbers = [0, files.COLUMNS, files.PER_SHEET + 1]
+    found = list(files.ancestor_sheets(dict.fromkeys(numbers, picture), files.PER_SHEET + 2))
     images = [np.asarray(Image.open(io.BytesIO(each)).convert("RGBA")) for each in found]
-    shown = [image[:: sheets.TILE, :: sheets.TILE, 3].ravel().nonzero()[0] for image in images]
-    assert [each.tolist() for each in shown] == [[0, sheets.COLUMNS], [1]]
+    shown = [image[:: files.TILE, :: files.TILE, 3].ravel().nonzero()[0] for image in images]
+    assert [each.tolist() for each in shown] == [[0, files.COLUMNS], [1]]
 
 
 def test_the_page_of_an_object_has_the_numbers_of_the_tables(data, objects, simulated):

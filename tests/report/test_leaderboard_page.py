@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from chromium import CHROMIUM, IN_CHROMIUM, QUIET, STANDARDS
+from partial_tables import fill_columns
 
 from egad.report.leaderboard import Board, Protocol, Refusal, SubmittedTable, page
 from egad.tables.evaluation import TRIALS
@@ -26,17 +26,15 @@ ABOUT = {
 
 def attempts(rate, engine):
     """Four attempts at each of the 49 objects."""
-    blank = {"string": "", "bool": False}
-    row = {field.name: blank.get(str(field.type), 0.0) for field in TRIALS}
     labels = [f"{letter}{digit}" for letter in "ABCDEFG" for digit in range(7)]
     won = np.random.default_rng(0).random((len(labels), 4)) < rate
-    return pd.DataFrame(
-        row
-        | {"label": label, "id": label, "attempt": number, "engine": engine}
+    rows = [
+        {"label": label, "id": label, "attempt": number, "engine": engine}
         | {"success": bool(each), "outcome": "success" if each else "slipped_lifting"}
         for label, own in zip(labels, won, strict=True)
         for number, each in enumerate(own)
-    )
+    ]
+    return fill_columns(TRIALS, rows)
 
 
 @pytest.fixture(scope="module")

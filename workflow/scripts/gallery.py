@@ -23,12 +23,22 @@ from egad.geometry.repair import repair_for_files
 from egad.io import read_mesh
 from egad.measures import attainable_graspability
 from egad.report.axes import AxisPair, axis_pair
-from egad.report.gallery.dataset import GalleryData
 from egad.report.gallery.details import Download, GenomeText, ObjectPage, ancestor_data, object_data
-from egad.report.gallery.files import ANCESTORS, INDEX, PAGES, SHEETS, data_script, file_link
+from egad.report.gallery.files import (
+    ANCESTORS,
+    INDEX,
+    PAGES,
+    SHEETS,
+    TILE,
+    Place,
+    ancestor_sheets,
+    cell_ranks,
+    data_script,
+    file_link,
+    sheet,
+)
 from egad.report.gallery.index import index_data
-from egad.report.gallery.page import gallery_page
-from egad.report.gallery.sheets import TILE, Place, ancestor_sheets, cell_ranks, sheet
+from egad.report.gallery.page import GalleryData, gallery_page
 from egad.report.genome_drawing import genome_svg
 from egad.report.pictures import render
 from egad.report.space_map import legend_of

@@ -21,9 +21,9 @@ from egad.bench import ClutterParameters, picture_of, rounds_of
 from egad.exchange import model_in, rows_by_id
 from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
-from egad.report.scenes import scenes
 from egad.report.space_map import shown_objects
 from egad.report.summary import MOST_SHOWN, name_stages
+from egad.report.viewer import scenes
 from egad.sim.world import UnstableError
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER

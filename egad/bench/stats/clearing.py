@@ -16,15 +16,7 @@ UNTRIED = (Outcome.NO_GRASP, *SIMULATION_FAILURES)
 
 
 class Clearing(NamedTuple):
-    """How well a detector clears scenes of one kind.
-
-    Attributes:
-        scene: How the objects lie.
-        noise: Noise added to the depth images.
-        rounds: Number of rounds.
-        success: Successes / attempts.
-        cleared: Objects grasped / objects present.
-    """
+    """How well a detector clears scenes of one kind, with one kind of noise: rates over rounds."""
 
     scene: str
     noise: str
@@ -34,27 +26,18 @@ class Clearing(NamedTuple):
 
 
 def clearing_rates(table: pd.DataFrame) -> list[Clearing]:
-    """Rates of each kind of scene and noise, with intervals of 95 % for other rounds.
+    """Rates of each kind of scene and noise; the 95 % intervals resample rounds (`mean_of`).
 
-    If no grasp is proposed, the round ends. This does not count as an attempt, nor does anything
-    that could not be simulated. Rounds that never began do not count. The intervals resample rounds
-    of `tables.clutter.CLUTTER` with replacement, see `mean_of`.
+    A round ends when no grasp is proposed; this is no attempt, nor is what could not be simulated.
+    Rounds that never began do not count.
     """
     return [_rates(*key, _rounds(rows)) for key, rows in _groups(table)]
 
 
 class ClearingComparison(NamedTuple):
-    """The first of two detectors against the second, over the rounds that both ran.
+    """The first of two detectors minus the second, over rounds that began with the same scene.
 
-    Attributes:
-        scene: How the objects lay.
-        noise: Noise added to the depth images.
-        rounds: Rounds that began with the same scene.
-        success: Difference of the success rates.
-        success_interval: Its 95 % confidence interval, by resampling rounds.
-        cleared: Difference of the shares of objects that were cleared.
-        cleared_interval: Its 95 % confidence interval, by resampling rounds.
-        p_cleared: Sign-flip test over the rounds; see `sign_flip`.
+    Intervals are of 95 %, by resampling rounds; `p_cleared` is from `sign_flip` over rounds.
     """
 
     scene: str
@@ -68,15 +51,7 @@ class ClearingComparison(NamedTuple):
 
 
 def compare_clearing(first: pd.DataFrame, second: pd.DataFrame) -> list[ClearingComparison]:
-    """Compare two detectors by the rounds that began with the same scene for both.
-
-    Args:
-        first: Columns of `tables.clutter.CLUTTER`.
-        second: The same for the other detector.
-
-    Raises:
-        NothingInCommonError: There is no such round.
-    """
+    """Compare two tables, `tables.clutter.CLUTTER`; NothingInCommonError if they share no round."""
     one, other = ({key: _rounds(rows) for key, rows in _groups(each)} for each in (first, second))
     pairs = {key: one[key].merge(other[key], on=SCENE) for key in one if key in other}
     found = [_compared(*key, rounds) for key, rounds in pairs.items() if len(rounds)]
@@ -90,9 +65,8 @@ def compare_clearing(first: pd.DataFrame, second: pd.DataFrame) -> list[Clearing
 def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame) -> pd.DataFrame:
     """Successes, attempts and presence by thirds of the objects, by complexity and by difficulty.
 
-    A detector may avoid objects that it cannot grasp. So also look at `present`, the number of
-    rounds in which the objects were on the table: successes / present is the share cleared. Band 1
-    is the simplest or the easiest.
+    A detector may avoid objects that it cannot grasp, so `present` counts rounds with an object on
+    the table. Band 1 is the simplest or easiest.
     """
     tried = table[table["id"] != ""]
     first = table[table["attempt"] == 0]

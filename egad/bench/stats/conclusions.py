@@ -20,17 +20,10 @@ FAR = 2.80  # standard errors: a difference this far from 0 is found with the po
 
 
 def conclusion(first: str, second: str, result: Comparison, tables: Sequence[pd.DataFrame]) -> str:
-    """What the attempts of two detectors at the same objects show.
+    """What two detectors' attempts (columns label and success) at the same objects show, in words.
 
-    Args:
-        first: Name of the first detector, which has the higher rate.
-        second: Name of the second.
-        result: The first against the second.
-        tables: Columns label and success of both.
-
-    Returns:
-        Sentences: which detector is better, or that no difference is shown and how many attempts
-        would show one of this size with a power of 0.8, if rates vary over objects as they do here.
+    `first` has the higher rate. Without a difference: how many attempts would show one of this size
+    with a power of 0.8, if rates vary over objects as they do here.
     """
     if result.objects < ENOUGH_OBJECTS:
         few = f"too few objects for a test over objects (at least {ENOUGH_OBJECTS})"

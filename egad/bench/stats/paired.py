@@ -123,13 +123,9 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
 
 
 def match_attempts(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
-    """The attempts that both detectors made, in the order in which these pairs became complete.
+    """Attempts that both made, in the order in which pairs became complete; errors as `compare`.
 
     Other columns than label and attempt get the suffixes _1 and _2.
-
-    Raises:
-        NothingInCommonError: They have no attempt in common.
-        UserError: A label stands for one object in the first table and for another in the second.
     """
     one, other = (table.assign(place=np.arange(len(table))) for table in (first, second))
     pairs = one.merge(other, on=["label", "attempt"], suffixes=("_1", "_2"))
@@ -185,18 +181,11 @@ def mcnemar(only_first: int, only_second: int) -> float:
 
 
 def boschloo(first: Rate, second: Rate) -> float:
-    """Exact two-sided test that two success rates are equal, for unpaired attempts.
+    """P-value of the exact two-sided test that two success rates are equal, for unpaired attempts.
 
     Boschloo's test is never weaker than Fisher's, since it does not fix the total number of
     successes; nor does a robot. Attempts must be independent, and their number fixed before the
-    first one.
-
-    Args:
-        first: Successes and attempts of one detector.
-        second: Those of the other.
-
-    Returns:
-        The p-value; 1 if either detector has no attempts.
+    first one. It is 1 if either detector has no attempts.
     """
     if not first.attempts or not second.attempts:
         return 1.0

@@ -22,17 +22,11 @@ NORMAL: Floats = np.linspace(-6, 6, 2401)
 
 @dataclass(frozen=True)
 class ObjectRates:
-    """How the success rates of two detectors vary over objects.
+    """How success rates of two detectors vary over objects: correlated beta distributions.
 
-    The rates of each detector have a beta distribution. The rates of both at an object are
-    correlated (a Gaussian copula), since what is hard for one detector is hard for others. Spread
-    and correlation are about those of simulated trials on the released evaluation set: 0.29 to
-    0.36, and 0.66 to 0.99 (0.66 to 0.69 for detectors of different kinds).
-
-    Attributes:
-        mean: Mean rate of both detectors together.
-        spread: Standard deviation over objects of a detector with this mean.
-        correlation: Correlation over objects of the rates of both, if they are equally good.
+    What is hard for one detector is hard for others. In simulated trials on the released evaluation
+    set, the standard deviation over objects is 0.29 to 0.36; the correlation of equally good
+    detectors is 0.66 to 0.99, of detectors of different kinds up to 0.69.
     """
 
     mean: float = 0.6
@@ -99,7 +93,6 @@ class Plan:
     """Attempts that show a difference with the requested power, at some number of objects.
 
     Attributes:
-        objects: Objects that both detectors try.
         attempts: Attempts of each detector at each object; None if the maximum is too low.
         power: Probability that the test over objects then finds the better detector.
         sequential: Total attempts of each detector after which the sequential test has found it
@@ -115,18 +108,11 @@ class Plan:
 
 
 def fit_object_rates(tables: Sequence[pd.DataFrame]) -> ObjectRates:
-    """Estimate rates over objects from tables of attempts; means of several tables.
+    """Estimate rates over objects from the attempts of detectors (columns label and success).
 
-    Rates of few attempts spread more than the true ones; this binomial part is subtracted. The
-    correlation is that of pairs of tables; with one table, or without objects that differ, it is
-    the default.
-
-    Args:
-        tables: Columns label and success, by detector.
-
-    Raises:
-        UserError: There are fewer than two objects with at least two attempts, or nearly all
-            attempts end alike.
+    The binomial part of their spread is subtracted. The correlation is the mean over pairs of
+    tables; with one table, or without objects that differ, it is the default. UserError if fewer
+    than two objects have two attempts, or nearly all attempts end alike.
     """
     found = [by_object(table) for table in tables]
     found = [counts[counts["attempts"] > 1] for counts in found]

@@ -18,11 +18,9 @@ class PredictedRate:
     """The mean real success rate over objects, from real and simulated attempts.
 
     Attributes:
-        value: Success rate.
-        interval: Its 95 % confidence interval for other objects of the same kind; NaN if all real
+        interval: 95 % confidence interval for other objects of the same kind; NaN if all real
             rates are equal.
-        plain: Mean rate of the real attempts alone.
-        plain_interval: Its interval, computed in the same way.
+        plain: Mean rate of the real attempts alone, and `plain_interval`.
         weight: How much weight a simulated difference gets; 0 means none.
         correlation: Correlation of real and simulated rates over the objects that have both; NaN if
             either are all equal.

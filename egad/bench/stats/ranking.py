@@ -14,15 +14,7 @@ from egad.random import generator
 
 
 class Lead(NamedTuple):
-    """How far one detector is ahead of another.
-
-    Attributes:
-        first: The one with the higher rate.
-        second: The other one.
-        difference: Difference of their rates.
-        interval: Simultaneous 95 % interval: with a probability of 95 %, the intervals of all pairs
-            are right.
-    """
+    """How far the first detector is ahead; the 95 % intervals of all pairs hold together."""
 
     first: str
     second: str
@@ -49,17 +41,11 @@ class Ranks(NamedTuple):
 def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
     """All pairs of detectors, with simultaneous intervals of 95 % for other groups of their kind.
 
-    Rates are sums of successes over the sum of sizes. Groups (objects, or rounds of clearing a
-    table) are drawn with replacement, the same for all pairs. The half-width of an interval, in
-    standard errors, is the 95 % quantile over the draws of the largest deviation of any difference,
-    widened for few groups as in `egad.bench.stats.rates.bootstrap`.
-
-    Args:
-        successes: Successes of each group, (n,), by detector.
-        sizes: Attempts or objects of each group, (n,).
-
-    Returns:
-        The pairs; ties if there are less than 6 groups, which cannot differ significantly.
+    Rates are sums of successes of each group (an object, or a round of clearing a table), (n,),
+    over sums of sizes, (n,). Groups are drawn with replacement, the same for all pairs. The
+    half-width of an interval, in standard errors, is the 95 % quantile over the draws of the
+    largest deviation of any difference, widened for few groups as in `bootstrap`. Less than 6
+    groups cannot differ significantly: all pairs are ties.
     """
     pairs = list(combinations(successes, 2))
     count = len(sizes)
@@ -86,15 +72,10 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
 
 
 def ranks(names: list[str], pairs: list[Lead]) -> dict[str, Ranks]:
-    """The ranks that each detector may have.
+    """The ranks that each detector may have, from its leads.
 
-    The best rank is 1 plus the number of detectors that are certainly better; the worst rank is the
-    number of detectors minus those that are certainly worse (Mogstad, Romano, Shaikh and Wilhelm
-    2024).
-
-    Args:
-        names: All detectors.
-        pairs: From `leads`.
+    The best is 1 plus the number of detectors that are certainly better; the worst is the number of
+    detectors minus those that are certainly worse (Mogstad, Romano, Shaikh and Wilhelm 2024).
     """
     certain = [each for each in pairs if each.is_certain]
     better = {name: sum(each.second == name for each in certain) for name in names}

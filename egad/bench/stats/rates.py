@@ -22,16 +22,7 @@ MIN_CORRELATED = 10
 
 
 def wilson(successes: int, attempts: int, confidence: float = 0.95) -> Interval:
-    """Wilson's score interval of a success probability (Wilson 1927).
-
-    Args:
-        successes: How often it worked.
-        attempts: How often it was tried.
-        confidence: Level of the two-sided interval, 0 to 1.
-
-    Returns:
-        Lower and upper end; 0 and 1 without attempts, when nothing is known.
-    """
+    """Wilson's score interval of a success probability (Wilson 1927); 0 and 1 without attempts."""
     if attempts == 0:
         return 0.0, 1.0
     found = scipy.stats.binomtest(successes, attempts).proportion_ci(confidence, method="wilson")
@@ -115,13 +106,9 @@ class Mean(Rate):
 
 @dataclass(frozen=True)
 class TrialGrid:
-    """Success rates over the grid of the evaluation set, row 0 = easiest, column 0 = simplest.
+    """Success rates of cells, rows (0 = easiest) and columns (0 = simplest) of the evaluation set.
 
-    Attributes:
-        cells: Rates by row and column, for the objects that exist.
-        rows: Rates over all attempts of each row: means over its objects, all tried equally often.
-        columns: The same for each column.
-        overall: Rate over all attempts.
+    Rates of rows and columns are over all attempts there: means over objects tried equally often.
     """
 
     cells: dict[tuple[int, int], Rate]
@@ -166,11 +153,9 @@ def by_object(trials: pd.DataFrame) -> pd.DataFrame:
 
 
 def mean_rate(trials: pd.DataFrame) -> Mean:
-    """The success rate over several objects, with an interval of 95 % for objects of their kind.
+    """The success rate over objects, with a 95 % interval for others of their kind (`bootstrap`).
 
-    Attempts on one object resemble each other, so the objects are resampled (`bootstrap`). The
-    interval is never narrower than Wilson's interval of all attempts, as objects may agree by
-    chance. A single object says nothing about others.
+    It is never narrower than Wilson's of all attempts, as objects may agree by chance.
     """
     objects = by_object(trials)
     return mean_of(objects["successes"].to_numpy(), objects["attempts"].to_numpy())
@@ -191,10 +176,7 @@ def mean_of(successes: Ints, attempts: Ints) -> Mean:
 
 
 def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
-    """Success rate of every object, row and column of the evaluation set, as in the paper.
-
-    Objects with other labels than such as C4, or outside, have no cells, rows and columns.
-    """
+    """Success rates of objects, rows and columns, as in the paper; labels outside do not count."""
     if not in_grid(set(trials["label"])):
         return TrialGrid({}, [], [], mean_rate(trials))
     found = [cell_of_label(label) for label in trials["label"]]
@@ -212,14 +194,7 @@ def trial_grid(trials: pd.DataFrame, rows: int, columns: int) -> TrialGrid:
 
 @dataclass(frozen=True)
 class Trend:
-    """A rank correlation.
-
-    Attributes:
-        rho: Spearman's coefficient; NaN for fewer than `MIN_CORRELATED` objects, or if either
-            variable is constant over them.
-        ci_low: Lower end of its 95 % confidence interval over objects.
-        ci_high: Upper end.
-    """
+    """Spearman's rho with its 95 % interval over objects; NaN for fewer than `MIN_CORRELATED`."""
 
     rho: float
     ci_low: float
@@ -227,17 +202,10 @@ class Trend:
 
 
 def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Success, difficulty and complexity of each object tried, by its label.
+    """Rate, difficulty (minus the graspability) and complexity of each object tried, by label.
 
-    Args:
-        trials: Columns label and success.
-        evalset: Columns of `tables.evaluation.EVAL49`. Without it, or where it lacks an object,
-            the row of a label is used as difficulty and its column as complexity; NaN for labels
-            that are not of the grid.
-
-    Returns:
-        Columns rate; difficulty, which is high for hard objects: minus the graspability in the set;
-        and complexity.
+    Without an evaluation set, or where it lacks an object, they are the row and column of the
+    label; NaN for labels outside the grid.
     """
     objects = by_object(trials)
     table = pd.DataFrame({"rate": objects["successes"] / objects["attempts"]})

@@ -79,11 +79,7 @@ def read(path: Path) -> dict[str, pd.DataFrame]:
 
 
 def gather(paths: Sequence[Path]) -> dict[str, pd.DataFrame]:
-    """The results of several files by detector; a name that occurs again is prefixed by its folder.
-
-    Raises:
-        UserError: A file cannot be used, or two cannot be told apart.
-    """
+    """The results of several files by detector; equal names get their folder, else UserError."""
     found: dict[str, pd.DataFrame] = {}
     for path in paths:
         for name, table in read(path).items():
@@ -180,10 +176,9 @@ def _is_valid(path: Path, line: int, row: Mapping[str, str]) -> bool:
 
 
 def _joined_sessions(path: Path, rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts of a log, each of them once.
+    """The attempts of a log, each once; those of later sessions are numbered after all others.
 
-    Duplicate rows count once. Attempts with several results in a session are left out, as on the
-    page. Attempts that were also made in an earlier session are numbered after all others.
+    Attempts with several results in a session are left out, as on the page.
     """
     rows = rows.drop_duplicates(["session", *ATTEMPT_KEY, "outcome", "record"])
     differ = rows.duplicated(["session", *ATTEMPT_KEY], keep=False)

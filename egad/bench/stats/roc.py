@@ -24,13 +24,10 @@ _SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
 
 @dataclass(frozen=True)
 class Area:
-    """Area under the ROC curve of the grasps of several objects.
+    """Area under the ROC curve of grasps of objects; `within`: of pairs of the same object only.
 
-    Attributes:
-        value: See `roc_area`.
-        interval: The 95 % interval for other objects of the same kind; NaN if fewer than
-            `MIN_OBJECTS` objects have a success, or a failure.
-        within: The area of pairs of grasps of the same object only.
+    The interval, of 95 %, is for other objects of the same kind; NaN if fewer than `MIN_OBJECTS`
+    objects have a success, or a failure.
     """
 
     value: float
@@ -39,10 +36,7 @@ class Area:
 
 
 def roc_area(rating: Floats, success: Flags) -> float:
-    """Area under the ROC curve: how often a success is rated above a failure; ties count half.
-
-    Mann and Whitney's U over the number of pairs; NaN without a success or without a failure.
-    """
+    """How often a success is rated above a failure; ties count half (Mann and Whitney)."""
     good, bad = rating[success], rating[~success]
     if len(good) == 0 or len(bad) == 0:
         return np.nan
@@ -51,20 +45,13 @@ def roc_area(rating: Floats, success: Flags) -> float:
 
 
 def area(rating: Floats, success: Flags, objects: Names) -> Area:
-    """Area under the ROC curve of ratings, (n,), of grasps of several objects, and its interval.
-
-    Grasps of an object resemble each other, so the objects are resampled (`bootstrap`); an object
-    drawn twice counts twice.
-    """
+    """Area under the ROC curve of ratings, (n,); the interval resamples objects (`bootstrap`)."""
     areas, within = _areas(rating, success, objects)
     return Area(roc_area(rating, success), _interval(areas, success, objects), within)
 
 
 def gain(rating: Floats, other: Floats, success: Flags, objects: Names) -> Area:
-    """How much more informative one rating, (n,), is than another, in area under the ROC curve.
-
-    The interval comes from the same draws of objects for both.
-    """
+    """How much larger the area of one rating, (n,), is than of another, by the same draws."""
     first, within = _areas(rating, success, objects)
     second, others = _areas(other, success, objects)
     interval = _interval(lambda drawn: first(drawn) - second(drawn), success, objects)
@@ -107,22 +94,16 @@ def _areas(rating: Floats, success: Flags, objects: Names) -> tuple[Areas, float
 
 @dataclass(frozen=True)
 class Bin:
-    """Attempts of similar quality.
-
-    Attributes:
-        quality: Their mean quality.
-        rate: How often they succeeded.
-    """
+    """Mean quality and success rate of attempts of similar quality."""
 
     quality: float
     rate: Rate
 
 
 def reliability(trials: pd.DataFrame) -> list[Bin]:
-    """Success rates of attempts, binned by the quality that the detector gave, from low to high.
+    """Success rates by the detector's quality, ascending, in at most ten bins of about equal size.
 
-    There are at most ten bins with about equally many attempts each; equal qualities stay together.
-    Attempts without a quality are left out.
+    Equal qualities stay together; attempts without a quality are left out.
     """
     quality, success = _known(trials)
     if len(quality) == 0:

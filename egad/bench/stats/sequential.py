@@ -21,7 +21,6 @@ class SequentialTest:
     Attributes:
         e_values: E-value after each pair, (n,). If there is no difference, it reaches 1 / level
             with a probability of at most the level, however often one looks.
-        level: Probability of a wrong decision.
         decided_after: Pairs after which the e-value first reached 1 / level; None if it has not.
         better: Which detector the decision is for: `first` or `second`; empty without one.
     """
@@ -118,10 +117,9 @@ def attempts_in_a_row(table: pd.DataFrame) -> int:
 
 
 def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
-    """Simulated attempts in the order in which a robot should make them: rows sorted into rounds.
+    """Simulated attempts as a robot should make them: every object once before any again.
 
-    Every object is tried once before any is tried again, each time in another random order, which
-    depends only on labels and numbers.
+    The order within a round is random and depends only on labels and numbers.
     """
     order = [
         (attempt, entropy(0, "rounds", str(label), int(attempt)))

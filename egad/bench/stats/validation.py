@@ -29,20 +29,12 @@ UNKNOWN = Estimate(np.nan, np.nan, np.nan)
 
 @dataclass(frozen=True)
 class Agreement:
-    """How well simulated success rates agree with real ones.
+    """How well simulated success rates of `count` objects or detectors agree with real ones.
 
-    Attributes:
-        count: Objects, or detectors, whose rates are compared.
-        simulated: Mean simulated rate.
-        real: Mean real rate.
-        difference: Real minus simulated.
-        spearman: Rank correlation; NaN for fewer than `MIN_CORRELATED` objects.
-        pearson: Correlation; NaN likewise.
-        mmrv: Mean maximum rank violation, see `mmrv`. Its interval over objects is biased low, as
-            draws with replacement have fewer different objects, whose largest violations are
-            smaller.
-        limit: Pearson correlation that an exact simulation would have with the same number of
-            attempts at each object; NaN if that number is not known, and for detectors.
+    `difference` is real minus simulated. Correlations are NaN for fewer than `MIN_CORRELATED`. The
+    interval of `mmrv` is biased low, as draws with replacement have fewer different objects.
+    `limit` is the Pearson correlation of an exact simulation with as many attempts at each object;
+    NaN if that number is not known, and for detectors.
     """
 
     count: int
@@ -70,18 +62,11 @@ class Validation:
 
 
 def validate(simulated: Mapping[str, pd.DataFrame], real: Mapping[str, pd.DataFrame]) -> Validation:
-    """Compare simulated success rates with real ones, matched by detector and object.
+    """Compare simulated with real tables of `read_rates`, matched by detector and object.
 
-    All intervals are by bootstrap over objects. They do not include the noise of few attempts at
-    each object, which lowers correlations: `Agreement.limit` says how far.
-
-    Args:
-        simulated: Columns rate and attempts by label, by detector, as from `read_rates`.
-        real: The same for the robot. A single detector on each side is taken to be the same,
-            whatever its name.
-
-    Raises:
-        NothingInCommonError: There is no detector with an object on both sides.
+    A single detector on each side is the same, whatever its name. Intervals are by bootstrap over
+    objects, without the noise of few attempts, which lowers correlations by as much as
+    `Agreement.limit` says. NothingInCommonError if no detector has an object on both sides.
     """
     matched, notes = _match(simulated, real)
     predicted = {}
@@ -214,20 +199,13 @@ def _agreement(
 
 
 def mmrv(simulated: Floats, real: Floats) -> Floats:
-    """Mean maximum rank violation of SIMPLER (Li et al. 2024): 0 if simulation ranks like reality.
+    """Mean maximum rank violation of SIMPLER (Li and others 2024), 0 to 1, of rates (..., n).
 
     For each object or detector, it takes the others that the simulation orders differently from
     reality, and the largest difference of real rates among these; the result is the mean. Real
     differences are what counts: a swap of two that are nearly equal on the robot hardly matters,
     however large the simulated difference. The published function takes (simulated, real), but its
     documentation has them the other way round, which weights by simulated differences.
-
-    Args:
-        simulated: (..., n) simulated success rates.
-        real: (..., n) real success rates of the same.
-
-    Returns:
-        (...,) a violation, 0 to 1.
     """
     flat = [rates.reshape(-1, rates.shape[-1]) for rates in np.broadcast_arrays(simulated, real)]
     count = flat[0].shape[1]

@@ -54,14 +54,8 @@ COLUMNS = [
 class AcronymObject:
     """The object of a file, scaled: metres, kilograms, in the frame of its mesh.
 
-    Attributes:
-        file: The unscaled mesh, relative to the root of the meshes.
-        scale: Factor to scale it by.
-        volume: m3.
-        mass: kg.
-        com: (3,) center of mass.
-        inertia: (3, 3) about the center of mass.
-        friction: Coulomb coefficient that the grasps were rated with.
+    The file is relative to the root of the meshes; `scale` scales its mesh; the inertia is about
+    the center of mass; friction is that of the labels.
     """
 
     file: str

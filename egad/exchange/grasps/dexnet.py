@@ -52,7 +52,7 @@ def run(
 ) -> None:
     """Combine the objects of all shards, and add their grasps.
 
-    A damaged part of the workflow is removed, so that the next run makes it again.
+    A damaged shard is removed, so that the next run of the workflow makes it again.
     """
     check_names(dataset, gripper, grasps)
     homes, labels = _homes(parts, (dataset / "parts").resolve()), parquet.distinct(grasps, "label")

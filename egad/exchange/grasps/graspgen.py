@@ -86,18 +86,11 @@ def check(hand: NamedGripper) -> None:
 
 
 def graspgen_hand(name: str, gripper: Gripper) -> GraspGenHand:
-    """A gripper with its depth.
+    """A gripper with its depth; UserError if its file cannot be used.
 
-    For a gripper with a file, the origin is as far behind the closed pads as that of the base link.
-    Otherwise it is where GraspGen has it if the name is that of one of its hands, or else at the
-    back of the palm.
-
-    Args:
-        name: Name of the gripper.
-        gripper: Its settings.
-
-    Raises:
-        UserError: The file of the gripper cannot be used.
+    With a file, the origin is as far behind the closed pads as that of the base link. Otherwise it
+    is where GraspGen has it if the name is that of one of its hands, or else at the back of the
+    palm.
     """
     if (base := base_pose(gripper, 0.0)) is not None:
         return GraspGenHand(name, gripper, -float(base[2, 3]))

@@ -48,7 +48,7 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
 
 
 def needed_friction(grasps: Grasps) -> Floats:
-    """The smallest friction coefficient at which both contacts take a force along the axis, (n,).
+    """The smallest friction coefficient at which the contacts take a force along the axis, (n,).
 
     It is the tangent of the larger angle between the axis and a normal; infinite from 90 degrees.
     """

@@ -11,8 +11,15 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from egad.exchange.object_files import GREY, MeshFiles, write_object_meshes, write_poses
-from egad.exchange.xml_text import moments, number_text, xml_document
+from egad.exchange.object_files import (
+    GREY,
+    MeshFiles,
+    moments,
+    number_text,
+    write_object_meshes,
+    write_poses,
+    xml_document,
+)
 from egad.geometry import SimulationObject
 
 

@@ -10,9 +10,14 @@ from xml.etree import ElementTree
 import numpy as np
 import trimesh
 
-from egad.exchange.object_files import MeshFiles, write_object_meshes, write_poses
+from egad.exchange.object_files import (
+    MeshFiles,
+    number_text,
+    write_object_meshes,
+    write_poses,
+    xml_document,
+)
 from egad.exchange.objects.mjcf import GeomGroups, add_solid, mjcf_model
-from egad.exchange.xml_text import number_text, xml_document
 from egad.geometry import SimulationObject
 
 GROUPS = GeomGroups(visual="1", collision="0")

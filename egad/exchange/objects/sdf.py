@@ -3,8 +3,16 @@
 from pathlib import Path
 from xml.etree import ElementTree
 
-from egad.exchange.object_files import GREY, MeshFiles, write_object_meshes, write_poses
-from egad.exchange.xml_text import DRAKE, moments, number_text, xml_document
+from egad.exchange.object_files import (
+    DRAKE,
+    GREY,
+    MeshFiles,
+    moments,
+    number_text,
+    write_object_meshes,
+    write_poses,
+    xml_document,
+)
 from egad.geometry import MassProperties, SimulationObject
 
 VERSION = "1.11"  # the first one in which a mesh can say that its convex hull is meant

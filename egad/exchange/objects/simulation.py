@@ -35,17 +35,10 @@ def write_simulation_object(
 
 
 def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationObject:
-    """An object of a simulation bundle.
+    """An object of a simulation bundle, by its row of `tables.evaluation.BUNDLE`.
 
-    Args:
-        bundle: The folder of the bundle.
-        row: Columns of `tables.evaluation.BUNDLE` of the object.
-
-    Raises:
-        UserError: Its surface or a convex part is missing or damaged.
-
-    Warns:
-        PartsWarning: The convex parts do not keep to the bounds that they were made with.
+    UserError if a file is missing or damaged; PartsWarning if the parts do not keep to their
+    bounds.
     """
     warn_of_row(row)
     folder = bundle / row["label"]
@@ -81,20 +74,10 @@ def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationOb
 def read_convex_objects(
     convex_parts: Path, meshes: Path, density: float
 ) -> Iterator[tuple[str, SimulationObject]]:
-    """The objects of a table of convex parts, one after the other.
+    """The objects of a table, `CONVEX_PARTS`, by ascending labels; the density is in kg/m3.
 
-    Args:
-        convex_parts: Table with the columns of `tables.evaluation.CONVEX_PARTS`, sorted by label.
-        meshes: Folder of the meshes that the parts were made of, metres.
-        density: kg/m3.
-
-    Yields:
-        Labels, ascending, and the objects.
-
-    Raises:
-        UserError: The table is not sorted by label.
-        TableError: It is damaged.
-        RejectedError: A mesh cannot be read.
+    Meshes are those that the parts were made of, metres. UserError if the table is not sorted by
+    label, TableError if it is damaged, RejectedError if a mesh cannot be read.
     """
     columns = [name for name in CONVEX_PARTS.names if name != "label"]
     for label, rows in by_object(convex_parts, columns):

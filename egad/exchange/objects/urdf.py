@@ -6,8 +6,16 @@ Friction and convexity are not part of URDF. Bullet and Drake each read an exten
 from pathlib import Path
 from xml.etree import ElementTree
 
-from egad.exchange.object_files import GREY, MeshFiles, write_object_meshes, write_poses
-from egad.exchange.xml_text import DRAKE, moments, number_text, xml_document
+from egad.exchange.object_files import (
+    DRAKE,
+    GREY,
+    MeshFiles,
+    moments,
+    number_text,
+    write_object_meshes,
+    write_poses,
+    xml_document,
+)
 from egad.geometry import MassProperties, SimulationObject
 
 # PhysX, which SAPIEN uses, leaves out vertices of a hull that are closer than 0.0007 to the others,

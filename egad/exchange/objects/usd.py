@@ -70,10 +70,7 @@ def _body_path(name: str) -> Sdf.Path:
 
 
 def principal_axes(inertia: Floats) -> tuple[Floats, Floats]:
-    """Principal moments of inertia, (3,), ascending, and the rotation from their axes.
-
-    The rotation is a quaternion (w, x, y, z) with w >= 0.
-    """
+    """Principal moments, (3,), ascending, and the quaternion (w, x, y, z) of their axes, w >= 0."""
     values, axes = np.linalg.eigh(inertia)
     largest = axes[np.abs(axes).argmax(axis=0), range(3)]
     axes = axes * np.sign(largest)  # LAPACK leaves the signs open

@@ -1,4 +1,4 @@
-"""Croissant: a description of a dataset release that machine learning tools read (version 1.0).
+"""What a release contains, and its description for machine learning tools: Croissant 1.0.
 
 Source: the Croissant format specification, https://docs.mlcommons.org/croissant/.
 """
@@ -11,6 +11,7 @@ from typing import Any
 import pyarrow as pa
 
 from egad.tables.columns import meaning_of
+from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
 
 CONFORMS_TO = ["http://mlcommons.org/croissant/1.0", "http://mlcommons.org/croissant/RAI/1.0"]
 OWN_WORDS = (
@@ -36,14 +37,10 @@ HUB = "https://huggingface.co/datasets/"
 
 @dataclass(frozen=True)
 class Files:
-    """Files of a release that are of one kind.
+    """Files of a release that are of one kind; the meaning is that of each file, or row of a table.
 
-    Attributes:
-        name: What they are called.
-        meaning: What each file is, or each row of a table.
-        pattern: Name of the only file, relative to the release, or a glob of them, whose `*` also
-            stands for folders.
-        media_type: Media type of each.
+    The pattern is the name of the only file, relative to the release, or a glob whose `*` also
+    stands for folders.
     """
 
     name: str
@@ -68,15 +65,10 @@ def croissant_json(
 ) -> str:
     """The description as JSON-LD.
 
-    Args:
-        about: Properties of the dataset by the names of schema.org, such as `name`, `license`,
-            `version`, or by those of Croissant RAI; those that are None are left out. `url` is the
-            address of the folder of the release, or of the dataset on Hugging Face: with it, the
-            description can be read from anywhere, and without it, beside the files.
-        tables: Tables, which can be iterated over.
-        files: Other files.
-        sums: SHA-256 of the files without a glob, by name. Without sums, the dataset counts as one
-            that changes.
+    `about` has properties of schema.org or Croissant RAI; None is left out. With the `url` of the
+    release, the description can be read from anywhere, otherwise only beside the files. `tables`
+    can be iterated over; `sums` are SHA-256 of the files without a glob, by name. Without sums, the
+    dataset counts as one that changes.
     """
     url = str(about.get("url") or "")
     whole = {
@@ -144,3 +136,85 @@ def _data_type(kind: pa.DataType) -> str:
     if pa.types.is_integer(kind):
         return "sc:Integer"
     return "sc:Float" if pa.types.is_floating(kind) else "sc:Text"
+
+
+PARQUET = "application/x-parquet"
+ABSTRACT = (
+    "Closed objects from simple to complex and from easy to hard to grasp, and parallel-jaw grasps "
+    "on them that were labelled in simulation."
+)
+# Properties of Croissant RAI 1.0, https://docs.mlcommons.org/croissant/docs/croissant-rai-spec.html
+RAI = {
+    "rai:dataCollection": "An evolutionary search made the objects; no objects, images or data of "
+    "people were collected.",
+    "rai:dataCollectionType": ["Software Collection", "Others"],
+    "rai:dataAnnotationProtocol": "A physics engine closed the fingers on the floating object, "
+    "shook it and lifted it; a grasp succeeds if both fingers still hold the object at the end.",
+    "rai:machineAnnotationTools": ["MuJoCo or PyBullet, as the column simulated_engine says"],
+    "rai:dataLimitations": [
+        "Grasps, labels and scales are for one gripper, friction and density.",
+        "Labels were simulated with rigid bodies, and with convex parts in place of the true "
+        "surface. They are not trials of a real robot.",
+        "Only collision-free grasps were simulated, so the share that held is not that of random "
+        "grasps.",
+    ],
+    "rai:dataBiases": [
+        "Objects are abstract shapes of one uniform material, spread evenly over complexity and "
+        "difficulty. They do not follow the frequencies of objects in homes or factories."
+    ],
+    "rai:dataUseCases": ["Training, validation and testing of grasp detectors for parallel jaws."],
+    "rai:dataSocialImpact": "Robots that grasp more reliably can replace manual labor.",
+    "rai:personalSensitiveInformation": ["None."],
+}
+TABLES = (
+    Table(
+        "objects",
+        "one row per object: measures, mass properties, scale factor, split",
+        "data/objects.parquet",
+        PARQUET,
+        RELEASED_OBJECTS,
+        ("id",),
+    ),
+    Table(
+        "grasps",
+        "one row per grasp with a simulated label",
+        "data/grasps.parquet",
+        PARQUET,
+        RELEASED_GRASPS,
+        ("id", "grasp"),
+    ),
+    Table(
+        "evaluation_set",
+        "one row per object of the evaluation set",
+        "data/evaluation_set.parquet",
+        PARQUET,
+        RELEASED_EVALUATION_SET,
+        ("label",),
+    ),
+)
+OTHER_FILES = (
+    Files("splits", "objects and grasps again, in files by split", "data/*/*.parquet", PARQUET),
+    Files(
+        "meshes", "closed surface of each object, not scaled", "meshes/*.glb", "model/gltf-binary"
+    ),
+    Files("previews", "picture of each object", "previews/*.png", "image/png"),
+    Files(
+        "archives",
+        "objects for simulators, scaled to the gripper: a folder each with description, convex "
+        "parts, mass, friction, poses at rest",
+        "archives/*.zip",
+        "application/zip",
+    ),
+    Files(
+        "network",
+        "grasp networks that egad ships as detectors of the same names, with their model cards",
+        "networks/*/weights.safetensors",
+        "application/octet-stream",
+    ),
+    Files(
+        "gallery",
+        "page to view the objects in a browser, with its data in the folder `gallery`",
+        "index.html",
+        "text/html",
+    ),
+)

@@ -1,6 +1,6 @@
-"""The dataset card of a release: a page with the front matter that Hugging Face reads.
+"""The dataset card of a release, its licence and how to cite it.
 
-Source of the fields: the documentation of dataset cards, https://huggingface.co/docs/hub/datasets-cards.
+The front matter is what Hugging Face reads: https://huggingface.co/docs/hub/datasets-cards.
 """
 
 from collections.abc import Iterable, Mapping
@@ -43,17 +43,9 @@ SIZES = {  # bounds of Hugging Face's categories
 
 @dataclass(frozen=True)
 class ReleaseFacts:
-    """What a card says about a release.
+    """What a card says about a release; metres, kg/m3.
 
-    Attributes:
-        title: Name of the dataset for people.
-        gripper: Name of the gripper.
-        opening: Opening of the gripper, metres.
-        density: Density of the objects, kg/m3.
-        friction: Friction coefficient of the simulated labels.
-        grasps: Largest number of grasps per object.
-        engine: Physics engine of the simulated labels; empty without any.
-        program: Name and version of the program.
+    Friction and engine are those of the simulated labels; the engine is empty without any.
     """
 
     title: str
@@ -204,14 +196,10 @@ def card_page(
     success: Mapping[str, float],
     contents: Iterable[tuple[str, str, int, int]],
 ) -> str:
-    """The page as Markdown, with the front matter.
+    """The page as Markdown, with the front matter, from `RELEASED_OBJECTS` of all splits.
 
-    Args:
-        facts: What is said about the release.
-        objects: Columns of `tables.release.RELEASED_OBJECTS`, of all splits.
-        success: Share of the judged grasps that held, by split; nothing without such grasps.
-        contents: For each pattern of files: the pattern, its meaning, and the numbers of files and
-            bytes.
+    `success` is the share of the judged grasps that held, by split; `contents` have pattern,
+    meaning, numbers of files and of bytes.
     """
     grasps = int(objects["n_grasps"].sum())
     text = PAGE.format(
@@ -267,3 +255,52 @@ def _size(count: int) -> str:
 
 def _bytes(count: int) -> str:
     return f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"
+
+
+CREATOR = "the egad developers"
+TERMS = """{title}, version {version}
+
+Licence: Creative Commons Attribution 4.0 International (CC BY 4.0)
+SPDX-License-Identifier: {license}
+Legal text: {url}legalcode
+Copyright (c) {creator}
+
+You may copy, change and share these files for any purpose, even commercially, if you give
+credit, link to the licence, and say whether you changed something. For credit, cite the paper and
+the dataset as CITATION.cff says. The data comes without any warranty; the legal text says so in
+full. To the network vgn-evolved, the licence networks/vgn-evolved/LICENSE-VGN applies, too.
+"""
+
+
+def licence_text(title: str, version: str) -> str:
+    """The licence of a release, with the dataset's title for people and its version."""
+    return TERMS.format(
+        title=title, version=version, license=LICENSE, url=LICENSE_URL, creator=CREATOR
+    )
+
+
+def citation_cff(title: str, version: str, date: str | None, url: str | None) -> str:
+    """How to cite a release, in the Citation File Format 1.2.0; `date` is YYYY-MM-DD, if known."""
+    names = [
+        name.rsplit(" ", 1) for name in str(PAPER["authors"]).replace(" and ", ", ").split(", ")
+    ]
+    paper = {
+        "type": "article",
+        "title": PAPER["title"],
+        "authors": [{"family-names": family, "given-names": given} for given, family in names],
+        **{name: PAPER[name] for name in ("journal", "year", "volume", "issue", "start", "end")},
+        "doi": PAPER["doi"],
+    }
+    fields = {
+        "cff-version": "1.2.0",
+        "message": "If you use this dataset, please cite the paper and the dataset.",
+        "type": "dataset",
+        "title": title,
+        "version": version,
+        "license": LICENSE,
+        "authors": [{"name": CREATOR}],
+        **({"date-released": date} if date else {}),
+        **({"url": url} if url else {}),
+        "references": [paper],
+    }
+    return yaml.safe_dump(fields, sort_keys=False, allow_unicode=True)

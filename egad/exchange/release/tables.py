@@ -16,10 +16,7 @@ ROWS = 50_000  # in a file of grasps, at most: about 10 MB
 
 
 def file_stems(names: Iterable[str]) -> dict[str, str]:
-    """Where the file of each object is in a folder of the release, without its ending.
-
-    It is `NAME`, or `NN/NAME` if there are more objects than a folder may have files.
-    """
+    """The file of each object in a folder, without ending: `NAME`, or `NN/NAME` if too many."""
     listed = list(names)
     cut = len(listed) > MAX_FILES
     folders = [f"{number // MAX_FILES:02d}/" * cut for number in range(len(listed))]
@@ -42,18 +39,10 @@ def released_objects(
     counts: Mapping[str, int],
     evaluation: Iterable[str],
 ) -> pd.DataFrame:
-    """Objects with what is known about them for one gripper.
+    """Columns of `RELEASED_OBJECTS` without `split`, `family` and `gripper`, sorted by label.
 
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        scales: Columns of `tables.grasping.SCALES`.
-        simulated: Columns of `tables.grasping.ANTIPODAL_RATES`.
-        counts: Number of released grasps by label.
-        evaluation: Ids of the evaluation set.
-
-    Returns:
-        Columns of `tables.release.RELEASED_OBJECTS` without `split`, `family` and `gripper`, sorted
-        by label.
+    `simulated` has those of `tables.grasping.ANTIPODAL_RATES`, `counts` the number of released
+    grasps by label, `evaluation` the ids of the evaluation set.
     """
     factors = scales.set_index("label")[["opening", "factor"]]
     labels = simulated.drop(columns="id").set_index("label")
@@ -86,10 +75,7 @@ def released_grasps(grasps: pd.DataFrame) -> pd.DataFrame:
 def in_files(
     rows: pd.DataFrame, split: str, most: int = ROWS
 ) -> Iterator[tuple[Path, pd.DataFrame]]:
-    """Cut the rows of a split into files of about the same length, at least one.
-
-    Yields names, `SPLIT-NNNNN-of-NNNNN.parquet`, and rows, at most `most`.
-    """
+    """Cut rows into `SPLIT-NNNNN-of-NNNNN.parquet` of about the same length, at least one file."""
     count = max(-(-len(rows) // most), 1)
     bounds = np.linspace(0, len(rows), count + 1).round().astype(int)
     for number in range(count):

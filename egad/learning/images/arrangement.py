@@ -27,14 +27,13 @@ MAX_DIAGONAL = 0.2  # metres; diagonal of the bounding box of what lies beside o
 
 
 class PlacedObject(NamedTuple):
-    """An object at rest on a table.
+    """An object at rest on a table, at height 0 of its frame.
 
     Attributes:
-        id: Id of the object.
-        factor: Its size / that of the dataset's mesh.
+        factor: Size / that of the dataset's mesh.
         mesh: Its surface at this size, closed, metres.
-        com: (3,) its center of mass, metres.
-        matrix: (4, 4) from the frame of the mesh to that of the table, whose z is up, at height 0.
+        com: (3,) center of mass, metres.
+        matrix: (4, 4) from the frame of the mesh to that of the table, z up.
         pose: Number of its stable pose; -1 if it was dropped or packed.
     """
 
@@ -47,13 +46,13 @@ class PlacedObject(NamedTuple):
 
 
 class TableGrasps(NamedTuple):
-    """Grasps of objects on a table whose approach is near to the vertical; frame of the table.
+    """Grasps whose approach is near to the vertical; metres, in the frame of the table.
 
     Attributes:
         objects: (n,) numbers of the objects.
-        centers: (n, 3) midpoints of the contacts, metres.
+        centers: (n, 3) midpoints of the contacts.
         axes: (n, 3) unit vectors from the first contact to the second.
-        widths: (n,) distances of the contacts, metres.
+        widths: (n,) distances of the contacts.
         free: (n,) whether the hand touches nothing, at the grasp and on its straight approach.
         qualities: (n,) robust quality; 0 for those that are not free.
         success: (n,) whether the grasp held in simulation; None if it was not simulated.
@@ -79,16 +78,7 @@ def is_good(free: Flags, qualities: Floats, success: Iterable[Any], quality: flo
 def place(
     name: str, mesh: trimesh.Trimesh, com: Floats, factor: float, matrix: Floats, pose: int = -1
 ) -> PlacedObject:
-    """An object at another size.
-
-    Args:
-        name: Its id.
-        mesh: Its surface, closed, metres.
-        com: (3,) its center of mass, metres.
-        factor: New size / size.
-        matrix: (4, 4) from the frame of the mesh at the new size to that of the table.
-        pose: Number of its stable pose.
-    """
+    """An object resized by a factor; the matrix is for its frame at the new size."""
     sized = mesh if factor == 1 else mesh.copy().apply_scale(factor)
     return PlacedObject(name, factor, sized, com * factor, matrix, pose)
 
@@ -121,18 +111,10 @@ def sample_factor(
     rng: np.random.Generator,
     wanted: Callable[[Floats], Flags] | None = None,
 ) -> float:
-    """The size of an object at which a random one of its grasps has a given width (ours).
+    """Factor that gives a random grasp a width, metres; 0 without one, or if over 0.2 m (ours).
 
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        width: Width of the grasp, metres.
-        sampling: How grasps are sampled.
-        rng: Random number generator.
-        wanted: Which closing axes, (n, 3) unit vectors, the grasp may have; all by default.
-
-    Returns:
-        The new size / that of the mesh; 0 if no grasp was found or the object would be longer
-        than 0.2 m from corner to corner of its bounding box.
+    The closed object is then at most 0.2 m from corner to corner of its bounding box. `wanted`
+    tells which closing axes, (n, 3) unit vectors, the grasp may have.
     """
     rules = sampling.model_copy(update={"approach_clearance": 0.0})
     length = float(np.linalg.norm(np.ptp(caster.triangles.reshape(-1, 3), axis=0)))

@@ -33,15 +33,10 @@ NARROW = 0.05  # metres
 
 
 class Summary(NamedTuple):
-    """The contents of a set of images.
+    """The contents of a set of images: `COUNTS` of each split and of all, openings of grasps (m).
 
-    Attributes:
-        counts: The `COUNTS` of each split and of the whole set, a row each, also for splits without
-            images.
-        openings: How far the hand opens for each good grasp, metres.
-        images: How many images there are.
-        in_vain: Fraction of the drawn poses and sizes that showed no good grasp and were drawn
-            again; of the images there are.
+    `in_vain` is the fraction of the drawn poses and sizes, of the images there are, that showed no
+    good grasp and were drawn again.
     """
 
     counts: pd.DataFrame

@@ -4,22 +4,134 @@
     images[0].depth, images[0].grasps.u
 
 `Images` is a dataset for a torch `DataLoader(images, collate_fn=list)`; pictures are decoded when
-they are asked for.
+they are asked for. Depth and mask are PNG files, poses and grasps are numbers.
 """
 
-from collections.abc import Iterator, Sequence
+import io
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import overload
+from typing import Any, overload
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
+from PIL import Image
+from scipy.spatial.transform import Rotation
 
-from egad.errors import check_name
-from egad.learning.images.image_rows import decoded
-from egad.learning.images.rendering import RenderedImage
+from egad._util.arrays import Floats
+from egad.detectors import Intrinsics, View
+from egad.errors import TableError, check_name
+from egad.learning.images.rectangles import ImageGrasps
+from egad.learning.images.rendering import ImagedObject, RenderedImage
 from egad.learning.images.splits import SPLITS
 from egad.tables import parquet
-from egad.tables.images import IMAGES
+from egad.tables.columns import POSE_PARTS
+from egad.tables.images import IMAGES, LISTS
 from egad.tables.shards import shard_files
+
+UNIT = 1e-4  # metres; of the depths in the files
+LEVEL = 6  # of compression
+PLAIN = ("image", "scene", "id", "label", "split", "draws")
+
+
+def coded(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Depths in units of 0.1 mm; 0 for what is missing or deeper than 6.5 m."""
+    steps = np.round(depth.astype(np.float64) / UNIT)
+    known = np.isfinite(steps) & (steps < 2**16)
+    return np.where(known, steps, 0).astype(np.uint16)
+
+
+def png(pixels: NDArray[np.uint16] | NDArray[np.uint8]) -> bytes:
+    """A PNG file of one channel."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "png", compress_level=LEVEL)
+    return buffer.getvalue()
+
+
+def depth_of(row: Mapping[str, Any]) -> NDArray[np.float32]:
+    """The depths of a row, metres, NaN where they are missing; errors as `pixels`."""
+    steps = pixels(row, "depth", "I")
+    return np.where(steps > 0, steps * UNIT, np.nan).astype(np.float32)
+
+
+def pixels(row: Mapping[str, Any], name: str, mode: str) -> NDArray[np.integer]:
+    """Pixels of a PNG file of a row, (height, width) as it says; TableError if of another mode."""
+    try:
+        with Image.open(io.BytesIO(row[name]), formats=["PNG"]) as image:
+            if image.size != (row["width"], row["height"]) or not image.mode.startswith(mode):
+                raise ValueError("its size or type differs from the declared one")
+            return np.asarray(image)
+    except (ValueError, OSError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
+        raise TableError(f"its {name} cannot be read: {error}") from error
+
+
+def encoded(picture: RenderedImage) -> dict[str, Any]:
+    """The row of `tables.images.IMAGES` of a picture."""
+    height, width = picture.depth.shape
+    intrinsics = picture.view.intrinsics
+    grasps = picture.grasps
+    return {
+        **{name: getattr(picture, name) for name in PLAIN},
+        "objects": [each.id for each in picture.objects],
+        "factors": [each.factor for each in picture.objects],
+        "poses": [each.pose for each in picture.objects],
+        "placements": [n for each in picture.objects for n in pose_values(each.matrix)],
+        "depth": png(coded(picture.depth)),
+        "mask": png(picture.mask),
+        "height": height,
+        "width": width,
+        "focal": intrinsics.focal,
+        "center_u": intrinsics.center[0],
+        "center_v": intrinsics.center[1],
+        **_camera_columns(picture.view.pose),
+        **{name: getattr(grasps, name) for name in LISTS},
+    }
+
+
+def decoded(row: Mapping[str, Any]) -> RenderedImage:
+    """The picture of a row of `tables.images.IMAGES`; TableError if a PNG file is damaged."""
+    center = (float(row["center_u"]), float(row["center_v"]))
+    intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
+    placements = np.reshape(row["placements"], (-1, len(POSE_PARTS)))
+    return RenderedImage(
+        **{name: row[name] for name in PLAIN},
+        objects=tuple(
+            ImagedObject(name, float(factor), int(pose), pose_matrix(placement))
+            for name, factor, pose, placement in zip(
+                row["objects"], row["factors"], row["poses"], placements, strict=True
+            )
+        ),
+        view=View(
+            depth_of(row),
+            intrinsics,
+            _camera_pose(row),
+            pixels(row, "mask", "L").astype(np.uint8),
+        ),
+        grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
+    )
+
+
+def pose_values(matrix: Floats) -> list[float]:
+    """Position and quaternion (x, y, z, w) of a transform (4, 4)."""
+    quaternion = Rotation.from_matrix(matrix[:3, :3]).as_quat(canonical=True)
+    return [*matrix[:3, 3].tolist(), *quaternion.tolist()]
+
+
+def _camera_columns(matrix: Floats) -> dict[str, float]:
+    pairs = zip(POSE_PARTS, pose_values(matrix), strict=True)
+    return {f"camera_{part}": value for part, value in pairs}
+
+
+def _camera_pose(row: Mapping[str, Any]) -> Floats:
+    return pose_matrix(np.array([float(row[f"camera_{part}"]) for part in POSE_PARTS]))
+
+
+def pose_matrix(values: Floats) -> Floats:
+    """The transform, (4, 4), of a position and a quaternion: the inverse of `pose_values`."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_quat(values[3:]).as_matrix()
+    matrix[:3, 3] = values[:3]
+    return matrix
 
 
 def files(folder: Path) -> list[Path]:

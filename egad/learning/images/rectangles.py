@@ -23,15 +23,14 @@ MAX_TURN = np.pi / 6
 
 
 class ImageGrasps(NamedTuple):
-    """Grasps in an image; pixel (0, 0) has its center at u = v = 0.
+    """Grasps in an image; pixels, see above.
 
     Attributes:
         object: (n,) numbers of the objects in the image, from 0.
-        u: (n,) column of the center, pixels.
-        v: (n,) row of the center, pixels.
-        angle: (n,) of the closing axis, counterclockwise as seen in the image, from its x axis
-            (right), radians in [-pi/2, pi/2).
-        opening: (n,) how far the hand opens, at the depth of the center, pixels.
+        u: (n,) column of the center.
+        v: (n,) row of the center.
+        angle: (n,) of the closing axis, radians in [-pi/2, pi/2).
+        opening: (n,) how far the hand opens, at the depth of the center.
         depth_center: (n,) of the center, along the optical axis, metres.
         quality: (n,) robust quality; 0 for those that are not free of collisions.
         collision_free: (n,) whether the hand touches nothing but the contacts.
@@ -91,15 +90,11 @@ def half_turn(angle: Any) -> Any:  # noqa: ANN401 (a number or an array)
 
 
 def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
-    """Whether a proposed rectangle is as good as one of the labelled ones, by the usual score.
+    """Whether (u, v, angle, opening) is as good as a label of (n, 5), by the usual score.
 
     Jiang, Moseson and Saxena, "Efficient grasping from RGBD images", ICRA 2011: intersection over
-    union above 0.25 and axes less than 30 degrees apart, both with the same label.
-
-    Args:
-        proposed: (4,) u, v, angle and opening. The networks say nothing about the breadth of the
-            jaws: it is taken from each label (ours; GG-CNN takes half of the opening).
-        truth: (n, 5) labels.
+    union above 0.25 and axes less than 30 degrees apart. The breadth of the jaws is that of the
+    label (ours; GG-CNN takes half of the opening).
     """
     near = truth[np.abs(half_turn(truth[:, 2] - proposed[2])) < MAX_TURN]
     return any(overlap(np.append(proposed, row[4]), row) > MIN_OVERLAP for row in near)

@@ -39,13 +39,10 @@ Draw = Callable[[np.random.Generator, int], Arrangement]
 
 
 class ImagedObject(NamedTuple):
-    """An object in an image.
+    """An object in an image: factor / the mesh scaled to the gripper; pose -1 if dropped or packed.
 
-    Attributes:
-        id: Id of the object.
-        factor: Its size / that of the mesh scaled to the gripper.
-        pose: Number of its stable pose; -1 if it was dropped or packed.
-        matrix: (4, 4) from the frame of the mesh at this size to the world, whose table is z = 0.
+    The matrix, (4, 4), is from the frame of the mesh at this size to the world, whose table is z =
+    0.
     """
 
     id: str
@@ -56,18 +53,10 @@ class ImagedObject(NamedTuple):
 
 @dataclass(frozen=True)
 class RenderedImage:
-    """A depth image of objects on a table, with their grasps.
+    """A depth image of objects on a table, with the grasps that can be reached from above.
 
-    Attributes:
-        image: Its number in the dataset.
-        scene: How the objects lie.
-        id: Id of the object, or a name for several.
-        label: Label of the object, or a name for several.
-        split: `train`, `validation` or `test`.
-        draws: How many times poses and sizes were drawn for it.
-        objects: The objects.
-        view: Depth, camera, and which object each pixel sees.
-        grasps: The grasps that can be reached from above, in the image.
+    `id` and `label` are those of the object, or a name for several; `draws` is how many times poses
+    and sizes were drawn.
     """
 
     image: int
@@ -108,17 +97,8 @@ def pictures(
 ) -> Iterator[RenderedImage]:
     """All images of an object that lies alone, in the order of their numbers.
 
-    Random choices follow from the seed, the object, the pose and the number of the view there.
-
-    Args:
-        mesh: The object as it is grasped, closed, metres.
-        share: Its names and how many images it gets.
-        body: The hand that is to grasp it.
-        settings: Camera, noise, sizes, which grasps are sampled.
-        simulate: Finds out which grasps hold.
-
-    Raises:
-        RejectedError: It rests in no pose.
+    The mesh is closed, metres, as it is grasped. Random choices follow from the seed, the object,
+    the pose and the number of the view there. RejectedError if it rests in no pose.
     """
     seed, name = settings.seed, share.id
     with np.errstate(invalid="ignore", divide="ignore"):  # flat objects rest in no pose
@@ -146,17 +126,9 @@ def first_good(
     key: Sequence[str | int],
     simulate: Simulate | None = None,
 ) -> Labelled | None:
-    """The first of at most ten draws that shows a good grasp; the very first if none is required.
+    """The first of at most ten draws with a good grasp, or the very first if none is required.
 
-    Args:
-        draw: Puts objects on a table.
-        body: The hand.
-        settings: What a good grasp is, and whether one is needed.
-        key: What the draws are for; random numbers follow from it and from the number of the draw.
-        simulate: Finds out which grasps hold.
-
-    Returns:
-        None if there is no such draw.
+    Random numbers follow from the key and the number of the draw. None if there is no such draw.
     """
     for number in range(DRAWS):
         rng = generator(settings.seed, "render grasps", *key, number)

@@ -53,14 +53,8 @@ def simulate_contacts(
 ) -> list[bool | None]:
     """Whether grasps hold, each closed on the floating object, shaken and lifted.
 
-    Args:
-        model: The object.
-        contacts: n grasps that are free of collisions, in the frame that the model was made in.
-        approaches: (n, 3) unit vectors along which the hand moves.
-        settings: Gripper, friction of the labels, engine, lift.
-
-    Returns:
-        For each of the n grasps; None if the engine failed.
+    None if the engine failed. Contacts are free of collisions, in the frame that the model was made
+    in; approaches are (n, 3) unit vectors along which the hand moves.
     """
     vectors = {"center": contacts.centers, "axis": contacts.axes, "approach": approaches}
     columns = {

@@ -27,16 +27,9 @@ def check_splits(index: pd.DataFrame, where: object) -> None:
 
 
 class Share(NamedTuple):
-    """An object, or a scene of several, and its images.
+    """An object, or a scene of several, and its images, from number `first` of the dataset.
 
-    Attributes:
-        id: Id of the object, or a name of the scene.
-        label: Label of the object, or the same name.
-        split: `train`, `validation` or `test`.
-        first: Number of its first image in the dataset.
-        images: How many it has.
-        scene: How the objects lie.
-        members: Labels of the objects.
+    Id and label of a scene are the same name; `members` are labels.
     """
 
     id: str
@@ -51,19 +44,13 @@ class Share(NamedTuple):
 def shares(
     objects: pd.DataFrame, evaluation: Collection[str], settings: Render, seed: int
 ) -> list[Share]:
-    """The images of all objects of a dataset, in the order of their numbers.
+    """The images of all objects (columns id, label, complexity), in the order of their numbers.
 
-    Objects are shuffled, so that any run of images is a fair sample. Scenes of several objects
-    come last; all of their objects are in one split. All objects are split before the wanted ones
-    are taken: an object is in the same split whichever part of the dataset is rendered. A split has
-    its fraction of the images even if it has a larger one of the objects, so the number of training
+    Objects are shuffled, so that any run of images is a fair sample. Scenes of several objects come
+    last; all of their objects are in one split. All objects are split before the wanted ones are
+    taken: an object is in the same split whichever part of the dataset is rendered. A split has its
+    fraction of the images even if it has a larger one of the objects, so the number of training
     images does not depend on the dataset; without objects it has none.
-
-    Args:
-        objects: Columns `id`, `label` and `complexity`.
-        evaluation: Ids of the objects that are in the split `test` in any case.
-        settings: How many images, which objects, and the parts of the splits.
-        seed: Seed of the configuration.
     """
     split = split_of(objects["id"].tolist(), evaluation, settings, seed)
     wanted = _drawn(objects[_within(objects, settings.complexity)], settings.subset, seed)

@@ -14,12 +14,9 @@ from egad.learning.images.parameters import Camera
 
 
 class CameraScene(NamedTuple):
-    """How a table is turned, and where a camera is; the table is z = 0.
+    """Transforms to the world, (4, 4): from the frame of the table (z = 0), and from a camera's.
 
-    Attributes:
-        matrix: (4, 4) from the frame of the table, as objects were put on it, to the world.
-        intrinsics: The camera.
-        camera: (4, 4) from the frame of the camera (x right, y down, z forward) to the world.
+    The camera has x to the right, y down, z forward.
     """
 
     matrix: Floats
@@ -28,10 +25,9 @@ class CameraScene(NamedTuple):
 
 
 def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.Generator) -> Ints:
-    """Indices of the poses of `count` images, ascending, sampled by their probabilities.
+    """Ascending indices of the poses of `count` images, evenly spaced in probability.
 
-    The draws are evenly spaced in probability: a pose comes up as often as it should, rounded up
-    or down by chance.
+    A pose comes up as often as it should, rounded up or down by chance.
     """
     ends = np.cumsum([pose.probability for pose in poses])
     levels = (rng.random() + np.arange(count)) / max(count, 1) * ends[-1]

@@ -17,15 +17,7 @@ PICTURE = "scene.png"
 
 
 class SceneSet(NamedTuple):
-    """The contents of a set of scenes.
-
-    Attributes:
-        scenes: `SCENE_COLUMNS` of `tables.scenes.SCENES`.
-        grasps: `GRASP_COLUMNS` of `tables.scenes.SCENE_GRASPS`.
-        planned: How many scenes were to be made.
-        splits: How the objects were split.
-        rejected: Columns of `tables.objects.REJECTED`.
-    """
+    """The contents of a set of scenes (`SCENE_COLUMNS`, `GRASP_COLUMNS`, `REJECTED`)."""
 
     scenes: pd.DataFrame
     grasps: pd.DataFrame

@@ -41,13 +41,10 @@ class MadeScene(NamedTuple):
 
 
 class YawTrials(NamedTuple):
-    """A grasp tried at several yaws.
+    """A grasp tried at several yaws: pose (4, 4), width (m) and outcome at the kept one.
 
-    Attributes:
-        pose: (4, 4) of the hand at the kept yaw.
-        width: Distance of the pads after the lift, metres; NaN without success.
-        yaws: Whether each yaw succeeded, from the kept one on.
-        outcome: Outcome of the kept yaw.
+    The width is of the pads after the lift, NaN without success; `yaws` says which succeeded, from
+    the kept one on.
     """
 
     pose: Floats
@@ -59,20 +56,10 @@ class YawTrials(NamedTuple):
 def make_scene(
     planned: PlannedScene, models: Mapping[str, Model], settings: SceneParameters
 ) -> MadeScene | None:
-    """Make a scene with its images and labelled grasps.
+    """Make a scene, with images and labelled grasps, from the arguments alone.
 
-    It depends on the arguments alone.
-
-    Args:
-        planned: Kind, objects and seed.
-        models: At least its objects, by id, in the size that fits the gripper.
-        settings: Gripper, rules, cameras and numbers of grasps.
-
-    Returns:
-        The scene; None if the simulation goes wrong.
-
-    Raises:
-        UserError: The gripper has a suction cup.
+    Models are by id, in the size that fits the gripper. None if the simulation goes wrong;
+    UserError if the gripper has a suction cup.
     """
     check_jaws(settings.gripper, "labelled scenes")
     this = planned.round
@@ -141,10 +128,9 @@ def sample_points(
 def hand_poses_at(
     points: Floats, normals: Floats, settings: SceneParameters, rng: np.random.Generator
 ) -> Floats:
-    """Poses of the hand against the normals of n points, (n, yaws, 4, 4).
+    """Poses of the hand against the normals of n points, (n, yaws, 4, 4), at random depths.
 
-    How far its fingertips reach below the surface is drawn for each point. The first yaw is
-    random; the others follow evenly over half a turn.
+    The first yaw is random; the others follow evenly over half a turn.
     """
     low, tip = finger_span(settings.gripper)
     count, yaws = len(points), settings.scenes.yaws
@@ -182,8 +168,7 @@ def try_grasp(
 ) -> tuple[PoseExecution, float]:
     """The result of a grasp of the fully open hand, and how far it is open in the end, metres.
 
-    A contact on the way with more than the stopping force of the protocol is a failure; in VGN's
-    data, any contact is.
+    A contact on the way above the stopping force is a failure; in VGN's data, any contact is.
     """
     put(world, present)
     rules = settings.scenes.protocol

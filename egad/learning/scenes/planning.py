@@ -23,12 +23,10 @@ SHARD = 50  # scenes, about: the number of shards follows from the settings alon
 
 
 class Splits(NamedTuple):
-    """How the objects of a dataset are split.
+    """The split of each object that may be in scenes, by id.
 
-    Attributes:
-        split_of: The split of each object that may be in scenes, by id.
-        families: How many families the objects have, if ancestors are known; else 0.
-        held_out: How many objects are in no scene, as they or their relatives are held out.
+    `families` is 0 if ancestors are not known; `held_out` counts objects in no scene, as they or
+    their relatives are held out.
     """
 
     split_of: dict[str, str]
@@ -37,12 +35,7 @@ class Splits(NamedTuple):
 
 
 class PlannedScene(NamedTuple):
-    """A scene to be made.
-
-    Attributes:
-        round: Its kind, noise, number, seed and objects.
-        split: `train`, `validation` or `test`.
-    """
+    """A scene to be made, and its split: `train`, `validation` or `test`."""
 
     round: Round
     split: str
@@ -62,14 +55,9 @@ def split_objects(
     """Split objects such that no family is in two splits.
 
     The largest families are for training, until it has its fraction of the objects; of the others,
-    the largest are for validation. Without ancestors each object is a family of its own.
-
-    Args:
-        ids: All objects of a dataset.
-        lineage: Their ancestors, if they are known.
-        hold_out: Ids of objects to be held out with parents and children, such as the evaluation
-            set; it may have ids that occur only among the ancestors.
-        settings: Fractions, and the seed.
+    the largest are for validation. Without ancestors each object is a family of its own. Those to
+    hold out, which may occur only among the ancestors, are in no scene, nor are their parents and
+    children.
     """
     known = lineage if lineage and all(name in lineage for name in ids) else None
     held = set(ids) if known is None else known

@@ -76,24 +76,14 @@ class LabelledScene:
 
     @cached_property
     def views(self) -> tuple[View, ...]:
-        """The depth images, with masks of the objects: k for the k-th, from 1.
-
-        Raises:
-            TableError: One is damaged.
-        """
+        """The depth images, with masks: k for the k-th object, from 1; TableError if damaged."""
         return tuple(map(self._view, range(self.view_count)))
 
     def observation(self, views: Sequence[int] | None = None) -> Observation:
         """What cameras see: depth images, their point cloud and TSDF, as detectors get them.
 
-        There is no image from straight above: the first of the views stands for it.
-
-        Args:
-            views: Numbers of the views; all of them if None.
-
-        Raises:
-            TableError: A view is damaged.
-            UserError: There is no such view, or none is asked for.
+        There is no image from straight above: the first of the views stands for it. `views` are
+        numbers, all if None. TableError if one is damaged; UserError if there is none.
         """
         chosen = range(self.view_count) if views is None else [int(number) for number in views]
         if not chosen or not all(0 <= number < self.view_count for number in chosen):
@@ -137,10 +127,10 @@ class SceneDataset:
     """
 
     def __init__(self, folders: Sequence[Path], keep: object = None) -> None:
-        """Look through the shards; no image is decoded.
+        """Look through `scenes-N.parquet` and `grasps-N.parquet` of each folder; decode nothing.
 
         Args:
-            folders: Each holds `scenes-0.parquet`, `grasps-0.parquet` and so on.
+            folders: All of one gripper.
             keep: An object that must live as long as the files are read.
 
         Raises:
@@ -183,11 +173,7 @@ class SceneDataset:
         return len(self.index)
 
     def indices(self, split: str) -> NDArray[np.int64]:
-        """Rows of the index that belong to a split.
-
-        Raises:
-            UserError: There are none, or there is no such split.
-        """
+        """Rows of the index in a split; UserError if there are none, or no such split."""
         check_name("split", split, SPLITS)
         found = np.flatnonzero(self.index["split"] == split)
         if len(found) == 0:
@@ -195,12 +181,7 @@ class SceneDataset:
         return found
 
     def scene(self, number: int) -> LabelledScene:
-        """The scene of a row of the index.
-
-        Raises:
-            IndexError: There is no such row.
-            TableError: A shard is damaged.
-        """
+        """The scene of a row of the index; IndexError if none, TableError if damaged."""
         if not 0 <= number < len(self):
             raise IndexError(f"scene {number} of {len(self)}")
         shard, group, place = (self.index[name].iloc[number] for name in ("shard", "group", "row"))

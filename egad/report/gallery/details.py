@@ -25,12 +25,7 @@ Relative = str | list[Any]
 
 @dataclass(frozen=True)
 class Download:
-    """A file to download.
-
-    Attributes:
-        text: What it is.
-        address: Relative to the page.
-    """
+    """A file to download; its address is relative to the page."""
 
     text: str
     address: str
@@ -45,11 +40,7 @@ class Relatives:
     numbers: Mapping[str, int]  # numbers of the ancestors that are not released, by id
 
     def data(self, name: str) -> dict[str, list[Relative]]:
-        """The relatives of an object, by its id, ready for JSON.
-
-        These are `parents`, first parent first; `children`, oldest first; and `line`: the line of
-        first parents, from the founder to the object.
-        """
+        """For JSON: `parents`, `children`, oldest first, and `line`, from the founder on."""
         line = self.lineage.line(name)
         return {
             "parents": self._named(self.lineage.parents(name)),
@@ -63,12 +54,7 @@ class Relatives:
 
 @dataclass(frozen=True)
 class GenomeText:
-    """A genome in human-readable form.
-
-    Attributes:
-        drawing: The network, as an SVG file.
-        text: The network, as expressions.
-    """
+    """A genome as expressions, and as a drawing, an SVG file."""
 
     drawing: str
     text: str
@@ -76,18 +62,14 @@ class GenomeText:
 
 @dataclass(frozen=True)
 class ObjectPage:
-    """What is known of an object.
+    """What is known of an object, `tables.objects.OBJECTS`.
 
     Attributes:
-        row: Columns of `tables.objects.OBJECTS`.
-        grasps: Columns of `tables.grasping.GRASPS`, or of `SIMULATED_GRASPS`; None if there are
-            no tables of grasps.
+        grasps: Columns of `GRASPS` or `SIMULATED_GRASPS`; None if there are no tables.
         factor: Size at which it is shown / size in the dataset.
         note: Why it has no grasps, or other remarks.
         relatives: What `Relatives.data` returned; None if there is no lineage.
-        genome: Columns of `tables.evolution.GENOME`; None if it has none.
         trials: Attempts with the object by grasp detector: a column `success`.
-        links: Files to download.
     """
 
     row: Row
@@ -103,18 +85,11 @@ class ObjectPage:
 def object_data(
     page: ObjectPage, mesh: trimesh.Trimesh, genome: GenomeText | None, axes: AxisPair
 ) -> dict[str, Any]:
-    """The data of an object, ready for JSON.
+    """The data of an object, ready for JSON; the mesh is in metres, at the size that is shown.
 
-    Args:
-        page: What is known of it.
-        mesh: At the size at which it is shown, metres.
-        genome: Its network; None if it has none.
-        axes: What its measures are called.
-
-    Returns:
-        `id`; `facts`: name, value, standard error, unit and decimals of each measure; `scene` for
-        the viewer; `labels`: number of grasps by label in simulation; `note`; `relatives`;
-        `genome`; `trials`: detector, successes, attempts, ends of the 95 % interval; and `links`.
+    `facts` are name, value, standard error, unit and decimals of each measure; `labels` are numbers
+    of grasps by label in simulation; `trials` are detector, successes, attempts and ends of the 95
+    % interval.
     """
     grasps = page.grasps if page.grasps is not None else empty(GRASPS)
     counts = None if page.grasps is None else _label_counts(grasps)
@@ -215,10 +190,7 @@ def _label_counts(grasps: pd.DataFrame) -> list[int]:
 
 
 def _simulated(counts: list[int]) -> list[list[Any]]:
-    """Fraction of the simulated grasps that held, with half the Wilson interval of 68 %.
-
-    A standard error would be 0 where all of a few grasps held.
-    """
+    """Fraction of the grasps that held, with half the Wilson interval of 68 %, which is never 0."""
     held, simulated = counts[1], counts[1] + counts[2]
     if not simulated:
         return []

@@ -9,8 +9,7 @@ import pandas as pd
 from egad.grippers import Gripper, finger_span
 from egad.measures import MeasureSpace
 from egad.report.axes import AxisPair, MeasureAxis
-from egad.report.gallery.files import FOLDER, SHEETS, file_link, rounded
-from egad.report.gallery.sheets import cell_ranks
+from egad.report.gallery.files import FOLDER, SHEETS, cell_ranks, file_link, rounded
 
 
 @dataclass(frozen=True)
@@ -31,22 +30,11 @@ def index_data(
     gripper: Gripper | None = None,
     unattainable: int = 0,
 ) -> dict[str, Any]:
-    """The data of the first view, ready for JSON.
+    """The data of the first view of the gallery, ready for JSON.
 
-    Args:
-        objects: Columns of `tables.objects.OBJECTS`.
-        space: The cells.
-        axes: What the axes of the space are called.
-        member: What the objects belong to.
-        gripper: The gripper of the grasps; None without grasps.
-        unattainable: How many of the easiest rows are hatched.
-
-    Returns:
-        `finger`: from the contacts back to the palm, or to the top of the cup, metres; `cells`
-        along each axis; `unattainable`: the number of hatched rows; `sheets`: their files;
-        `measures`: key, name, unit, factor and decimals of what can be filtered;
-        `columns`: a list with one entry for each object, by name: label, id, column,
-        row, rank, family, place, and each measure.
+    `finger` is from the contacts back to the palm, or to the top of the cup, metres; `unattainable`
+    the number of hatched rows; `measures` has key, name, unit, factor and decimals of what can be
+    filtered; `columns` a list with an entry for each object, by name.
     """
     ranks = cell_ranks(objects)
     measures = _measures(axes, bool(member.simulated))

@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 
 from egad.bench.stats import read, read_rates
-from egad.bench.stats.rate_tables import object_rates
 from egad.errors import TableError, UserError
 from egad.tables import parquet
 from egad.tables.evaluation import RESULTS
@@ -77,12 +76,10 @@ def test_objects_may_have_any_name(written):
         ("label,success_rate\nA0,\n", "no row has a success rate"),
         ("label,success_rate\nA0,85\n", "line 2: success_rate is '85'; allowed: 0 to 1, or a"),
         ("label,success_rate\nA0,101 %\n", "line 2: success_rate is '101 %'"),
-        ("label,success_rate\nA0,-0.1\n", "line 2: success_rate is '-0.1'"),
         ("label,success_rate\nA0,nan\n", "line 2: success_rate is 'nan'"),
         ("label,success_rate,attempts\nA0,0.5,0\n", "line 2: attempts is '0'; allowed: a whole nu"),
         ("label,successes,attempts\nA0,5,\n", "line 2: attempts is ''; allowed: a whole number"),
         ("label,successes,attempts\nA0,6,5\n", "line 2: successes is '6'; .* at most the 5 attem"),
-        ("label,successes,attempts\nA0,4.5,5\n", "line 2: successes is '4.5'"),
         ("label,attempts,attempts,successes\nA0,5,5,5\n", "the column attempts occurs twice"),
         ("label,attempt,success\nA0,0,maybe\n", "line 2: success is 'maybe'"),
         ("label,success\nA0,1\n", "the column attempt is missing"),
@@ -96,13 +93,6 @@ def test_mistakes_in_rates_are_named_with_their_line(written, text, words):
 def test_what_is_no_table_is_told(written):
     with pytest.raises(TableError):
         read_rates(written("PAR1", "broken.parquet"))
-
-
-def test_rates_of_attempts_are_successes_over_attempts():
-    table = pd.DataFrame({"label": ["C2", "C2", "A0"], "success": [True, False, False]})
-    found = object_rates(table)
-    assert found.to_numpy().tolist() == [[0, 1], [0.5, 2]]
-    assert list(found.index) == ["A0", "C2"]
 
 
 def test_percentages_with_decimal_commas(tmp_path):

@@ -7,6 +7,7 @@ import logging
 import numpy as np
 import pandas as pd
 import pytest
+from partial_tables import write_rows
 
 from egad.bench.stats import LOG_COLUMNS, gather, read, template
 from egad.bench.stats.records import COLUMNS
@@ -41,17 +42,13 @@ def test_a_file_is_read_by_detector(written):
     assert mine["outcome"].tolist() == ["success", "slipped"]
     assert mine["quality"].tolist()[0] == 0.8
     assert np.isnan(mine["quality"].tolist()[1])
+    assert set(mine["id"]) == set(mine["initial_pose"]) == {""}  # known by their label only
 
 
 def test_three_columns_are_enough(written):
     (name, table), *_ = read(written("Label, Attempt ,Success\nA0,0,1\nA0,1,0\n")).items()
     assert name == "results"
     assert table["outcome"].tolist() == ["success", "other"]
-
-
-def test_what_spreadsheets_write_is_read(written):
-    text = "label;attempt;success\r\nA0;0;yes\r\n"
-    assert len(read(written(text, encoding="utf-8-sig"))["results"]) == 1
 
 
 SHEET = [
@@ -153,18 +150,11 @@ def test_a_name_with_a_comma_is_no_number(written):
     assert (detector, *table.loc[0, ["label", "quality"]]) == ("2,5", "1,5", 0.5)
 
 
-def test_a_robots_objects_are_known_by_their_label_only(written):
-    table = read(written(GOOD))["mine"]
-    assert set(table["id"]) == set(table["initial_pose"]) == {""}
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("", "not a CSV file: it is empty"),
-        ("\n , ,\n\n", "not a CSV file: it is empty"),
         ("label,attempt\nA0,0\n", "the column success is missing; needed: label, attempt, success"),
-        ("label,attempt,success\n", "no row says whether"),
         ("label,attempt,success\nA0,0,\n", "no row says whether"),
         (
             "label,attempt,success\nA0,0,1\nA0,1,maybe\n",
@@ -182,10 +172,8 @@ def test_a_robots_objects_are_known_by_their_label_only(written):
         ("label,attempt,success,quality\nA0,0,1,high\n", "quality is 'high'; allowed: a number"),
         ("label,attempt,Success,success\nA0,0,1,0\n", "the column success occurs twice"),
         ("label,attempt,success\nA0,0,1\nA0,1,0,missed\n", "line 3: 4 cells; the first line has 3"),
-        ("label,attempt,success\nA0,0\n", "no row says whether"),
         ('label,attempt,success\nA0,0,1\n"A1,0,1\n', "not a CSV file: unexpected end of data"),
         (f"label,attempt,success\nA0,{'9' * 20},1\n", "line 2: attempt is '9{20}'; .* 9 digits"),
-        ("label,attempt,success\nA0,-1,1\n", "line 2: attempt is '-1'; allowed: a whole number"),
         ("\n\nlabel,attempt,success\n\nA0,0,1\n,,\nA1,0,2\n", "line 7: success is '2'"),
     ],
 )
@@ -237,13 +225,11 @@ def test_a_table_round_trips_through_parquet(written, tmp_path):
 
 
 def test_tables_of_the_simulation_have_the_name_of_their_file(tmp_path):
-    blank = {"string": "", "bool": True}
-    row = {field.name: blank.get(str(field.type), 0) for field in TRIALS}
-    row |= {"label": "A0", "id": "some/object", "seed": "ff", "outcome": "success"}
+    row = {"label": "A0", "id": "some/object", "seed": "ff", "outcome": "success", "success": True}
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
         path = tmp_path / folder / "antipodal-depth.parquet"
-        parquet.write(pd.DataFrame([row]), TRIALS, path)
+        write_rows(TRIALS, [row], path)
     (found,) = parquet.records(read(path)["antipodal-depth"])
     assert (found["id"], found["initial_pose"]) == ("some/object", "00" * 56)  # seven zeros
     files = [tmp_path / folder / "antipodal-depth.parquet" for folder in ("one", "two")]
@@ -330,12 +316,8 @@ def test_a_column_id_means_something_in_a_log_only(written):
     ("row", "words"),
     [
         ({"label": ""}, "line 3: label is ''; allowed: a name"),
-        ({"outcome": "fell", "success": "0"}, "line 3: outcome is 'fell'; allowed: success"),
-        ({"success": "maybe"}, "line 3: success is 'maybe'"),
         ({"valid": "perhaps"}, "line 3: valid is 'perhaps'; allowed: 1, 0"),
-        ({"attempt": "first"}, "line 3: attempt is 'first'"),
         ({"schema": "2"}, "line 3: schema is '2'; allowed: 1"),
-        ({"success": "0"}, "line 3: outcome is 'success'; allowed: success if and only if success"),
     ],
 )
 def test_a_log_is_read_without_the_rows_that_are_wrong(written, caplog, row, words):

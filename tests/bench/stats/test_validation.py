@@ -80,17 +80,6 @@ def test_violations_are_those_of_a_slow_twin():
     )
 
 
-def test_the_same_order_violates_nothing_and_the_reverse_everything():
-    real = np.array([0.1, 0.4, 0.5, 0.9])
-    assert mmrv(real**3, real) == 0
-    assert mmrv(1 - real, real) == pytest.approx(np.mean([0.8, 0.5, 0.4, 0.8]))
-
-
-def test_a_swap_weighs_as_much_as_reality_differs():
-    assert mmrv(np.array([0.9, 0.1]), np.array([0.50, 0.51])) == pytest.approx(0.01)
-    assert mmrv(np.array([0.51, 0.50]), np.array([0.1, 0.9])) == pytest.approx(0.8)
-
-
 def sampled(objects=40, detectors=3, noise=0.1, seed=0):
     """Rates that agree but for noise; the real ones are 0.2 lower."""
     rng = np.random.default_rng(seed)

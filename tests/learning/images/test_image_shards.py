@@ -9,7 +9,7 @@ import pytest
 
 from egad.errors import TableError, UserError
 from egad.learning.images import Images, Share, coded, encoded, pictures, read, shards
-from egad.learning.images.image_rows import decoded
+from egad.learning.images.image_shards import decoded
 from egad.tables import parquet
 from egad.tables.images import IMAGES
 from egad.tables.origin import Origin, made_by
