@@ -355,13 +355,7 @@ def _ancestry(folder: Path) -> Path:
 
 
 def dataset_of(elites: pd.DataFrame, shape: Shape, ancestry: Path | None = None) -> Dataset:
-    """The objects of an archive.
-
-    Args:
-        elites: Columns of `tables.evolution.ARCHIVE`; others are left out.
-        shape: How their voxels become meshes.
-        ancestry: Table of their ancestors, if they are known.
-    """
+    """The objects of an archive, a table with the columns of `tables.evolution.ARCHIVE`."""
     order = ["difficulty_cell", "complexity_cell", "slot"]
     elites = elites[ARCHIVE.names].sort_values(order, ignore_index=True)
     table = elites.drop(columns=[*GENOME.names, "voxels"])
@@ -375,25 +369,15 @@ def _shape(archive: Path) -> Shape:
 
 
 class NamedMesh(NamedTuple):
-    """A mesh that is made when it is needed.
-
-    Attributes:
-        label: Its name.
-        id: Name of its shape, which seeds everything random about it.
-        mesh: Gives the mesh, metres.
-    """
+    """A mesh that is made when it is needed."""
 
     label: str
-    id: str
-    mesh: Callable[[], trimesh.Trimesh]
+    id: str  # name of its shape, which seeds everything random about it
+    mesh: Callable[[], trimesh.Trimesh]  # metres
 
 
 def named_meshes(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[NamedMesh]:
-    """The objects of a dataset, or meshes by name.
-
-    Raises:
-        UserError: There are none, or the argument is something else.
-    """
+    """The objects of a dataset, or meshes by name; `UserError` if there are none."""
     if not isinstance(objects, Dataset | Mapping):
         raise UserError(_not_objects(type(objects).__name__))
     if not len(objects):
@@ -416,19 +400,9 @@ def _not_objects(given: str) -> str:
 
 
 def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trimesh:
-    """The mesh of an object as it is grasped: a closed surface wound outwards, scaled, metres.
+    """The mesh of an object as it is grasped: closed, wound outwards, scaled by a rule, metres.
 
-    Args:
-        target: The object.
-        gripper: What it is scaled to.
-        rule: See `egad.rescale`.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or is flat.
-        UserError: It is not a mesh, or its file is missing.
-
-    Warns:
-        UnitsWarning: The size of the mesh suggests a unit other than the metre.
+    Raises `RejectedError` if it bounds no solid, `UserError` if it is no mesh; warns of odd units.
     """
     mesh = target.mesh()
     check_units(mesh, f"the mesh {target.label!r}")

@@ -212,11 +212,7 @@ class RestartingWorker(Worker):
         super().__init__(partial(_in_one_thread, make_work), limit)
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
-        """Do the work on one item; None if the process died of it twice.
-
-        Raises `UserError` if it was killed, or what the work raises: with the same text if not
-        picklable.
-        """
+        """The work on one item, or what it raises; None if the process died of it twice."""
         for _ in range(MAX_ATTEMPTS):
             try:
                 return super().__call__(item)
@@ -250,10 +246,7 @@ def kill_when_closed(end: Connection, process: int) -> None:
 
 
 def serve(number: int) -> None:
-    """Work for the process at the other end of a pipe, a file descriptor, until it closes it.
-
-    The first message makes the work; the first answer confirms that it was made.
-    """
+    """Work for the other end of a pipe until it is closed; the first message makes the work."""
     with Connection(number) as pipe, ExitStack() as stack, suppress(EOFError):
         first = pipe.recv_bytes()
         try:

@@ -54,11 +54,9 @@ class LimitedProcess:
     def __call__(self, function: Callable[..., T], *arguments: object) -> T:
         """Call a function of a module. It, its arguments and its result must be picklable.
 
-        Raises:
-            LimitError: It took too much memory or time, or its process ended.
-            FailedError: It raised an error other than `RejectedError`, `TableError` and
-                `UserError`, which are passed on.
-            UserError: The system killed the process, or this program may use less memory.
+        Raises `LimitError` if it took too much memory or time or its process ended, `UserError` if
+        the system killed the process, and `FailedError` for other errors than those of egad, which
+        are passed on.
         """
         with self._lock:
             if self._owner != os.getpid():  # a fork of the program has no worker of its own yet

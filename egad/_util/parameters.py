@@ -166,10 +166,7 @@ def _whole(given: object) -> int | None:
 
 
 class UserParameters(Parameters):
-    """Parameters that users make themselves: a wrong argument is a `UserError`.
-
-    Inside a configuration, it is a pydantic error like any other.
-    """
+    """Parameters that users make: outside a configuration, a wrong argument is a `UserError`."""
 
     if not TYPE_CHECKING:  # which knows the arguments from the fields
 

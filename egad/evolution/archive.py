@@ -26,12 +26,7 @@ from egad.tables.evolution import EPOCH, GENOME
 
 @dataclass(frozen=True, repr=False)
 class Elite:
-    """An object of the archive.
-
-    Attributes:
-        objective: What elites of a cell compete by; on ties, the more diverse ones stay. Always 0
-            when objects are evolved for their diversity alone.
-    """
+    """An object of the archive; elites of a cell compete by objective, then by diversity."""
 
     id: str
     genome: Row
@@ -74,13 +69,7 @@ class Archive:
     """Elites in the cells of the space; no two of them have the same voxels."""
 
     def __init__(self, space: MeasureSpace, similarity: Similarity, threads: int = 1) -> None:
-        """Start without elites.
-
-        Args:
-            space: Cells and their capacity.
-            similarity: How diversity is measured.
-            threads: Diversities computed at once; no result depends on it.
-        """
+        """Start without elites; the number of threads for diversities changes no result."""
         self.space = space
         self._neighborhood = Neighborhood(similarity.weight, space.neighbors, threads)
         self._elites: dict[int, Elite] = {}
@@ -213,8 +202,8 @@ class Archive:
     def _trim(self) -> None:
         """Remove elites of overfull cells until every cell fits.
 
-        While there are more others than neighbors, a removal can only raise a diversity: a stored
-        one is then a lower bound, and is recomputed when it is the least of the heap.
+        With more others than neighbors, a removal can only raise diversities: those stored are
+        lower bounds.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
         queue = self._crowded(counts)
@@ -307,17 +296,7 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
 def merge(
     frames: Iterable[pd.DataFrame], space: MeasureSpace, similarity: Similarity, threads: int = 1
 ) -> pd.DataFrame:
-    """Insert the elites of all islands into one archive.
-
-    Args:
-        frames: Tables with the columns of `tables.evolution.EPOCH`, in the order of the islands.
-        space: Cells and their capacity.
-        similarity: How diversity is measured.
-        threads: Diversities computed at once; no result depends on it.
-
-    Returns:
-        A table with the same columns.
-    """
+    """One archive of the elites of all islands, in order, from and to tables as `EPOCH`."""
     archive = Archive(space, similarity, threads)
     archive.add(elite for frame in frames for elite in elites_of(frame))
     return archive.to_frame()

@@ -55,11 +55,7 @@ def across(axis: str) -> tuple[int, int]:
 
 
 def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
-    """Whether a body is its own image, and not one of several that are images of each other.
-
-    For symmetric bodies, it is enough that each image covers half of the body: voxels that a
-    rotation does not map onto voxels may differ.
-    """
+    """Whether a body is not one of several images of each other: each image covers half of it."""
     images = [np.flip(voxels, AXES.index(axis)) for axis in symmetry.mirror]
     if symmetry.fold > 1:
         images.append(turned(voxels, symmetry))
@@ -120,19 +116,12 @@ def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
 
 @dataclass(frozen=True)
 class Rules:
-    """Constraints that every shape must obey; none by default.
+    """Constraints that every shape must obey; none by default."""
 
-    Attributes:
-        allowed: Voxels that may be solid; None: all.
-        required: Voxels that must be solid, all of them allowed; None: none.
-        symmetry: Mirrors and rotation.
-        limits: Aspect ratio and volume.
-    """
-
-    allowed: Solid | None = None
-    required: Solid | None = None
-    symmetry: Symmetry = field(default_factory=Symmetry)
-    limits: Limits = field(default_factory=Limits)
+    allowed: Solid | None = None  # voxels that may be solid; None: all
+    required: Solid | None = None  # voxels that must be solid, all of them allowed; None: none
+    symmetry: Symmetry = field(default_factory=Symmetry)  # mirrors and rotation
+    limits: Limits = field(default_factory=Limits)  # aspect ratio and volume
 
     def clip(self, solid: Solid) -> Solid:
         """The solid with what is required, and without what is not allowed."""
@@ -153,20 +142,7 @@ def build_rules(
     symmetry: Symmetry,
     limits: Limits,
 ) -> Rules:
-    """Turn constraints into voxels of the cube that shapes grow in.
-
-    Args:
-        resolution: Voxels along each side of the cube.
-        read: Gives the closed mesh of a file, for regions of the kind `mesh`.
-        envelope: Shapes stay inside it, except for what is kept solid.
-        keep_solid: Shapes contain it, except for the hole.
-        hole: Shapes stay out of it.
-        symmetry: Mirrors and rotation.
-        limits: Allowed values of numbers that describe a shape.
-
-    Raises:
-        UserError: Nothing could grow by these rules, or a mesh cannot be used.
-    """
+    """Turn constraints into voxels; `UserError` if nothing could grow, or a mesh cannot be used."""
 
     def grid(region: Region) -> Solid | None:
         if region.kind == "none":
@@ -250,15 +226,7 @@ def box_sides(body: Solid) -> NDArray[np.int64]:
 
 
 def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
-    """The constraints on all shapes.
-
-    Args:
-        settings: All constraints.
-        resolution: Voxels along each side of the cube; None: as in evolution.
-
-    Raises:
-        UserError: The constraints leave no voxel to grow in, or a mesh cannot be used.
-    """
+    """The constraints on all shapes, at a resolution or that of evolution, as `build_rules`."""
     return build_rules(
         resolution or settings.shape.resolution,
         mesh_of,

@@ -182,11 +182,7 @@ def evolution_parameters(
     cells: int = SPACE.cells,
     elites_per_cell: int = SPACE.elites_per_cell,
 ) -> EvolutionParameters:
-    """The default parameters of evolution, overridden by the given ones.
-
-    Raises:
-        UserError: One of them is not allowed.
-    """
+    """The parameters of evolution, the default ones for all others; `UserError` for a wrong one."""
     first, second = _checked(ranges)
     space = from_arguments(
         MeasureSpace,

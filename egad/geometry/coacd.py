@@ -23,15 +23,12 @@ Task = tuple[Floats, NDArray[np.int64], float, int]
 def coacd_parts(
     mesh: trimesh.Trimesh, threshold: float, max_parts: int, max_vertices: int
 ) -> list[trimesh.Trimesh]:
-    """Convex hulls that together approximate a solid, by CoACD with seed 0.
+    """Convex hulls that together approximate a solid, wound outwards, by CoACD with seed 0.
 
-    CoACD runs in a separate process because it sometimes aborts its process. The surface must be
-    wound outwards: inside out, CoACD loses most of the volume. The threshold is the concavity that
-    a part may have, by CoACD's measure; corners that matter least are left out. Raises `UserError`
-    if `coacd` is not installed or its process was killed, `RejectedError` if it fails.
-
-    Source: Wei et al., Approximate Convex Decomposition for 3D Meshes with Collision-Aware
-    Concavity and Tree Search, 2022.
+    It runs in a separate process because it sometimes aborts its process. Corners that matter least
+    are left out. Raises `UserError` if `coacd` is not installed or its process was killed,
+    `RejectedError` if it fails. Source: Wei et al., Approximate Convex Decomposition for 3D Meshes
+    with Collision-Aware Concavity and Tree Search, 2022.
     """
     check_installed("coacd", "bundle.method: coacd")
     task = (np.array(mesh.vertices), np.array(mesh.faces), threshold, max_parts)

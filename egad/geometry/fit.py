@@ -103,9 +103,8 @@ def finish_all(
 ) -> tuple[list[Hull], Tolerances]:
     """Turn hulls into parts, and check them at points that they are not fitted to (ours).
 
-    If too many of these points lie too deep, the hulls are fitted to both sets of points, and
-    checked at new ones. If that does not help, the bounds that are returned with the parts are
-    looser than `kept`.
+    If too many of these lie too deep, the hulls are fitted to both sets of points. If that does not
+    help, the bounds that are returned with the parts are looser than `kept`.
     """
     for number in count():
         finished = [finish(hull, touchable, kept, wanted) for hull in hulls]

@@ -11,10 +11,8 @@ from egad.geometry.hulls import Hull
 def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
     """A hull of some of the corners of a hull, and whether its losses are within bounds (ours).
 
-    The corners farthest outside the hull of those chosen so far are added repeatedly: the farthest
-    above each of its faces, if it is at least half as far outside as the farthest of all. It ends
-    at `most` corners, or when all others lie within `distance` and the lost volume is within
-    `share`.
+    The corners farthest outside are added repeatedly, until there are `most`, or all others lie
+    within `distance` and the lost volume is within `share`.
     """
     chosen = _far_apart(hull.points)
     while True:

@@ -54,10 +54,7 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
 
 
 def merge_hulls(hulls: Sequence[Hull], allowed: float, fits: Callable[[Hull], bool]) -> list[Hull]:
-    """Repeatedly merge the two touching hulls whose common hull adds the least volume (ours).
-
-    It stops before the volumes add up to more than `allowed`, and returns unchanged hulls first.
-    """
+    """Repeatedly merge the touching hulls whose common hull adds the least volume (ours)."""
     pool = _Pool(hulls)
     total = sum(hull.volume for hull in hulls)
     while candidate := pool.cheapest():

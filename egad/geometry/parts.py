@@ -83,10 +83,7 @@ def convex_parts(
 
 
 def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
-    """Convex parts of a solid, metres, from the cache if they were made before.
-
-    Raises `RejectedError` if it has none, `UserError` if CoACD is requested but not installed.
-    """
+    """Convex parts of a solid, metres, maybe from the cache; `RejectedError` if it has none."""
     return _unpacked(
         _cached("convex-parts", mesh, settings, lambda: _packed(_made(mesh, settings)))
     )

@@ -25,10 +25,7 @@ class Intersections(NamedTuple):
 
 
 class TriangleScene:
-    """Triangles that Embree casts rays at, in single precision.
-
-    No ray slips through between neighbors.
-    """
+    """Triangles that Embree casts rays at, in single precision, without gaps between neighbors."""
 
     def __init__(self, vertices: NDArray[Any], faces: NDArray[Any]) -> None:
         """Prepare triangles: vertices (n, 3), faces (m, 3)."""
@@ -81,14 +78,8 @@ class Hits(NamedTuple):
 class RayCaster:
     """Casts many rays at one mesh.
 
-    Embree finds the triangle in single precision, and without gaps between neighbors; the
-    distance is then computed from the triangle's plane in double precision.
-
-    Attributes:
-        mesh: The mesh.
-        triangles: (m, 3, 3) corners of its triangles, metres.
-        areas: (m,) in square metres.
-        normals: (m, 3) outward unit normals of the triangles; zeros for those without area.
+    Embree finds the triangle; the distance is computed from its plane in double precision. Its
+    `triangles`, (m, 3, 3), metres, have `areas` and outward unit `normals`, zeros without area.
     """
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
@@ -106,12 +97,7 @@ class RayCaster:
         self._scene = TriangleScene(vertices, faces)
 
     def first_hits(self, origins: Floats, directions: Floats) -> Hits:
-        """Meet the first triangle along each ray.
-
-        Args:
-            origins: (n, 3), metres.
-            directions: (n, 3) unit vectors.
-        """
+        """The first triangle along each ray; origins in metres and unit directions, (n, 3)."""
         starts = (origins - self._origin) * self._scale
         face, distances, *_ = self._scene.intersections(starts, directions)
         exact, normals, entering = _exact_hits(
@@ -138,10 +124,7 @@ def _exact_hits(
     starts: Floats,
     directions: Floats,
 ) -> tuple[Floats, Floats, Flags]:
-    """Distances to the planes of hit faces, normals, and whether rays come from outside.
-
-    A grazing ray may meet the plane far from the triangle: then the given distance is kept.
-    """
+    """Distances to the planes of hit faces unless rays graze, normals, and if from outside."""
     exact = distances.astype(np.float64)
     found, entering = np.zeros((len(faces), 3)), np.zeros(len(faces), np.bool_)
     for i, face in enumerate(faces):

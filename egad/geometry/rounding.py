@@ -20,12 +20,8 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
     Two faces that share an edge form a fold. If they lie in one plane, the height of the fold is 0,
     and rounded coordinates make it about as large as the rounding, far below the heights of real
     folds. The estimate is the largest height with such a gap above it, or the usual rounding of
-    files, which also moves corners where it leaves planes parallel to the axes flat. It needs no
-    knowledge of the file, and does not change when the mesh is turned, moved or scaled.
-
-    Returns:
-        In the unit of the vertices; 0 if few folds are flat, or if heights have no gap, as on the
-        smooth surfaces of evolved objects.
+    files, which also moves corners where it leaves planes parallel to the axes flat. It is 0 if few
+    folds are flat, or if heights have no gap, as on the smooth surfaces of evolved objects.
     """
     mesh = triangulation(np.ascontiguousarray(vertices), distinct_corners(faces))
     areas = face_areas(mesh)
@@ -43,11 +39,7 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
 
 @kernel()
 def fold_heights(mesh: Triangulation, areas: Floats) -> Floats:
-    """Height of the fold at each edge, (e,): from one face to the plane of the other, larger one.
-
-    Of more than two faces, the first two count. Infinity at a rim, and where both faces have no
-    area.
-    """
+    """Height of the fold at each edge, (e,), over its larger face; infinite at a rim."""
     first = np.full(len(mesh.edges), -1)
     result = np.full(len(mesh.edges), np.inf)
     for corner in range(3 * len(mesh.faces)):

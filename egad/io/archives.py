@@ -12,13 +12,7 @@ UNIX = 3
 
 
 def write_zip(path: Path, folders: Iterable[Path]) -> None:
-    """Pack all files of some folders; times and permissions are the same for all.
-
-    Args:
-        path: The archive.
-        folders: Folders, in whose order files are packed, sorted within each. Files are named
-            relative to their folder, so no two folders may have a file of the same name.
-    """
+    """Pack all files of folders, in this order, with the same times and permissions for all."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
         for folder in folders:
             for file in sorted(each for each in files_below(folder) if each.is_file()):

@@ -22,16 +22,9 @@ _WILDCARD = re.compile(r"[*?\[]")
 def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[Path]:
     """All files in a folder and the folders in it, except hidden folders, sorted in each of them.
 
-    Links are followed as `find -L` follows them: a file occurs at each of its paths, but a link to
-    a folder that the link itself lies in is passed over. A link to nothing counts as a file. A
-    warning names each folder in it that cannot be read.
-
-    Args:
-        folder: Where to look.
-        above: Real paths of the folders that lead to it.
-
-    Raises:
-        UserError: The folder itself cannot be read.
+    Links are followed as `find -L` does: a file occurs at each of its paths, but a link to a folder
+    around it, among the real paths `above`, is passed over. A link to nothing counts as a file. A
+    folder that cannot be read is left out with a warning; `UserError` if it is the first.
     """
     try:
         entries = sorted(os.scandir(folder), key=attrgetter("name"))
@@ -51,14 +44,8 @@ def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[P
 def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
     """The mesh files that match a pattern, sorted, except hidden ones and those in hidden folders.
 
-    Args:
-        folder: Where to look.
-        pattern: A glob relative to the folder; `**`, at most once, stands for any number of
-            folders, including links to folders (see `files_below`).
-
-    Raises:
-        UserError: There is no such folder, it cannot be read, no mesh file is in it, or the pattern
-            is not such a glob.
+    In the pattern, a glob relative to the folder, `**` may stand once for any number of folders.
+    Raises `UserError` if there is no such folder or file, or it is not such a glob.
     """
     _check_folder(folder)
     try:
@@ -117,13 +104,9 @@ def _is_mesh(path: Path, folder: Path) -> bool:
 
 
 def objects_in(folder: Path, pattern: str = EVERY_FILE) -> dict[str, Path]:
-    """The mesh files that match a pattern, by the names of the objects.
+    """The mesh files that match a pattern, by the parts of their paths that its wildcards match.
 
-    A name is made of the parts of the path that the wildcards of the pattern match, without the
-    ending: `*/scan/mesh.ply` names `mug/scan/mesh.ply` `mug`.
-
-    Raises:
-        UserError: As for `mesh_files`.
+    So `*/scan/mesh.ply` names `mug/scan/mesh.ply` `mug`. Raises the errors of `mesh_files`.
     """
     paths = [path.relative_to(folder) for path in mesh_files(folder, pattern)]
     named = _unique({path: _matched(path, pattern) for path in paths})

@@ -19,14 +19,7 @@ ROUGHNESS = 0.7  # of a matte surface
 
 
 def write_glb(mesh: trimesh.Trimesh, path: Path) -> None:
-    """Write a GLB file, in metres, with a matte gray material; its node has the name of the file.
-
-    It has no normals, which in glTF means that faces are flat.
-
-    Args:
-        mesh: The surface, metres.
-        path: The file.
-    """
+    """Write a GLB file, metres, matte gray with flat faces; its node has the name of the file."""
     material = trimesh.visual.material.PBRMaterial(
         name="grey",
         baseColorFactor=(*GREY_LINEAR, 1.0),

@@ -14,9 +14,8 @@ ROUNDING = 1e-6  # of areas of polygons of size 1
 def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
     """Triangles (m, 3) of polygons in their order, whose (k,) corners follow one another.
 
-    A polygon is cut by diagonals from its first corner where that is valid, as it is for all convex
-    ones. Others are triangulated in their mean plane, and rejected if they cross themselves.
-    Polygons of one or two corners have no area: they are points and edges, which are left out.
+    A polygon is cut by diagonals from its first corner where that is valid, otherwise in its mean
+    plane, and rejected if it crosses itself. Polygons of one or two corners are left out.
     """
     check_at_most(int(np.maximum(lengths - 2, 0).sum()), MAX_FACES, "faces")
     check_corners(corners, len(vertices))

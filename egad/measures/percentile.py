@@ -69,12 +69,10 @@ def percentile_rank(count: int, percent: float) -> int:
 
 
 def percentile_std(sample: BoundedSample, percent: float) -> float:
-    """Standard error of a percentile of n independent values.
+    """Standard error of a percentile of n independent values; NaN if there are too few.
 
-    Half the distance between the two values whose ranks lie a standard error of the rank away; NaN
-    if there are too few values for that.
-
-    Source: Woodruff, Confidence Intervals for Medians and Other Position Measures, JASA 47 (1952).
+    Half the distance between the values whose ranks lie a standard error of the rank away. Source:
+    Woodruff, Confidence Intervals for Medians and Other Position Measures, JASA 47 (1952).
     """
     count, part = len(sample), percent / 100
     spread = np.sqrt(part * (1 - part) / count)

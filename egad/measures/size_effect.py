@@ -24,23 +24,11 @@ from egad.tables.grasping import SIZE_EFFECT
 
 
 def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters) -> pd.DataFrame:
-    """Sample and rate grasps of an object at several sizes.
+    """Quality of grasps of a closed mesh at several sizes: rows of `tables.grasping.SIZE_EFFECT`.
 
-    The object is scaled until the smallest side of its minimum-volume box is the fraction of the
-    opening. Grasps without quality count as zeros. The grasps come from the gripper's sampler.
-
-    Args:
-        mesh: The object, closed, its triangles winding outwards, in any unit: its own size does not
-            matter.
-        name: Its name, which seeds the random numbers.
-        settings: Gripper, sizes, percentiles, and how grasps are sampled and rated.
-
-    Returns:
-        Columns of `tables.grasping.SIZE_EFFECT`: a row for each fraction, repetition and
-        percentile; the quality is NaN where there is no grasp.
-
-    Raises:
-        RejectedError: The object is flat.
+    The smallest side of its box becomes each fraction of the opening; its own size does not matter.
+    Grasps without quality count as zeros; the quality is NaN where there is no grasp. The name
+    seeds the random numbers.
     """
     wanted, opening = settings.size_effect, settings.gripper.opening
     side = float(box_sides(mesh)[0])

@@ -134,14 +134,9 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
 
 
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
-    """Read a table and check that it has the columns of its schema.
+    """Read a table, or `TableError`: exactly the columns and types of its schema.
 
-    Other columns are not read. Values of another type are converted if they can be. Optional
-    columns are NaN if all of them are missing.
-
-    Raises:
-        TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
-            would take too much memory, or an object in it has a name that no file can have.
+    Other columns are not read, and values converted. Optional columns are NaN if all are missing.
     """
     try:
         source = Source(path)

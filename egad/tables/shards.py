@@ -45,11 +45,7 @@ def rows_of(paths: Iterable[Path], schema: pa.Schema, names: list[str]) -> pd.Da
 
 
 def remove_leftovers(folder: Path, names: Sequence[str], shards: int) -> None:
-    """Remove the files of an earlier, larger set than the one of `shards` in a folder.
-
-    Raises `UserError` if that set has another number of shards, `TableError` if its first file is
-    damaged.
-    """
+    """Remove files of an earlier, larger set; `UserError` if the set has not `shards` shards."""
     if parquet.notes(folder / f"{names[0]}-0.parquet").get("shards") != shards:
         raise UserError(f"{folder}: expected {names[0]} in {shards} shards; make them again")
     for name in names:

@@ -237,9 +237,9 @@ def scan_integral(graph: EdgeGraph, faces: Ints32, areas: Floats, radius: float)
     """The integral (n,) from the bases of the program that the published values come from.
 
     Vertices are visited in order: one that is not covered yet becomes a base and covers all
-    vertices within the radius, a geodesic distance. It represents all faces with a vertex that it
-    is the first to cover, so faces between bases count several times, and a different order of the
-    vertices gives a different mu.
+    vertices within the radius. It represents all faces with a vertex that it is the first to cover,
+    so faces between bases count several times, and another order of the vertices gives a different
+    mu.
     """
     count = len(graph.starts) - 1
     result, distances = np.zeros(count), np.empty(count)
