@@ -106,6 +106,14 @@ def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields o
         raise UserError(_in_words(error, kind)) from error
 
 
+def with_defaults(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)
+    """Parameters from arguments, with the default section for each that is required."""
+    for name, field in kind.model_fields.items():
+        if field.is_required() and name not in values and field.annotation:
+            values[name] = field.annotation()
+    return from_arguments(kind, **values)
+
+
 def from_file(kind: type[P], values: Mapping[str, Any]) -> P:
     """Parameters from the values of a file; `UserError` has a line for each problem."""
     try:

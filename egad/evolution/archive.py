@@ -23,6 +23,8 @@ from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
 
+_MEASURED = ("complexity", "graspability", "graspability_std", "cell_confidence")
+
 
 @dataclass(frozen=True, repr=False)
 class Elite:
@@ -49,10 +51,7 @@ class Elite:
         return {
             "id": self.id,
             **self.genome,
-            "complexity": self.complexity,
-            "graspability": self.graspability,
-            "graspability_std": self.graspability_std,
-            "cell_confidence": self.cell_confidence,
+            **{name: getattr(self, name) for name in _MEASURED},
             "parents": list(self.parents),
             "epoch": self.epoch,
         }
@@ -281,13 +280,10 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
             id=row["id"],
             genome={name: row[name] for name in GENOME.names},
             voxels=row["voxels"],
-            complexity=row["complexity"],
-            graspability=row["graspability"],
             graph=reeb.unpack(row["graph"]),
             parents=tuple(row["parents"]),
             epoch=row["epoch"],
-            graspability_std=row["graspability_std"],
-            cell_confidence=row["cell_confidence"],
+            **{name: row[name] for name in _MEASURED},
         )
         for row in parquet.records(frame)
     ]

@@ -1,6 +1,5 @@
 """Constraints on shapes (ours): envelope, required solid, hole, symmetry, limits."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,7 +21,6 @@ Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]
 AXES = "xyz"
 EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
-Reader = Callable[[str], trimesh.Trimesh]
 
 
 def folded(points: Points, symmetry: Symmetry) -> Points:
@@ -132,26 +130,21 @@ class Rules:
 UNBOUND = Rules()
 
 
-def build_rules(
-    resolution: int,
-    read: Reader,
-    *,
-    envelope: Region,
-    keep_solid: Region,
-    hole: Region,
-    symmetry: Symmetry,
-    limits: Limits,
-) -> Rules:
-    """Turn constraints into voxels; `UserError` if nothing could grow, or a mesh cannot be used."""
+def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
+    """The constraints on all shapes as voxels, at a resolution or that of evolution.
+
+    Raises `UserError` if nothing could grow by them, or a mesh cannot be used.
+    """
+    resolution = resolution or settings.shape.resolution
+    mirror, shape = settings.symmetry.mirror, (resolution,) * 3
 
     def grid(region: Region) -> Solid | None:
         if region.kind == "none":
             return None
-        mesh = read(region.mesh) if region.kind == "mesh" else None
+        mesh = mesh_of(region.mesh) if region.kind == "mesh" else None
         return region_voxels(region, resolution, mesh)
 
-    mirror, shape = symmetry.mirror, (resolution,) * 3
-    inside, solid, hollow = map(grid, (envelope, keep_solid, hole))
+    inside, solid, hollow = map(grid, (settings.envelope, settings.keep_solid, settings.hole))
     void = np.zeros(shape, dtype=bool) if hollow is None else with_images(hollow, mirror)
     outside = np.zeros(shape, dtype=bool) if inside is None else with_images(~inside, mirror)
     kept = np.zeros(shape, dtype=bool) if solid is None else with_images(solid, mirror) & ~void
@@ -161,7 +154,10 @@ def build_rules(
     if not allowed.any():
         raise UserError("envelope and hole leave no voxel free for growth")
     return Rules(
-        None if allowed.all() else allowed, None if solid is None else kept, symmetry, limits
+        None if allowed.all() else allowed,
+        None if solid is None else kept,
+        settings.symmetry,
+        settings.limits,
     )
 
 
@@ -223,19 +219,6 @@ def _check_limits(body: Solid, limits: Limits) -> None:
 def box_sides(body: Solid) -> NDArray[np.int64]:
     """Sides of the axis-aligned box of a body, in voxels, (3,)."""
     return np.asarray(np.ptp(np.argwhere(body), axis=0) + 1)
-
-
-def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
-    """The constraints on all shapes, at a resolution or that of evolution, as `build_rules`."""
-    return build_rules(
-        resolution or settings.shape.resolution,
-        mesh_of,
-        envelope=settings.envelope,
-        keep_solid=settings.keep_solid,
-        hole=settings.hole,
-        symmetry=settings.symmetry,
-        limits=settings.limits,
-    )
 
 
 def mesh_of(path: str) -> trimesh.Trimesh:

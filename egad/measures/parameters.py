@@ -19,7 +19,7 @@ from egad._util.parameters import (
     SideFraction,
     UserPath,
     check_ascending,
-    from_arguments,
+    with_defaults,
 )
 from egad.geometry import SIDE_FRACTION, Material
 from egad.grasps import Quality, Robust, Sampling
@@ -180,19 +180,8 @@ def space_of(gripper: Gripper, space: MeasureSpace) -> MeasureSpace:
 
 def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
     """The default parameters of EGAD's measures; `UserError` if the seed is not allowed."""
-    return from_arguments(
-        MeasureParameters,
-        seed=seed,
-        gripper=gripper,
-        measures=CustomMeasures(),
-        complexity=Complexity(),
-        graspability=Graspability(),
-        space=space_of(gripper, MeasureSpace()),
-        similarity=Similarity(),
-        sampling=Sampling(),
-        quality=Quality(),
-        robust=None,
-    )
+    space = space_of(gripper, MeasureSpace())
+    return with_defaults(MeasureParameters, seed=seed, gripper=gripper, space=space, robust=None)
 
 
 class SizeEffectParameters(ParameterGroup):

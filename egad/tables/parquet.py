@@ -17,24 +17,8 @@ from egad._util.files import atomic_output
 from egad.errors import TableError
 from egad.tables import origin, seal
 from egad.tables.columns import check_names
-from egad.tables.untrusted import BATCH, DAMAGED, Source, unreadable
+from egad.tables.untrusted import DAMAGED, Source, unreadable
 
-__all__ = [
-    "BATCH",
-    "RowGroups",
-    "TableError",
-    "batches",
-    "check_columns",
-    "columns",
-    "distinct",
-    "empty",
-    "notes",
-    "origin_of",
-    "read",
-    "records",
-    "schema_of",
-    "write",
-]
 _NOTES, _ORIGIN = "egad", "egad-origin"
 OLD = {  # columns of older versions by what they are called now, for messages
     "graspability": "difficulty",
