@@ -7,8 +7,7 @@ import numpy as np
 import trimesh
 
 from egad._util.arrays import Flags
-from egad.geometry.hull_vertices import fewer_vertices, lower_planes
-from egad.geometry.hulls import Hull, hull_of
+from egad.geometry.hulls import Hull, fewer_vertices, hull_of, lower_planes
 from egad.geometry.touchable import (
     MAX_BURIED,
     Touchable,

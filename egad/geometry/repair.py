@@ -22,8 +22,8 @@ from egad.geometry.checks import (
 )
 from egad.geometry.manifold import Solid, arrays, bodies, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
-from egad.geometry.precision import in_single_precision, is_single
 from egad.geometry.rays import RayCaster
+from egad.geometry.rounding import in_single_precision, is_single
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
 from egad.geometry.shell import shell
 from egad.geometry.touching import wedge_pairs

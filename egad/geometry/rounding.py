@@ -1,7 +1,12 @@
-"""How far the rounding of coordinates has moved the vertices of a mesh."""
+"""Rounded coordinates: how far they moved vertices, and rounding to single precision.
+
+STL, PLY and GLB files hold single-precision numbers, and so do most programs that read OBJ. A mesh
+with such coordinates is bit-identical in all formats and programs, as long as they keep its unit.
+"""
 
 import numpy as np
-from numpy.typing import NDArray
+import trimesh
+from numpy.typing import ArrayLike, NDArray
 
 from egad._util.arrays import Floats
 from egad._util.kernels import kernel
@@ -63,3 +68,19 @@ def fold_heights(mesh: Triangulation, areas: Floats) -> Floats:
                 volume += normal * (mesh.vertices[tip, k] - mesh.vertices[a, k])
             result[edge] = abs(volume) / (2 * area)
     return result
+
+
+def to_single(coordinates: ArrayLike) -> Floats:
+    """Coordinates rounded to single precision, as doubles; infinite where they are too large."""
+    with np.errstate(over="ignore"):
+        return np.asarray(coordinates, dtype=np.float32).astype(np.float64)
+
+
+def is_single(coordinates: ArrayLike) -> bool:
+    """Whether rounding to single precision changes nothing."""
+    return bool(np.array_equal(to_single(coordinates), np.asarray(coordinates)))
+
+
+def in_single_precision(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """A copy of a mesh with coordinates rounded to single precision, and the same faces."""
+    return trimesh.Trimesh(to_single(mesh.vertices), mesh.faces, process=False)

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Floats
 from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_mesh
-from egad.geometry.precision import is_single, to_single
+from egad.geometry.rounding import is_single, to_single
 
 TURNS = 800  # orientations tried, about 8 degrees apart, given the 24 symmetries of the box
 STARTS = 3  # how many of the best ones are turned further

@@ -1,10 +1,11 @@
-"""Folders of mesh files: which files are objects, and the names of these."""
+"""Folders of mesh files: which are objects, and their names; archives with the same bytes always."""
 
 import difflib
 import hashlib
 import logging
 import os
 import re
+import zipfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
@@ -17,6 +18,9 @@ log = logging.getLogger(__name__)
 
 EVERY_FILE = "*"
 _WILDCARD = re.compile(r"[*?\[]")
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest time that a ZIP archive can hold
+READABLE = 0o100644 << 16  # a plain file that everybody may read
+UNIX = 3
 
 
 def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[Path]:
@@ -157,3 +161,14 @@ def _ending(path: Path) -> str:
 
 def _hash(path: Path) -> str:
     return hashlib.sha256(path.as_posix().encode()).hexdigest()[:8]
+
+
+def write_zip(path: Path, folders: Iterable[Path]) -> None:
+    """Pack all files of folders, in this order, with the same times and permissions for all."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+        for folder in folders:
+            for file in sorted(each for each in files_below(folder) if each.is_file()):
+                entry = zipfile.ZipInfo(file.relative_to(folder).as_posix(), EARLIEST)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.create_system, entry.external_attr = UNIX, READABLE
+                archive.writestr(entry, file.read_bytes())

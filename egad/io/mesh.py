@@ -11,13 +11,11 @@ from egad._util.limited import LimitError, limited
 from egad._util.memory import is_out_of_memory
 from egad.errors import RejectedError, UserError
 from egad.geometry import check_surface
-from egad.io.content import Content
-from egad.io.glb import write_glb
-from egad.io.gltf import parse_glb
-from egad.io.obj import parse_obj
+from egad.io.gltf import parse_glb, write_glb
+from egad.io.obj import parse_obj, parse_plain_obj, write_obj
 from egad.io.off import parse_off
-from egad.io.plain_obj import parse_plain_obj, write_obj
 from egad.io.ply import parse_ply
+from egad.io.polygons import Content
 from egad.io.stl import count_binary_faces, parse_stl, stated_in_header, write_stl_mm
 from egad.io.threemf import parse_3mf
 from egad.io.units import (

@@ -1,14 +1,25 @@
-"""Polygons of mesh files, cut into triangles that lie within them."""
+"""What mesh files hold: triangles, and polygons that are cut into triangles within them."""
+
+from typing import NamedTuple
 
 import manifold3d
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import MAX_FACES, check_at_most
 from egad.errors import RejectedError
 
 ROUNDING = 1e-6  # of areas of polygons of size 1
+
+
+class Content(NamedTuple):
+    """A surface of triangles, in the unit of the file and in the axes of its format."""
+
+    vertices: NDArray[np.float64]  # (n, 3)
+    faces: NDArray[np.int64]  # (m, 3) vertex indices
+    unit: str | None = None  # one of `egad.io.units.LENGTHS`, if the file states it
 
 
 def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
