@@ -112,20 +112,12 @@ class EvolvedObject:
 
     @cached_property
     def voxels(self) -> NDArray[np.bool_]:
-        """Which cells of the cube are solid, (r, r, r).
-
-        Raises:
-            UserError: The object comes from a mesh.
-        """
+        """Which cells of the cube are solid, (r, r, r); `UserError` if it comes from a mesh."""
         return unpack(self._evolved["voxels"], self.shape.resolution)
 
     @cached_property
     def genome(self) -> Row:
-        """The CPPN that the object was grown from, with the columns of `tables.evolution.GENOME`.
-
-        Raises:
-            UserError: The object comes from a mesh.
-        """
+        """The CPPN, columns of `tables.evolution.GENOME`; `UserError` if it comes from a mesh."""
         return {name: self._evolved[name] for name in GENOME.names}
 
     @property
@@ -232,11 +224,7 @@ class Dataset:
 
     @property
     def archive(self) -> pd.DataFrame:
-        """Genomes, voxels and measures of the objects: columns of `tables.evolution.ARCHIVE`.
-
-        Raises:
-            UserError: The objects come from meshes.
-        """
+        """Columns of `tables.evolution.ARCHIVE`; `UserError` if the objects come from meshes."""
         if self._archive is None:
             raise UserError("these objects come from meshes: they have no voxels and no genomes")
         return self._archive.loc[self.table["id"]].reset_index(drop=True)
@@ -400,10 +388,7 @@ def _not_objects(given: str) -> str:
 
 
 def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trimesh:
-    """The mesh of an object as it is grasped: closed, wound outwards, scaled by a rule, metres.
-
-    Raises `RejectedError` if it bounds no solid, `UserError` if it is no mesh; warns of odd units.
-    """
+    """A mesh as it is grasped: closed, wound outwards and scaled, metres; or `RejectedError`."""
     mesh = target.mesh()
     check_units(mesh, f"the mesh {target.label!r}")
     solid = wind_outwards(mesh)

@@ -18,11 +18,7 @@ PACKAGE = Path(__file__).parent
 
 @lru_cache
 def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the user's)
-    """Import `FILE.py:NAME` or `package.module:NAME`; `where` and `kind` are for messages.
-
-    Its file is run. Raises `UserError` if nothing callable has this name, or the file cannot be
-    run.
-    """
+    """Import `FILE.py:NAME` or `package.module:NAME`; `UserError` names `where` and the kind."""
     module, _, attribute = name.rpartition(":")
     path = _source(module, name, where)
     try:
@@ -43,10 +39,7 @@ def place_of(error: Exception) -> str:
 
 
 def named(text: str, arguments: int = 3) -> str:
-    """A full name: `FILE.py` alone is completed by the only thing in it with so many arguments.
-
-    Raises `UserError` if the file is missing or is not Python, or has no candidate or several.
-    """
+    """A full name: `FILE.py` is completed by the only thing in it with so many arguments."""
     path = Path(text)
     if path.suffix != ".py":
         return text

@@ -299,18 +299,11 @@ def merge(
 
 
 def ribs_frame(archive: pd.DataFrame, space: MeasureSpace) -> pd.DataFrame:
-    """The elites with the columns of a pyribs `ArchiveDataFrame`, for its tools.
+    """The elites of an archive or `Dataset.table` as a pyribs `ArchiveDataFrame`, for its tools.
 
-    Args:
-        archive: One row per elite, with the columns `id`, `complexity`, `graspability`,
-            `diversity`, `complexity_cell` and `difficulty_cell`, as in `archive.parquet` or
-            `Dataset.table`.
-        space: Its cells.
-
-    Returns:
-        One row per elite: `index` (of its cell: along complexity, then graspability, both from the
-        low end), `objective` (its diversity), `measures_0` (complexity), `measures_1`
-        (graspability, high is easy), `id`. Unlike in pyribs, a cell may have several rows.
+    The columns: `index` (of the cell: along complexity, then graspability, both from the low end),
+    `objective` (its diversity), `measures_0` (complexity), `measures_1` (graspability, high is
+    easy), `id`. Unlike in pyribs, a cell may have several rows.
     """
     rows = space.cells - 1 - archive["difficulty_cell"].to_numpy()  # the low end is hard
     shape = (space.cells, space.cells)

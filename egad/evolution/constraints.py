@@ -174,10 +174,8 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     Voxels above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
     parts are removed by an opening with the 6-neighborhood, and only the largest body is kept.
     Required voxels are added and voxels that are not allowed are cut away, both before hidden
-    voxels are filled and after thin parts are removed.
-
-    Raises:
-        RejectedError: Nothing is left, or what is left is against the rules.
+    voxels are filled and after thin parts are removed. `RejectedError` if nothing is left, or it is
+    against the rules.
     """
     filled = voxels.fill_orthographic(rules.clip(output > threshold))
     body = voxels.largest_body(rules.clip(ndimage.binary_opening(filled)))

@@ -17,8 +17,7 @@ ROUNDS = 4
 def crossings(vertices: Floats, faces: Ints, depth: float) -> Ints:
     """Pairs (k, 2) of triangles of which one has an edge that pierces the other (ours).
 
-    The ends of the edge lie more than `depth` off the plane. Triangles in one plane, or with a
-    common vertex, do not cross.
+    The ends of the edge lie more than `depth` off the plane. A common vertex is no crossing.
     """
     if len(faces) == 0:
         return np.empty((0, 2), dtype=np.int64)

@@ -22,29 +22,20 @@ SAME_POSE = np.radians(5)
 
 @dataclass(frozen=True)
 class SimulationObject:
-    """An object in the frame of its mesh, metres.
+    """An object in the frame of its mesh, metres."""
 
-    Attributes:
-        mesh: The surface, wound outwards.
-        parts: Convex meshes that represent it in contacts.
-        physics: Mass properties of the solid within the surface, not of the parts.
-        volume_error: Volume of the union of the parts / volume of the object - 1.
-        deviation: Largest distance by which the parts protrude from the surface of the object.
-        buried: Share of the surface that fingers can touch which lies deeper in a part than the
-            setting `deviation`.
-        deviation_bound: The deviation that the parts meet at 99 % of that surface, metres: larger
-            than the setting if more than `max_parts` would be needed. NaN for CoACD.
-        within: Whether the parts are as close to the object as the settings require.
-    """
-
-    mesh: trimesh.Trimesh
-    parts: tuple[trimesh.Trimesh, ...]
-    physics: MassProperties
-    volume_error: float
-    deviation: float
+    mesh: trimesh.Trimesh  # the surface, wound outwards
+    parts: tuple[trimesh.Trimesh, ...]  # convex meshes that represent it in contacts
+    physics: MassProperties  # mass properties of the solid within the surface, not of the parts
+    volume_error: float  # volume of the union of the parts / volume of the object - 1
+    deviation: float  # largest distance by which the parts protrude from the surface of the object
+    # share of the surface that fingers can touch which lies deeper in a part than the setting
+    # `deviation`
     buried: float
+    # the deviation that the parts meet at 99 % of that surface, metres: larger than the setting
+    # if more than `max_parts` would be needed. NaN for CoACD
     deviation_bound: float
-    within: bool
+    within: bool  # whether the parts are as close to the object as the settings require
 
     @cached_property
     def poses(self) -> tuple[StablePose, ...]:

@@ -55,10 +55,7 @@ def _halves(triangles: Floats, sides: Floats) -> Floats:
 
 
 def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
-    """Points along the reflex edges, with the normals of a ball that rolls around the edge.
-
-    Points are at most `spacing` apart, and the normals at one, from one side to the other, `TURN`.
-    """
+    """Points along the reflex edges, and normals there from one side to the other, (n, 3)."""
     angles = np.asarray(mesh.face_adjacency_angles)
     bent = ~np.asarray(mesh.face_adjacency_convex) & (angles > TURN) & (angles < np.pi - 1e-6)
     angles = angles[bent]

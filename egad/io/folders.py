@@ -1,4 +1,4 @@
-"""Folders of mesh files: which are objects, and their names; archives with the same bytes always."""
+"""Folders of mesh files: which are objects, and their names; archives with the same bytes."""
 
 import difflib
 import hashlib
@@ -108,10 +108,7 @@ def _is_mesh(path: Path, folder: Path) -> bool:
 
 
 def objects_in(folder: Path, pattern: str = EVERY_FILE) -> dict[str, Path]:
-    """The mesh files that match a pattern, by the parts of their paths that its wildcards match.
-
-    So `*/scan/mesh.ply` names `mug/scan/mesh.ply` `mug`. Raises the errors of `mesh_files`.
-    """
+    """The mesh files of `mesh_files` by what its wildcards match: `*/scan/mesh.ply` gives `mug`."""
     paths = [path.relative_to(folder) for path in mesh_files(folder, pattern)]
     named = _unique({path: _matched(path, pattern) for path in paths})
     return {name: folder / path for name, path in named.items()}

@@ -16,10 +16,7 @@ WHERE = "measures"
 
 
 def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | None = None) -> float:
-    """The value of a user's measure of a copy of a closed mesh, metres, and of parameters by name.
-
-    Raises `RejectedError` if it fails or gives no finite number, and `UserError` if there is none.
-    """
+    """The value of a user's measure of a closed mesh, metres; `RejectedError` if it fails."""
     function, name = _function(measure), plugin_name(measure)
     try:
         given = function(mesh.copy(), **_parameters(function, axes or CustomMeasures()))

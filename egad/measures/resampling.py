@@ -90,10 +90,7 @@ def closest_voxels(target: FitTarget) -> Fit | None:
 
 
 def _search(target: FitTarget, frame: Floats, sides: Floats, most: int = 3) -> Fit | None:
-    """The best fit among grids with so many voxels along the longest side; None without any.
-
-    At `most` so many of the first fits are improved, if none is good.
-    """
+    """The best fit on grids of a frame with so many voxels; `most` are improved if none is good."""
     turn = not np.array_equal(frame, np.eye(3))
     starts = []
     for number, grids in enumerate(_grids(target, frame, sides)):

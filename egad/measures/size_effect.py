@@ -101,16 +101,11 @@ def _others(
 
 
 def summarize(table: pd.DataFrame) -> pd.DataFrame:
-    """Means and spread over the repetitions.
+    """Means and spread over the repetitions, for each name, fraction and percentile, in this order.
 
-    Args:
-        table: Columns of `tables.grasping.SIZE_EFFECT`.
-
-    Returns:
-        A row for each name, fraction and percentile, in that order, with names as they appear:
-        `mean`, `low` and `high` quality over the repetitions that found grasps (NaN if none did),
-        `grasps` (mean number), `share` (of the candidates that are possible) and `found` (fraction
-        of the repetitions with grasps).
+    `mean`, `low` and `high` are the quality over the repetitions that found grasps (NaN if none
+    did), `grasps` is their mean number, `share` that of the candidates that are possible, and
+    `found` the fraction of the repetitions with grasps.
     """
     groups = table.groupby(["name", "fraction", "percentile"], sort=False)
     numbers = groups.agg(

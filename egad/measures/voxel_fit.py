@@ -23,10 +23,7 @@ CLOSE = 0.05  # voxels: surfaces further apart count less in an alignment
 
 
 class FitTarget:
-    """A mesh to fit voxels to: its longest side has 25 units, its box is centered on the origin.
-
-    Walls thinner than 0.6 units, which evolved objects do not have, are thickened to 1.1.
-    """
+    """A mesh to fit voxels to, 25 units long about the origin; walls below 0.6 units become 1.1."""
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
         low, high = mesh.bounds

@@ -14,11 +14,7 @@ from egad.tables import parquet
 
 
 def shard_files(folder: Path, names: Sequence[str], target: str) -> list[tuple[Path, ...]]:
-    """The files of each shard of a folder, by number; messages call the set by its first name.
-
-    Raises `UserError`, with the target that makes them, if some are missing or of another set, and
-    `TableError` if one is damaged.
-    """
+    """The files of each shard of a folder, by number; `UserError` with the target if incomplete."""
     found = {path.name: path for name in names for path in sorted(folder.glob(f"{name}-*.parquet"))}
     if not found:
         raise UserError(f"{folder}: no {names[0]} found; make them with {target}")

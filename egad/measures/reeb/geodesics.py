@@ -20,10 +20,7 @@ _ABSENT = -(1 << 30)  # in `preceding`: in no bucket
 
 
 class EdgeGraph(NamedTuple):
-    """The edges at each vertex, row by row, and the buckets that vertices wait in.
-
-    Unsigned indices avoid the check for negative ones, which takes a fifth of the time of a search.
-    """
+    """The edges at each vertex, row by row, and buckets; unsigned, which saves index checks."""
 
     starts: NDArray[np.uint32]  # (n + 1,) of the rows
     neighbors: NDArray[np.uint32]  # (2 e,)
