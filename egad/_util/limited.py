@@ -42,9 +42,7 @@ class LimitedProcess:
     """Calls functions in another process, with a limit on its memory and on the time of a call."""
 
     def __init__(
-        self,
-        memory: int = input_limits.MAX_MEMORY,
-        seconds: float = input_limits.MAX_SECONDS,
+        self, memory: int = input_limits.MAX_MEMORY, seconds: float = input_limits.MAX_SECONDS
     ) -> None:
         """Prepare a process with so many bytes of memory, and seconds for a call."""
         self._memory, self._seconds = memory, seconds

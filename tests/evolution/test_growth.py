@@ -5,13 +5,7 @@ import pytest
 
 import egad
 from egad.errors import UserError
-from egad.evolution import (
-    Envelope,
-    check_regrown,
-    evolution_parameters,
-    genome_mesh,
-    rules_of,
-)
+from egad.evolution import Envelope, check_regrown, evolution_parameters, genome_mesh, rules_of
 from egad.evolution.growth import grow
 
 BALL = {  # output = 0.5 + 0.8 - r, above the threshold within 0.8 of the center

@@ -153,11 +153,7 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
                 if after >= 0:
                     preceding[after] = before
             after = first[bucket]
-            first[bucket], following[neighbor], preceding[neighbor] = (
-                neighbor,
-                after,
-                -1 - bucket,
-            )
+            first[bucket], following[neighbor], preceding[neighbor] = (neighbor, after, -1 - bucket)
             if after >= 0:
                 preceding[after] = neighbor
 
