@@ -30,11 +30,7 @@ def kernel_sources_version(package: Path = PACKAGE) -> str:
 
 @cache
 def kernel_folder(package: Path = PACKAGE) -> Path:
-    """The folder for the compiled kernels of a package, created if it is missing.
-
-    It is in the folder that the environment variable NUMBA_CACHE_DIR names, or in the package, or
-    in the user's cache folder if that cannot be written, or else among temporary files.
-    """
+    """The folder for compiled kernels: the first of `_parents` that can be written, or new."""
     checked = "-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0" else ""
     name = f"kernels-{kernel_sources_version(package)}{checked}"
     folders = (parent / name for parent in _parents(package))

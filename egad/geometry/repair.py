@@ -24,8 +24,8 @@ from egad.geometry.checks import (
 )
 from egad.geometry.manifold import Solid, arrays, bodies, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
-from egad.geometry.precision import in_single_precision, is_single
 from egad.geometry.rays import RayCaster
+from egad.geometry.rounding import in_single_precision, is_single
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
 from egad.geometry.shell import shell
 from egad.geometry.touching import wedge_pairs
@@ -47,11 +47,7 @@ def open_edges(faces: Ints) -> Ints:
 
 
 def close_holes(mesh: trimesh.Trimesh, largest: float) -> trimesh.Trimesh | None:
-    """Fill holes by triangulating each rim as seen along its mean normal (ours).
-
-    None if open edges form no loops, or all patches are more than `largest` of the area of the
-    surface.
-    """
+    """Fill holes by triangulating rims along their normals (ours); None if it cannot be done."""
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
     loops = simple_loops(open_edges(faces))
     if loops is None:
@@ -199,11 +195,7 @@ def repair_for_files(
     open_surfaces: OpenSurfaces = "reject",
     thickness: float = SHELL_THICKNESS,
 ) -> Repaired:
-    """Like `repair`, with coordinates in single precision, which all mesh files hold exactly.
-
-    A surface that rounding would make cross itself or lose a triangle keeps its coordinates: it has
-    details that are a millionth of its distance from the origin.
-    """
+    """Like `repair`, in single precision unless rounding makes the surface cross itself."""
     found = repair(mesh, open_surfaces, thickness)
     if is_single(found.mesh.vertices):
         return found

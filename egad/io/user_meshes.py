@@ -17,7 +17,7 @@ from egad._util.workers import workers
 from egad.errors import RejectedError
 from egad.geometry import units_doubt
 from egad.io.mesh import read_mesh
-from egad.io.plain_obj import write_obj
+from egad.io.obj import write_obj
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)

@@ -20,7 +20,7 @@ from egad._util.parameters import (
     SideFraction,
     UserPath,
     check_ascending,
-    from_arguments,
+    with_defaults,
 )
 from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, Material, OpenSurfaces
 from egad.grasps import Quality, Robust, Sampling
@@ -172,11 +172,7 @@ class MeasureParameters(ParameterGroup):
 
 
 def space_of(gripper: Gripper, space: MeasureSpace) -> MeasureSpace:
-    """The space; for a suction cup, its graspability range replaces the default one of jaws.
-
-    The quality of a suction grasp is the share of 25 perturbed copies that hold; the limits of
-    cells lie halfway between the values that it can have.
-    """
+    """The space; for a suction cup, a range that suits the share of 25 copies that hold."""
     jaws = MeasureSpace().graspability_range
     if gripper.grasps_with != SUCTION or space.graspability_range != jaws:
         return space
@@ -184,28 +180,9 @@ def space_of(gripper: Gripper, space: MeasureSpace) -> MeasureSpace:
 
 
 def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
-    """The default parameters of EGAD's measures.
-
-    Args:
-        gripper: The gripper that grasps are sampled for.
-        seed: Seed of the grasps.
-
-    Raises:
-        UserError: The seed is not allowed.
-    """
-    return from_arguments(
-        MeasureParameters,
-        seed=seed,
-        gripper=gripper,
-        measures=CustomMeasures(),
-        complexity=Complexity(),
-        graspability=Graspability(),
-        space=space_of(gripper, MeasureSpace()),
-        similarity=Similarity(),
-        sampling=Sampling(),
-        quality=Quality(),
-        robust=None,
-    )
+    """The default parameters of EGAD's measures; `UserError` if the seed is not allowed."""
+    space = space_of(gripper, MeasureSpace())
+    return with_defaults(MeasureParameters, seed=seed, gripper=gripper, space=space, robust=None)
 
 
 class SizeEffectParameters(ParameterGroup):

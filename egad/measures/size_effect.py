@@ -31,23 +31,11 @@ from egad.tables.grasping import SIZE_EFFECT
 
 
 def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters) -> pd.DataFrame:
-    """Sample and rate grasps of an object at several sizes.
+    """Quality of grasps of a closed mesh at several sizes: rows of `tables.grasping.SIZE_EFFECT`.
 
-    The object is scaled until the smallest side of its minimum-volume box is the fraction of the
-    opening. Grasps without quality count as zeros. The grasps come from the gripper's sampler.
-
-    Args:
-        mesh: The object, closed, its triangles winding outwards, in any unit: its own size does not
-            matter.
-        name: Its name, which seeds the random numbers.
-        settings: Gripper, sizes, percentiles, and how grasps are sampled and rated.
-
-    Returns:
-        Columns of `tables.grasping.SIZE_EFFECT`: a row for each fraction, repetition and
-        percentile; the quality is NaN where there is no grasp.
-
-    Raises:
-        RejectedError: The object is flat.
+    The smallest side of its box becomes each fraction of the opening; its own size does not matter.
+    Grasps without quality count as zeros; the quality is NaN where there is no grasp. The name
+    seeds the random numbers.
     """
     wanted, opening = settings.size_effect, settings.gripper.opening
     side = float(box_sides(mesh)[0])
@@ -120,16 +108,11 @@ def _others(
 
 
 def summarize(table: pd.DataFrame) -> pd.DataFrame:
-    """Means and spread over the repetitions.
+    """Means and spread over the repetitions, for each name, fraction and percentile, in this order.
 
-    Args:
-        table: Columns of `tables.grasping.SIZE_EFFECT`.
-
-    Returns:
-        A row for each name, fraction and percentile, in that order, with names as they appear:
-        `mean`, `low` and `high` quality over the repetitions that found grasps (NaN if none did),
-        `grasps` (mean number), `share` (of the candidates that are possible) and `found` (fraction
-        of the repetitions with grasps).
+    `mean`, `low` and `high` are the quality over the repetitions that found grasps (NaN if none
+    did), `grasps` is their mean number, `share` that of the candidates that are possible, and
+    `found` the fraction of the repetitions with grasps.
     """
     groups = table.groupby(["name", "fraction", "percentile"], sort=False)
     numbers = groups.agg(

@@ -49,9 +49,7 @@ SOLIDS = pa.schema(
         CELL_CONFIDENCE,
         _GRASPS,
         column(
-            "archive_graspability",
-            FLOAT,
-            "graspability measured during evolution, for selection",
+            "archive_graspability", FLOAT, "graspability measured during evolution, for selection"
         ),
         column("volume", FLOAT, "volume of the solid", "m3"),
         column("area", FLOAT, "surface area", "m2"),
