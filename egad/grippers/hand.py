@@ -22,7 +22,7 @@ from typing_extensions import override
 from egad import io
 from egad._util.arrays import Floats, Ints
 from egad.errors import RejectedError, UserError
-from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, GripperModel
+from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandModel
 from egad.grippers.parameters import Gripper
 from egad.grippers.robot import model_of
 
@@ -153,7 +153,7 @@ class ModelBody(HandBody):
         model: Shape and joints.
     """
 
-    def __init__(self, gripper: Gripper, model: GripperModel) -> None:
+    def __init__(self, gripper: Gripper, model: HandModel) -> None:
         """Take a model; the gripper has the widest opening that is used."""
         self.gripper, self.model = gripper, model
 

@@ -43,7 +43,7 @@ class HandLink(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class GripperModel:
+class HandModel:
     """Shape and joints of a hand at every opening.
 
     The frame of the hand has its origin midway between the pads of the closed hand; x is the

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from egad._util.arrays import Floats
 from egad.geometry import joined
 from egad.grasps import hand_poses, vectors
-from egad.grippers import BoxBody, Gripper, GripperModel, SuctionCup, model_of
+from egad.grippers import BoxBody, Gripper, HandModel, SuctionCup, model_of
 
 Colored = tuple[trimesh.Trimesh, int]
 Painted = tuple[trimesh.Trimesh, NDArray[np.uint8]]
@@ -20,7 +20,7 @@ OBJECT_COLOR = 5
 CIRCLE = 32  # corners of a drawn circle
 
 
-def link_shapes(model: GripperModel, opening: float) -> list[Colored]:
+def link_shapes(model: HandModel, opening: float) -> list[Colored]:
     """The convex parts of a hand from a file, at an opening (m), in its own frame, with colors."""
     return [
         (trimesh.convex.convex_hull(points), LINK_COLORS[link.body])

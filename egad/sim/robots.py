@@ -10,8 +10,8 @@ from egad.grippers import (
     PALM_BODY,
     SECOND_FINGER,
     Gripper,
-    GripperModel,
     HandLink,
+    HandModel,
     SuctionCup,
     finger_span,
     model_of,
@@ -239,7 +239,7 @@ def _model_hand(gripper: Gripper) -> _Hand:
     )
 
 
-def _model_joint(model: GripperModel, link: HandLink, raised: Floats) -> Joint:
+def _model_joint(model: HandModel, link: HandLink, raised: Floats) -> Joint:
     """The joint of a link, whose frame is moved so that the axis goes through its origin."""
     carrier = model.links[link.carrier]
     before, after = np.eye(4), np.eye(4)
