@@ -13,10 +13,11 @@ from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, center_of_mass, check_solid, check_units
 from egad.geometry.mass import center_or_given
+from egad.geometry.surfaces import FRICTION
 from egad.grasps.antipodal import SamplingStatistics
 from egad.grasps.grasps import Grasps
 from egad.grasps.labels import label_parameters, rate_grasps, sample_for_labels
-from egad.grasps.parameters import APPROACH_ANGLES, CONE, FRICTION, LabelParameters
+from egad.grasps.parameters import APPROACH_ANGLES, CONE, LabelParameters
 from egad.grasps.posed import label_cups, label_poses
 from egad.grasps.samplers import check_sampler, draw_grasps
 from egad.grippers import ANTIPODAL, SUCTION, Gripper, as_gripper, hand_body

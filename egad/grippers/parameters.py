@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.display import facts_html
 from egad._util.parameters import Length, Place, UserParameters, UserPath
+from egad.geometry.surfaces import CUP_RING, PADS, Surface
 
 
 class SuctionCup(UserParameters):
@@ -33,7 +34,9 @@ class SuctionCup(UserParameters):
     vacuum_force: float = Field(
         250.0, gt=0, description="force that presses cup and object together, newtons"
     )
-    friction: float = Field(0.5, gt=0, le=2, description="friction of the ring on the object")
+    friction: float = Field(
+        CUP_RING.friction, gt=0, le=2, description="friction of the ring on the object"
+    )
     bending: float = Field(
         0.005,
         gt=0,
@@ -66,16 +69,6 @@ class SuctionCup(UserParameters):
     def _repr_html_(self) -> str:
         """All fields, for notebooks."""
         return facts_html("SuctionCup (metres, newtons)", dict(self))
-
-
-class Pad(NamedTuple):
-    """Finger pads on printed plastic (our own typical values)."""
-
-    friction: float  # sliding friction
-    radius: float  # radius of the contact patch on a round object, metres; it resists twisting
-
-
-PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
 
 
 def _as_text(path: object) -> object:
@@ -250,7 +243,7 @@ class Gripper(UserParameters):
         return facts_html("Gripper (metres, newtons)", facts)
 
     @property
-    def pad(self) -> Pad:
+    def pad(self) -> Surface:
         """The pads with the friction that applies."""
         pad = PADS[self.pads]
         return pad if self.friction is None else pad._replace(friction=self.friction)

@@ -5,13 +5,11 @@ from collections.abc import Sequence
 import mujoco
 
 from egad._util.arrays import Floats
+from egad.geometry import surfaces
 from egad.sim.model import Model
 from egad.sim.robot import LEFT, PALM, RIGHT, HullShape, Link, Robot, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
-    OBJECT_FRICTION,
-    TABLE_FRICTION,
-    TABLE_ROLLING,
     TIME_STEP,
     wall_boxes,
 )
@@ -35,6 +33,10 @@ OBJECT, WALL = "object", "wall"  # prefixes of their numbers
 # Collision bits: objects collide with everything, table and robot also with each other.
 OBJECT_BIT, TABLE_BIT = 1, 2
 CONTACT_DIMENSIONS, PAD_DIMENSIONS = 6, 4  # with torsion, that of the table with rolling, too
+ON_TABLE, ON_OBJECT = (
+    [each.friction, surfaces.TABLE.rolling, surfaces.TABLE.rolling]
+    for each in (surfaces.TABLE, surfaces.OBJECT)
+)
 _CONTACT = {
     "condim": CONTACT_DIMENSIONS,
     "solref": [CONTACT_TIME, 1.0],
@@ -59,7 +61,7 @@ def scene_spec(
     spec.worldbody.add_geom(
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[1, 1, 1],
-        friction=[TABLE_FRICTION, TABLE_ROLLING, TABLE_ROLLING],
+        friction=ON_TABLE,
         priority=1,
         contype=TABLE_BIT,
         conaffinity=OBJECT_BIT,
@@ -71,7 +73,7 @@ def scene_spec(
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=[side / 2 for side in box.size],
             pos=box.center,
-            friction=[OBJECT_FRICTION, TABLE_ROLLING, TABLE_ROLLING],
+            friction=ON_OBJECT,
             contype=TABLE_BIT,
             conaffinity=OBJECT_BIT,
             **_CONTACT,
@@ -104,7 +106,7 @@ def _add_object(spec: mujoco.MjSpec, model: Model, order: int) -> None:
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=name,
             mass=0,
-            friction=[OBJECT_FRICTION, TABLE_ROLLING, TABLE_ROLLING],
+            friction=ON_OBJECT,
             contype=OBJECT_BIT,
             conaffinity=OBJECT_BIT,
             **_CONTACT,
@@ -133,13 +135,13 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     described.compiler.fusestatic = False
     described.compiler.boundmass = described.compiler.boundinertia = MIN_INERTIA
     spec.attach(described, frame=base.add_frame(), prefix=ROBOT)
-    friction, torsion = robot.pad_friction
+    pad = robot.gripper.pad
     for link in robot.links:
         body = spec.body(ROBOT + link.name)
         body.gravcomp = 1  # as the controllers of robots do
         _add_hulls(spec, body, link)
         for shape in body.geoms:
-            shape.friction = [friction, torsion, 0.0]
+            shape.friction = [pad.friction, pad.torsion, 0.0]
             shape.priority = 1
             shape.contype, shape.conaffinity = 0, OBJECT_BIT | TABLE_BIT
             shape.condim = PAD_DIMENSIONS

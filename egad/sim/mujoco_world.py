@@ -197,9 +197,10 @@ class MujocoWorld(World):
             self.engine.body_mass[body] = self.mass_factor * model.mass
             self.engine.body_inertia[body] = self.mass_factor * model.inertia
         if self.robot is not None:
+            pad = self.robot.gripper.pad
             pads = np.isin(self._owners, (LEFT_FINGER, RIGHT_FINGER, OTHERS))
             self.engine.geom_friction[pads, :2] = self.friction_factor * np.array(
-                self.robot.pad_friction
+                [pad.friction, pad.torsion]
             )
         mujoco.mj_setConst(self.engine, self.data)
         self._factors = self.mass_factor, self.friction_factor

@@ -13,14 +13,12 @@ from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
+from egad.geometry.surfaces import OBJECT, TABLE
 from egad.sim.model import Model
 from egad.sim.robot import LEFT, PALM, RIGHT, Box, hull_files, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     DOWN,
-    OBJECT_FRICTION,
-    TABLE_FRICTION,
-    TABLE_ROLLING,
     TIME_STEP,
     Forces,
     Pose,
@@ -90,7 +88,7 @@ class PyBulletWorld(World):
             deterministicOverlappingPairs=1,
         )
         # The engine multiplies the friction of two bodies; with 1 for an object, the other decides.
-        self._friction = 1.0 if len(self.models) == 1 else math.sqrt(OBJECT_FRICTION)
+        self._friction = 1.0 if len(self.models) == 1 else math.sqrt(OBJECT.friction)
         self.table = self._add_table()
         self._walls = [self._add_wall(box) for box in wall_boxes(self.walls)] if self.walls else []
         self.objects = [self._add_object(number) for number in range(len(self.models))]
@@ -290,13 +288,13 @@ class PyBulletWorld(World):
         return float(sum(contact[NORMAL_FORCE] for contact in contacts))
 
     def _set_friction(self, joints: int) -> None:
-        sliding, torsional = self._known_robot().pad_friction
+        pad = self._known_robot().gripper.pad
         for link in range(joints):
             self.client.changeDynamics(
                 self._robot,
                 link,
-                lateralFriction=self.friction_factor * sliding / self._friction,
-                spinningFriction=self.friction_factor * torsional / self._friction,
+                lateralFriction=self.friction_factor * pad.friction / self._friction,
+                spinningFriction=self.friction_factor * pad.torsion / self._friction,
             )
 
     def _hold_fingers(self, opening: float) -> None:
@@ -357,9 +355,9 @@ class PyBulletWorld(World):
         self.client.changeDynamics(
             table,
             -1,
-            lateralFriction=TABLE_FRICTION / self._friction,
-            rollingFriction=TABLE_ROLLING / self._friction,
-            spinningFriction=TABLE_ROLLING / self._friction,
+            lateralFriction=TABLE.friction / self._friction,
+            rollingFriction=TABLE.rolling / self._friction,
+            spinningFriction=TABLE.rolling / self._friction,
         )
         return table
 
@@ -367,7 +365,7 @@ class PyBulletWorld(World):
         half = [side / 2 for side in box.size]
         shape = self.client.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
         wall: int = self.client.createMultiBody(0, shape, basePosition=box.center)
-        self.client.changeDynamics(wall, -1, lateralFriction=OBJECT_FRICTION / self._friction)
+        self.client.changeDynamics(wall, -1, lateralFriction=OBJECT.friction / self._friction)
         return wall
 
     def _add_object(self, number: int) -> int:

@@ -226,12 +226,6 @@ class Robot:
         return 0.0 if self.path is None else float(np.interp(opening, *self.path))
 
     @property
-    def pad_friction(self) -> tuple[float, float]:
-        """Friction of the pads: sliding, and torsional as of a pressed disc (m, torque / force)."""
-        friction, radius = self.gripper.pad
-        return friction, 2 / 3 * friction * radius
-
-    @property
     def arm(self) -> tuple[str, ...]:
         """Names of the joints that move the palm, in the order of their positions."""
         return tuple(self.strength)

@@ -20,10 +20,6 @@ WEIGHTLESS = (0.0, 0.0, 0.0)
 TIME_STEP = 1 / 240  # seconds between control inputs; an engine may take shorter steps in between
 HANGING_STEPS = 12  # time steps off the table before the load on a suction cup counts
 CLOSING_SPEED = 0.1  # m/s, each finger
-TABLE_FRICTION = 0.5  # plastic on wood or paper
-# Without it a ball rolls or spins forever. As a length: how far ahead of it the ground pushes.
-TABLE_ROLLING = 0.001
-OBJECT_FRICTION = 0.5  # of objects against each other and against walls
 WALL_HEIGHT, WALL_THICKNESS = 0.4, 0.05  # metres
 PARKED = 10.0  # metres from the table; unused objects are this far apart
 REACH = 5.0  # metres; anything further away did not get there by physics

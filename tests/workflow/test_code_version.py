@@ -253,7 +253,7 @@ RULES = set(re.findall(r'code_of(?:_format)?\("(\w+)"\)', TEXT))
 # What is changed, and the stages that use it. Written by hand, from what they do: the report draws
 # scenes of a simulation and lists all settings; the gallery reads those of evolution.
 USED = [
-    ("grippers/parameters.py", "Pad(0.8, ", "Pad(0.2, ", TRIED | {"report"}),
+    ("geometry/surfaces.py", "Surface(0.8, ", "Surface(0.2, ", TRIED | {"report"}),
     ("sim/world.py", "GRAVITY = 9.81", "GRAVITY = 1.62", TRIED | {"report"}),
     ("evalset/print_poses.py", "LAYER = 0.0002", "LAYER = 0.0003", PRINTED),
     ("evalset/datasheet.py", "ATTEMPTS = 20", "ATTEMPTS = 10", {"datasheet"}),
