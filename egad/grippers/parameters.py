@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from egad._util.display import facts_html
 from egad._util.parameters import Length, Place, UserParameters, UserPath
 from egad.geometry.surfaces import CUP_RING, PADS, Surface
+from egad.grippers.kinds import CupKind, JawKind, Kind
 
 
 class SuctionCup(UserParameters):
@@ -85,7 +86,6 @@ else:
 SIZES = {"opening", "finger_length", "finger_width", "finger_thickness", "fingertip", "palm"}
 
 
-ANTIPODAL, SUCTION = "antipodal", "suction"  # samplers
 # what a gripper with a suction cup can have besides it
 OF_CUP = {"cup", "opening", "sampler"}
 CUP_SCALE = 0.08  # metres
@@ -224,9 +224,16 @@ class Gripper(UserParameters):
         return values | {name: found[name] for name in missing}
 
     @property
+    def kind(self) -> Kind:
+        """What it holds objects with, asked wherever kinds of grippers differ."""
+        if self.cup is not None:
+            return CupKind(self.cup.height)
+        return JawKind(self.finger_length, self.finger_width, self.fingertip)
+
+    @property
     def grasps_with(self) -> str:
         """The sampler that applies: `antipodal`, `suction`, or the name of a function."""
-        return self.sampler or (ANTIPODAL if self.cup is None else SUCTION)
+        return self.sampler or self.kind.sampler
 
     def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
         """What pydantic prints: the fields that differ from their defaults."""

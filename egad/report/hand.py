@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from egad._util.arrays import Floats
 from egad.grippers import Gripper, HandModel
-from egad.report.hand_shape import LINK_COLORS, link_shapes, painted
+from egad.report.hand_shape import LINK_COLORS, colored, painted
 from egad.report.page import render_template
 from egad.report.viewer import GraspScene, viewer_data
 from egad.tables.grasping import GRASPS
@@ -192,7 +192,8 @@ def hand_scene(model: HandModel, word: str, opening: float) -> GraspScene:
     """
     middle = model.middle_at(np.array(opening))
     pads = [(pad, PAD_COLOR) for pad in _pads(model, opening, middle)]
-    mesh, paint = painted([*link_shapes(model, opening), *pads, (_arrow(middle), APPROACH_COLOR)])
+    links, arrow = colored(model.shapes(opening)), (_arrow(middle), APPROACH_COLOR)
+    mesh, paint = painted([*links, *pads, arrow])
     mesh.apply_transform(trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0)))
     title = f"{1000 * opening:.1f} mm between the pads"
     return GraspScene(word, title, mesh, empty(GRASPS), paint=paint)

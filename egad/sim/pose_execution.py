@@ -9,7 +9,6 @@ from typing_extensions import override
 
 from egad._util.arrays import Floats
 from egad.detectors import SEARCH
-from egad.grippers import tip_reach
 from egad.sim.cup import Cup
 from egad.sim.gripper import Fingers, minimum_jerk
 from egad.sim.parameters import COLLISION_FORCE
@@ -49,7 +48,7 @@ class FreeHand(Fingers):
         super().__init__(world)
         self._rotation = pose[:3, :3]
         self._joints = np.zeros(3)
-        ahead, tip = tip_reach(self.gripper), pose[:3, 3]
+        ahead, tip = self.gripper.kind.span[1], pose[:3, 3]
         if world.robot is not None:
             ahead -= world.robot.reach(width)
             tip = tip - world.robot.aside(width) * pose[:3, 0]
