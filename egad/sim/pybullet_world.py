@@ -1,11 +1,10 @@
 """The simulated world in PyBullet."""
 
-import functools
 import math
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import pybullet
@@ -13,9 +12,12 @@ from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
-from egad.geometry.surfaces import OBJECT, TABLE
-from egad.sim.model import Model
-from egad.sim.robot import LEFT, PALM, RIGHT, Box, hull_files, to_urdf
+from egad.geometry.surfaces import OBJECT
+from egad.sim.drives import LEFT, RIGHT
+from egad.sim.pybullet_scene import Client, add_object, add_table, add_wall, wavefront
+from egad.sim.robot import PALM
+from egad.sim.shapes import wall_boxes
+from egad.sim.urdf import hull_files, to_urdf
 from egad.sim.world import (
     CLOSING_SPEED,
     DOWN,
@@ -23,13 +25,10 @@ from egad.sim.world import (
     Forces,
     Pose,
     World,
-    wall_boxes,
 )
 
 # Enough for light, thin objects in a strong hand; figures are in studies/engines/README.md.
 SOLVER_ITERATIONS = 150
-# The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
-COLLISION_MARGIN = 1e-4
 URDF_MARGIN = 1e-3  # metres that it also adds around meshes in URDF
 WELD_STRENGTH = 1e5  # newtons, and newton metres
 PIN_STRENGTH = 1000.0  # newtons, and newton metres
@@ -39,16 +38,6 @@ GEAR_STRENGTH = 10
 LINKAGE_GAIN, LINKAGE_STRENGTH = 0.9, 1e5  # newtons or newton metres
 FREE = (-1, -1, -1)
 NORMAL_FORCE, LINK = 9, 3  # positions in the engine's tuple of a contact
-
-
-class Client:
-    """One connection to the engine; its methods are the functions of `pybullet`."""
-
-    def __init__(self) -> None:
-        self._number = pybullet.connect(pybullet.DIRECT)
-
-    def __getattr__(self, name: str) -> functools.partial[Any]:
-        return functools.partial(getattr(pybullet, name), physicsClientId=self._number)
 
 
 class PyBulletWorld(World):
@@ -64,7 +53,7 @@ class PyBulletWorld(World):
         # The engine reads compound shapes and robots only from files.
         self._folder = tempfile.TemporaryDirectory()
         for number, model in enumerate(self.models):
-            self._shape(number).write_text(_wavefront(model), encoding="ascii")
+            self._shape(number).write_text(wavefront(model), encoding="ascii")
         self._description = Path(self._folder.name) / "robot.urdf"
         if self.robot is not None:
             self._description.write_text(to_urdf(self.robot), encoding="utf-8")
@@ -89,9 +78,15 @@ class PyBulletWorld(World):
         )
         # The engine multiplies the friction of two bodies; with 1 for an object, the other decides.
         self._friction = 1.0 if len(self.models) == 1 else math.sqrt(OBJECT.friction)
-        self.table = self._add_table()
-        self._walls = [self._add_wall(box) for box in wall_boxes(self.walls)] if self.walls else []
-        self.objects = [self._add_object(number) for number in range(len(self.models))]
+        self.table = add_table(self.client, self._friction)
+        self._walls = [
+            add_wall(self.client, box, self._friction)
+            for box in (wall_boxes(self.walls) if self.walls else [])
+        ]
+        self.objects = [
+            add_object(self.client, model, self._shape(number), self._friction, self.mass_factor)
+            for number, model in enumerate(self.models)
+        ]
         self._constraints: dict[int, int] = {}
         self._robot: int | None = None
         self.attached = None
@@ -125,14 +120,14 @@ class PyBulletWorld(World):
 
     @override
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
-        robot = self._known_robot()
+        robot = self.known_robot
         place = base.position.tolist(), base.quaternion.tolist()
         self._robot = self.client.loadURDF(str(self._description), *place, useFixedBase=1)
         count = self.client.getNumJoints(self._robot)
         names = [self.client.getJointInfo(self._robot, joint)[1].decode() for joint in range(count)]
         self._arm = [names.index(name) for name in robot.arm]
         self._names = names
-        self._fingers = tuple(names.index(name) for name in robot.fingers)
+        self._fingers = tuple(names.index(name) for name in robot.drive.joints)
         self._sides = {names.index(link): side for link, side in robot.sides.items()}
         self._gears = {
             names.index(each.joint): (each, self._fingers[each.side == RIGHT])
@@ -155,19 +150,19 @@ class PyBulletWorld(World):
             targetPositions=list(joints),
             targetVelocities=list(speeds),
             positionGains=[POSITION_GAIN] * len(self._arm),
-            forces=list(self._known_robot().strength.values()),
+            forces=list(self.known_robot.strength.values()),
         )
 
     @override
     def close_fingers(self) -> None:
-        robot = self._known_robot()
+        drive = self.known_robot.drive
         for finger in self._fingers:
             self.client.setJointMotorControl2(
                 self._robot,
                 finger,
                 pybullet.VELOCITY_CONTROL,
-                targetVelocity=robot.closing * CLOSING_SPEED,
-                force=robot.finger_strength,
+                targetVelocity=drive.closing * CLOSING_SPEED,
+                force=drive.strength,
             )
 
     @override
@@ -179,7 +174,7 @@ class PyBulletWorld(World):
     def fingers(self) -> tuple[Floats, Floats]:
         states = self.client.getJointStates(self._robot, self._fingers) if self._fingers else ()
         positions, speeds = (np.array([state[each] for state in states]) for each in (0, 1))
-        return self._known_robot().pads(positions, speeds)
+        return self.known_robot.drive.pads(positions, speeds)
 
     @override
     def forces(self, number: int | None = None) -> Forces:
@@ -288,7 +283,7 @@ class PyBulletWorld(World):
         return float(sum(contact[NORMAL_FORCE] for contact in contacts))
 
     def _set_friction(self, joints: int) -> None:
-        pad = self._known_robot().gripper.pad
+        pad = self.known_robot.gripper.pad
         for link in range(joints):
             self.client.changeDynamics(
                 self._robot,
@@ -299,14 +294,14 @@ class PyBulletWorld(World):
 
     def _hold_fingers(self, opening: float) -> None:
         """Hold the fingers where they are; a gear keeps two from drifting sideways together."""
-        robot = self._known_robot()
-        force, position = robot.finger_strength, robot.finger_position(opening)
+        drive = self.known_robot.drive
+        force, position = drive.strength, drive.position(opening)
         for finger in self._fingers:
             self.client.resetJointState(self._robot, finger, position, 0)
             self.client.setJointMotorControl2(
                 self._robot, finger, pybullet.POSITION_CONTROL, position, force=force
             )
-        if robot.jaw is not None:
+        if not drive.mirrored:
             return
         gear = self._gear(*self._fingers)
         self.client.changeConstraint(gear, gearRatio=-1, maxForce=GEAR_STRENGTH * force)
@@ -348,52 +343,3 @@ class PyBulletWorld(World):
             (0, 0, 0),
         )
         return gear
-
-    def _add_table(self) -> int:
-        plane = self.client.createCollisionShape(pybullet.GEOM_PLANE)
-        table: int = self.client.createMultiBody(0, plane)
-        self.client.changeDynamics(
-            table,
-            -1,
-            lateralFriction=TABLE.friction / self._friction,
-            rollingFriction=TABLE.rolling / self._friction,
-            spinningFriction=TABLE.rolling / self._friction,
-        )
-        return table
-
-    def _add_wall(self, box: Box) -> int:
-        half = [side / 2 for side in box.size]
-        shape = self.client.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
-        wall: int = self.client.createMultiBody(0, shape, basePosition=box.center)
-        self.client.changeDynamics(wall, -1, lateralFriction=OBJECT.friction / self._friction)
-        return wall
-
-    def _add_object(self, number: int) -> int:
-        file, model = str(self._shape(number)), self.models[number]
-        shape = self.client.createCollisionShape(pybullet.GEOM_MESH, fileName=file)
-        above = (0, 0, float(model.mesh.scale))
-        body: int = self.client.createMultiBody(
-            self.mass_factor * model.mass, shape, basePosition=above
-        )
-        self.client.changeDynamics(
-            body,
-            -1,
-            lateralFriction=self._friction,
-            # Contacts remember where they stuck; otherwise held objects creep and turn. The
-            # friction cone still limits the force.
-            frictionAnchor=1,
-            localInertiaDiagonal=(self.mass_factor * model.inertia).tolist(),
-            collisionMargin=COLLISION_MARGIN,
-        )
-        return body
-
-
-def _wavefront(model: Model) -> str:
-    """The parts as objects of one OBJ file; the engine uses the hull of each."""
-    lines, first = [], 1
-    for number, part in enumerate(model.parts):
-        lines.append(f"o part{number}")
-        lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in part.vertices]
-        lines += [f"f {a} {b} {c}" for a, b, c in part.faces + first]
-        first += len(part.vertices)
-    return "\n".join([*lines, ""])
