@@ -1,17 +1,20 @@
-"""The scene as PyBullet needs it: table, walls and objects."""
+"""The scene as PyBullet needs it: table, walls, objects and the joints of linkages."""
 
 import functools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pybullet
 
 from egad.geometry.surfaces import OBJECT, TABLE
+from egad.sim.drives import Follower
 from egad.sim.model import Model
 from egad.sim.shapes import Box
 
 # The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
 COLLISION_MARGIN = 1e-4
+LINKAGE_GAIN, LINKAGE_STRENGTH = 0.9, 1e5  # newtons or newton metres
 
 
 class Client:
@@ -76,3 +79,48 @@ def wavefront(model: Model) -> str:
         lines += [f"f {a} {b} {c}" for a, b, c in part.faces + first]
         first += len(part.vertices)
     return "\n".join([*lines, ""])
+
+
+class Linkage:
+    """The joints of a linkage, each coupled to that of its finger by a gear."""
+
+    def __init__(
+        self,
+        client: Client,
+        robot: int,
+        couplings: Sequence[tuple[Follower, int, int]],
+        opening: float,
+    ) -> None:
+        """Set the joints to their positions at an opening, metres.
+
+        The couplings are followers with the numbers of their joints and of those of their fingers.
+        """
+        self._client, self._robot = client, robot
+        self._gears = []
+        for follower, joint, finger in couplings:
+            client.resetJointState(robot, joint, follower.at(opening / 2), 0)
+            client.setJointMotorControl2(robot, joint, pybullet.VELOCITY_CONTROL, force=0)
+            self._gears.append((add_gear(client, robot, joint, finger), follower, finger))
+        self.turn()
+
+    def turn(self) -> None:
+        """Give each gear, which is linear, the slope of its curve at the current position."""
+        for gear, follower, finger in self._gears:
+            distance = self._client.getJointState(self._robot, finger)[0]
+            slope = follower.slope(distance)
+            self._client.changeConstraint(
+                gear,
+                gearRatio=-slope,
+                relativePositionTarget=follower.at(distance) - slope * distance,
+                erp=LINKAGE_GAIN,
+                maxForce=LINKAGE_STRENGTH,
+            )
+
+
+def add_gear(client: Client, robot: int, first: int, second: int) -> int:
+    """Add a constraint between two joints of the robot."""
+    at = (0, 0, 0)
+    gear: int = client.createConstraint(
+        robot, first, robot, second, pybullet.JOINT_GEAR, (1, 0, 0), at, at
+    )
+    return gear

@@ -2,9 +2,9 @@
 
 import math
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pybullet
@@ -14,18 +14,19 @@ from typing_extensions import override
 from egad._util.arrays import Floats
 from egad.geometry.surfaces import OBJECT
 from egad.sim.drives import LEFT, RIGHT
-from egad.sim.pybullet_scene import Client, add_object, add_table, add_wall, wavefront
+from egad.sim.pybullet_scene import (
+    Client,
+    Linkage,
+    add_gear,
+    add_object,
+    add_table,
+    add_wall,
+    wavefront,
+)
 from egad.sim.robot import PALM
 from egad.sim.shapes import wall_boxes
 from egad.sim.urdf import hull_files, to_urdf
-from egad.sim.world import (
-    CLOSING_SPEED,
-    DOWN,
-    TIME_STEP,
-    Forces,
-    Pose,
-    World,
-)
+from egad.sim.world import CLOSING_SPEED, DOWN, TIME_STEP, Forces, Pose, World
 
 # Enough for light, thin objects in a strong hand; figures are in studies/engines/README.md.
 SOLVER_ITERATIONS = 150
@@ -35,7 +36,6 @@ PIN_STRENGTH = 1000.0  # newtons, and newton metres
 POSITION_GAIN = 0.3  # fraction of an error that is corrected in one step
 # The gear must be stronger than the fingers, or an object off the middle holds one of them up.
 GEAR_STRENGTH = 10
-LINKAGE_GAIN, LINKAGE_STRENGTH = 0.9, 1e5  # newtons or newton metres
 FREE = (-1, -1, -1)
 NORMAL_FORCE, LINK = 9, 3  # positions in the engine's tuple of a contact
 
@@ -129,17 +129,17 @@ class PyBulletWorld(World):
         self._names = names
         self._fingers = tuple(names.index(name) for name in robot.drive.joints)
         self._sides = {names.index(link): side for link, side in robot.sides.items()}
-        self._gears = {
-            names.index(each.joint): (each, self._fingers[each.side == RIGHT])
-            for each in robot.followers
-        }
         for joint, position in zip(self._arm, joints, strict=True):
             self.client.resetJointState(self._robot, joint, position, 0)
         self.drive(joints, [0.0] * len(self._arm))
         self._set_friction(count)
         if self._fingers:
-            self._hold_fingers(opening)
-        self._couple_followers(opening)
+            self._hold_fingers(self._robot, opening)
+        couplings = [
+            (each, names.index(each.joint), self._fingers[each.side == RIGHT])
+            for each in robot.followers
+        ]
+        self._linkage = Linkage(self.client, self._robot, couplings, opening)
 
     @override
     def drive(self, joints: Sequence[float], speeds: Sequence[float]) -> None:
@@ -187,18 +187,10 @@ class PyBulletWorld(World):
             for body in chosen
             for contact in self.client.getContactPoints(self._robot, body)
         ]
-        left, right = (
-            float(
-                sum(
-                    contact[NORMAL_FORCE]
-                    for contact in contacts
-                    if self._sides.get(contact[LINK]) == side
-                )
-            )
-            for side in (LEFT, RIGHT)
+        left, right, rest = (
+            _normal_force(each for each in contacts if self._sides.get(each[LINK]) == side)
+            for side in (LEFT, RIGHT, None)
         )
-        others = [contact for contact in contacts if contact[LINK] not in self._sides]
-        rest = float(sum(contact[NORMAL_FORCE] for contact in others))
         return Forces(left, right, rest, support, self._force(self.table, self._robot))
 
     @override
@@ -223,7 +215,7 @@ class PyBulletWorld(World):
 
     def _advance(self) -> float:
         if self._robot is not None:
-            self._turn_gears()
+            self._linkage.turn()
         self.client.stepSimulation()
         return self.speeds()[0]
 
@@ -279,8 +271,7 @@ class PyBulletWorld(World):
         return Path(self._folder.name) / f"parts{number}.obj"
 
     def _force(self, first: int, second: int) -> float:
-        contacts = self.client.getContactPoints(first, second)
-        return float(sum(contact[NORMAL_FORCE] for contact in contacts))
+        return _normal_force(self.client.getContactPoints(first, second))
 
     def _set_friction(self, joints: int) -> None:
         pad = self.known_robot.gripper.pad
@@ -292,54 +283,20 @@ class PyBulletWorld(World):
                 spinningFriction=self.friction_factor * pad.torsion / self._friction,
             )
 
-    def _hold_fingers(self, opening: float) -> None:
+    def _hold_fingers(self, body: int, opening: float) -> None:
         """Hold the fingers where they are; a gear keeps two from drifting sideways together."""
         drive = self.known_robot.drive
         force, position = drive.strength, drive.position(opening)
         for finger in self._fingers:
-            self.client.resetJointState(self._robot, finger, position, 0)
+            self.client.resetJointState(body, finger, position, 0)
             self.client.setJointMotorControl2(
-                self._robot, finger, pybullet.POSITION_CONTROL, position, force=force
+                body, finger, pybullet.POSITION_CONTROL, position, force=force
             )
         if not drive.mirrored:
             return
-        gear = self._gear(*self._fingers)
+        gear = add_gear(self.client, body, *self._fingers)
         self.client.changeConstraint(gear, gearRatio=-1, maxForce=GEAR_STRENGTH * force)
 
-    def _couple_followers(self, opening: float) -> None:
-        """Set the joints of a linkage to their positions, and couple each to its finger."""
-        self._constrained = []
-        for joint, (follower, finger) in self._gears.items():
-            self.client.resetJointState(self._robot, joint, follower.at(opening / 2), 0)
-            self.client.setJointMotorControl2(
-                self._robot, joint, pybullet.VELOCITY_CONTROL, force=0
-            )
-            self._constrained.append((self._gear(joint, finger), follower, finger))
-        self._turn_gears()
 
-    def _turn_gears(self) -> None:
-        """Give each gear, which is linear, the slope of its curve at the current position."""
-        for gear, follower, finger in self._constrained:
-            distance = self.client.getJointState(self._robot, finger)[0]
-            slope = follower.slope(distance)
-            self.client.changeConstraint(
-                gear,
-                gearRatio=-slope,
-                relativePositionTarget=follower.at(distance) - slope * distance,
-                erp=LINKAGE_GAIN,
-                maxForce=LINKAGE_STRENGTH,
-            )
-
-    def _gear(self, first: int, second: int) -> int:
-        """A constraint between two joints of the robot."""
-        gear: int = self.client.createConstraint(
-            self._robot,
-            first,
-            self._robot,
-            second,
-            pybullet.JOINT_GEAR,
-            (1, 0, 0),
-            (0, 0, 0),
-            (0, 0, 0),
-        )
-        return gear
+def _normal_force(contacts: Iterable[Sequence[Any]]) -> float:
+    return float(sum(contact[NORMAL_FORCE] for contact in contacts))

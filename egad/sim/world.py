@@ -207,15 +207,10 @@ class World(ABC):
     def attach(self, number: int, depth: float = 0.0) -> None:
         """Let the suction cup of the robot hold an object where it is now.
 
-        The object is held only as long as the cup resists its load, which is checked after every
-        time step (`egad.grasps.suction.resists`; the friction is that of the cup times
-        `friction_factor`). A real cup gives way, but this one is rigid: so the load does not count
-        before the object has been off the table for 0.05 s.
-
-        Args:
-            number: The object.
-            depth: Depth of the ring in the frame of the cup, metres; the load is taken about the
-                middle of the ring.
+        The object is held as long as the cup resists its load (`Drive.resists`), which is checked
+        after every time step. A real cup gives way, but this one is rigid: so the load does not
+        count before the object has been off the table for 0.05 s. It is taken about the middle of
+        the ring, whose depth in the frame of the cup is given, metres.
         """
         self._contact, self._hanging = depth, 0
         palm = self._link_pose(PALM)
@@ -229,10 +224,7 @@ class World(ABC):
             self.attached = None
 
     def load(self) -> Floats:
-        """Force and torque, (6,), of the object on the suction cup that holds it, N and N m.
-
-        For the last step, in the frame of the cup, about the middle of its ring.
-        """
+        """Force and torque of an object on the cup that holds it, in its frame, (6,), N and N m."""
         number = self.attached
         if number is None:
             return np.zeros(6)
