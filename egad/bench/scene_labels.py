@@ -14,7 +14,8 @@ from egad.detectors import Observation, PoseGrasp
 from egad.geometry import RayCaster, joined
 from egad.grasps import blocked_turns, hand_poses, vectors
 from egad.grasps.suction import collision_free, loads_in_frames, resists, seal_cups
-from egad.grippers import BoxBody, Gripper, ModelBody, SuctionCup, body_of
+from egad.grippers import Gripper, HandBody, body_of, cup_of
+from egad.grippers.kinds import CupKind, JawKind
 from egad.sim import Model
 from egad.sim.pose_execution import STANDOFF
 from egad.sim.world import DOWN
@@ -58,10 +59,13 @@ class SceneLabels:
 
     def possible(self, present: Sequence[RestingObject]) -> Iterator[PoseGrasp]:
         """The grasps that `__call__` chooses from, best first, computed lazily."""
-        frames, widths, quality = self._candidates(present)
-        if self._gripper.cup is not None:
-            yield from self._with_cup(self._gripper.cup, frames, quality, present)
-            return
+        by_kind = {JawKind.name: self._with_jaws, CupKind.name: self._with_cup}
+        return by_kind[self._gripper.kind.name](*self._candidates(present), present)
+
+    def _with_jaws(
+        self, frames: Floats, widths: Floats, quality: Floats, present: Sequence[RestingObject]
+    ) -> Iterator[PoseGrasp]:
+        """The grasps of jaws in the scene, best first."""
         opening, body = self._gripper.opening, self._body
         hand = body.parts(STANDOFF)
         behind = body.reach(widths) - body.reach(np.array([opening]))
@@ -80,13 +84,14 @@ class SceneLabels:
                 yield PoseGrasp(pose, opening, float(quality[numbers[number]]))
 
     @cached_property
-    def _body(self) -> BoxBody | ModelBody:
+    def _body(self) -> HandBody:
         return body_of(self._gripper)
 
     def _with_cup(
-        self, cup: SuctionCup, poses: Floats, quality: Floats, present: Sequence[RestingObject]
+        self, poses: Floats, _widths: Floats, quality: Floats, present: Sequence[RestingObject]
     ) -> Iterator[PoseGrasp]:
         """The grasps of a cup in the scene, best first."""
+        cup = cup_of(self._gripper, "a suction grasp")
         best = np.argsort(-quality, kind="stable")
         best = best[quality[best] > 0][:MAX_TESTED]
         owners = np.repeat([each.number for each in present], self._counts(present))[best]

@@ -7,7 +7,7 @@ import numpy as np
 from egad._util.arrays import Floats, Ints
 from egad.detectors.base import MAX_GRASPS, Grasp
 from egad.grasps import hand_poses
-from egad.grippers import Gripper, tip_reach
+from egad.grippers import Gripper
 from egad.tables.outcomes import Outcome
 
 RIGID = 1e-3  # largest entry of R^T R - 1; networks answer in single precision
@@ -120,7 +120,7 @@ def infeasibility(grasp: PoseGrasp, gripper: Gripper) -> Outcome | None:
         return Outcome.NOT_RIGID
     if not 0 <= grasp.width <= gripper.opening:
         return Outcome.TOO_WIDE
-    tip = pose[:3, 3] + tip_reach(gripper) * pose[:3, 2]
+    tip = pose[:3, 3] + gripper.kind.span[1] * pose[:3, 2]
     return Outcome.BELOW_TABLE if tip[2] < 0 else None
 
 
@@ -130,7 +130,8 @@ def pose_of(grasp: Grasp, gripper: Gripper) -> PoseGrasp:
     The ring of a suction cup, which goes on until it meets an object, begins at the center.
     """
     axis = np.array([[np.cos(grasp.angle), np.sin(grasp.angle), 0.0]])
-    height = grasp.center[2] if gripper.cup else grasp.tip + tip_reach(gripper)
+    kind = gripper.kind
+    height = grasp.tip + kind.span[1] if kind.closes else grasp.center[2]
     center = np.array([[*grasp.center[:2], height]])
     pose = hand_poses(center, axis, np.array([[0.0, 0.0, -1.0]]))[0]
     return PoseGrasp(pose, grasp.width, grasp.quality)

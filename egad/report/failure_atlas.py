@@ -224,7 +224,7 @@ def _search_text(detector: str, settings: FailureParameters) -> SearchText:
     size = f"{1000 * hand.opening:g} mm"
     return SearchText(
         detector,
-        f"jaws that open {size}" if hand.cup is None else f"a suction cup, objects as for {size}",
+        hand.kind.described(size),
         search.approach or "",
         f"A contact of more than {force:g} N on the way: {contact}",
         search.engines,

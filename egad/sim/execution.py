@@ -12,7 +12,7 @@ from egad._util.arrays import Floats
 from egad.detectors import Grasp
 from egad.grasps import FIXED_SIDE_CLEARANCE, expected_distance
 from egad.sim.arms import Arm, HandPose, UnreachableError
-from egad.sim.cup import CupHand
+from egad.sim.cup import ON_ARM
 from egad.sim.gripper import HEAVIEST, Hand
 from egad.sim.parameters import COLLISION_FORCE, Lifting
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
@@ -153,12 +153,12 @@ def place_hand_above(
     the middle.
     """
     hand_pose = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
-    if arm.robot.gripper.cup is not None:
-        return CupHand(world, arm, hand_pose, 0.0)
-    if contact is not None or arm.robot.jaw is None:
-        return Hand(world, arm, hand_pose, grasp.width, contact)
-    expected = expected_distance(grasp.width, arm.robot.gripper)
-    return Hand(world, arm, hand_pose, grasp.width, expected, FIXED_SIDE_CLEARANCE)
+    gripper = arm.robot.gripper
+    hand = ON_ARM[gripper.kind.name]
+    if contact is not None or arm.robot.drive.mirrored:
+        return hand(world, arm, hand_pose, grasp.width, contact)
+    expected = expected_distance(grasp.width, gripper)
+    return hand(world, arm, hand_pose, grasp.width, expected, FIXED_SIDE_CLEARANCE)
 
 
 class _Held(NamedTuple):

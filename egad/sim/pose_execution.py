@@ -4,23 +4,18 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
-from typing_extensions import override
 
 from egad._util.arrays import Floats
 from egad.detectors import SEARCH
-from egad.grippers import tip_reach
-from egad.sim.cup import Cup
-from egad.sim.gripper import Fingers, minimum_jerk
+from egad.sim.cup import FREE
 from egad.sim.parameters import COLLISION_FORCE
-from egad.sim.world import TIME_STEP, Pose, UnstableError, World
+from egad.sim.world import UnstableError, World
 from egad.tables.outcomes import Outcome
 
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 STANDOFF = 0.05  # metres before the grasp, where the approach begins
 RETREAT = 0.1  # metres
 STEEP = np.radians(60)  # off the vertical; hands with flatter approaches retreat upwards
-MIN_OPENING = 0.1  # of the hand's opening; if closed further, the fingers hold nothing
 AT_REST = 0.001  # ours: metres; a hand that moved less is still where it was placed
 UP = np.array([0.0, 0.0, 1.0])
 APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # ours: mean, m/s
@@ -39,83 +34,6 @@ class PoseExecution(NamedTuple):
     outcome: Outcome
     held: int | None = None
     stopped: float = 0.0
-
-
-class FreeHand(Fingers):
-    """A hand that moves along straight lines without turning."""
-
-    def __init__(self, world: World, pose: Floats, width: float) -> None:
-        """Open a hand at a pose (`egad.grasps.Grasps.poses`), until the world is reset."""
-        super().__init__(world)
-        self._rotation = pose[:3, :3]
-        self._joints = np.zeros(3)
-        ahead, tip = tip_reach(self.gripper), pose[:3, 3]
-        if world.robot is not None:
-            ahead -= world.robot.reach(width)
-            tip = tip - world.robot.aside(width) * pose[:3, 0]
-        tip = tip + ahead * pose[:3, 2]
-        turn = Rotation.from_matrix(self._rotation).as_quat()
-        world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
-
-    def move(self, shift: Floats, speed: float, limit: float = math.inf) -> float:
-        """Move by (3,) metres on a minimum-jerk path; how far before the end it stopped, metres.
-
-        A suction cup stays where its ring lies on an object. A contact force above the limit, N,
-        stops any hand.
-        """
-        start, length = self._joints, float(np.linalg.norm(shift))
-        along = self._rotation.T @ shift / length
-        for way in minimum_jerk(0.0, length, length / speed):
-            joints = start + way * along
-            self.world.drive(joints.tolist(), ((joints - self._joints) / TIME_STEP).tolist())
-            self._joints = joints
-            self.world.step()
-            if limit < math.inf and self._force() > limit:
-                self._rest()
-                return length - way
-            if self.arrives():
-                self._rest()
-                break
-        return 0.0
-
-    def moved(self) -> float:
-        """How far the hand is from where it was placed, metres."""
-        return float(np.linalg.norm(self._joints))
-
-    def _rest(self) -> None:
-        """Stay here, instead of pushing further."""
-        self._joints = self.world.arm_joints().copy()
-        self.world.drive(self._joints.tolist(), [0.0, 0.0, 0.0])
-
-    def touches(self) -> bool:
-        """Whether the hand touches anything."""
-        return self._force() > 0
-
-    def _force(self) -> float:
-        forces = self.world.forces()
-        return forces.hand + forces.blocked
-
-    def held(self, *, first: bool = False) -> int | None:
-        """Number of the object that the hand presses on most; None if none, or if it is closed.
-
-        Args:
-            first: Whether to return the first object that the hand touches instead.
-        """
-        if not self.opening() > MIN_OPENING * self.gripper.opening:
-            return None
-        numbers = range(len(self.world.models))
-        pressed = np.array([self.world.forces(number).hand for number in numbers])
-        chosen = np.argmax(pressed > 0 if first else pressed)
-        return int(chosen) if pressed[chosen] > 0 else None
-
-
-class FreeCup(Cup, FreeHand):
-    """A suction cup that moves along straight lines without turning."""
-
-    @override
-    def held(self, *, first: bool = False) -> int | None:
-        del first
-        return self.world.attached
 
 
 class ContactRules(NamedTuple):
@@ -166,10 +84,10 @@ def _executed(world: World, pose: Floats, width: float, rules: ContactRules) -> 
     approach = pose[:3, 2]
     start = pose.copy()
     start[:3, 3] -= STANDOFF * approach
-    cup = world.robot is not None and world.robot.gripper.cup is not None
-    hand = FreeCup(world, start, width) if cup else FreeHand(world, start, width)
+    kind = world.known_robot.gripper.kind
+    hand = FREE[kind.name](world, start, width)
     limit = math.inf if rules.contact == "ignore" else rules.force
-    way = STANDOFF + (SEARCH if cup else 0.0)
+    way = STANDOFF + (0.0 if kind.closes else SEARCH)
     try:
         world.step()
         if hand.touches():

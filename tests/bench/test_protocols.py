@@ -359,4 +359,4 @@ def test_the_hand_has_the_force_and_the_pads_of_the_protocol(engine: EngineName)
         with open_round(this, {"cube": CUBE}, settings) as world:
             assert world.robot is not None
             assert world.robot.gripper.force == force
-            assert world.robot.pad_friction[0] == friction
+            assert world.robot.gripper.pad.friction == friction

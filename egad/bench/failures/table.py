@@ -35,7 +35,7 @@ from egad.detectors import (
     seen_by,
     try_to_plan,
 )
-from egad.grippers import Gripper, tip_reach
+from egad.grippers import Gripper
 from egad.sim import (
     ARMS,
     EngineName,
@@ -150,8 +150,8 @@ class BenchFromAbove(Bench):
 def _upright(grasp: PoseGrasp, gripper: Gripper) -> Grasp:
     """The grasp straight from above at the same place: the inverse of `pose_of`."""
     (x, y, z), axis = grasp.pose[:3, 3].tolist(), grasp.pose[:3, 0]
-    depth = min(SEARCH, z) if gripper.cup else 0.0
-    height = z if gripper.cup else z - tip_reach(gripper)
+    depth = 0.0 if gripper.kind.closes else min(SEARCH, z)
+    height = z - gripper.kind.span[1]
     angle = float(np.arctan2(axis[1], axis[0]))
     return Grasp((x, y, height), angle, grasp.width, depth, grasp.score)
 
