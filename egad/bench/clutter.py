@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -17,10 +17,10 @@ from egad.detectors import (
     DepthCamera,
     Detector,
     Failure,
+    Grasp,
     Intrinsics,
     NoiseName,
     Observation,
-    PoseGrasp,
     View,
     add_noise,
     camera_above,
@@ -36,7 +36,7 @@ from egad.sim import ContactRules, Fingers, UnstableError, World, execute_pose
 from egad.tables.outcomes import Outcome
 
 Generator = np.random.Generator
-Proposal: TypeAlias = PoseGrasp | Outcome | Failure
+Proposal: TypeAlias = Grasp | Outcome | Failure
 Propose = Callable[[Observation, Sequence[RestingObject], Generator], Proposal]
 
 OVERHEAD = Intrinsics.spanning(640, 480, 75.0)
@@ -48,9 +48,9 @@ POINT_SIGMA = 0.0008  # metres, of the noise `points`
 class ClutterAttempt:
     """The result of an attempt."""
 
-    outcome: Outcome  # as in `PoseExecution`, or one of `egad.tables.outcomes.POSE_FAILURES`
+    outcome: Outcome  # as in `Execution`, or one of `egad.tables.outcomes.POSE_FAILURES`
     present: tuple[RestingObject, ...]  # the objects on the table before it
-    grasp: PoseGrasp | None = None
+    grasp: Grasp | None = None
     held: int | None = None
     stopped: float = 0.0  # how far before the grasp the hand was stopped, metres
     failure: str = ""  # what the detector did wrong, if it failed
@@ -114,7 +114,7 @@ class ClutterRunner:
         return make_scene(self.world, kind, generator(seed, "scene", kind), self._protocol)
 
     def repeat(
-        self, grasps: Sequence[PoseGrasp | Outcome], kind: SceneKind, seed: int
+        self, grasps: Sequence[Grasp | Outcome], kind: SceneKind, seed: int
     ) -> Iterator[ClutterAttempt]:
         """Repeat a round that began, without its detector: the same, bit by bit.
 
@@ -170,8 +170,10 @@ class ClutterRunner:
         self.world.mass_factor, self.world.friction_factor = deviation.mass, deviation.friction
         put(self.world, present)
         rules = self._protocol
-        asked = grasp._replace(width=self._gripper.opening) if rules.opening == "full" else grasp
-        done = deviation.pose(asked, self._gripper)
+        asked = grasp
+        if rules.opening == "full":
+            asked = replace(grasp, width=self._gripper.opening)
+        done = deviation.apply(asked, self._gripper)
         force = rules.stopping_force * deviation.stopping_force
         contacts = ContactRules(
             rules.contact, force, rules.success == "pinched", rules.removed == "first"

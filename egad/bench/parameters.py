@@ -19,7 +19,7 @@ from egad.bench.protocols import NAMED_PROTOCOLS, SCENE_KINDS, Protocol, SceneKi
 from egad.detectors import NoiseName
 from egad.grasps import Quality
 from egad.grippers import Gripper
-from egad.sim import COLLISION_FORCE, ENGINES, EngineName, Lifting
+from egad.sim import COLLISION_FORCE, ENGINES, EngineName, Lifting, contacts_in_words
 
 Offset = Annotated[float, Field(ge=0, le=0.1)]
 PlanningTime = Annotated[
@@ -106,8 +106,8 @@ class ContactRule(Parameters):
 
     contact: Literal["collided", "close"] = Field(
         "collided",
-        description="what a contact on the way down means: collided: the attempt fails; close: the "
-        "fingers close where the hand was stopped, as on the robot of EGAD",
+        description="what a contact on the way down means: "
+        f"{contacts_in_words('collided', 'close')}, as on the robot of EGAD",
     )
     stopping_force: float = Field(
         COLLISION_FORCE,

@@ -13,7 +13,7 @@ from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.bench.parameters import ClutterParameters
 from egad.bench.protocols import ClutterProtocol, SceneKind
 from egad.bench.scenes import BOX
-from egad.detectors import NoiseName, PoseGrasp
+from egad.detectors import Grasp, NoiseName
 from egad.errors import UserError
 from egad.geometry import nearest
 from egad.random import entropy, generator
@@ -190,14 +190,14 @@ def _read_round(row: pd.Series) -> Round:
     )
 
 
-def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | Outcome:
+def read_grasp(row: Mapping[str, Any]) -> Grasp | Outcome:
     """The grasp tried in an attempt of a table, or why there was none."""
     numbers = np.array([row[name] for name in GRASP_POSE], dtype=np.float64)
     if np.isnan(numbers).any():
         return Outcome(row["outcome"])
     pose = np.eye(4)
     pose[:3] = numbers.reshape(3, 4)
-    return PoseGrasp(pose, float(row["width"]), float(row["score"]))
+    return Grasp.of_pose(pose, float(row["width"]), float(row["score"]))
 
 
 def open_round(this: Round, models: Models, settings: ClutterParameters) -> World:
@@ -249,13 +249,13 @@ def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -
         "id": "" if grasp is None else this.ids[_target(attempt, grasp, models)],
         **dict(zip(GRASP_POSE, numbers.tolist(), strict=True)),
         "width": np.nan if grasp is None else grasp.width,
-        "score": np.nan if grasp is None else grasp.score,
+        "score": np.nan if grasp is None else grasp.quality,
         "stopped": attempt.stopped,
         "failure": attempt.failure,
     }
 
 
-def _target(attempt: ClutterAttempt, grasp: PoseGrasp, models: Sequence[Model]) -> int:
+def _target(attempt: ClutterAttempt, grasp: Grasp, models: Sequence[Model]) -> int:
     """Number of the object that was held, or of the one whose surface is nearest to the grasp."""
     if attempt.held is not None:
         return attempt.held

@@ -27,8 +27,8 @@ from egad.detectors import (
     from_above,
     try_to_plan,
 )
-from egad.sim import TIME_STEP, Arm, Pose, UnstableError, World
-from egad.sim.execution import Stopping, execute
+from egad.sim import TIME_STEP, Arm, ContactRules, Pose, UnstableError, World
+from egad.sim.execution import execute
 from egad.tables.outcomes import Outcome
 
 log = logging.getLogger(__name__)
@@ -218,8 +218,8 @@ class TrialRunner:
             self.world,
             self.arm,
             self.trials,
-            deviation.grasp(grasp, self.gripper),
-            stopping=Stopping(force, self.trials.contact == "close"),
+            deviation.apply(grasp, self.gripper),
+            rules=ContactRules(self.trials.contact, force),
         )
         return Attempt(
             result.outcome, *ready, grasp, result.lifted, result.end, stopped=result.stopped

@@ -8,10 +8,9 @@ from typing import Any
 import msgpack
 import numpy as np
 
-from egad.detectors.base import Grasp
+from egad.detectors.base import Grasp, GraspPoses, poses_of
 from egad.detectors.camera import Intrinsics, View
 from egad.detectors.observation import Observation, PointCloud
-from egad.detectors.poses import GraspPoses, poses_of
 from egad.detectors.tsdf import Tsdf
 from egad.grippers import Gripper
 

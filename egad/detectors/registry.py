@@ -10,12 +10,12 @@ import numpy as np
 
 from egad import plugins
 from egad.detectors.antipodal import antipodal_depth
-from egad.detectors.base import WHERE, DetectorError, Grasp
+from egad.detectors.asking import Detector
+from egad.detectors.base import WHERE, DetectorError, Grasp, GraspPoses, poses_of
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
 from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORKS, DetectorConfig
-from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.suction import suction_cloud, suction_depth
 from egad.detectors.vgn import Vgn

@@ -11,13 +11,12 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
-from egad.detectors.asking import check_views_will_do, seen_by, wanted_input
-from egad.detectors.base import DetectorError, DetectorTimeoutError, Grasp
+from egad.detectors.asking import Detector, check_views_will_do, seen_by, wanted_input
+from egad.detectors.base import DetectorError, DetectorTimeoutError, Grasp, GraspPoses
 from egad.detectors.camera import View
 from egad.detectors.failures import failure_text
 from egad.detectors.observation import Observation
 from egad.detectors.parameters import DetectorConfig
-from egad.detectors.poses import Detector, GraspPoses
 from egad.detectors.program import Program
 from egad.detectors.registry import IN_SCENES, make_detector, with_checked_answers
 from egad.errors import UserError

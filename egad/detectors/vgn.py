@@ -12,10 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats, Singles
 from egad._util.extras import needed_for
-from egad.detectors.base import WHERE
+from egad.detectors.base import WHERE, GraspPoses, best_poses
 from egad.detectors.collision import in_collision
 from egad.detectors.observation import Observation
-from egad.detectors.poses import GraspPoses, best_poses
 from egad.detectors.tsdf import Tsdf
 from egad.errors import UserError
 from egad.grippers import Gripper, finger_span

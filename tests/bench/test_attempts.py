@@ -18,8 +18,8 @@ from egad.bench import (
     run_attempts,
 )
 from egad.detectors import View
+from egad.detectors.asking import Detector
 from egad.detectors.base import Grasp
-from egad.detectors.poses import Detector
 from egad.detectors.registry import QUICK
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS, Gripper

@@ -11,7 +11,7 @@ from worlds import EACH_ENGINE, HAND
 from egad.bench import Clutter, RestingObject, proposed_by
 from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
 from egad.bench.scenes import BOX
-from egad.detectors import GraspPoses, Observation, PoseGrasp, cameras_around
+from egad.detectors import Grasp, GraspPoses, Observation, cameras_around
 from egad.geometry import Bundle
 from egad.grasps import hand_poses
 from egad.sim.engines import open_world
@@ -26,12 +26,12 @@ MODELS = [BLOCK, BLOCK, BLOCK]
 Generator = np.random.Generator
 
 
-def from_above(center: np.ndarray, axis: np.ndarray) -> PoseGrasp:
+def from_above(center: np.ndarray, axis: np.ndarray) -> Grasp:
     pose = hand_poses(center[None], axis[None], np.array([[0, 0, -1.0]]))[0]
-    return PoseGrasp(pose, 0.055, 1.0)
+    return Grasp.of_pose(pose, 0.055, 1.0)
 
 
-def knowing(_: Observation, present: Sequence[RestingObject], __: Generator) -> PoseGrasp:
+def knowing(_: Observation, present: Sequence[RestingObject], __: Generator) -> Grasp:
     """The block that is furthest from others, across its narrowest level side."""
 
     def clearance(each: RestingObject) -> float:
@@ -47,7 +47,7 @@ def knowing(_: Observation, present: Sequence[RestingObject], __: Generator) -> 
     return from_above(block.position, axis / np.linalg.norm(axis))
 
 
-def nowhere(*_: object) -> PoseGrasp:
+def nowhere(*_: object) -> Grasp:
     return from_above(np.array([0.0, 0.0, 0.3]), np.array([1.0, 0, 0]))
 
 
@@ -57,7 +57,7 @@ def in_turn(*proposals: Propose) -> Propose:
 
     def propose(
         observation: Observation, present: Sequence[RestingObject], rng: Generator
-    ) -> PoseGrasp | Outcome:
+    ) -> Grasp | Outcome:
         return next(left)(observation, present, rng)
 
     return propose

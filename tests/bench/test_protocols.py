@@ -26,15 +26,15 @@ from egad.bench import (
     rounds_of,
 )
 from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
-from egad.detectors import GraspPoses, Observation, PoseGrasp
+from egad.detectors import Grasp, GraspPoses, Observation
 from egad.errors import UserError
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.random import generator
 from egad.sim.engines import open_world
+from egad.sim.execution import ContactRules, execute_pose
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
-from egad.sim.pose_execution import ContactRules, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.world import Pose
 from egad.tables.outcomes import Outcome
@@ -108,13 +108,13 @@ def test_a_contact_on_the_way_closes_fails_or_is_ignored(engine: EngineName) -> 
     """
     results = {}
     with open_world(engine, [CUBE], free_hand(HAND)) as world:
-        for contact in ("close", "fail", "ignore"):
+        for contact in ("close", "collided", "ignore"):
             world.reset()
             stand(world, SIDE)
             pose = grasp([0.045, 0, 0.02], [1, 0, 0], DOWN)
             results[contact] = execute_pose(world, pose, 0.07, ContactRules(contact))
-    assert results["close"].stopped == results["fail"].stopped > 0
-    assert results["close"].outcome == results["fail"].outcome == Outcome.COLLIDED
+    assert results["close"].stopped == results["collided"].stopped > 0
+    assert results["close"].outcome == results["collided"].outcome == Outcome.COLLIDED
     assert results["ignore"].stopped == 0
     assert results["ignore"].outcome != Outcome.COLLIDED
 
@@ -124,12 +124,12 @@ def test_a_stop_may_end_in_success_unless_a_contact_fails() -> None:
     tall = build(trimesh.creation.box((SIDE, SIDE, 0.2)), 500.0, Bundle())
     found = {}
     with open_world("mujoco", [tall], free_hand(HAND)) as world:
-        for contact in ("close", "fail"):
+        for contact in ("close", "collided"):
             world.reset()
             stand(world, 0.2)
             pose = grasp([0, 0, 0.15], [1, 0, 0], DOWN)
             found[contact] = execute_pose(world, pose, HAND.opening, ContactRules(contact)).outcome
-    assert found == {"close": Outcome.SUCCESS, "fail": Outcome.COLLIDED}
+    assert found == {"close": Outcome.SUCCESS, "collided": Outcome.COLLIDED}
 
 
 def test_any_contact_stops_the_hand_if_no_force_is_needed() -> None:
@@ -180,7 +180,7 @@ def test_a_touch_suffices_under_the_rules_of_vgn() -> None:
 def test_the_hand_opens_fully_if_the_protocol_says_so() -> None:
     """A narrow opening comes down on the block; the full one goes around it."""
 
-    def narrow(_: Observation, present: Sequence[RestingObject], __: object) -> PoseGrasp:
+    def narrow(_: Observation, present: Sequence[RestingObject], __: object) -> Grasp:
         return knowing(_, present, __)._replace(width=0.01)  # type: ignore[arg-type]
 
     first = {
@@ -217,7 +217,7 @@ def test_skips_look_again_and_are_no_failures() -> None:
 
 
 def test_a_round_with_skips_is_repeated() -> None:
-    rules = ClutterProtocol(skips=2, opening="full", contact="fail")
+    rules = ClutterProtocol(skips=2, opening="full", contact="collided")
     with open_world("mujoco", MODELS, free_hand(HAND)) as world:
         runner = ClutterRunner(world, Clutter(protocol=rules))
         propose = in_turn(lambda *_: Outcome.NO_GRASP, knowing, nowhere, nowhere)
@@ -241,7 +241,7 @@ def chosen_scores(protocol: ClutterProtocol, scores: list[float], draws: int = 3
     propose = proposed_by(detect, HAND, protocol)
     seen = Observation(None, (), 0.3)  # type: ignore[arg-type]
     found = [propose(seen, [], generator(number, "test")) for number in range(draws)]
-    return [each.score if isinstance(each, PoseGrasp) else 0.0 for each in found]
+    return [each.quality if isinstance(each, Grasp) else 0.0 for each in found]
 
 
 def test_the_chosen_grasp_is_the_highest_or_a_random_one_above_the_threshold() -> None:

@@ -7,8 +7,8 @@ from worlds import EACH_ENGINE, HAND, start
 
 from egad.bench import Attempt, InitialPose, TrialProtocol, TrialRunner
 from egad.detectors import View
+from egad.detectors.asking import Detector
 from egad.detectors.base import Grasp
-from egad.detectors.poses import Detector
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.geometry import Bundle
 from egad.grippers import Gripper

@@ -8,7 +8,7 @@ import pandas as pd
 
 from egad.bench.failures.reference import REST, ReferencePolicy
 from egad.bench.failures.table import Bench
-from egad.detectors import Detector, Failure, PoseGrasp
+from egad.detectors import Detector, Failure, Grasp
 from egad.random import generator
 from egad.sim import Pose
 from egad.tables.failures import FAILURE_ATTEMPTS
@@ -47,7 +47,7 @@ class Recorder:
         rest = bench.drop(self._rng("drop", purpose, number))
         return None if rest is None else Drop(bench, rest, purpose, number)
 
-    def propose(self, drop: Drop) -> list[PoseGrasp] | Outcome | Failure:
+    def propose(self, drop: Drop) -> list[Grasp] | Outcome | Failure:
         """Proposals of the detector; see `Bench.propose`."""
         rng = self._rng(f"detector {drop.bench.engine}", drop.purpose, drop.number)
         return drop.bench.propose(self._detect, drop.rest, rng)
@@ -64,7 +64,7 @@ class Recorder:
             learner.remember(drop.rest, proposed[0], success)
         return success
 
-    def execute(self, drop: Drop, who: str, grasp: PoseGrasp, rank: int = 0) -> bool:
+    def execute(self, drop: Drop, who: str, grasp: Grasp, rank: int = 0) -> bool:
         """Execute a grasp proposed by `who`, with its rank; return whether it holds."""
         return self.note(drop, who, drop.bench.execute(drop.rest, grasp), grasp, rank)
 
@@ -73,7 +73,7 @@ class Recorder:
         drop: Drop,
         who: str,
         outcome: Outcome,
-        grasp: PoseGrasp | None = None,
+        grasp: Grasp | None = None,
         rank: int = 0,
         failure: str = "",
     ) -> bool:
@@ -92,7 +92,7 @@ class Recorder:
                 **dict(zip(REST, lies, strict=True)),
                 "pose": [] if grasp is None else grasp.pose[:3].ravel().tolist(),
                 "width": np.nan if grasp is None else grasp.width,
-                "score": np.nan if grasp is None else grasp.score,
+                "score": np.nan if grasp is None else grasp.quality,
                 "failure": failure,
             }
         )

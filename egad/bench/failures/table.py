@@ -21,21 +21,18 @@ from egad.bench.scene_labels import SceneLabels
 from egad.bench.scenes import RestingObject, make_scene, put
 from egad.bench.trial_runner import TrialRunner
 from egad.detectors import (
-    SEARCH,
     Detector,
     Failure,
     Grasp,
     GraspPoses,
     Labels,
     NoiseName,
-    PoseGrasp,
     from_above,
-    infeasibility,
     ranked,
     seen_by,
     try_to_plan,
 )
-from egad.grippers import Gripper, tip_reach
+from egad.grippers import Gripper
 from egad.sim import (
     ARMS,
     EngineName,
@@ -67,27 +64,27 @@ class Bench(ABC):
 
     def propose(
         self, detect: Detector, rest: Pose, rng: np.random.Generator
-    ) -> list[PoseGrasp] | Outcome | Failure:
+    ) -> list[Grasp] | Outcome | Failure:
         """At most ten executable grasps of a detector, best first; or why there is none."""
         camera_rng, detector_rng = rng.spawn(2)
 
-        def plan() -> list[PoseGrasp] | Outcome:
+        def plan() -> list[Grasp] | Outcome:
             answer = self._ask(detect, rest, camera_rng, detector_rng)
             return ranked(answer, self.gripper, MAX_PROPOSALS)
 
         return try_to_plan(plan)
 
     @abstractmethod
-    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+    def labelled(self, rest: Pose) -> list[Grasp]:
         """Labelled grasps that are possible where the object lies, best first."""
 
     @abstractmethod
-    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
+    def execute(self, rest: Pose, grasp: Grasp) -> Outcome:
         """Execute a grasp."""
 
-    def can_do(self, grasp: PoseGrasp) -> bool:
+    def can_do(self, grasp: Grasp) -> bool:
         """Whether the hand can execute a grasp."""
-        return infeasibility(grasp, self.gripper) is None
+        return grasp.infeasibility(self.gripper) is None
 
     @abstractmethod
     def _ask(
@@ -115,7 +112,7 @@ class BenchFromAbove(Bench):
         return None if ready is None else ready.rest
 
     @override
-    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+    def labelled(self, rest: Pose) -> list[Grasp]:
         self._place(rest)
         matrix = rest.matrix @ self.world.model.to_principal
         found = self._labels.propose(matrix, self._runner.render_view(), self.gripper)
@@ -123,12 +120,12 @@ class BenchFromAbove(Bench):
         return [] if isinstance(grasps, Outcome) else grasps
 
     @override
-    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
-        outcome = self._runner.carry_out(rest, _upright(grasp, self.gripper)).outcome
+    def execute(self, rest: Pose, grasp: Grasp) -> Outcome:
+        outcome = self._runner.carry_out(rest, grasp.from_above(self.gripper)).outcome
         return outcome or Outcome.FAILED
 
     @override
-    def can_do(self, grasp: PoseGrasp) -> bool:
+    def can_do(self, grasp: Grasp) -> bool:
         return -grasp.pose[2, 2] >= MIN_DOWN and super().can_do(grasp)
 
     @override
@@ -145,15 +142,6 @@ class BenchFromAbove(Bench):
     def _place(self, rest: Pose) -> None:
         self.world.reset()
         self.world.place(rest)
-
-
-def _upright(grasp: PoseGrasp, gripper: Gripper) -> Grasp:
-    """The grasp straight from above at the same place: the inverse of `pose_of`."""
-    (x, y, z), axis = grasp.pose[:3, 3].tolist(), grasp.pose[:3, 0]
-    depth = min(SEARCH, z) if gripper.cup else 0.0
-    height = z if gripper.cup else z - tip_reach(gripper)
-    angle = float(np.arctan2(axis[1], axis[0]))
-    return Grasp((x, y, height), angle, grasp.width, depth, grasp.score)
 
 
 class BenchFromAnywhere(Bench):
@@ -182,11 +170,11 @@ class BenchFromAnywhere(Bench):
             return None
 
     @override
-    def labelled(self, rest: Pose) -> list[PoseGrasp]:
+    def labelled(self, rest: Pose) -> list[Grasp]:
         return list(islice(self._labels.possible([RestingObject(0, rest)]), MAX_PROPOSALS))
 
     @override
-    def execute(self, rest: Pose, grasp: PoseGrasp) -> Outcome:
+    def execute(self, rest: Pose, grasp: Grasp) -> Outcome:
         put(self.world, [RestingObject(0, rest)])
         return execute_pose(self.world, grasp.pose, grasp.width).outcome
 

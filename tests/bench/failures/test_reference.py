@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from egad.bench.failures.reference import ReferencePolicy
-from egad.detectors import PoseGrasp
+from egad.detectors import Grasp
 from egad.sim import Pose
 
 DOWN = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -16,7 +16,7 @@ HERE = Pose(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
 def at(x, width=0.05):
     pose = DOWN.copy()
     pose[0, 3] = x
-    return PoseGrasp(pose, width, 1.0)
+    return Grasp.of_pose(pose, width, 1.0)
 
 
 class FakeBench:
@@ -26,7 +26,7 @@ class FakeBench:
         self.places = places
 
     def labelled(self, rest):
-        return [each._replace(pose=rest.matrix @ each.pose) for each in map(at, self.places)]
+        return [each.moved(rest.matrix) for each in map(at, self.places)]
 
     def can_do(self, grasp):
         return grasp.pose[2, 2] < -0.9

@@ -1,5 +1,7 @@
 """A table with one object: what happens there depends on the arguments alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
@@ -7,7 +9,6 @@ from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
 from egad.bench import ContactRule, TrialProtocol, TrialRunner
 from egad.bench.failures.table import BenchFromAbove, open_bench
 from egad.detectors import Failure, Grasp, GraspPoses
-from egad.detectors.poses import pose_of
 from egad.geometry import Bundle, Material
 from egad.grasps import label_parameters
 from egad.grasps.sampling import dataset_grasps
@@ -57,7 +58,7 @@ def test_proposals_are_ranked_and_feasible(from_above):
     with bench("mujoco", from_above) as table:
         rest = table.drop(rng())
         found = table.propose(three, rest, rng())
-        assert [each.score for each in found] == [0.7, 0.5]
+        assert [each.quality for each in found] == [0.7, 0.5]
         assert table.propose(nothing, rest, rng()) == Outcome.NO_GRASP
         failure = table.propose(broken, rest, rng())
     assert isinstance(failure, Failure)
@@ -88,7 +89,7 @@ def test_a_contact_on_the_way_down_means_what_the_rule_says(engine):
         with bench(engine, True, ContactRule(contact=contact)) as table:
             rest = table.drop(rng())
             grasp = table.labelled(rest)[0]
-            narrow = grasp._replace(width=grasp.width / 2)  # both fingers land on the cube
+            narrow = replace(grasp, width=grasp.width / 2)  # both fingers land on the cube
             outcomes[contact] = table.execute(rest, narrow)
     assert outcomes["collided"] == Outcome.COLLIDED
     assert outcomes["close"] in set(EXECUTION) - {Outcome.COLLIDED}
@@ -105,7 +106,7 @@ def test_a_grasp_from_above_is_carried_out_as_in_trials(engine):
         for shift in (0.0, 0.02, 0.2):
             grasp = Grasp((x + shift, y, z), 0.4, 0.08, 0.015, 1.0)
             expected = runner.carry_out(rest, grasp).outcome
-            assert table.execute(rest, pose_of(grasp, PANDA)) == expected
+            assert table.execute(rest, grasp.as_pose(PANDA)) == expected
 
 
 def test_poses_are_tried_in_any_direction_only():
