@@ -10,9 +10,9 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.bench.clutter import Propose, proposed_by, timed
 from egad.bench.parameters import ClutterParameters
 from egad.bench.rounds import Round, run_round
+from egad.bench.runner import Propose, proposed_by, timed
 from egad.bench.scene_labels import SceneLabels
 from egad.detectors import (
     Detect,

@@ -9,9 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import RgbImage
 from egad._util.progress import phase_if_slow
-from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
+from egad.bench.clearing_runner import ClearingRunner
 from egad.bench.parameters import ClutterParameters
 from egad.bench.protocols import ClutterProtocol, SceneKind
+from egad.bench.runner import Attempt, Propose
 from egad.bench.scenes import BOX
 from egad.detectors import Grasp, NoiseName
 from egad.errors import UserError
@@ -109,7 +110,7 @@ def run_round(
     `proposer` returns what proposes grasps, given names and models of the objects in the scene.
     """
     with open_round(this, models, settings) as world:
-        runner = ClutterRunner(world, settings.clutter)
+        runner = ClearingRunner(world, settings.clutter)
         propose = proposer(this.ids, world.models)
         attempts = list(runner.clear(propose, this.scene, this.noise, this.seed))
     return _table(this, world.models, attempts, settings)
@@ -117,7 +118,7 @@ def run_round(
 
 def failed_round(this: Round, settings: ClutterParameters, outcome: Outcome) -> pd.DataFrame:
     """The table of a round that could not be simulated."""
-    return _table(this, [], [ClutterAttempt(outcome, ())], settings)
+    return _table(this, [], [Attempt(outcome, ())], settings)
 
 
 def repeat_round(
@@ -134,7 +135,7 @@ def repeat_round(
     this = _read_round(rows.iloc[0])
     with open_round(this, models, settings) as world:
         watch(world)
-        runner = ClutterRunner(world, settings.clutter)
+        runner = ClearingRunner(world, settings.clutter)
         grasps = [read_grasp(row) for row in parquet.records(rows)]
         attempts = list(runner.repeat(grasps, this.scene, this.seed))
     return _table(this, world.models, attempts, settings)
@@ -173,7 +174,7 @@ def film_round(
 def picture_of(this: Round, models: Models, settings: ClutterParameters) -> RgbImage:
     """Picture of the initial scene of a round, (height, width, 3); UnstableError as for `begin`."""
     with open_round(this, models, settings) as world:
-        ClutterRunner(world, settings.clutter).begin(this.scene, this.seed)
+        ClearingRunner(world, settings.clutter).begin(this.scene, this.seed)
         return Film(world).frame()
 
 
@@ -215,7 +216,7 @@ def open_round(this: Round, models: Models, settings: ClutterParameters) -> Worl
 def _table(
     this: Round,
     models: Sequence[Model],
-    attempts: Sequence[ClutterAttempt],
+    attempts: Sequence[Attempt],
     settings: ClutterParameters,
 ) -> pd.DataFrame:
     at_first = len(attempts[0].present) if attempts else 0
@@ -238,24 +239,21 @@ def _table(
     return pd.DataFrame(rows, columns=CLUTTER.names)
 
 
-def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -> dict[str, Any]:
+def _columns_of(attempt: Attempt, this: Round, models: Sequence[Model]) -> dict[str, Any]:
     grasp = attempt.grasp
     numbers = np.full(12, np.nan) if grasp is None else grasp.pose[:3].ravel()
     return {
         "n_present": len(attempt.present),
         "present": " ".join(this.ids[each.number] for each in attempt.present),
-        "success": attempt.outcome == Outcome.SUCCESS,
-        "outcome": attempt.outcome.value,
+        **attempt.columns(),
         "id": "" if grasp is None else this.ids[_target(attempt, grasp, models)],
         **dict(zip(GRASP_POSE, numbers.tolist(), strict=True)),
         "width": np.nan if grasp is None else grasp.width,
         "score": np.nan if grasp is None else grasp.quality,
-        "stopped": attempt.stopped,
-        "failure": attempt.failure,
     }
 
 
-def _target(attempt: ClutterAttempt, grasp: Grasp, models: Sequence[Model]) -> int:
+def _target(attempt: Attempt, grasp: Grasp, models: Sequence[Model]) -> int:
     """Number of the object that was held, or of the one whose surface is nearest to the grasp."""
     if attempt.held is not None:
         return attempt.held

@@ -8,6 +8,7 @@ from .asking import ranked as ranked
 from .asking import seen_by as seen_by
 from .asking import wanted_input as wanted_input
 from .base import SEARCH as SEARCH
+from .base import Answer as Answer
 from .base import Grasp as Grasp
 from .base import GraspPoses as GraspPoses
 from .camera import DepthCamera as DepthCamera

@@ -11,7 +11,7 @@ import numpy as np
 from egad import plugins
 from egad.detectors.antipodal import antipodal_depth
 from egad.detectors.asking import Detector
-from egad.detectors.base import WHERE, DetectorError, Grasp, GraspPoses, poses_of
+from egad.detectors.base import WHERE, Answer, DetectorError, Grasp, poses_of
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
@@ -69,9 +69,7 @@ def with_checked_answers(detect: Callable[..., Any]) -> Detector:
     """The same detector, but with an error for an answer that is not grasps."""
 
     @functools.wraps(detect, updated=())
-    def ask(
-        seen: object, gripper: Gripper, rng: np.random.Generator, /
-    ) -> list[Grasp] | GraspPoses:
+    def ask(seen: object, gripper: Gripper, rng: np.random.Generator, /) -> Answer:
         answer = detect(seen, gripper, rng)
         try:
             return _grasps_of(answer)
@@ -84,7 +82,7 @@ def with_checked_answers(detect: Callable[..., Any]) -> Detector:
     return ask
 
 
-def _grasps_of(answer: Any) -> list[Grasp] | GraspPoses:  # noqa: ANN401 (whatever it gives)
+def _grasps_of(answer: Any) -> Answer:  # noqa: ANN401 (whatever it gives)
     """An answer as grasps from above, or as poses if it is a tuple of arrays."""
     if isinstance(answer, tuple) and answer and not any(hasattr(each, "center") for each in answer):
         return poses_of(answer)

@@ -1,5 +1,7 @@
 """Tables of attempts: complete, the same every time, each row enough to repeat its attempt."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -86,7 +88,7 @@ def clumsy(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Gr
     along, aside = rng.choice([0.0, 0.015]), rng.choice([0.0, 0.025])
     cosine, sine = np.cos(found[0].angle), np.sin(found[0].angle)
     x, y = x + along * cosine - aside * sine, y + along * sine + aside * cosine
-    return [Grasp((x, y, z), *list(vars(found[0]).values())[1:])]
+    return [replace(found[0], center=(x, y, z))]
 
 
 @EACH_ENGINE

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from standing_cube import CUBE, DOWN, SIDE, UPRIGHT, grasp, stand
-from test_clutter import MODELS, from_above, in_turn, knowing, nowhere
+from test_clearing_runner import MODELS, from_above, in_turn, knowing, nowhere
 from worlds import EACH_ENGINE, HAND
 
 from egad.bench import (
@@ -25,7 +25,8 @@ from egad.bench import (
     proposed_by,
     rounds_of,
 )
-from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
+from egad.bench.clearing_runner import ClearingRunner
+from egad.bench.runner import Attempt, Propose
 from egad.detectors import Grasp, GraspPoses, Observation
 from egad.errors import UserError
 from egad.geometry import Bundle
@@ -43,9 +44,9 @@ PANDA = GRIPPERS["panda"]
 PLATE = build(trimesh.creation.box((0.13, 0.13, 0.02)), 600.0, Bundle())
 
 
-def clear(propose: Propose, protocol: ClutterProtocol, noise: str = "none") -> list[ClutterAttempt]:
+def clear(propose: Propose, protocol: ClutterProtocol, noise: str = "none") -> list[Attempt]:
     with open_world("mujoco", MODELS, free_hand(HAND)) as world:
-        runner = ClutterRunner(world, Clutter(protocol=protocol))
+        runner = ClearingRunner(world, Clutter(protocol=protocol))
         return list(runner.clear(propose, "packed", noise, 3))  # type: ignore[arg-type]
 
 
@@ -145,7 +146,7 @@ def test_any_contact_stops_the_hand_if_no_force_is_needed() -> None:
         p.setattr(world, "forces", forces)
         for force in (0.0, 4.9, 5.1, 20.0):
             pose = grasp([0, 0, 0.2], [1, 0, 0], DOWN)
-            stopped[force] = execute_pose(world, pose, 0.07, ContactRules(force=force)).stopped
+            stopped[force] = execute_pose(world, pose, 0.07, ContactRules("close", force)).stopped
     assert stopped[0.0] == stopped[4.9] == pytest.approx(0.03, abs=0.004)
     assert stopped[5.1] == stopped[20.0] == 0
 
@@ -181,7 +182,7 @@ def test_the_hand_opens_fully_if_the_protocol_says_so() -> None:
     """A narrow opening comes down on the block; the full one goes around it."""
 
     def narrow(_: Observation, present: Sequence[RestingObject], __: object) -> Grasp:
-        return knowing(_, present, __)._replace(width=0.01)  # type: ignore[arg-type]
+        return replace(knowing(_, present, __), width=0.01)  # type: ignore[arg-type]
 
     first = {
         opening: clear(narrow, ClutterProtocol(opening=opening))[0]  # type: ignore[arg-type]
@@ -219,7 +220,7 @@ def test_skips_look_again_and_are_no_failures() -> None:
 def test_a_round_with_skips_is_repeated() -> None:
     rules = ClutterProtocol(skips=2, opening="full", contact="collided")
     with open_world("mujoco", MODELS, free_hand(HAND)) as world:
-        runner = ClutterRunner(world, Clutter(protocol=rules))
+        runner = ClearingRunner(world, Clutter(protocol=rules))
         propose = in_turn(lambda *_: Outcome.NO_GRASP, knowing, nowhere, nowhere)
         attempts = list(runner.clear(propose, "packed", "none", 3))
         tried = [each.grasp or each.outcome for each in attempts]

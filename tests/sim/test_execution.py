@@ -213,8 +213,8 @@ def test_grasps_near_an_edge_end_as_if_simulated_in_full(
 def attempts(engine: EngineName, model: Model, count: int) -> list[Attempt]:
     gripper = HAND.model_copy(update={"force": 8.0})
     with start(engine, model, gripper) as world:
-        bench = TrialRunner(world, ARMS["axis"](gripper), TrialProtocol())
-        return [bench.attempt(QUICK["random"], seed) for seed in range(count)]
+        runner = TrialRunner(world, ARMS["axis"](gripper), TrialProtocol())
+        return [runner.attempt(QUICK["random"], seed) for seed in range(count)]
 
 
 @EACH_ENGINE

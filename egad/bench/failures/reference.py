@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
-from egad.bench.failures.table import Bench
+from egad.bench.failures.object_runner import ObjectRunner
 from egad.detectors import Grasp
 from egad.sim import Pose
 from egad.tables import parquet
@@ -51,15 +51,15 @@ class ReferencePolicy:
         """Learn whether a grasp, in the world frame, held an object at rest."""
         self._tried.append(Tried(grasp.moved(np.linalg.inv(rest.matrix)), success))
 
-    def ranked(self, bench: Bench, rest: Pose) -> list[Grasp]:
+    def ranked(self, runner: ObjectRunner, rest: Pose) -> list[Grasp]:
         """Grasps of an object where it lies, highest expected success first.
 
         The expectation is the mean success of all similar grasps that were tried and of a prior,
         which counts as one more: from 0.9 for the best labelled grasp to 0.5 for the last.
         """
-        labelled = bench.labelled(rest)
+        labelled = runner.labelled(rest)
         known = [each.grasp.moved(rest.matrix) for each in self._tried if each.success]
-        known = [grasp for grasp in known if bench.can_do(grasp)]
+        known = [grasp for grasp in known if runner.can_do(grasp)]
         grasps = [*labelled, *known]
         if not grasps:
             return []

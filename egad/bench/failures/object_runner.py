@@ -1,32 +1,33 @@
 """A table with one object to try grasps on: dropped, seen by a detector, and grasped.
 
 Grasps from above need a hand on a vertical axis and a camera above (`TrialRunner`); grasps from any
-direction need a hand without an arm and six cameras (`ClutterRunner`). Both have one interface.
+direction need a hand without an arm and six cameras (`ClearingRunner`). Both have one interface.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import islice
-from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
 from typing_extensions import override
 
-from egad.bench.clutter import ClutterRunner, camera_poses
+from egad.bench.clearing_runner import ClearingRunner, camera_poses
 from egad.bench.parameters import Clutter, ContactRule, TrialProtocol
 from egad.bench.protocols import SceneCameras
 from egad.bench.scene_labels import SceneLabels
 from egad.bench.scenes import RestingObject, make_scene, put
 from egad.bench.trial_runner import TrialRunner
 from egad.detectors import (
+    Answer,
     Detector,
     Failure,
     Grasp,
-    GraspPoses,
     Labels,
     NoiseName,
+    Observation,
+    View,
     from_above,
     ranked,
     seen_by,
@@ -48,10 +49,9 @@ from egad.tables.outcomes import Outcome
 
 MIN_DOWN = np.cos(np.radians(10))  # of the approach of a grasp that is executed from above
 MAX_PROPOSALS = 10
-Proposals: TypeAlias = list[Grasp] | GraspPoses
 
 
-class Bench(ABC):
+class ObjectRunner(ABC):
     """A table with one object; the result of each method depends only on its arguments."""
 
     engine: EngineName
@@ -69,7 +69,12 @@ class Bench(ABC):
         camera_rng, detector_rng = rng.spawn(2)
 
         def plan() -> list[Grasp] | Outcome:
-            answer = self._ask(detect, rest, camera_rng, detector_rng)
+            seen = self._observe(rest, camera_rng)
+            answer: Answer
+            if isinstance(seen, View):
+                answer = from_above(detect(seen, self.gripper, detector_rng))
+            else:
+                answer = detect(seen_by(detect, seen), self.gripper, detector_rng)
             return ranked(answer, self.gripper, MAX_PROPOSALS)
 
         return try_to_plan(plan)
@@ -87,17 +92,11 @@ class Bench(ABC):
         return grasp.infeasibility(self.gripper) is None
 
     @abstractmethod
-    def _ask(
-        self,
-        detect: Detector,
-        rest: Pose,
-        camera_rng: np.random.Generator,
-        detector_rng: np.random.Generator,
-    ) -> Proposals:
-        """The answer of a detector; it may raise any error."""
+    def _observe(self, rest: Pose, rng: np.random.Generator) -> View | Observation:
+        """What the cameras see of the object."""
 
 
-class BenchFromAbove(Bench):
+class RunnerFromAbove(ObjectRunner):
     """Grasps straight from above."""
 
     def __init__(self, runner: TrialRunner, grasps: pd.DataFrame) -> None:
@@ -129,22 +128,16 @@ class BenchFromAbove(Bench):
         return -grasp.pose[2, 2] >= MIN_DOWN and super().can_do(grasp)
 
     @override
-    def _ask(
-        self,
-        detect: Detector,
-        rest: Pose,
-        camera_rng: np.random.Generator,
-        detector_rng: np.random.Generator,
-    ) -> Proposals:
+    def _observe(self, rest: Pose, rng: np.random.Generator) -> View:
         self._place(rest)
-        return from_above(detect(self._runner.noisy_view(camera_rng), self.gripper, detector_rng))
+        return self._runner.noisy_view(rng)
 
     def _place(self, rest: Pose) -> None:
         self.world.reset()
         self.world.place(rest)
 
 
-class BenchFromAnywhere(Bench):
+class RunnerFromAnywhere(ObjectRunner):
     """Grasps from any direction."""
 
     def __init__(
@@ -159,7 +152,7 @@ class BenchFromAnywhere(Bench):
         """Set up with a world of the object and `egad.sim.free_hand`, and its labelled grasps."""
         self.engine, self.gripper, self.world = engine, gripper, world
         self._noise: NoiseName = "stereo" if noise else "none"
-        self._runner = ClutterRunner(world, Clutter())
+        self._runner = ClearingRunner(world, Clutter())
         self._labels = SceneLabels([grasps], world.models, gripper)
 
     @override
@@ -179,20 +172,13 @@ class BenchFromAnywhere(Bench):
         return execute_pose(self.world, grasp.pose, grasp.width).outcome
 
     @override
-    def _ask(
-        self,
-        detect: Detector,
-        rest: Pose,
-        camera_rng: np.random.Generator,
-        detector_rng: np.random.Generator,
-    ) -> Proposals:
-        cameras = camera_poses(SceneCameras(), camera_rng)
-        seen = self._runner.observe([RestingObject(0, rest)], self._noise, cameras, camera_rng)
-        return detect(seen_by(detect, seen), self.gripper, detector_rng)
+    def _observe(self, rest: Pose, rng: np.random.Generator) -> Observation:
+        cameras = camera_poses(SceneCameras(), rng)
+        return self._runner.observe([RestingObject(0, rest)], self._noise, cameras, rng)
 
 
 @contextmanager
-def open_bench(
+def open_runner(
     engine: EngineName,
     model: Model,
     grasps: pd.DataFrame,
@@ -201,8 +187,8 @@ def open_bench(
     from_above: bool,
     depth_noise: float,
     contact: ContactRule | None = None,
-) -> Iterator[Bench]:
-    """A bench, for the duration of the `with` block.
+) -> Iterator[ObjectRunner]:
+    """A runner, for the duration of the `with` block.
 
     From any direction, any nonzero depth noise means 0.1 pixels, and the hand always closes where
     it was stopped, as in the protocol `egad`; from above, by default, a contact is a failure.
@@ -217,7 +203,7 @@ def open_bench(
                 contact=rule.contact,
                 stopping_force=rule.stopping_force,
             )
-            yield BenchFromAbove(TrialRunner(world, arm, trials), grasps)
+            yield RunnerFromAbove(TrialRunner(world, arm, trials), grasps)
         return
     with open_world(engine, [model], free_hand(gripper)) as world:
-        yield BenchFromAnywhere(engine, world, grasps, gripper, noise=depth_noise > 0)
+        yield RunnerFromAnywhere(engine, world, grasps, gripper, noise=depth_noise > 0)
