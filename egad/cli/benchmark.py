@@ -17,12 +17,9 @@ from egad.cli.common import (
     Rule,
     Units,
     Weights,
-    detector_in,
-    gripper_in,
     gripper_option,
     out_option,
-    settings_in,
-    with_option,
+    settings_to_try,
 )
 from egad.cli.repeat import run_trials
 
@@ -72,13 +69,16 @@ def benchmark(
     from egad.sim import check_engine
     from egad.tables.clutter import CLUTTER
 
-    settings = with_option(settings_in(config), "--protocol", "clutter.protocol", protocol)
-    settings = with_option(settings, "--rounds", "clutter.rounds", rounds)
-    settings = with_option(settings, "--keep-going", "clutter.keep_going", keep_going or None)
-    settings = with_option(settings, "--rule", "rescale.rule", rule)
-    settings, gripper = gripper_in(settings, gripper)
+    options = {
+        "clutter.protocol": protocol,
+        "clutter.rounds": rounds,
+        "clutter.keep_going": keep_going or None,
+        "rescale.rule": rule,
+    }
+    settings, gripper, name = settings_to_try(
+        config, options, gripper, (detector, weights, command)
+    )
     check_engine(settings.clutter.engine)
-    settings, name = detector_in(settings, detector, weights, command)
     path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
     check_ending(out, (".parquet",))
     chosen = select(settings, ClearedTables, gripper, name)

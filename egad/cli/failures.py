@@ -14,12 +14,9 @@ from egad.cli.common import (
     Jobs,
     Rule,
     Weights,
-    detector_in,
-    gripper_in,
     gripper_option,
     out_option,
-    settings_in,
-    with_option,
+    settings_to_try,
 )
 from egad.errors import UserError
 
@@ -98,20 +95,20 @@ def failures(
     from egad.config.stages import DetectorFailures, select
     from egad.detectors import keep_failure
     from egad.provenance.record import recorded
+    from egad.report.failure_atlas import write_page
 
-    settings = settings_in(config)
-    for key, value in {
-        "attempts": attempts,
-        "strategy": strategy,
-        "approach": approach,
-        "depth_noise": depth_noise,
-        "least_difference": least_difference,
-        "engines": engines.split(",") if engines else None,
-    }.items():
-        settings = with_option(settings, f"--{key.replace('_', '-')}", f"failures.{key}", value)
-    settings = with_option(settings, "--rule", "rescale.rule", rule)
-    settings, gripper = gripper_in(settings, gripper)
-    settings, name = detector_in(settings, detector, weights, command)
+    options = {
+        "failures.attempts": attempts,
+        "failures.strategy": strategy,
+        "failures.approach": approach,
+        "failures.depth_noise": depth_noise,
+        "failures.least_difference": least_difference,
+        "failures.engines": engines.split(",") if engines else None,
+        "rescale.rule": rule,
+    }
+    settings, gripper, name = settings_to_try(
+        config, options, gripper, (detector, weights, command)
+    )
     check_searchable(settings.detectors[name], settings.grippers[gripper])
     chosen, files = _objects(objects)
     settings = settings.model_copy(update={"shape": chosen.shape})
@@ -125,7 +122,7 @@ def failures(
     ):
         atlas = search_failures(chosen.archive, found.detector, found, jobs, folder)
     if len(atlas):
-        atlas.page(folder / PAGE, films, objects=chosen, jobs=jobs)
+        write_page(atlas, folder / PAGE, films, objects=chosen, jobs=jobs)
     _tell(atlas, name, folder)
 
 

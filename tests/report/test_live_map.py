@@ -15,7 +15,7 @@ from egad.report import live_map as module
 from egad.report.live_map import EpochOfIsland, LiveMap
 
 SETTINGS = select(Settings(), EvolutionParameters)
-STEPS = SETTINGS.evolution.steps_per_epoch
+STEPS = SETTINGS.evolution.steps
 SPACE = SETTINGS.space
 
 

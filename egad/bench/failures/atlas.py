@@ -1,6 +1,5 @@
 """An atlas: the failures of a detector in a map of complexity and graspability."""
 
-import importlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -113,22 +112,6 @@ class FailureAtlas:
         if self.settings is None:
             raise UserError("the settings of the search are not known: the atlas has only tables")
         return self.settings
-
-    def page(
-        self,
-        path: str | Path,
-        films: int = 20,
-        *,
-        objects: Dataset | None = None,
-        jobs: int = 1,
-    ) -> None:
-        """Write an HTML page that explains the failures; it needs no other file.
-
-        See `egad.report.failure_atlas.write_page`.
-        """
-        # Imported by name: the page does not affect results, so its changes must not re-run jobs.
-        write = importlib.import_module("egad.report.failure_atlas").write_page
-        write(self, path, films, objects=objects, jobs=jobs)
 
     def save(self, place: str | Path) -> None:
         """Write the three tables; `egad.load("FOLDER/failures.parquet")` reads the failures.
