@@ -75,9 +75,7 @@ def benchmark(
         "clutter.keep_going": keep_going or None,
         "rescale.rule": rule,
     }
-    settings, gripper, name = settings_to_try(
-        config, options, gripper, (detector, weights, command)
-    )
+    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_engine(settings.clutter.engine)
     path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
     check_ending(out, (".parquet",))

@@ -106,9 +106,7 @@ def failures(
         "failures.engines": engines.split(",") if engines else None,
         "rescale.rule": rule,
     }
-    settings, gripper, name = settings_to_try(
-        config, options, gripper, (detector, weights, command)
-    )
+    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_searchable(settings.detectors[name], settings.grippers[gripper])
     chosen, files = _objects(objects)
     settings = settings.model_copy(update={"shape": chosen.shape})

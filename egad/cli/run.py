@@ -67,9 +67,7 @@ def run(
         "trials.keep_going": keep_going or None,
         "rescale.rule": rule,
     }
-    settings, gripper, name = settings_to_try(
-        config, options, gripper, (detector, weights, command)
-    )
+    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_engine(settings.trials.engine)
     path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
     check_ending(out, (".parquet",))
