@@ -26,10 +26,9 @@ END = tuple(f"end_{part}" for part in POSE_PARTS)
 def run_attempts(
     model: Model, label: str, object_id: str, detect: Detector | Labels, settings: TrialParameters
 ) -> pd.DataFrame:
-    """Try to grasp an object again and again, as in EGAD, section V: `tables.evaluation.TRIALS`.
+    """Attempts at an object as in EGAD, section V: rows of `tables.evaluation.TRIALS`.
 
-    The id determines all drops, with the seed of the settings. An error of the detector becomes the
-    outcome of the attempt.
+    The id determines all drops, with the seed of the settings.
     """
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}

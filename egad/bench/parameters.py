@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.parameters import (
+    SCALE_RULES,
     Length,
     ParameterGroup,
     Parameters,
@@ -17,9 +18,17 @@ from egad._util.parameters import (
 )
 from egad.bench.protocols import NAMED_PROTOCOLS, SCENE_KINDS, Protocol, SceneKind
 from egad.detectors import NoiseName
+from egad.errors import check_name
 from egad.grasps import Quality
-from egad.grippers import Gripper
-from egad.sim import COLLISION_FORCE, ENGINES, EngineName, Lifting, contacts_in_words
+from egad.grippers import Gripper, as_gripper
+from egad.sim import (
+    COLLISION_FORCE,
+    ENGINES,
+    EngineName,
+    Lifting,
+    check_engine,
+    contacts_in_words,
+)
 
 Offset = Annotated[float, Field(ge=0, le=0.1)]
 PlanningTime = Annotated[
@@ -122,10 +131,7 @@ class TrialProtocol(ContactRule, Lifting):
     """Attempts to grasp single objects in simulation."""
 
     attempts: int = Field(
-        20,
-        ge=1,
-        description="attempts per object: 20 as in the paper; config/config.yaml makes 10, so that "
-        "a first run ends sooner",
+        10, ge=1, description="attempts per object; half of those in the paper, to end sooner"
     )
     reset: Literal["continue", "redrop"] = Field(
         "continue",
@@ -206,6 +212,14 @@ class Clutter(Parameters):
     def noises(self) -> tuple[NoiseName, ...]:
         """The kinds of noise: those given, or else those of the protocol."""
         return self.noise or self.protocol.noise
+
+
+def hand_of(gripper: Gripper | str, rule: str, engine: str) -> Gripper:
+    """The gripper of a run; UserError without such a gripper, scale rule or installed engine."""
+    hand = as_gripper(gripper)
+    check_name("rule", rule, SCALE_RULES)
+    check_engine(engine)
+    return hand
 
 
 class NaiveGrasp(Parameters):

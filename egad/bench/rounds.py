@@ -29,16 +29,7 @@ ENDS = ["attempt", "n_present", "success", "stopped"]  # of attempts
 
 
 class Round(NamedTuple):
-    """One round: which objects, at which size, and how they lie.
-
-    Attributes:
-        scene: How the objects lie.
-        noise: Noise added to the depth images.
-        number: Number of the round.
-        seed: Seed of everything that happens in it.
-        ids: Names of the objects, in the order of their numbers.
-        factors: Their sizes relative to the models.
-    """
+    """One round: which objects, at which size, and how they lie; its seed decides all in it."""
 
     scene: SceneKind
     noise: NoiseName

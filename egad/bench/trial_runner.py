@@ -209,8 +209,7 @@ class TrialRunner(Runner):
     def _left_by(self, before: Attempt) -> InitialPose | None:
         """Where an attempt left the object; None if it is dropped again.
 
-        It is dropped again if the simulation broke down, or if it did not move (`MOVED`): a
-        detector would then try the same grasp again.
+        It is if the simulation broke down, or if it did not move: a detector would try the same.
         """
         if before.end is None or before.rest is None:
             return None

@@ -1,8 +1,7 @@
 """The standard benchmark: a detector clears tables."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -24,11 +23,6 @@ from egad.cli.common import (
 from egad.cli.repeat import run_trials
 
 FOLDER = Path("benchmark")
-
-if TYPE_CHECKING:
-    from egad.bench.benchmark import Benchmark
-    from egad.config.stages import ClearedTables
-    from egad.objects import NamedMesh
 
 
 def benchmark(
@@ -62,6 +56,7 @@ def benchmark(
     jobs: Jobs = CORES,
 ) -> None:
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
+    from egad.bench.benchmark import try_tables
     from egad.bench.stats import engine_names
     from egad.cli.terminal_tables import cleared, outcome_list
     from egad.config.stages import ClearedTables, select
@@ -84,7 +79,7 @@ def benchmark(
         films.mkdir(exist_ok=True)
     result = run_trials(
         "benchmark",
-        lambda targets: _clear(chosen, scaling, targets, jobs),
+        lambda targets: try_tables(chosen.detector, targets, chosen, scaling, jobs),
         *(chosen, scaling, gripper, (objects, units), (path, CLUTTER)),
     )
     cleared({name: result.rates()}, {name: engine_names(result.table)})
@@ -94,16 +89,3 @@ def benchmark(
     if films is not None:
         for kind in settings.clutter.scenes:
             result.film(kind, 0, films / f"{name}-{kind}.gif", settings.clutter.noises[0])
-
-
-def _clear(
-    settings: "ClearedTables", rule: str, targets: "Sequence[NamedMesh]", jobs: int
-) -> "Benchmark":
-    """Let a detector clear tables of objects."""
-    from egad.bench.benchmark import clear_tables
-    from egad.bench.clearing import check_detector, prepare_objects
-
-    label_seed = settings.seed if settings.detector.detector == "labels" else None
-    check_detector(settings.detector, settings)
-    known = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
-    return clear_tables(settings.detector, known, settings, jobs)

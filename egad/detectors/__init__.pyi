@@ -52,6 +52,7 @@ from .restoration import fill_missing as fill_missing
 from .restoration import restore as restore
 from .subprocess import STARTING_TIME as STARTING_TIME
 from .subprocess import Detect as Detect
+from .subprocess import as_detector as as_detector
 from .subprocess import asked_for as asked_for
 from .subprocess import opened as opened
 from .tsdf import Tsdf as Tsdf

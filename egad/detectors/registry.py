@@ -38,15 +38,10 @@ IN_SCENES: dict[str, Detector] = {
 
 
 def make_detector(config: DetectorConfig) -> Detector:
-    """Make a detector.
+    """Make a detector; UserError if it cannot be found or made.
 
-    Args:
-        config: A shipped detector other than `labels`, or the user's own class, which is made
-            without arguments, or with the path of the weights if these are given. A function is
-            also accepted.
-
-    Raises:
-        UserError: It cannot be found or made.
+    The user's own class is made without arguments, or with the path of the weights if these are
+    given; a function is also accepted.
     """
     config = _with_shipped_weights(config)
     name = config.name
@@ -122,11 +117,7 @@ def _own(config: DetectorConfig) -> Callable[..., Any]:
 
 
 def fingerprint(config: DetectorConfig) -> list[str]:
-    """What decides the answers besides the library and the settings; the detector is not run.
-
-    Raises:
-        UserError: A file is missing.
-    """
+    """What decides the answers besides the library and the settings; UserError without a file."""
     config = _with_shipped_weights(config)
     if config.detector == "ggcnn":
         check_ggcnn(config.weights)

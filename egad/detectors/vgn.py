@@ -41,16 +41,11 @@ class Vgn:
         threshold: float | None = None,
         avoid_collisions: bool = False,
     ) -> None:
-        """Load the network.
+        """Load weights, published or safetensors; UserError without PyTorch or fitting weights.
 
-        Args:
-            weights: File of weights, published or safetensors.
-            threshold: Least quality of proposals; None for that noted in the weights, or 0.9.
-            avoid_collisions: Whether to ask for the point cloud, too, and to multiply the quality
-                of a proposal by 0.1 if the hand would touch the cloud or the table.
-
-        Raises:
-            UserError: PyTorch is missing, or the weights are, or they are of another network.
+        The default threshold is that noted in the weights, or 0.9. If it avoids collisions, it asks
+        for the point cloud, too, and multiplies the quality of a proposal by 0.1 if the hand would
+        touch the cloud or the table.
         """
         if weights is None or not Path(weights).is_file():
             missing = "vgn needs `weights: FILE`" if weights is None else f"no such file: {weights}"

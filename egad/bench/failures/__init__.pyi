@@ -13,6 +13,6 @@ from .parameters import FailureParameters as FailureParameters
 from .parameters import FailureSearch as FailureSearch
 from .parameters import check_searchable as check_searchable
 from .replay import film_attempts as film_attempts
-from .search import Found as Found
 from .search import attempts_of as attempts_of
+from .store import Found as Found
 from .verdict import ObjectVerdict as ObjectVerdict

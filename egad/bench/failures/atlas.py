@@ -7,7 +7,8 @@ import pandas as pd
 
 from egad._util.display import Picture, draw, facts_html
 from egad.bench.failures.parameters import FailureParameters
-from egad.bench.failures.search import Found, elite_of, empty_archive
+from egad.bench.failures.search import elite_of, empty_archive
+from egad.bench.failures.store import Found
 from egad.bench.failures.verdict import ObjectVerdict
 from egad.bench.stats import Rate
 from egad.errors import UserError
@@ -84,11 +85,7 @@ class FailureAtlas:
 
     @property
     def objects(self) -> Dataset:
-        """The failures as a dataset, with meshes, voxels and genomes.
-
-        Raises:
-            UserError: There are none.
-        """
+        """The failures as a dataset with voxels and genomes; UserError if there are none."""
         return dataset_of(self.table, self.shape)
 
     def plot(self) -> Picture:
@@ -104,11 +101,7 @@ class FailureAtlas:
         return draw("failure_map", "failure_map", self.table, self.examined, space)
 
     def searched_with(self) -> FailureParameters:
-        """The settings of the search.
-
-        Raises:
-            UserError: The settings are not known: the atlas was not made by a search.
-        """
+        """The settings of the search; UserError if the atlas was not made by one."""
         if self.settings is None:
             raise UserError("the settings of the search are not known: the atlas has only tables")
         return self.settings

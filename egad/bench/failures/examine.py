@@ -77,10 +77,9 @@ class Examination:
         settings: FailureParameters,
         report: Callable[[int], object] = int,
     ) -> None:
-        """Prepare; nothing is simulated yet.
+        """Prepare to examine a closed mesh, scaled to the gripper, metres.
 
-        The mesh is closed, wound outwards, scaled to the gripper, metres; `object_id` determines
-        all drops, with the seed of the settings; `report` is called with 1 after every attempt.
+        Its id determines all drops, with the seed; `report` is called with 1 after every attempt.
         """
         self._mesh, self._id = mesh, object_id
         self._settings, self._search = settings, settings.failures
@@ -136,21 +135,13 @@ class Examination:
     def paired(
         self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
     ) -> pd.DataFrame:
-        """Try detector and reference from a fixed number of drops in each engine.
+        """Try detector and reference from `count` drops with a new purpose in each engine.
 
-        The reference keeps what it learned before. If its choice was cut short, it is completed
-        first.
-
-        Args:
-            purpose: Purpose of the drops, which determines them; must be new for this object.
-            count: Drops in each engine.
-            before: All attempts at this object so far, in their order, columns of
-                `tables.failures.FAILURE_ATTEMPTS`.
-            least: Both must succeed this often in each engine; once one cannot, trying stops. By
-                default all drops are tried, whatever the results.
+        The reference knows the attempts `before`, in their order. If its choice was cut short, it
+        is completed first. Trying stops once one cannot succeed `least` times in an engine.
 
         Returns:
-            The further attempts, with the same columns.
+            The further attempts, columns of `tables.failures.FAILURE_ATTEMPTS`.
 
         Raises:
             RejectedError: The object cannot be simulated, or does not come to rest.

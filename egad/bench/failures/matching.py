@@ -78,13 +78,7 @@ def assign(similarity: Floats, allowed: Flags) -> list[int]:
 
 
 class Matching:
-    """Looks for pairs, and keeps what it has computed and tried.
-
-    Attributes:
-        rows: What is known of each failure and of each candidate, by id.
-        graphs: Reeb graphs of those that were compared, by id.
-        unmatched: How many failures have no partner.
-    """
+    """Looks for pairs, and keeps what it has computed and tried, by id of an object."""
 
     def __init__(
         self,

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 import trimesh
@@ -20,6 +20,7 @@ import trimesh
 from egad.bench.failures.attempts import counts_of
 from egad.bench.failures.examine import Examination
 from egad.bench.failures.parameters import FailureParameters, FailureSearch
+from egad.bench.failures.store import NOTHING, Found
 from egad.bench.failures.verdict import Examined, ObjectVerdict
 from egad.detectors import Detector, FailureMonitor
 from egad.errors import RejectedError
@@ -32,7 +33,7 @@ from egad.measures.reeb import graph as reeb
 from egad.random import generator
 from egad.tables import parquet
 from egad.tables.evolution import GENOME
-from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
+from egad.tables.failures import EXAMINED
 
 log = logging.getLogger(__name__)
 
@@ -56,26 +57,6 @@ class Target:
     parents: tuple[str, ...]
     complexity: float = math.nan  # NaN if it was not measured
     graspability: float = math.nan  # NaN if it was not measured
-
-
-class Found(NamedTuple):
-    """What a search has found so far.
-
-    Attributes:
-        examined: One row per object, columns of `tables.failures.EXAMINED`.
-        attempts: Their attempts, columns of `tables.failures.FAILURE_ATTEMPTS`.
-    """
-
-    examined: pd.DataFrame
-    attempts: pd.DataFrame
-
-
-NOTHING = Found(parquet.empty(EXAMINED), parquet.empty(FAILURE_ATTEMPTS))
-
-
-def joined(found: Sequence[Found]) -> Found:
-    """The tables of several steps or shards as one."""
-    return Found(*(pd.concat(tables, ignore_index=True) for tables in zip(*found, strict=True)))
 
 
 class Search:

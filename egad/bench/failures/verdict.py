@@ -45,10 +45,9 @@ class Examined:
 
     @property
     def objective(self) -> float:
-        """The difference, estimated and shrunk towards 0, in steps of 0.1: objective of the search.
+        """The objective of the search: the difference, shrunk towards 0, in steps of 0.1.
 
-        It is the lowest over all engines with fresh drops; without any, that of all attempts of the
-        detector.
+        It is the lowest over engines with fresh drops, else that of all attempts of the detector.
         """
         if self.verdict not in GRASPABLE:
             return 0.0
