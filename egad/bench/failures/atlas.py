@@ -6,10 +6,10 @@ from pathlib import Path
 import pandas as pd
 
 from egad._util.display import Picture, draw, facts_html
+from egad.bench.failures.evidence import ObjectVerdict
 from egad.bench.failures.parameters import FailureParameters
 from egad.bench.failures.search import elite_of, empty_archive
 from egad.bench.failures.store import Found
-from egad.bench.failures.verdict import ObjectVerdict
 from egad.bench.stats import Rate
 from egad.errors import UserError
 from egad.evolution import Shape

@@ -6,7 +6,6 @@ than the detector from the same poses. Both must hold with 95 % confidence, in e
 on drops that were not used to choose anything. These are the default settings.
 """
 
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Literal
@@ -14,25 +13,21 @@ from typing import Literal
 import pandas as pd
 import trimesh
 
-from egad.bench.failures.attempts import failed_drops
-from egad.bench.failures.evidence import Claim, PairedDrop
+from egad.bench.failures.evidence import Claim, Examined, ObjectVerdict, PairedDrop, failed_drops
+from egad.bench.failures.models import model_of_attempts
 from egad.bench.failures.object_runner import ObjectRunner, open_runner
 from egad.bench.failures.parameters import FailureParameters, FailureSearch
 from egad.bench.failures.recorder import Drop, Recorder
 from egad.bench.failures.reference import ReferencePolicy
-from egad.bench.failures.verdict import Examined, ObjectVerdict
 from egad.detectors import Detector, asked_for
 from egad.errors import RejectedError, UserError
 from egad.evalset import print_problems
-from egad.geometry import PartsWarning
 from egad.grasps.sampling import dataset_grasps
-from egad.sim import Model, build
+from egad.sim import Model
 from egad.tables.grasping import GRASPS
 from egad.tables.outcomes import Outcome
 from egad.tables.parquet import empty
 
-ON_ROUGH = ("screen", "choose")  # purposes of attempts on few convex parts
-ROUGH = 0.002  # metres: deviation of convex parts while it is uncertain whether they matter
 SOLVED = 0.5  # of the success rate that a failure may have: above this, examination ends
 TRIES = 3  # grasps of the reference per drop, while it is chosen
 HOPELESS = 0.3  # fraction of the drops without a grasp that holds, above which the choice ends
@@ -51,19 +46,6 @@ def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "an
             "with the approach `any` it gets what it asks for"
         )
     return search.approach or ("above" if sees == "view" else "any")
-
-
-def model_of_attempts(
-    mesh: trimesh.Trimesh, purpose: str, settings: FailureParameters, name: str = "the mesh"
-) -> Model:
-    """A scaled object as simulated for a purpose: few convex parts until it may be a failure."""
-    bundle = settings.bundle
-    if purpose not in ON_ROUGH:
-        return build(mesh, settings.material.density, bundle, name)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", PartsWarning)
-        rough = bundle.model_copy(update={"deviation": ROUGH})
-        return build(mesh, settings.material.density, rough, name)
 
 
 class Examination:

@@ -15,15 +15,16 @@ from egad._util.parameters import from_arguments
 from egad._util.progress import count_done, progress, shared_progress
 from egad._util.workers import workers
 from egad.bench.failures.atlas import FailureAtlas, merge
-from egad.bench.failures.attempts import by_object, explanation
+from egad.bench.failures.evidence import by_object, explanation
 from egad.bench.failures.examine import Examination, approach_of
+from egad.bench.failures.models import scaled_surface
 from egad.bench.failures.parameters import (
     FailureParameters,
     FailureSearch,
     Strategy,
     check_searchable,
 )
-from egad.bench.failures.search import Search, scaled_surface
+from egad.bench.failures.search import Search
 from egad.bench.failures.store import NOTHING, Found, Store, joined
 from egad.bench.parameters import ContactRule
 from egad.detectors import IN_SCENES, SHIPPED_NETWORKS, Detect, DetectorConfig, as_detector, opened

@@ -16,11 +16,12 @@ from egad._util.parameters import check_count
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.failures.atlas import FailureAtlas
-from egad.bench.failures.attempts import counts_of
+from egad.bench.failures.evidence import counts_of
 from egad.bench.failures.examine import Examination
 from egad.bench.failures.matching import Matching, PartnerRules, Row
+from egad.bench.failures.models import scaled_surface
 from egad.bench.failures.parameters import FailureParameters
-from egad.bench.failures.search import elite_of, scaled_surface
+from egad.bench.failures.search import elite_of
 from egad.bench.stats import Rate
 from egad.detectors import Detect, opened
 from egad.errors import UserError

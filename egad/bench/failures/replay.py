@@ -7,7 +7,7 @@ import pandas as pd
 import trimesh
 
 from egad._util.arrays import RgbImage
-from egad.bench.failures.examine import ON_ROUGH, model_of_attempts
+from egad.bench.failures.models import ON_ROUGH, model_of_attempts
 from egad.bench.failures.object_runner import ObjectRunner, open_runner
 from egad.bench.failures.parameters import FailureParameters
 from egad.bench.failures.reference import read_attempt

@@ -12,7 +12,7 @@ from PIL import Image
 import egad
 from egad.bench.failures import Examination, FailureAtlas, FailureSearch, Found, features, join
 from egad.bench.failures.finding import failure_parameters, name_of
-from egad.bench.failures.search import scaled_surface
+from egad.bench.failures.models import scaled_surface
 from egad.detectors import DetectorConfig, Grasp
 from egad.errors import UserError
 from egad.evolution import evolution_parameters

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import egad
 from egad.bench.failures import Examination, FailureAtlas, MatchedSet, match_failures
-from egad.bench.failures.attempts import pairs_of
+from egad.bench.failures.evidence import pairs_of
 from egad.bench.failures.matching import assign, spread
 from egad.bench.failures.reference import REST, ReferencePolicy
 from egad.detectors import Grasp, opened
