@@ -25,7 +25,7 @@ from egad.detectors import (
     render_scene,
 )
 from egad.random import entropy, generator
-from egad.sim import ContactRules, Execution, Fingers, UnstableError, World, execute_pose
+from egad.sim import ContactRules, Execution, Fingers, Pose, UnstableError, World, execute_pose
 from egad.tables.outcomes import Outcome
 
 OVERHEAD = Intrinsics.spanning(640, 480, 75.0)
@@ -41,7 +41,24 @@ class ClearingRunner(Runner):
         super().__init__(world, Fingers(world).gripper)
         self._errors = settings.errors
         self._protocol = settings.protocol
+        self._noise = settings.noises[0]
         self._rendered = [DepthCamera(model.mesh) for model in world.models]
+
+    @override
+    def drop(self, rng: Generator) -> Pose | None:
+        try:
+            return make_scene(self.world, "single", rng, self._protocol)[0].pose
+        except UnstableError:
+            return None
+
+    @override
+    def see(self, rest: Pose, rng: Generator) -> Observation:
+        cameras = camera_poses(self._protocol.cameras, rng)
+        return self.observe([RestingObject(0, rest)], self._noise, cameras, rng)
+
+    @override
+    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
+        return self.try_proposal(grasp, [RestingObject(0, rest)])
 
     def clear(
         self, propose: Propose, kind: SceneKind, noise: NoiseName, seed: int
@@ -75,7 +92,7 @@ class ClearingRunner(Runner):
         number = failures = skips = 0
         while present and failures < self._protocol.failures and skips < self._protocol.skips:
             grasp = ask(number, present)
-            attempt, present = self.carry_out(grasp, present, self._deviation(seed, number))
+            attempt, present = self.clear_one(grasp, present, self._deviation(seed, number))
             yield attempt
             number += 1
             if attempt.outcome == Outcome.FAILED:
@@ -128,7 +145,7 @@ class ClearingRunner(Runner):
         """The deviation of an attempt; the camera is calibrated once per round."""
         return draw(self._errors, seed, entropy(seed, "attempt", number))
 
-    def carry_out(
+    def clear_one(
         self, proposal: Proposal, present: Sequence[RestingObject], deviation: Deviation = EXACT
     ) -> tuple[Attempt, list[RestingObject]]:
         """Try a grasp, if there is one; return the result and the objects left at rest.

@@ -12,7 +12,18 @@ import numpy as np
 from egad.bench.cell_errors import EXACT, Deviation
 from egad.bench.protocols import ClutterProtocol
 from egad.bench.scenes import EGAD, RestingObject
-from egad.detectors import Detector, Failure, Grasp, Observation, choose, seen_by, try_to_plan
+from egad.detectors import (
+    Answer,
+    Detector,
+    Failure,
+    Grasp,
+    Observation,
+    View,
+    choose,
+    from_above,
+    seen_by,
+    try_to_plan,
+)
 from egad.grippers import Gripper
 from egad.sim import Execution, Pose, World
 from egad.tables.outcomes import Outcome
@@ -108,6 +119,26 @@ class Runner(ABC):
             lifted=done.lifted,
             end=done.end,
         )
+
+    def ask(self, detect: Detector, rest: Pose, rng: Generator) -> Answer:
+        """The answer of a detector for one object at rest; it may raise any error."""
+        camera_rng, detector_rng = rng.spawn(2)
+        seen = self.see(rest, camera_rng)
+        if isinstance(seen, View):
+            return from_above(detect(seen, self.gripper, detector_rng))
+        return detect(seen_by(detect, seen), self.gripper, detector_rng)
+
+    @abstractmethod
+    def drop(self, rng: Generator) -> Pose | None:
+        """Drop one object; where it lies, or None if never still where the cameras see it."""
+
+    @abstractmethod
+    def see(self, rest: Pose, rng: Generator) -> View | Observation:
+        """What the cameras see of one object at rest."""
+
+    @abstractmethod
+    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
+        """Try a grasp of one object that lies still, in a world that is reset first."""
 
     @abstractmethod
     def _execute(

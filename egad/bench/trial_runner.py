@@ -145,10 +145,24 @@ class TrialRunner(Runner):
             return Attempt(None, (RestingObject(0, rest),), start=start, end=rest)
         return self._finish(grasp, Ready(start, rest), deviation)
 
-    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
-        """Try a grasp of an object that lies still, in a world that is reset first."""
+    @override
+    def drop(self, rng: np.random.Generator) -> Pose | None:
+        ready = self.begin(rng)
+        return None if ready is None else ready.rest
+
+    @override
+    def see(self, rest: Pose, rng: np.random.Generator) -> View:
+        self.place(rest)
+        return self.noisy_view(rng)
+
+    def place(self, rest: Pose) -> None:
+        """Place the object at rest in a world that is reset."""
         self.world.reset()
         self.world.place(rest)
+
+    @override
+    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
+        self.place(rest)
         return self._finish(grasp, Ready(InitialPose("left", rest), rest), EXACT)
 
     def render_view(self) -> View:

@@ -151,7 +151,7 @@ def test_trials_that_cannot_come_to_enough_successes_end_early(thin):
 
 
 def test_an_object_that_never_comes_to_rest_is_rejected(thin, monkeypatch):
-    monkeypatch.setattr("egad.bench.failures.table.RunnerFromAbove.drop", lambda *_: None)
+    monkeypatch.setattr("egad.bench.trial_runner.TrialRunner.drop", lambda *_: None)
     with pytest.raises(RejectedError, match="it comes to rest in 0 of 6 drops"):
         again("thin", "matched", 3, thin)
 

@@ -7,7 +7,7 @@ import pytest
 from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
 
 from egad.bench import ContactRule, TrialProtocol, TrialRunner
-from egad.bench.failures.object_runner import RunnerFromAbove, open_runner
+from egad.bench.failures.object_runner import ObjectRunner, open_runner
 from egad.detectors import Failure, Grasp, GraspPoses
 from egad.geometry import Bundle, Material
 from egad.grasps import label_parameters
@@ -100,7 +100,7 @@ def test_a_grasp_from_above_is_carried_out_as_in_trials(engine):
     arm = ARMS["axis"](PANDA)
     with open_world(engine, [MODEL], arm.robot) as world:
         runner = TrialRunner(world, arm, TrialProtocol(engine=engine))
-        table = RunnerFromAbove(runner, LABELLED)
+        table = ObjectRunner(engine, runner, lambda _: [])
         rest = table.drop(rng())
         x, y, z = rest.position.tolist()
         for shift in (0.0, 0.02, 0.2):
