@@ -11,7 +11,8 @@ from egad._util.progress import phase_if_slow
 from egad.bench.attempts import END, columns_of, read_attempt
 from egad.bench.parameters import ClutterParameters, TrialParameters
 from egad.bench.rounds import Models, film_round
-from egad.bench.trial_runner import Attempt, TrialRunner
+from egad.bench.runner import Attempt
+from egad.bench.trial_runner import TrialRunner
 from egad.errors import UserError
 from egad.sim import ARMS, Film, open_world, write_film
 from egad.tables import parquet

@@ -10,11 +10,10 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from egad._util.arrays import Flags, Floats
-from egad.detectors.base import SEARCH, Grasp, rank_grasps
+from egad.detectors.base import SEARCH, Grasp, GraspPoses, best_poses, rank_grasps
 from egad.detectors.camera import View
 from egad.detectors.heightmap import heightmap_of
 from egad.detectors.observation import PointCloud
-from egad.detectors.poses import GraspPoses, best_poses
 from egad.detectors.restoration import restore
 from egad.grasps import TABLE_CLEARANCE, hand_poses
 from egad.grippers import Gripper, SuctionCup, cup_of

@@ -25,8 +25,8 @@ from egad.bench.failures import (
     shape_features,
     shares,
 )
-from egad.bench.failures.attempts import by_object, failed_drops
-from egad.bench.failures.search import scaled_surface
+from egad.bench.failures.evidence import by_object, failed_drops
+from egad.bench.failures.models import scaled_surface
 from egad.errors import UserError
 from egad.objects import Dataset, load
 from egad.random import generator

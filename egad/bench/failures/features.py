@@ -15,7 +15,7 @@ import trimesh
 from egad._util.arrays import Floats, Ints
 from egad.bench.failures.reference import read_attempt
 from egad.bench.stats import Interval, bootstrap, wilson
-from egad.detectors import PoseGrasp
+from egad.detectors import Grasp
 from egad.geometry import Material, RayCaster, mass_properties
 from egad.grippers import Gripper
 from egad.grippers.kinds import CupKind, JawKind
@@ -112,18 +112,17 @@ def shape_features(
     }
 
 
-def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[PoseGrasp]:
+def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[Grasp]:
     """The first grasps that held an object, in the frame of its mesh."""
     to_mesh = np.linalg.inv(principal_frame(mass_properties(mesh, Material().density))[1])
     found = []
     for row in parquet.records(attempts[attempts["success"]].head(MAX_GRASPS)):
         rest, grasp = read_attempt(row)
-        pose = to_mesh @ np.linalg.inv(rest.matrix) @ grasp.pose
-        found.append(grasp._replace(pose=pose))
+        found.append(grasp.moved(to_mesh @ np.linalg.inv(rest.matrix)))
     return found
 
 
-def contact_points(caster: RayCaster, grasp: PoseGrasp, gripper: Gripper) -> Floats:
+def contact_points(caster: RayCaster, grasp: Grasp, gripper: Gripper) -> Floats:
     """Where fingers, (2, 3), or cup, (1, 3), first meet an object, metres; (0, 3) if one misses."""
     rays = RAYS[gripper.kind.name](gripper, grasp.width)
     sides = [_first_contact(caster, grasp.pose, *each) for each in rays]
