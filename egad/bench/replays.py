@@ -83,9 +83,5 @@ def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
 def film_clearing(
     settings: ClutterParameters, table: Path, models: Models, name: tuple[str, str, int], out: Path
 ) -> None:
-    """Repeat a round without its detector, and film it (`.gif` or `.mp4`).
-
-    A kind of scene, the noise and a number name a round, `tables.clutter.CLUTTER`. Raises
-    `UserError` if there is no such round, or it ends differently.
-    """
+    """Repeat a round (kind of scene, noise, number) without its detector, and film it."""
     write_film(film_round(parquet.read(table, CLUTTER), *name, models, settings), out)
