@@ -60,7 +60,7 @@ check: kernels has-chromium has-slicer has-slurm has-torch
 
 # Once, before processes of the tests would each do it.
 kernels: tools
-	python -c 'from egad._util.kernel_cache import compile_kernels; compile_kernels()'
+	python -m egad_workflow.precompile
 
 browser: has-chromium
 	pytest -m browser tests/report
@@ -97,7 +97,7 @@ wheel: tools
 
 # SAMPLE=5 simulates 5 objects, or rounds, of each table, not all
 leaderboard: setup
-	python -m egad.workflow.leaderboard --jobs $(CORES) $(if $(SAMPLE),--sample $(SAMPLE))
+	python -m egad_workflow.leaderboard --jobs $(CORES) $(if $(SAMPLE),--sample $(SAMPLE))
 
 lint: tools
 	ruff check
@@ -105,8 +105,7 @@ lint: tools
 	mypy
 	snakefmt --check Snakefile workflow studies/scenes studies/training
 	snakemake --lint
-	python -m egad.config.manual --check
-	python -m egad.workflow.results_page --check
+	python -m egad_workflow.manual --check
 
 lock:
 	$(PYTHON) -m venv build/lock

@@ -112,20 +112,12 @@ class EvolvedObject:
 
     @cached_property
     def voxels(self) -> NDArray[np.bool_]:
-        """Which cells of the cube are solid, (r, r, r).
-
-        Raises:
-            UserError: The object comes from a mesh.
-        """
+        """Which cells of the cube are solid, (r, r, r); `UserError` if it comes from a mesh."""
         return unpack(self._evolved["voxels"], self.shape.resolution)
 
     @cached_property
     def genome(self) -> Row:
-        """The CPPN that the object was grown from, with the columns of `tables.evolution.GENOME`.
-
-        Raises:
-            UserError: The object comes from a mesh.
-        """
+        """The CPPN, columns of `tables.evolution.GENOME`; `UserError` if it comes from a mesh."""
         return {name: self._evolved[name] for name in GENOME.names}
 
     @property
@@ -232,11 +224,7 @@ class Dataset:
 
     @property
     def archive(self) -> pd.DataFrame:
-        """Genomes, voxels and measures of the objects: columns of `tables.evolution.ARCHIVE`.
-
-        Raises:
-            UserError: The objects come from meshes.
-        """
+        """Columns of `tables.evolution.ARCHIVE`; `UserError` if the objects come from meshes."""
         if self._archive is None:
             raise UserError("these objects come from meshes: they have no voxels and no genomes")
         return self._archive.loc[self.table["id"]].reset_index(drop=True)
@@ -355,13 +343,7 @@ def _ancestry(folder: Path) -> Path:
 
 
 def dataset_of(elites: pd.DataFrame, shape: Shape, ancestry: Path | None = None) -> Dataset:
-    """The objects of an archive.
-
-    Args:
-        elites: Columns of `tables.evolution.ARCHIVE`; others are left out.
-        shape: How their voxels become meshes.
-        ancestry: Table of their ancestors, if they are known.
-    """
+    """The objects of an archive, a table with the columns of `tables.evolution.ARCHIVE`."""
     order = ["difficulty_cell", "complexity_cell", "slot"]
     elites = elites[ARCHIVE.names].sort_values(order, ignore_index=True)
     table = elites.drop(columns=[*GENOME.names, "voxels"])
@@ -375,25 +357,15 @@ def _shape(archive: Path) -> Shape:
 
 
 class NamedMesh(NamedTuple):
-    """A mesh that is made when it is needed.
-
-    Attributes:
-        label: Its name.
-        id: Name of its shape, which seeds everything random about it.
-        mesh: Gives the mesh, metres.
-    """
+    """A mesh that is made when it is needed."""
 
     label: str
-    id: str
-    mesh: Callable[[], trimesh.Trimesh]
+    id: str  # name of its shape, which seeds everything random about it
+    mesh: Callable[[], trimesh.Trimesh]  # metres
 
 
 def named_meshes(objects: Dataset | Mapping[str, trimesh.Trimesh]) -> list[NamedMesh]:
-    """The objects of a dataset, or meshes by name.
-
-    Raises:
-        UserError: There are none, or the argument is something else.
-    """
+    """The objects of a dataset, or meshes by name; `UserError` if there are none."""
     if not isinstance(objects, Dataset | Mapping):
         raise UserError(_not_objects(type(objects).__name__))
     if not len(objects):
@@ -416,20 +388,7 @@ def _not_objects(given: str) -> str:
 
 
 def scaled_solid(target: NamedMesh, gripper: Gripper, rule: str) -> trimesh.Trimesh:
-    """The mesh of an object as it is grasped: a closed surface wound outwards, scaled, metres.
-
-    Args:
-        target: The object.
-        gripper: What it is scaled to.
-        rule: See `egad.rescale`.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or is flat.
-        UserError: It is not a mesh, or its file is missing.
-
-    Warns:
-        UnitsWarning: The size of the mesh suggests a unit other than the metre.
-    """
+    """A mesh as it is grasped: closed, wound outwards and scaled, metres; or `RejectedError`."""
     mesh = target.mesh()
     check_units(mesh, f"the mesh {target.label!r}")
     solid = wind_outwards(mesh)

@@ -18,16 +18,7 @@ PACKAGE = Path(__file__).parent
 
 @lru_cache
 def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the user's)
-    """Import what a name refers to; its file is run.
-
-    Args:
-        name: `FILE.py:NAME` or `package.module:NAME`.
-        where: The place in the configuration that names it, for error messages.
-        kind: What it should be, for error messages: `function`, or `class or function`.
-
-    Raises:
-        UserError: Nothing callable has this name, or its file cannot be run.
-    """
+    """Import `FILE.py:NAME` or `package.module:NAME`; `UserError` names `where` and the kind."""
     module, _, attribute = name.rpartition(":")
     path = _source(module, name, where)
     try:
@@ -48,15 +39,7 @@ def place_of(error: Exception) -> str:
 
 
 def named(text: str, arguments: int = 3) -> str:
-    """A full name: a file alone is completed by the only thing in it that can be meant.
-
-    Args:
-        text: `FILE.py`, or a name as for `find`.
-        arguments: How many arguments the function takes, or the class when it is called.
-
-    Raises:
-        UserError: The file is missing or is not Python, or contains no candidate or several.
-    """
+    """A full name: `FILE.py` is completed by the only thing in it with so many arguments."""
     path = Path(text)
     if path.suffix != ".py":
         return text
@@ -91,31 +74,17 @@ def _count(function: ast.FunctionDef) -> int:
 
 
 def source_hash(name: str, where: str) -> str:
-    """A fingerprint of the file that a name is defined in, which is not run.
-
-    To find `package.module`, Python runs the package that it is in.
-
-    Raises:
-        UserError: There is no such file, or the package cannot be run.
-    """
+    """A fingerprint of the file that a name is defined in, which is not run, but its package is."""
     return file_hash(source_file(name, where), where)
 
 
 def source_file(name: str, where: str) -> Path:
-    """The file that a name is defined in, which is not run; see `source_hash`.
-
-    Raises:
-        UserError: There is no such file, or the package cannot be run.
-    """
+    """The file that a name is defined in, which is not run; raises the errors of `source_hash`."""
     return _source(name.rpartition(":")[0], name, where)
 
 
 def file_hash(path: str | Path, where: str) -> str:
-    """A fingerprint of any file.
-
-    Raises:
-        UserError: There is no such file.
-    """
+    """A fingerprint of any file; `UserError` if there is none."""
     if not Path(path).is_file():
         raise UserError(f"{where}: there is no file {path}")
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]

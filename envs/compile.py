@@ -11,6 +11,7 @@ import pkgutil
 import sys
 
 import egad
+import egad_workflow
 
 # What Snakemake imports only while it runs.
 LATER = (
@@ -27,7 +28,11 @@ LATER = (
 def main() -> None:
     """Import all; extras need not be installed."""
     sys.dont_write_bytecode = False
-    modules = [each.name for each in pkgutil.walk_packages(egad.__path__, "egad.")]
+    found = [
+        *pkgutil.walk_packages(egad.__path__, "egad."),
+        *pkgutil.walk_packages(egad_workflow.__path__, "egad_workflow."),
+    ]
+    modules = [each.name for each in found]
     for name in [*modules, *LATER]:
         try:
             importlib.import_module(name)

@@ -3,8 +3,9 @@
 import ast
 from functools import cache
 
-from egad.workflow.code_version import PACKAGE, used_names
+from egad_workflow.code_version import PACKAGES, imported_modules
 
+PACKAGE = PACKAGES[0]
 SCRIPTS = PACKAGE.parent / "workflow/scripts"
 TESTS = PACKAGE.parent / "tests"
 
@@ -44,7 +45,7 @@ def reached(module):
     if module.partition(".")[0] != "egad" and not script.exists():
         return set()
     try:
-        modules = {module, *(name for name, _ in used_names(script if script.exists() else module))}
+        modules = set(imported_modules(str(script) if script.exists() else module))
     except ModuleNotFoundError:  # the name of something in a module
         return set()
     return modules & modules_with_kernels()

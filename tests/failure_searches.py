@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import Settings
-from egad.config.stages import DetectorFailures, select
+from egad.bench.failures import DetectorFailures
 from egad.detectors import Grasp
 from egad.evolution import UNBOUND, evolution_parameters, express
 from egad.objects import dataset_of, load
 from egad.tables.evolution import GENOME
+from egad_workflow.settings import Settings, select
 
 SHAPE = load().shape.model_copy(update={"resolution": 10})
 FEW = {

@@ -35,25 +35,25 @@ from PIL import Image
 from snakemake.cli import get_argument_parser, main
 from threadpoolctl import threadpool_limits
 
-# what the workflow, its jobs and workers import
-import egad.config.check
-import egad.config.input_files
-import egad.config.stages
+import egad.bench.attempts
 import egad.data
 import egad.detectors.ggcnn
 import egad.io.sums
 import egad.learning.images.splits
 import egad.report.live_map
-import egad.sim.mujoco_world
-import egad.workflow.display
-import egad.workflow.job
-import egad.workflow.params
-import egad.workflow.shards
-import egad.workflow.simulations  # noqa: F401
+import egad.sim.mujoco_world  # noqa: F401
+
+# what the workflow, its jobs and workers import
+import egad_workflow.check
+import egad_workflow.display
+import egad_workflow.input_files
+import egad_workflow.job
+import egad_workflow.settings
+import egad_workflow.shards  # noqa: F401
 from egad._util.kernel_cache import compiled_marker
-from egad.config.schema import schema
-from egad.workflow import code_version, definitions
-from egad.workflow.precompile import compile_fusion, compile_grasps, compile_measures
+from egad_workflow import code_version
+from egad_workflow.check import schema
+from egad_workflow.precompile import compile_fusion, compile_grasps, compile_measures
 
 STARTED = "EGAD_TESTS_STARTED"  # a variable: jobs are started, not forked
 version = code_version.code_version
@@ -196,12 +196,12 @@ def _run(words):
 
 def _take_library(folder):
     """Let the library be imported anew, from another folder; sources that were read are kept."""
-    read = definitions._parsed
+    read = code_version._parsed
     for name in list(sys.modules):
-        if name.partition(".")[0] == "egad":
+        if name.partition(".")[0] in ("egad", "egad_workflow"):
             del sys.modules[name]
     sys.path.insert(1, str(folder))
-    importlib.import_module("egad.workflow.definitions")._parsed = read
+    importlib.import_module("egad_workflow.code_version")._parsed = read
 
 
 def job_process(command, *, env, **options):

@@ -71,12 +71,20 @@ def plate(*arguments, **more):
     return packed(**{"3D__3dmodel_model": model(*arguments, **more)})
 
 
+def assembled(name, part, times=1):
+    """A 3MF file of an object that refers to object 2 of another part, so many times."""
+    reference = f'<component objectid="2" path="/3D/{name.rpartition("__")[2].replace("_", ".")}"/>'
+    whole = model(f'<object id="1"><components>{times * reference}</components></object>')
+    return packed(**{"3D__3dmodel_model": whole, name: part})
+
+
 FACE = '<triangle v1="0" v2="1" v3="2"/>'
 TRIANGLE = (
     '<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>'
     '<vertex x="0" y="1" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="2"/>'
     "</triangles></mesh>"
 )
+MANY_FACES = TRIANGLE.replace(FACE, FACE * 20_000)
 
 
 def doubled(depth):
@@ -148,10 +156,7 @@ BOMBS = {
         REFUSED,
     ),
     "nodes.glb": (glb(scene([{"mesh": 0}] * 20_000)), REFUSED),
-    "twice.glb": (
-        glb(scene([{"children": [1, 1]}, {"children": [2, 2]}, {"mesh": 0}])),
-        REFUSED,
-    ),
+    "twice.glb": (glb(scene([{"children": [1, 1]}, {"children": [2, 2]}, {"mesh": 0}])), REFUSED),
     "around.glb": (glb(scene([{"children": [1]}, {"children": [0], "mesh": 0}])), REFUSED),
     "nested.glb": (glb({"extras": 1}).replace(b'"extras": 1', b"[" * 11), REFUSED),
     "zeros.3mf": (
@@ -165,16 +170,7 @@ BOMBS = {
         REFUSED,
     ),
     "twice.3mf": (
-        packed(
-            **{
-                "3D__3dmodel_model": model(
-                    '<object id="1"><components>'
-                    + '<component objectid="2" path="/3D/part.model"/>' * 20_000
-                    + "</components></object>"
-                ),
-                "3D__part_model": model(f'<object id="2">{TRIANGLE}</object>'),
-            }
-        ),
+        assembled("3D__part_model", model(f'<object id="2">{TRIANGLE}</object>'), 20_000),
         CONTAINED,
     ),
     "laughs.3mf": (
@@ -205,50 +201,13 @@ BOMBS = {
         REFUSED,
     ),
     "other.3mf": (
-        packed(
-            **{
-                "3D__3dmodel_model": model(
-                    '<object id="1"><components>'
-                    + '<component objectid="2" path="/3D/part.xml"/>' * 900
-                    + "</components></object>"
-                ),
-                "3D__part_xml": model(
-                    f'<object id="2">{TRIANGLE.replace(FACE, FACE * 20_000)}</object>'
-                ),
-            }
-        ),
+        assembled("3D__part_xml", model(f'<object id="2">{MANY_FACES}</object>'), 900),
         CONTAINED,
     ),
-    "outside.3mf": (
-        packed(
-            **{
-                "3D__3dmodel_model": model(
-                    '<object id="1"><components>'
-                    + '<component objectid="2" path="/3D/part.xml"/>' * 900
-                    + "</components></object>"
-                ),
-                "3D__part_xml": TRIANGLE.replace(FACE, FACE * 20_000),
-            }
-        ),
-        CONTAINED,
-    ),
-    "doctype.3mf": (
-        packed(
-            **{
-                "3D__3dmodel_model": model(
-                    '<object id="1"><components><component objectid="2" path="/3D/part.xml"/>'
-                    "</components></object>"
-                ),
-                "3D__part_xml": "<!DOCTYPE mesh>" + TRIANGLE,
-            }
-        ),
-        CONTAINED,
-    ),
+    "outside.3mf": (assembled("3D__part_xml", MANY_FACES, 900), CONTAINED),
+    "doctype.3mf": (assembled("3D__part_xml", "<!DOCTYPE mesh>" + TRIANGLE), CONTAINED),
     "inside.3mf": (plate(f'<object id="1">{TRIANGLE}<object id="2"/></object>'), CONTAINED),
-    "elements.3mf": (
-        lambda: packed(**{"3D__3dmodel_model": "<m>" + "<a/>" * 40_000_000}),
-        REFUSED,
-    ),
+    "elements.3mf": (lambda: packed(**{"3D__3dmodel_model": "<m>" + "<a/>" * 40_000_000}), REFUSED),
     "encoding.3mf": (
         plate(f'<object id="1">{TRIANGLE}</object>', '<?xml version="1.0" encoding="cp037"?>'),
         CONTAINED,
@@ -289,18 +248,8 @@ def whole_files():
 
 
 WHOLE = whole_files()
-WORDS = [
-    b"",
-    b"0",
-    b"-1",
-    b"1e309",
-    b"nan",
-    b"4294967295",
-    b"99999999999",
-    b"\x00",
-    b"\xff" * 4,
-    b"\n",
-]
+WORDS = [b"", b"0", b"-1", b"1e309", b"nan", b"4294967295", b"99999999999"]
+WORDS += [b"\x00", b"\xff" * 4, b"\n"]
 
 
 @st.composite

@@ -7,10 +7,6 @@ import pytest
 
 import egad
 from egad._util.workers import workers
-from egad.config import Settings
-from egad.config.archive_settings import check_provenance
-from egad.config.files import read_values
-from egad.config.stages import select
 from egad.data import archive_path, released, released_ancestry, released_simulated
 from egad.evolution import UNBOUND, Elite, EvolutionParameters, express, packed_surface, voxels
 from egad.evolution.evaluation import GenomeVoxels, measure, refine
@@ -20,6 +16,9 @@ from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, GENOME, LINEAGE
 from egad.tables.grasping import ANTIPODAL_RATES
+from egad_workflow.archive_settings import check_provenance
+from egad_workflow.config_files import read_values
+from egad_workflow.settings import Settings, select
 
 SETTINGS = Settings.model_validate(read_values(Path(__file__).parents[1] / "config/full.yaml"))
 EVOLVE = select(SETTINGS, EvolutionParameters)

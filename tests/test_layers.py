@@ -13,15 +13,17 @@ import egad
 
 PACKAGE = Path(egad.__file__).parent
 ROOT = Path(__file__).parents[1]
+RUNS = ROOT / "egad_workflow"  # a layer too: the commands import it
 ABOVE = [  # the line: objects and grasps, without a simulator
     *("errors", "random", "_util", "plugins", "data", "tables", "geometry", "io"),
     *("grippers", "grasps", "measures", "evolution", "objects"),
 ]
 BELOW = [
-    *("evalset", "detectors", "sim", "bench", "learning", "exchange", "report"),
-    *("config", "provenance", "workflow", "cli"),
+    *("evalset", "detectors", "sim", "bench", "report", "learning", "exchange"),
+    *("egad_workflow", "cli"),
 ]
 LAYERS = ABOVE + BELOW
+OURS = ("egad", "egad_workflow")
 
 
 @cache
@@ -32,7 +34,7 @@ def import_nodes(source):
 
 
 def imports(source, package):
-    """What a module of egad imports from egad, in functions too: (module, name), name may be empty.
+    """What a module of ours imports from ours, in functions too: (module, name), may be empty.
 
     Args:
         source: Its text.
@@ -45,18 +47,30 @@ def imports(source, package):
             above = package.split(".")[: len(package.split(".")) - node.level + 1]
             module = ".".join([*(above if node.level else []), *filter(None, [node.module])])
             found = [(module, alias.name) for alias in node.names]
-        yield from (each for each in found if each[0].partition(".")[0] == "egad")
+        yield from (each for each in found if each[0].partition(".")[0] in OURS)
 
 
 def imports_of(path):
-    return imports(path.read_bytes(), ".".join(["egad", *path.relative_to(PACKAGE).parts[:-1]]))
+    return imports(path.read_bytes(), ".".join(path.relative_to(ROOT).parts[:-1]))
+
+
+def our_modules():
+    return sorted([*PACKAGE.rglob("*.py"), *RUNS.rglob("*.py")])
+
+
+def part_of(path):
+    """The package or top module that a module is in."""
+    names = path.relative_to(ROOT).with_suffix("").parts
+    return names[0] if path.is_relative_to(RUNS) else names[1]
 
 
 def imported_parts(path):
-    """Packages and top modules of egad that a module imports."""
+    """Packages and top modules of ours that a module imports."""
     for module, name in imports_of(path):
-        _, _, inside = f"{module}.{name}".rstrip(".").partition(".")
-        if inside:
+        top, _, inside = f"{module}.{name}".rstrip(".").partition(".")
+        if top != "egad":
+            yield top
+        elif inside:
             yield inside.partition(".")[0]
 
 
@@ -79,19 +93,18 @@ def test_imports_of_all_kinds_are_seen(source, expected):
 
 def test_no_module_imports_upwards():
     upwards = [
-        f"{path.relative_to(PACKAGE)} imports {part}"
-        for path in sorted(PACKAGE.rglob("*.py"))
+        f"{path.relative_to(ROOT)} imports {part}"
+        for path in our_modules()
         if path.parent != PACKAGE or path.stem in LAYERS
         for part in imported_parts(path)
-        if part != "__version__"
-        and LAYERS.index(part) > LAYERS.index(path.relative_to(PACKAGE).with_suffix("").parts[0])
+        if part != "__version__" and LAYERS.index(part) > LAYERS.index(part_of(path))
     ]
     assert upwards == []
 
 
 def test_every_package_has_its_place():
     found = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or path.is_dir()}
-    assert found - {"__init__", "__main__", "__pycache__"} == set(LAYERS)
+    assert found - {"__init__", "__main__", "__pycache__"} == {*LAYERS} - {RUNS.name}
 
 
 def test_only_tests_of_the_workflow_import_its_scripts():
@@ -99,7 +112,7 @@ def test_only_tests_of_the_workflow_import_its_scripts():
     assert scripts
     importing = [
         f"{path.relative_to(ROOT)} imports {name}"
-        for folder in ("egad", "tests", "docs", "studies", "examples")
+        for folder in ("egad", "egad_workflow", "tests", "docs", "studies", "examples")
         for path in sorted((ROOT / folder).rglob("*.py"))
         if not path.is_relative_to(ROOT / "tests/workflow")
         for name in top_modules(path)
@@ -131,8 +144,8 @@ def test_nothing_above_the_line_imports_anything_below():
 def test_packages_are_imported_by_what_they_offer():
     """Another package's names come from its `__init__.pyi`, if it lists them."""
     past = [
-        f"{path.relative_to(PACKAGE)} imports {name} from {source}"
-        for path in sorted(PACKAGE.rglob("*.py"))
+        f"{path.relative_to(ROOT)} imports {name} from {source}"
+        for path in our_modules()
         for source, name in imports_of(path)
         for package in [offering(source)]
         if package and source != f"egad.{package}" and not path.is_relative_to(folder_of(package))
@@ -177,15 +190,15 @@ def offered(package):
 
 def test_a_class_name_means_one_class():
     modules = defaultdict(list)
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in our_modules():
         for node in ast.parse(path.read_bytes()).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                modules[node.name].append(path.relative_to(PACKAGE).as_posix())
+                modules[node.name].append(path.relative_to(ROOT).as_posix())
     assert {name: where for name, where in modules.items() if len(where) > 1} == {}
 
 
 def test_no_modules_import_each_other_in_a_circle():
-    modules = {module_name(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+    modules = {module_name(path): path for path in our_modules()}
     graph = {
         name: {
             found
@@ -199,4 +212,4 @@ def test_no_modules_import_each_other_in_a_circle():
 
 
 def module_name(path):
-    return ".".join(["egad", *path.relative_to(PACKAGE).with_suffix("").parts])
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tomllib
 import zipfile
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from packaging.requirements import Requirement
 from egad._util.extras import PACKAGES
 
 ROOT = Path(__file__).parents[1]
+OURS = [ROOT / "egad", ROOT / "egad_workflow"]
 SPELLED = {  # packages that are imported by another name
     "PIL": "pillow",
     "collada": "pycollada",
@@ -116,7 +118,8 @@ def test_every_imported_package_is_declared():
         canonical(Requirement(text).name) for text in PROJECT["dependencies"] + packages("all")
     }
     distributions = importlib.metadata.packages_distributions()
-    modules = set(imported_packages(ROOT / "egad")) - sys.stdlib_module_names - {"egad"}
+    modules = set(chain.from_iterable(map(imported_packages, OURS))) - sys.stdlib_module_names
+    modules -= {each.name for each in OURS}
     providers = {
         name: {canonical(each) for each in distributions.get(name, [name])} for name in modules
     }
@@ -167,7 +170,8 @@ def test_what_the_container_copies_is_there_and_makes_the_whole_package(tmp_path
     (wheel,) = (tmp_path / "made").iterdir()
     package = {
         str(path.relative_to(ROOT))
-        for path in (ROOT / "egad").rglob("*")
+        for folder in OURS
+        for path in folder.rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert package - set(zipfile.ZipFile(wheel).namelist()) == set()

@@ -15,11 +15,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import egad
-from egad.config import Settings
 from egad.data import evaluation_set
 from egad.evalset import families as families_of
 from egad.evalset import split_by_family, with_parents_and_children
 from egad.random import generator
+from egad_workflow.settings import Settings
 
 PART, SPLITS, TWIN = 0.1, 200, 0.9
 CUTS = (0, 2, 7)

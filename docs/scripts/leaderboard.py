@@ -12,7 +12,7 @@ from pathlib import Path
 import egad
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
-from egad.workflow.leaderboard import ENTRIES, ENTRY, PROTOCOLS, read_entry, read_protocol
+from egad_workflow.leaderboard import ENTRIES, ENTRY, PROTOCOLS, read_entry, read_protocol
 
 FOLDER = Path(__file__).parents[2] / "leaderboard"
 

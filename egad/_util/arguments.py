@@ -11,10 +11,7 @@ from egad.errors import UserError
 
 
 def check_positive(name: str, given: object, most: float = math.inf) -> float:
-    """An argument as a finite number above 0, and at most `most`; otherwise `UserError`.
-
-    Python and numpy numbers are numbers, strings are not.
-    """
+    """A number, not a string, as a float above 0 and at most `most`; otherwise `UserError`."""
     number = math.nan
     if isinstance(given, SupportsFloat) and not isinstance(given, bool):
         with suppress(TypeError, ValueError):  # arrays raise them

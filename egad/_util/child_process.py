@@ -67,10 +67,7 @@ CHILD = (
 
 
 class Worker:
-    """Work in a process of its own, which can die or be stopped without harm to this one.
-
-    After that, the next item starts a new process. It is killed when this one ends.
-    """
+    """Work in a process of its own, which can die or be stopped; the next item starts a new one."""
 
     def __init__(
         self,
@@ -83,14 +80,9 @@ class Worker:
     ) -> None:
         """Prepare; the process starts with the `with` block or with the first item.
 
-        Args:
-            make_work: Makes the function that does the work, in that process: a context manager
-                that lasts as long as the process.
-            limit: Seconds for one item. None: no limit.
-            start_limit: Seconds to start. None: no limit.
-            name: What to call it in messages.
-            environment: Environment variables in addition to those of this process.
-            quiet: Whether its output is discarded.
+        `make_work` is a context manager that lasts as long as the process and gives the function
+        that does the work. The limits are seconds for one item and for the start; `environment` is
+        added to that of this process, the name is for messages, and `quiet` discards output.
         """
         self._environment, self._quiet = environment or {}, quiet
         self._make_work, self._limit, self._start_limit = make_work, limit, start_limit
@@ -111,14 +103,10 @@ class Worker:
         return self._process is not None
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
-        """Do the work on one item.
+        """Do the work on one item, and raise what it raises, or an error with the same text.
 
-        Raises:
-            WorkerTimeoutError: It took too long.
-            WorkerDiedError: The process ended.
-            WorkerKilledError: The process was killed.
-            UserError: It cannot be started, or the item cannot be sent to it.
-            Exception: What the work raises; one with the same text if it cannot be pickled.
+        Raises `WorkerTimeoutError`, `WorkerDiedError` or `WorkerKilledError` for its process,
+        `UserError` if it cannot be started or the item cannot be sent.
         """
         message = to_bytes(item)
         if not (self.running or self._killed):
@@ -212,11 +200,7 @@ class RestartingWorker(Worker):
         super().__init__(partial(_in_one_thread, make_work), limit)
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
-        """Do the work on one item; None if the process died of it twice.
-
-        Raises `UserError` if it was killed, or what the work raises: with the same text if not
-        picklable.
-        """
+        """The work on one item, or what it raises; None if the process died of it twice."""
         for _ in range(MAX_ATTEMPTS):
             try:
                 return super().__call__(item)
@@ -239,10 +223,7 @@ def one_thread() -> threadpool_limits:
 
 
 def kill_when_closed(end: Connection, process: int) -> None:
-    """Have Linux kill a process that has inherited `end`, for reading, when nobody can write to it.
-
-    A process that is killed closes its pipes, too. A negative number is that of a process group.
-    """
+    """Have Linux kill a process, or a negative group, when nobody can write to a pipe's `end`."""
     with suppress(OSError):  # not in every sandbox
         fcntl.fcntl(end, fcntl.F_SETSIG, signal.SIGKILL)
         fcntl.fcntl(end, fcntl.F_SETOWN, process)
@@ -250,10 +231,7 @@ def kill_when_closed(end: Connection, process: int) -> None:
 
 
 def serve(number: int) -> None:
-    """Work for the process at the other end of a pipe, a file descriptor, until it closes it.
-
-    The first message makes the work; the first answer confirms that it was made.
-    """
+    """Work for the other end of a pipe until it is closed; the first message makes the work."""
     with Connection(number) as pipe, ExitStack() as stack, suppress(EOFError):
         first = pipe.recv_bytes()
         try:

@@ -8,11 +8,7 @@ from pathlib import Path
 
 
 def available_cpus(root: Path = Path("/")) -> int:
-    """CPUs that this process may use: its affinity, less if its control groups grant less time.
-
-    The environment variable `PYTHON_CPU_COUNT` overrides both, as in Python 3.13. `/proc` and
-    `/sys` are in `root`.
-    """
+    """CPUs that this process may use: `PYTHON_CPU_COUNT`, else its affinity and control groups."""
     with suppress(KeyError, ValueError):
         return max(int(os.environ["PYTHON_CPU_COUNT"]), 1)
     return max(min([len(os.sched_getaffinity(0)), *map(math.ceil, _quotas(root))]), 1)

@@ -56,10 +56,7 @@ def facts_html(
 
 
 def thumbnail(mesh: "trimesh.Trimesh", size: int) -> bytes:
-    """A PNG file of a mesh, scaled to fill it, `size` pixels wide, from in front and above.
-
-    The background is transparent.
-    """
+    """A PNG file of a mesh, `size` pixels wide, from in front and above, on no background."""
     pictures = importlib.import_module("egad.report.pictures")
     content: bytes = pictures.png_bytes(pictures.render(mesh, size))
     return content

@@ -36,10 +36,7 @@ PACKAGES = {
 
 @contextmanager
 def needed_for(what: str) -> Iterator[None]:
-    """Import packages of an extra in a `with` block; `MissingPackageError` names the extra.
-
-    `what` the user wants begins the sentence, such as "graspgen".
-    """
+    """Import packages of an extra, which `MissingPackageError` names, for what the user wants."""
     try:
         yield
     except ModuleNotFoundError as error:

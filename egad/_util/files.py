@@ -58,10 +58,7 @@ def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
 
 
 def check_writable(path: Path) -> None:
-    """Check that a file can be written or a folder made, by a new file in the folder around it.
-
-    Raises `UserError` that says why not.
-    """
+    """Raise `UserError` with the reason if no file can be written in the folder around a path."""
     parents = path.absolute().parents
     around = path if path.is_dir() else next(folder for folder in parents if folder.exists())
     try:
@@ -102,10 +99,7 @@ def write_text(path: Path, text: str) -> None:
 
 @contextmanager
 def new_folder(path: Path) -> Iterator[Path]:
-    """A folder to fill, which appears at its path only at the end; nothing there is lost.
-
-    Raises `UserError` if there are files in a folder at the path, or it is a file.
-    """
+    """A folder to fill, which appears only at the end; `UserError` if there are files already."""
     check_not_file(path)
     if path.is_dir() and any(path.iterdir()):
         raise UserError(f"{path} is not empty, and its files would be lost; name a new folder")

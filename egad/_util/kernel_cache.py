@@ -7,7 +7,6 @@ would run stale code with new data. Nor does it consider whether the code checks
 
 import hashlib
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -31,11 +30,7 @@ def kernel_sources_version(package: Path = PACKAGE) -> str:
 
 @cache
 def kernel_folder(package: Path = PACKAGE) -> Path:
-    """The folder for the compiled kernels of a package, created if it is missing.
-
-    It is in the folder that the environment variable NUMBA_CACHE_DIR names, or in the package, or
-    in the user's cache folder if that cannot be written, or else among temporary files.
-    """
+    """The folder for compiled kernels: the first of `_parents` that can be written, or new."""
     checked = "-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0" else ""
     name = f"kernels-{kernel_sources_version(package)}{checked}"
     folders = (parent / name for parent in _parents(package))
@@ -50,18 +45,6 @@ def compiled_marker() -> Path:
     made_for = (sys.implementation.cache_tag, version("numba"), get_host_cpu_name())
     name = "-".join(["compiled", kernel_sources_version(), *map(str, made_for)])
     return kernel_folder() / name
-
-
-def compile_kernels() -> None:
-    """Compile all kernels in two processes, unless that was done before."""
-    if compiled_marker().exists():
-        return
-    if subprocess.run([sys.executable, "-m", "egad.workflow.precompile"], check=False).returncode:
-        print(
-            "Compilation failed; kernels will be compiled at their first use",
-            file=sys.stderr,
-            flush=True,
-        )
 
 
 def _parents(package: Path) -> Iterator[Path]:

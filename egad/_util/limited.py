@@ -42,9 +42,7 @@ class LimitedProcess:
     """Calls functions in another process, with a limit on its memory and on the time of a call."""
 
     def __init__(
-        self,
-        memory: int = input_limits.MAX_MEMORY,
-        seconds: float = input_limits.MAX_SECONDS,
+        self, memory: int = input_limits.MAX_MEMORY, seconds: float = input_limits.MAX_SECONDS
     ) -> None:
         """Prepare a process with so many bytes of memory, and seconds for a call."""
         self._memory, self._seconds = memory, seconds
@@ -54,11 +52,9 @@ class LimitedProcess:
     def __call__(self, function: Callable[..., T], *arguments: object) -> T:
         """Call a function of a module. It, its arguments and its result must be picklable.
 
-        Raises:
-            LimitError: It took too much memory or time, or its process ended.
-            FailedError: It raised an error other than `RejectedError`, `TableError` and
-                `UserError`, which are passed on.
-            UserError: The system killed the process, or this program may use less memory.
+        Raises `LimitError` if it took too much memory or time or its process ended, `UserError` if
+        the system killed the process, and `FailedError` for other errors than those of egad, which
+        are passed on.
         """
         with self._lock:
             if self._owner != os.getpid():  # a fork of the program has no worker of its own yet

@@ -92,10 +92,7 @@ def _with_tuples(given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
 
 
 def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)
-    """Parameters from the arguments of a public function; `UserError` names a wrong one.
-
-    Configurations come from texts and may have `2.0` or `"2"` for an integer; arguments may not.
-    """
+    """Parameters from arguments, or `UserError`; as numbers, texts like `"2"` are refused."""
     integers = [name for name in values if kind.model_fields[name].annotation is int]
     if wrong := [name for name in integers if _whole(values[name]) is None]:
         known = kind.model_json_schema()["properties"]
@@ -104,6 +101,14 @@ def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields o
         return kind(**values | {name: _whole(values[name]) for name in integers})
     except ValidationError as error:
         raise UserError(_in_words(error, kind)) from error
+
+
+def with_defaults(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)
+    """Parameters from arguments, with the default section for each that is required."""
+    for name, field in kind.model_fields.items():
+        if field.is_required() and name not in values and field.annotation:
+            values[name] = field.annotation()
+    return from_arguments(kind, **values)
 
 
 def from_file(kind: type[P], values: Mapping[str, Any]) -> P:
@@ -166,10 +171,7 @@ def _whole(given: object) -> int | None:
 
 
 class UserParameters(Parameters):
-    """Parameters that users make themselves: a wrong argument is a `UserError`.
-
-    Inside a configuration, it is a pydantic error like any other.
-    """
+    """Parameters that users make: outside a configuration, a wrong argument is a `UserError`."""
 
     if not TYPE_CHECKING:  # which knows the arguments from the fields
 

@@ -108,11 +108,7 @@ def progress(
     scale: int = 1,
     state: Callable[[], str] = lambda: "",
 ) -> Iterator[T]:
-    """Pass items through, and show on stderr or in a notebook how far the work is.
-
-    An item counts `scale`, such as the evaluations of a step; `state` adds words, such as
-    `"coverage 0.81"`.
-    """
+    """Pass items through, each counted `scale` times, and show how far the work is."""
     if sys.stderr.isatty():
         with _bar(what, scale * total) as draw:
             yield from _lines(items, what, total, scale, state, draw, TERMINAL)
@@ -189,10 +185,7 @@ def parse_marked(line: str) -> str | None:
 
 
 class _Meter:
-    """Measures a rate over the last minute, from the end of the first item.
-
-    The time before that, such as for the compilation of kernels, says nothing about other items.
-    """
+    """A rate over the last minute, without the first item, which may have to compile kernels."""
 
     def __init__(self) -> None:
         self._marks: deque[tuple[float, int]] = deque()  # moments, and what was done then

@@ -30,11 +30,7 @@ Arrays = dict[str, NDArray[Any]]
 
 
 def cached(kind: str, given: Iterable[object], code: str, make: Callable[[], Arrays]) -> Arrays:
-    """Arrays from the folder of a kind in the cache, or else made and stored there.
-
-    What is `given`, arrays, numbers and texts, and the `code`, a `source_version`, determine them.
-    Raises `UserError` if `EGAD_CACHE_DIR` is a relative path.
-    """
+    """Arrays from the cache, or made and stored; `given` and a `source_version` decide."""
     folder = _folder()
     if folder is None:
         return make()

@@ -29,8 +29,7 @@ SHOWN = 100  # characters of an item
 def workers(count: int) -> Iterator[Mapper]:
     """A `map` that keeps order and runs in several processes; in this one if `count` is 1.
 
-    Raises `UserError` if the count is not allowed, the work or an item cannot be sent to other
-    processes, or a process has ended; the message shows its item.
+    Raises `UserError` that shows the item if a process ended, or if something cannot be sent.
     """
     if check_count("jobs", count) == 1:
         with one_thread():

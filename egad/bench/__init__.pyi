@@ -1,8 +1,10 @@
 from .attempts import END as END
+from .attempts import ENGINE_TIME as ENGINE_TIME
 from .attempts import columns_of as columns_of
 from .attempts import failed_attempts as failed_attempts
 from .attempts import read_attempt as read_attempt
 from .attempts import run_attempts as run_attempts
+from .attempts import run_or_replace as run_or_replace
 from .clutter import POINT_SIGMA as POINT_SIGMA
 from .clutter import camera_poses as camera_poses
 from .clutter import intrinsics_of as intrinsics_of
@@ -11,11 +13,14 @@ from .naive_grasps import naive_outcomes as naive_outcomes
 from .naive_grasps import try_naive_grasps as try_naive_grasps
 from .parameters import NAMED_ERRORS as NAMED_ERRORS
 from .parameters import CellErrors as CellErrors
+from .parameters import ClearedTables as ClearedTables
 from .parameters import Clutter as Clutter
 from .parameters import ClutterParameters as ClutterParameters
 from .parameters import ContactRule as ContactRule
 from .parameters import NaiveGrasp as NaiveGrasp
 from .parameters import NaiveGraspParameters as NaiveGraspParameters
+from .parameters import NaiveGrasps as NaiveGrasps
+from .parameters import SimulatedTrials as SimulatedTrials
 from .parameters import TrialParameters as TrialParameters
 from .parameters import TrialProtocol as TrialProtocol
 from .protocols import CUSTOM as CUSTOM
@@ -25,6 +30,9 @@ from .protocols import ClutterProtocol as ClutterProtocol
 from .protocols import Protocol as Protocol
 from .protocols import SceneCameras as SceneCameras
 from .protocols import SceneKind as SceneKind
+from .replays import film_attempt as film_attempt
+from .replays import film_clearing as film_clearing
+from .replays import repeat_attempt as repeat_attempt
 from .rounds import Models as Models
 from .rounds import Round as Round
 from .rounds import draw_objects as draw_objects
@@ -45,5 +53,8 @@ from .trial_runner import InitialPose as InitialPose
 from .trial_runner import TrialRunner as TrialRunner
 from .trial_runner import initial_poses as initial_poses
 from .verification import Difference as Difference
+from .verification import gaps as gaps
+from .verification import groups_of as groups_of
 from .verification import verify_attempts as verify_attempts
+from .verification import verify_groups as verify_groups
 from .verification import verify_rounds as verify_rounds

@@ -1,7 +1,8 @@
 """All attempts at an object as rows of a table, and attempts read back from rows."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,9 @@ from egad.tables.outcomes import Outcome
 
 CENTER = ("grasp_x", "grasp_y", "grasp_z")
 NUMBERS = ("angle", "width", "depth", "quality")
+log = logging.getLogger(__name__)
+Item = TypeVar("Item")
+ENGINE_TIME = 60.0  # seconds; an attempt takes less than one, unless the engine hangs
 END = tuple(f"end_{part}" for part in POSE_PARTS)
 
 
@@ -137,3 +141,22 @@ def _numbers(pose: Pose | None) -> list[float]:
     if pose is None:
         return [np.nan] * len(POSE_PARTS)
     return [*pose.position.tolist(), *pose.quaternion.tolist()]
+
+
+def run_or_replace(
+    row: Mapping[str, Any],
+    work: Callable[[Item], pd.DataFrame | None],
+    item: Item | None,
+    otherwise: Callable[[Outcome], pd.DataFrame],
+) -> pd.DataFrame:
+    """The table of the work on an object, or one whose attempts all have the same outcome.
+
+    That is `crashed` if the work returns None, and `failed` if there is no item, as for an object
+    that the bundle does not contain.
+    """
+    table = None if item is None else work(item)
+    if table is not None:
+        return table
+    outcome = Outcome.FAILED if item is None else Outcome.CRASHED
+    log.warning("%s (%s): everything %s", row["label"], row["id"], outcome)
+    return otherwise(outcome)

@@ -16,7 +16,8 @@ from egad._util.parameters import (
     by_name,
 )
 from egad.bench.protocols import NAMED_PROTOCOLS, SCENE_KINDS, Protocol, SceneKind
-from egad.detectors import NoiseName
+from egad.detectors import DetectorConfig, NoiseName
+from egad.geometry import Material
 from egad.grasps import Quality
 from egad.grippers import Gripper
 from egad.sim import COLLISION_FORCE, ENGINES, EngineName, Lifting
@@ -239,3 +240,21 @@ class ClutterParameters(ParameterGroup):
     seed: Seed
     gripper: Gripper
     clutter: Clutter
+
+
+class SimulatedTrials(TrialParameters):
+    """Simulated trials of a grasp detector."""
+
+    detector: DetectorConfig
+
+
+class ClearedTables(ClutterParameters):
+    """Rounds of clearing a table with a grasp detector."""
+
+    detector: DetectorConfig
+
+
+class NaiveGrasps(NaiveGraspParameters):
+    """Naive grasps of objects with a gripper."""
+
+    material: Material

@@ -4,21 +4,27 @@ The proposals of the detector are taken from the table. So this does not verify 
 makes these proposals, the quality that it predicted, or why it proposed nothing.
 """
 
-from collections.abc import Sequence
+import hashlib
+from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from egad._util.progress import progress
+from egad._util.workers import workers
 from egad.bench.attempts import read_attempt, run_attempts
 from egad.bench.parameters import ClutterParameters, TrialParameters
 from egad.bench.rounds import Models, Round, repeat_round, round_name, rounds_of
 from egad.detectors import Grasp, View
+from egad.errors import UserError
 from egad.grippers import Gripper
+from egad.random import generator
 from egad.sim import Model, UnstableError
 from egad.tables import parquet
 from egad.tables.clutter import ROUND
-from egad.tables.outcomes import DETECTOR_FAILURES, Outcome
+from egad.tables.outcomes import DETECTOR_FAILURES, SIMULATION_FAILURES, Outcome
 
 UNSEEN = ("failure", "quality", "score")  # columns that only the detector determines
 PLAN_COLUMNS = ["objects", "factors", "seed"]
@@ -130,3 +136,84 @@ def _differences(
             for row in np.flatnonzero(~close).tolist()
         ]
     return [each for _, each in sorted(differences, key=lambda pair: pair[0])]
+
+
+def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.DataFrame]:
+    """The attempts of each object, or of each round of clearing a table.
+
+    A sample of these groups is random. The seed determines it together with the table, so that
+    nobody can know it in advance.
+    """
+    keys = ROUND if "scene" in rows else ["id"]
+    groups = [own for _, own in rows.groupby(keys, sort=False)]
+    if sample is None or sample >= len(groups):
+        return groups
+    digest = hashlib.sha256(
+        pd.util.hash_pandas_object(rows, index=False).to_numpy().tobytes()
+    ).hexdigest()
+    chosen = generator(seed, "verify", digest).choice(len(groups), sample, replace=False)
+    return [groups[number] for number in sorted(chosen)]
+
+
+def verify_groups(
+    groups: Sequence[pd.DataFrame],
+    models: Models,
+    settings: TrialParameters | ClutterParameters,
+    tolerance: float = 0.0,
+    jobs: int = 1,
+) -> list[Difference]:
+    """Simulate attempts again, without their detector: the differences beyond a tolerance.
+
+    The tolerance is 0 on the same kind of processor. Raises `UserError` if there is no object of a
+    name.
+    """
+    check = partial(_check, models=models, settings=settings, tolerance=tolerance)
+    with workers(jobs) as mapper:
+        found = mapper(check, groups)
+        return [each for some in progress(found, "simulating", len(groups)) for each in some]
+
+
+def _check(
+    rows: pd.DataFrame,
+    models: Models,
+    settings: TrialParameters | ClutterParameters,
+    tolerance: float,
+) -> list[Difference]:
+    if isinstance(settings, ClutterParameters):
+        return verify_rounds(rows, models, settings, tolerance)
+    if rows["outcome"].isin(SIMULATION_FAILURES).all():
+        return []
+    name = str(rows["id"].iloc[0])
+    if name not in models:
+        raise UserError(f"no object {rows['label'].iloc[0]} ({name}) in this dataset")
+    return verify_attempts(models[name], rows, settings, tolerance)
+
+
+def gaps(
+    rows: pd.DataFrame, objects: pd.DataFrame, settings: TrialParameters | ClutterParameters
+) -> Iterator[str]:
+    """Missing or surplus rows of a table: leaving out failures would improve the success rate.
+
+    There is a sentence for each object (label and id), or round, that is not there as planned.
+    """
+    counts: dict[str, int | None]
+    if isinstance(settings, ClutterParameters):
+        planned = rounds_of(list(objects["id"]), settings)
+        counts = {round_name(*each[:3]): None for each in planned}
+        keys = [round_name(*each) for each in rows[ROUND].itertuples(index=False)]
+        crashed = pd.Series(keys, rows.index)[rows["outcome"] == Outcome.CRASHED].unique()
+        yield from (f"{name} crashed and cannot be verified" for name in crashed)
+    else:
+        names = map(_object_name, objects["label"], objects["id"])
+        counts = dict.fromkeys(names, settings.trials.attempts)
+        keys = list(map(_object_name, rows["label"], rows["id"]))
+    found = {str(name): own.tolist() for name, own in rows["attempt"].groupby(keys)}
+    yield from (f"{name} is not part of the protocol" for name in found if name not in counts)
+    for name, count in counts.items():
+        attempts = found.get(name, [])
+        if not attempts or attempts != list(range(count or len(attempts))):
+            yield f"{name}: attempts are missing, duplicated or out of order"
+
+
+def _object_name(label: str, name: str) -> str:
+    return f"{label} ({name})"

@@ -22,15 +22,14 @@ from egad.cli.common import (
     gripper_option,
     out_option,
     settings_in,
-    with_option,
 )
 from egad.cli.repeat import run_trials
 
 FOLDER = Path("benchmark")
 
 if TYPE_CHECKING:
+    from egad.bench import ClearedTables
     from egad.bench.benchmark import Benchmark
-    from egad.config.stages import ClearedTables
     from egad.objects import NamedMesh
 
 
@@ -65,17 +64,21 @@ def benchmark(
     jobs: Jobs = CORES,
 ) -> None:
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
+    from egad.bench import ClearedTables
     from egad.bench.stats import engine_names
     from egad.cli.terminal_tables import cleared, outcome_list
-    from egad.config.stages import ClearedTables, select
     from egad.io import check_ending
     from egad.sim import check_engine
     from egad.tables.clutter import CLUTTER
+    from egad_workflow.settings import select
 
-    settings = with_option(settings_in(config), "--protocol", "clutter.protocol", protocol)
-    settings = with_option(settings, "--rounds", "clutter.rounds", rounds)
-    settings = with_option(settings, "--keep-going", "clutter.keep_going", keep_going or None)
-    settings = with_option(settings, "--rule", "rescale.rule", rule)
+    options = {
+        "--protocol": ("clutter.protocol", protocol),
+        "--rounds": ("clutter.rounds", rounds),
+        "--keep-going": ("clutter.keep_going", keep_going or None),
+        "--rule": ("rescale.rule", rule),
+    }
+    settings = settings_in(config, options)
     settings, gripper = gripper_in(settings, gripper)
     check_engine(settings.clutter.engine)
     settings, name = detector_in(settings, detector, weights, command)

@@ -23,9 +23,10 @@ def bundle(
     jobs: Jobs = CORES,
 ) -> None:
     """Prepare meshes for simulators: convex parts, URDF, MJCF, poses at rest."""
-    from egad.config.stages import SimulationBundle, select
-    from egad.provenance.record import recorded
-    from egad.workflow.bundle import any_objects, write_bundle
+    from egad.exchange import any_objects, write_bundle
+    from egad.geometry import SimulationBundle
+    from egad_workflow.provenance import recorded
+    from egad_workflow.settings import select
 
     settings = select(settings_in(config), SimulationBundle)
     meshes = files_in(meshes, units)

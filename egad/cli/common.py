@@ -12,9 +12,9 @@ import typer
 from egad._util.cpus import available_cpus
 from egad._util.files import check_writable
 from egad._util.parameters import ScaleRule
-from egad.config import Settings
 from egad.errors import UserError, check_name
 from egad.grippers import GRIPPERS, PACKAGED, Gripper, gripper
+from egad_workflow.settings import Settings
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -111,27 +111,29 @@ MaxCandidates = Annotated[
 ]
 
 
-def settings_in(config: Path | None) -> Settings:
-    """Settings of a YAML file, merged into the defaults; without a file, the defaults."""
-    from egad.config.check import check
-    from egad.config.files import defaults, merged, read_values
+def settings_in(
+    config: Path | None, options: Mapping[str, tuple[str, object]] | None = None
+) -> Settings:
+    """Settings of a YAML file, merged into the defaults; without a file, the defaults.
 
-    return Settings() if config is None else check(merged(defaults(), read_values(config)))
+    `options` are those of the command line, each with a key, such as `size_effect.grasps`, and the
+    value that it has there, or None.
+    """
+    from egad_workflow.check import check
+    from egad_workflow.config_files import defaults, merged, read_values
 
-
-def with_option(settings: Settings, option: str, key: str, value: object) -> Settings:
-    """Settings with an option's value at a key such as `size_effect.grasps`; None keeps them."""
-    from egad.config.check import check
-
-    if value is None:
-        return settings
-    whole = settings.model_dump(mode="json")
-    section, _, name = key.partition(".")
-    whole[section] = {**whole[section], name: value} if name else value
+    values = {} if config is None else merged(defaults(), read_values(config))
+    given = {option: pair for option, pair in (options or {}).items() if pair[1] is not None}
+    for key, value in given.values():
+        section, _, name = key.partition(".")
+        values = merged(values, {section: {name: value} if name else value})
     try:
-        return check(whole)
+        return check(values) if values else Settings()
     except UserError as error:
-        raise UserError(f"{option}: {error}") from error
+        text = str(error)
+        for option, (key, _) in given.items():
+            text = re.sub(rf"^(?={re.escape(key)}\b)", f"{option}: ", text, flags=re.MULTILINE)
+        raise UserError(text) from error
 
 
 def gripper_in(settings: Settings, given: str) -> tuple[Settings, str]:

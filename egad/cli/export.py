@@ -14,7 +14,6 @@ from egad.cli.common import (
     out_option,
     settings_in,
 )
-from egad.config import Settings
 from egad.errors import UserError
 from egad.exchange import (
     ALL,
@@ -28,6 +27,7 @@ from egad.exchange import (
     write_format,
 )
 from egad.grippers import GRIPPERS
+from egad_workflow.settings import Settings
 
 Dataset = Annotated[
     Path,
@@ -53,10 +53,10 @@ def export(
     ] = None,
 ) -> None:
     """Export objects for simulators and browsers, labelled grasps, or rendered images."""
-    from egad.config.stages import select
     from egad.exchange import check_opening, grasp_table
     from egad.io import write_sums
-    from egad.provenance.record import recorded
+    from egad_workflow.provenance import recorded
+    from egad_workflow.settings import select
 
     if dataset.is_file() or str(dataset) in (RELEASED, EVALUATION_SET):
         if objects and str(dataset) != RELEASED:
@@ -125,9 +125,12 @@ def _write_dexnet(
     out: Path,
 ) -> None:
     """Write a Dex-Net database, doing at once what the workflow does in shards."""
-    from egad.config.stages import DexNetObjects, select
+    from egad.exchange import DexNetObjects
+    from egad.exchange.dexnet_database import write_objects
     from egad.exchange.grasps import dexnet
-    from egad.workflow.dexnet_objects import write_objects
+    from egad.tables import parquet
+    from egad.tables.objects import OBJECTS
+    from egad_workflow.settings import select
 
     if out.is_dir():
         raise UserError(f"--out {out} is a folder; name a file")
@@ -140,7 +143,8 @@ def _write_dexnet(
     try:
         meshes = dataset / "rescaled" / gripper
         wanted = select(whole, DexNetObjects)
-        write_objects(wanted, dataset / "objects.parquet", meshes, (0, 1), part)
+        rows = parquet.records(parquet.read(dataset / "objects.parquet", OBJECTS))
+        write_objects(wanted, rows, meshes, part)
         dexnet.run(settings, dataset, gripper, [part], grasps, out)
     finally:
         part.unlink(missing_ok=True)

@@ -11,9 +11,9 @@ import typer
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.cli.common import CORES, ArchiveFile, Config, Jobs, OutFolder, check_spare, settings_in
-from egad.config.stages import select
 from egad.errors import RejectedError, UserError
 from egad.evolution import COARSEST, FINEST, Shape
+from egad_workflow.settings import select
 
 if TYPE_CHECKING:
     import trimesh
@@ -40,10 +40,10 @@ def export_meshes(
     jobs: Jobs = CORES,
 ) -> None:
     """Write the meshes of an archive as ID.obj, in metres, without repair."""
-    from egad.config.archive_settings import check_provenance
     from egad.data import archive_path
     from egad.evolution import EvolutionParameters, rules_of
     from egad.objects import load
+    from egad_workflow.archive_settings import check_provenance
 
     check_spare(out)
     archive, settings = archive_path(archive), settings_in(config)

@@ -19,7 +19,6 @@ from egad.cli.common import (
     gripper_option,
     out_option,
     settings_in,
-    with_option,
 )
 from egad.errors import UserError
 
@@ -94,22 +93,21 @@ def failures(
     jobs: Jobs = CORES,
 ) -> None:
     """Search for objects at which a grasp detector fails although they can be grasped."""
-    from egad.bench.failures import check_searchable, search_failures
-    from egad.config.stages import DetectorFailures, select
+    from egad.bench.failures import DetectorFailures, check_searchable, search_failures
     from egad.detectors import keep_failure
-    from egad.provenance.record import recorded
+    from egad_workflow.provenance import recorded
+    from egad_workflow.settings import select
 
-    settings = settings_in(config)
-    for key, value in {
-        "attempts": attempts,
-        "strategy": strategy,
-        "approach": approach,
-        "depth_noise": depth_noise,
-        "least_difference": least_difference,
-        "engines": engines.split(",") if engines else None,
-    }.items():
-        settings = with_option(settings, f"--{key.replace('_', '-')}", f"failures.{key}", value)
-    settings = with_option(settings, "--rule", "rescale.rule", rule)
+    options = {
+        "--attempts": ("failures.attempts", attempts),
+        "--strategy": ("failures.strategy", strategy),
+        "--approach": ("failures.approach", approach),
+        "--depth-noise": ("failures.depth_noise", depth_noise),
+        "--least-difference": ("failures.least_difference", least_difference),
+        "--engines": ("failures.engines", engines.split(",") if engines else None),
+        "--rule": ("rescale.rule", rule),
+    }
+    settings = settings_in(config, options)
     settings, gripper = gripper_in(settings, gripper)
     settings, name = detector_in(settings, detector, weights, command)
     check_searchable(settings.detectors[name], settings.grippers[gripper])

@@ -13,15 +13,15 @@ def heatmap(
 ) -> None:
     """Draw the number of elites per cell of an archive, as SVG."""
     from egad._util.files import write_text
-    from egad.config.archive_settings import check_provenance
-    from egad.config.stages import MeasureMeshes, select
     from egad.data import archive_path
     from egad.io import check_ending
-    from egad.measures import MeasureParameters, attainable_graspability
+    from egad.measures import MeasureMeshes, MeasureParameters, attainable_graspability
     from egad.report.axes import axis_pair
     from egad.report.comparison import dataset_maps
     from egad.tables import parquet
     from egad.tables.evolution import ARCHIVE
+    from egad_workflow.archive_settings import check_provenance
+    from egad_workflow.settings import select
 
     check_ending(out, (".svg",))
     settings = settings_in(config)

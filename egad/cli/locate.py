@@ -21,11 +21,11 @@ from egad.cli.common import (
     out_option,
     reasons_in,
     settings_in,
-    with_option,
 )
 from egad.cli.measure import SIZE, measure_row, sizes, warn_of_measures
-from egad.config.stages import MeasureMeshes, select
 from egad.errors import RejectedError, UserError
+from egad.measures import MeasureMeshes
+from egad_workflow.settings import select
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,8 +60,8 @@ def locate(
 
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
-    option = ("--max-candidates", "postprocess.max_candidates", max_candidates)
-    settings = select(with_option(settings_in(config), *option), MeasureMeshes)
+    options = {"--max-candidates": ("postprocess.max_candidates", max_candidates)}
+    settings = select(settings_in(config, options), MeasureMeshes)
     objects = reference(among, settings)
     files = object_names(files_in(meshes, units))
     table, shown = locate_files(settings, objects, files, units, jobs)
@@ -101,11 +101,11 @@ def locate_files(
     """Rows of `tables.objects.LOCATED` of all meshes, and contents of the page of usable ones."""
     import pandas as pd
 
+    from egad.cli.released_graphs import dataset_graphs
+    from egad.io import warn_of_units
     from egad.measures.reeb import Neighborhood
     from egad.measures.reeb import graph as reeb
     from egad.tables.objects import LOCATED, MEASURED
-    from egad.workflow.mesh_files import warn_of_units
-    from egad.workflow.released_graphs import dataset_graphs
 
     similarity = settings.similarity
     with workers(worker_count) as mapper:

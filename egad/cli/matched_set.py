@@ -23,7 +23,7 @@ from egad.errors import UserError
 
 if TYPE_CHECKING:
     from egad.bench.failures import FailureAtlas
-    from egad.config import Settings
+    from egad_workflow.settings import Settings
 
 
 def matched_set(
@@ -64,8 +64,8 @@ def matched_set(
 ) -> None:
     """Pair failures with similar objects that are grasped: plates, bundle, datasheet, log sheet."""
     from egad.bench.failures import FailureAtlas, match_failures
-    from egad.provenance.record import recorded
-    from egad.workflow.matched_set import write_matched_set
+    from egad.cli.matched_folder import write_matched_set
+    from egad_workflow.provenance import recorded
 
     check_spare(out, [atlas / "failures.parquet"], "pairs.parquet")
     known = FailureAtlas.load(atlas)

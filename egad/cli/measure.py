@@ -25,13 +25,11 @@ from egad.cli.common import (
     gripper_option,
     reasons_in,
     settings_in,
-    with_option,
 )
-from egad.config import Settings
-from egad.config.stages import MeasureMeshes, select
 from egad.errors import RejectedError
 from egad.grippers import SUCTION
-from egad.measures import MAP_RULE
+from egad.measures import MAP_RULE, MeasureMeshes
+from egad_workflow.settings import Settings, select
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,8 +63,8 @@ def measure(
     from egad.tables.objects import MEASURED
 
     check_ending(out)
-    option = ("--max-candidates", "postprocess.max_candidates", max_candidates)
-    whole = with_option(settings_in(config), *option)
+    options = {"--max-candidates": ("postprocess.max_candidates", max_candidates)}
+    whole = settings_in(config, options)
     whole, name = gripper_in(whole, gripper or whole.graspability.gripper)
     files = object_names(files_in(meshes, units))
     settings = select(whole, MeasureMeshes, name)
@@ -92,8 +90,8 @@ def measure_files(
     """Rows of `tables.objects.MEASURED` of repaired mesh files; `reason` if unusable."""
     import pandas as pd
 
+    from egad.io import warn_of_units
     from egad.tables.objects import MEASURED
-    from egad.workflow.mesh_files import warn_of_units
 
     work = partial(_row, units=units, settings=settings, rule=rule)
     with workers(min(worker_count, len(files))) as mapper:
@@ -123,10 +121,9 @@ def measure_row(
     mesh: "trimesh.Trimesh", settings: MeasureMeshes, rule: str = MAP_RULE
 ) -> "tuple[trimesh.Trimesh, dict[str, Any]]":
     """The repaired mesh and its row of `tables.objects.MEASURED`; RejectedError if unusable."""
-    from egad.measures import cell_of, grasped_size, measure_repeatably
-    from egad.workflow.repair import repaired_body
+    from egad.measures import cell_of, grasped_size, measure_repeatably, repaired_body
 
-    repaired, _ = repaired_body(mesh, settings.postprocess, settings.material.density)
+    repaired, _ = repaired_body(mesh, settings)
     solid = repaired.mesh
     if settings.measures.graspability:
         rule = "none"  # the user's own measure gets the mesh as it is
@@ -157,7 +154,7 @@ def sizes(rows: Iterable[Mapping[str, Any]]) -> dict[str, float]:
 def warn_of_measures(table: "pd.DataFrame") -> None:
     """Warn of meshes that are measured larger than they are, and call `warn_of_shapes`."""
     from egad.geometry import ENLARGED
-    from egad.workflow.repair import warn_of_shapes
+    from egad.geometry.repair import warn_of_shapes
 
     larger = table[table["factor"] > ENLARGED]
     if len(larger):

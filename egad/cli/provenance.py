@@ -13,7 +13,7 @@ def provenance(
     file: Annotated[Path, typer.Argument(help="file or folder made by the pipeline")],
 ) -> None:
     """Print the provenance of a file, as a tree back to the seed."""
-    from egad.provenance.tree import tree
+    from egad_workflow.provenance_tree import tree
 
     if not file.exists():
         raise UserError(f"{file}: no such file")
@@ -25,7 +25,7 @@ def verify(
     folder: Annotated[Path, typer.Argument(help="folder of a dataset, e.g. results/egad")],
 ) -> None:
     """Check whether files in a folder were altered; the exit status is 1 if so."""
-    from egad.provenance.verify import verify as look
+    from egad_workflow.verify import verify as look
 
     verdict = look(folder)
     for path, problem in verdict.problems.items():

@@ -14,9 +14,9 @@ from egad.cli.common import (
     objects_in,
     settings_in,
 )
-from egad.config import Settings
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
+from egad_workflow.settings import Settings
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -53,8 +53,8 @@ def run_trials(
 ) -> Result:
     """Simulate trials of `--objects` with `--units`; write the table, and a note to repeat it."""
     from egad.detectors import keep_failure
-    from egad.provenance.record import recorded
     from egad.tables import parquet
+    from egad_workflow.provenance import recorded
 
     targets, files = objects_in(*objects)
     path, schema = out
@@ -73,6 +73,16 @@ def run_trials(
     return result
 
 
+def _models_in(dataset: Path, settings: Settings, gripper: str) -> "Models":
+    """The objects of the trials of a dataset, a folder with a bundle, or of `evaluation-set`."""
+    from egad.exchange import bundle_models, evaluation_set_models
+    from egad.objects import EVALUATION_SET
+
+    if str(dataset) == EVALUATION_SET:
+        return evaluation_set_models(settings.grippers[gripper], settings.rescale.rule)
+    return bundle_models(dataset / "bundle" / gripper)
+
+
 def repeatable_in(
     kind: Literal["trials", "clutter"],
     detector: str | None,
@@ -84,7 +94,6 @@ def repeatable_in(
     """A table, and what `repeatable` says of it; without one, that of a detector of a run."""
     if table is not None:
         return table, *repeatable(table, dataset, gripper, config)
-    from egad.workflow.bundled import models_in
 
     settings, hand = named_gripper(settings_in(config), gripper)
     targets = settings.targets.clutter if kind == "clutter" else settings.targets.detectors
@@ -93,22 +102,22 @@ def repeatable_in(
     detector = detector or targets[0]
     check_name("--detector", detector, settings.detectors, " in the configuration (--config)")
     table = (dataset or RUN) / kind / hand / f"{detector}.parquet"
-    return table, settings, hand, models_in(dataset or RUN, settings, hand)
+    return table, settings, hand, _models_in(dataset or RUN, settings, hand)
 
 
 def repeatable(
     table: Path, dataset: Path | None, gripper: str | None, config: Path | None
 ) -> tuple[Settings, str, "Models"]:
     """Settings, gripper and objects in the note of a table; each option replaces its part."""
-    from egad.config.check import check
-    from egad.config.files import defaults, merged
+    from egad.exchange import lazy_models
     from egad.tables import parquet
-    from egad.workflow.bundled import lazy_models, models_in
+    from egad_workflow.check import check
+    from egad_workflow.config_files import defaults, merged
 
     note = parquet.notes(table).get(NOTE)
     if note is None:
         settings, hand = named_gripper(settings_in(config), gripper)
-        return settings, hand, models_in(dataset or RUN, settings, hand)
+        return settings, hand, _models_in(dataset or RUN, settings, hand)
     settings = settings_in(config) if config else check(merged(defaults(), note["settings"]))
     if gripper is None:
         hand = note["gripper"]
@@ -117,7 +126,7 @@ def repeatable(
     else:
         settings, hand = named_gripper(settings, gripper)
     if dataset is not None:
-        return settings, hand, models_in(dataset, settings, hand)
+        return settings, hand, _models_in(dataset, settings, hand)
     try:
         targets, _ = objects_in(note["objects"], note["units"])
     except UserError as error:

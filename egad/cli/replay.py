@@ -29,11 +29,10 @@ def replay(
     config: Config = None,
 ) -> None:
     """Repeat a simulated attempt exactly, and film it."""
-    from egad.bench import TrialParameters
-    from egad.config.stages import select
+    from egad.bench import TrialParameters, film_attempt
     from egad.io import check_ending
     from egad.sim import ENDINGS
-    from egad.workflow.replays import film_attempt
+    from egad_workflow.settings import select
 
     path = out or Path(f"{label}-{attempt}.gif")
     check_ending(path, ENDINGS)
@@ -63,12 +62,11 @@ def film(
     config: Config = None,
 ) -> None:
     """Repeat a round of clearing a table exactly, and film it."""
-    from egad.bench import ClutterParameters
-    from egad.config.stages import select
+    from egad.bench import ClutterParameters, film_clearing
     from egad.io import check_ending
     from egad.sim import ENDINGS
     from egad.tables import parquet
-    from egad.workflow.replays import film_clearing
+    from egad_workflow.settings import select
 
     path = out or Path(f"{scene}-{number}.gif")
     check_ending(path, ENDINGS)

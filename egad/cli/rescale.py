@@ -17,7 +17,6 @@ from egad.cli.common import (
     gripper_in,
     gripper_option,
     settings_in,
-    with_option,
 )
 
 
@@ -34,13 +33,13 @@ def rescale(
     jobs: Jobs = CORES,
 ) -> None:
     """Scale meshes to a gripper."""
-    from egad.config.stages import RescaleMeshes, select
+    from egad.exchange import RescaleMeshes, rescale_files
     from egad.geometry import scale_suffix
     from egad.io import write_sums
-    from egad.provenance.record import recorded
-    from egad.workflow.rescale import rescale_files
+    from egad_workflow.provenance import recorded
+    from egad_workflow.settings import select
 
-    whole = with_option(settings_in(config), "--rule", "rescale.rule", rule)
+    whole = settings_in(config, {"--rule": ("rescale.rule", rule)})
     whole, name = gripper_in(whole, gripper)
     settings = select(whole, RescaleMeshes, name)
     meshes = files_in(meshes, units)

@@ -21,7 +21,6 @@ from egad.cli.common import (
     gripper_option,
     out_option,
     settings_in,
-    with_option,
 )
 from egad.cli.log_sheet import ATTEMPTS
 from egad.cli.repeat import run_trials
@@ -60,22 +59,22 @@ def run(
     Other settings, such as the engine, depth noise and errors of a real cell, are in the section
     `trials` of --config.
     """
+    from egad.bench import SimulatedTrials
     from egad.bench.stats import simulated_in
     from egad.bench.trials import try_objects
     from egad.cli.terminal_tables import outcome_list, succeeded
-    from egad.config.stages import SimulatedTrials, select
     from egad.io import check_ending
     from egad.sim import check_engine
     from egad.tables.evaluation import TRIALS
+    from egad_workflow.settings import select
 
-    settings = settings_in(config)
-    for option, key, value in (
-        ("--attempts", "trials.attempts", attempts or (None if config else ATTEMPTS)),
-        ("--seed", "seed", seed),
-        ("--keep-going", "trials.keep_going", keep_going or None),
-        ("--rule", "rescale.rule", rule),
-    ):
-        settings = with_option(settings, option, key, value)
+    options = {
+        "--attempts": ("trials.attempts", attempts or (None if config else ATTEMPTS)),
+        "--seed": ("seed", seed),
+        "--keep-going": ("trials.keep_going", keep_going or None),
+        "--rule": ("rescale.rule", rule),
+    }
+    settings = settings_in(config, options)
     settings, gripper = gripper_in(settings, gripper)
     check_engine(settings.trials.engine)
     settings, name = detector_in(settings, detector, weights, command)

@@ -20,7 +20,6 @@ from egad.cli.common import (
     complain,
     files_in,
     settings_in,
-    with_option,
 )
 from egad.errors import RejectedError
 from egad.measures.reeb import Bases, Similarity
@@ -48,7 +47,7 @@ def similarity(
     from egad.io import check_ending, object_names, write_matrix
 
     check_ending(out)
-    whole = with_option(settings_in(config), "--bases", "similarity.bases", bases)
+    whole = settings_in(config, {"--bases": ("similarity.bases", bases)})
     files = object_names(files_in(meshes, units))
     matrix, reasons = similarity_of_files(whole.similarity, files, units, jobs)
     if out is not None:
@@ -63,9 +62,9 @@ def similarity_of_files(
     """Similarities of mesh files by name, missing for rejected ones; and the reasons."""
     import pandas as pd
 
+    from egad.io import warn_of_units
     from egad.measures.reeb import graph as reeb
     from egad.measures.reeb import similarity_matrix
-    from egad.workflow.mesh_files import warn_of_units
 
     work = partial(_graph, units=units, settings=settings)
     with workers(min(worker_count, len(files))) as mapper:
@@ -84,8 +83,8 @@ def similarity_of_files(
 
 def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes | str, float]:
     """The packed Reeb graph of a mesh, or the reason why there is none; and its longest side."""
+    from egad.io import use_mesh
     from egad.measures.reeb import graph as reeb
-    from egad.workflow.mesh_files import use_mesh
 
     return use_mesh(path, units, lambda mesh: reeb.pack(graph_of(mesh, settings, path.stem)))
 
@@ -96,8 +95,8 @@ def graph_of(mesh: "trimesh.Trimesh", settings: Similarity, name: str) -> "ReebG
     These bases depend on the order of the vertices, which repair changes. A mesh without a graph
     before repair has that after it.
     """
+    from egad.geometry.repair import repaired_mesh
     from egad.measures.reeb import graph as reeb
-    from egad.workflow.repair import repaired_mesh
 
     if settings.bases == "scan":
         with suppress(RejectedError):

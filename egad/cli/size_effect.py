@@ -18,7 +18,6 @@ from egad.cli.common import (
     gripper_option,
     out_option,
     settings_in,
-    with_option,
 )
 
 
@@ -38,16 +37,16 @@ def size_effect(
     """Compute grasp quality of meshes at several sizes, relative to the gripper opening."""
     from egad._util.files import write_text
     from egad.cli.terminal_tables import size_curves
-    from egad.config.stages import select
     from egad.io import check_ending, object_names, write_frame
     from egad.measures import SizeEffectParameters
+    from egad.measures.size_effect import curves
     from egad.report.grasps import size_chart
     from egad.tables.grasping import SIZE_EFFECT
-    from egad.workflow.size_effect import curves
+    from egad_workflow.settings import select
 
     for path in out:
         check_ending(path, (".svg", ".parquet", ".csv"))
-    whole = with_option(settings_in(config), "--grasps", "size_effect.grasps", grasps)
+    whole = settings_in(config, {"--grasps": ("size_effect.grasps", grasps)})
     whole, name = gripper_in(whole, gripper or whole.targets.grippers[0])
     files = object_names(files_in(meshes, units))
     table, reasons = curves(select(whole, SizeEffectParameters, name), files, units, jobs)

@@ -5,10 +5,10 @@ from typing import Annotated, Literal
 
 import typer
 
-from egad.cli.common import CORES, Config, Jobs, OutFolder, settings_in, with_option
-from egad.config import Settings
+from egad.cli.common import CORES, Config, Jobs, OutFolder, settings_in
 from egad.errors import UserError
 from egad.learning import NetworkName
+from egad_workflow.settings import Settings
 
 
 def train(
@@ -48,11 +48,12 @@ def train(
 
     After an interruption, the same command resumes after the last epoch, with the same result.
     """
-    whole = with_option(settings_in(config), "--network", "training.network", network)
+    options = {"--network": ("training.network", network), "--seed": ("seed", seed)}
+    whole = settings_in(config, options)
     scenes = whole.training.network == "vgn"
-    key = "training_vgn.examples" if scenes else "training.images"
-    whole = with_option(whole, "--budget", key, budget)
-    whole = with_option(whole, "--seed", "seed", seed)
+    if budget is not None:
+        key = "training_vgn.examples" if scenes else "training.images"
+        whole = settings_in(config, {**options, "--budget": (key, budget)})
     if not scenes and device != "cpu":
         raise UserError(f"--device {device} is for the network vgn; others train on the CPU")
     if scenes:
@@ -66,15 +67,18 @@ def _on_images(
     whole: Settings, folders: list[Path], out: Path, jobs: int, start: Path | None
 ) -> str:
     """Train on images; returns the result in words."""
-    from egad.config.stages import TrainNetwork, select
     from egad.io import write_sums
-    from egad.provenance.record import recorded
-    from egad.workflow.train import FOR_PEOPLE
-    from egad.workflow.train import train as train_network
+    from egad.learning import TrainNetwork
+    from egad.learning.train_on_images import FOR_PEOPLE
+    from egad.learning.train_on_images import train as train_network
+    from egad_workflow.code_version import code_version
+    from egad_workflow.provenance import recorded
+    from egad_workflow.settings import select
 
     settings = select(whole, TrainNetwork)
     with recorded("train", settings=settings, inputs=_inputs(folders, start)):
-        score = train_network(settings, folders, out, jobs, start)
+        code = "-".join(map(code_version, ("egad.detectors.networks", "egad.learning.training")))
+        score = train_network(settings, folders, out, jobs, start, code)
         for name in FOR_PEOPLE:
             write_sums(out / name)
     return (
@@ -92,11 +96,13 @@ def _on_scenes(
     start: Path | None,
 ) -> str:
     """Train on scenes, of whichever gripper; returns the result in words."""
-    from egad.config.stages import TrainOnScenes, select
     from egad.io import write_sums
-    from egad.provenance.record import recorded
-    from egad.workflow.train import FOR_PEOPLE
-    from egad.workflow.train_on_scenes import open_scenes, train_on_scenes
+    from egad.learning import TrainOnScenes
+    from egad.learning.train_on_images import FOR_PEOPLE
+    from egad.learning.train_on_scenes import open_scenes, train_on_scenes
+    from egad_workflow.code_version import code_version
+    from egad_workflow.provenance import recorded
+    from egad_workflow.settings import select
 
     scenes = open_scenes(folders)
     name = scenes.gripper_name
@@ -104,7 +110,8 @@ def _on_scenes(
     settings = select(whole, TrainOnScenes, name)
     inputs = _inputs(folders, start)
     with recorded("train", settings=settings, arguments={"device": device}, inputs=inputs):
-        score = train_on_scenes(settings, name, folders, out, jobs, device, start)
+        code = code_version("egad.learning.train_on_scenes")
+        score = train_on_scenes(settings, name, folders, out, jobs, device, start, code)
         for file in FOR_PEOPLE:
             write_sums(out / file)
     low, high = score.average_precision.interval

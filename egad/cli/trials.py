@@ -14,8 +14,8 @@ from egad.cli.replay import film, replay
 from egad.cli.run import run
 from egad.cli.validate import validate
 from egad.cli.verify_trials import verify_trials
-from egad.config import Settings
 from egad.errors import UserError
+from egad_workflow.settings import Settings
 
 if TYPE_CHECKING:
     import pandas as pd

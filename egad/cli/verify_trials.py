@@ -30,10 +30,11 @@ def verify_trials(
     """Simulate the attempts of a table again, without their detector, and say which differ."""
     import pandas as pd
 
+    from egad.bench import ClutterParameters, TrialParameters, gaps, groups_of, verify_groups
     from egad.tables import parquet
     from egad.tables.clutter import CLUTTER
     from egad.tables.evaluation import TRIALS
-    from egad.workflow.verification import gaps, groups_of, verify_groups
+    from egad_workflow.settings import select
 
     settings, hand, models = repeatable(table, dataset, gripper, config)
     is_clutter = "scene" in parquet.columns(table)
@@ -42,7 +43,12 @@ def verify_trials(
     attempts = sum(map(len, groups))
     if not attempts:
         raise UserError(f"{table}: no attempt to verify")
-    differences = verify_groups(groups, models, settings, hand, tolerance, jobs)
+    parameters: TrialParameters | ClutterParameters = (
+        select(settings, ClutterParameters, hand)
+        if is_clutter
+        else select(settings, TrialParameters, hand)
+    )
+    differences = verify_groups(groups, models, parameters, tolerance, jobs)
     for each in differences[:SHOWN]:
         typer.echo(f"{each.place}: {each.column} is {each.said}, simulated: {each.found}")
     if len(differences) > SHOWN:
@@ -56,7 +62,7 @@ def verify_trials(
     typer.echo(f"{table}: {attempts} of {len(rows)} attempts simulated again: all as in the table")
     labels = dict(zip(rows["id"], rows.get("label", rows["id"]), strict=True))
     objects = [(labels.get(name, name), name) for name in models]
-    missing = list(gaps(rows, pd.DataFrame(objects, columns=["label", "id"]), settings, hand))
+    missing = list(gaps(rows, pd.DataFrame(objects, columns=["label", "id"]), parameters))
     if missing:
         more = f", and {len(missing) - 1} more" if len(missing) > 1 else ""
         typer.echo(f"The table does not match the configuration: {missing[0]}{more}", err=True)

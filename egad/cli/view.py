@@ -21,15 +21,22 @@ from egad.cli.common import (
     named_gripper,
     out_option,
     settings_in,
-    with_option,
 )
-from egad.config.stages import ViewMesh, select
 from egad.errors import RejectedError, UserError, check_name
+from egad.geometry import Rescale
+from egad.grasps import LabelParameters
+from egad_workflow.settings import select
 
 if TYPE_CHECKING:
     from egad.report.viewer import GraspScene
 
 log = logging.getLogger(__name__)
+
+
+class ViewMesh(LabelParameters):
+    """Labelled grasps of any mesh, scaled first."""
+
+    rescale: Rescale
 
 
 def view(
@@ -53,8 +60,8 @@ def view(
     from egad.report.viewer import page
 
     check_ending(out, (".html",))
-    whole = with_option(settings_in(config), "--grasps", "grasp_label.grasps", grasps)
-    whole = with_option(whole, "--rule", "rescale.rule", rule)
+    options = {"--grasps": ("grasp_label.grasps", grasps), "--rule": ("rescale.rule", rule)}
+    whole = settings_in(config, options)
     if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
         for option, value in {"--rule": rule, "--units": units, "--grasps": grasps}.items():
             if value is not None:
@@ -104,13 +111,13 @@ def from_dataset(folder: Path, gripper: str, name: str, opening: float) -> "Gras
 def from_mesh(path: Path, units: str | None, settings: ViewMesh) -> "GraspScene":
     """A mesh file, repaired and scaled to the gripper, with newly labelled grasps."""
     from egad.geometry import ENLARGED, center_of_mass, rescale, units_doubt
+    from egad.geometry.repair import repaired_mesh
     from egad.grasps.sampling import Labeller
     from egad.io import read_mesh
     from egad.random import generator
     from egad.report.viewer import GraspScene
     from egad.tables import parquet
     from egad.tables.grasping import GRASPS
-    from egad.workflow.repair import repaired_mesh
 
     rule = settings.rescale
     try:

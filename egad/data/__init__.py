@@ -22,7 +22,7 @@ def released_simulated() -> Path:
 
 
 def released_graphs() -> Path:
-    """Reeb graphs of the released objects; `python -m egad.workflow.released_graphs` makes them."""
+    """Reeb graphs of the released objects; `python -m egad.cli.released_graphs` makes them."""
     return Path(__file__).with_name("graphs.parquet")
 
 

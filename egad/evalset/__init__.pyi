@@ -10,12 +10,16 @@ from .filament import print_settings as print_settings
 from .given_labels import labels_by_name as labels_by_name
 from .given_labels import read_labels as read_labels
 from .given_labels import take as take
+from .parameters import DataSheets as DataSheets
 from .parameters import Engraving as Engraving
+from .parameters import EvalSelection as EvalSelection
 from .parameters import PrintCheck as PrintCheck
 from .parameters import PrintExport as PrintExport
+from .parameters import PrintFiles as PrintFiles
 from .parameters import SelectEval as SelectEval
 from .plates import PrintItem as PrintItem
 from .plates import plan_prints as plan_prints
+from .print_files import write_print_files as write_print_files
 from .printability import print_problems as print_problems
 from .selection import LABEL as LABEL
 from .selection import Distances as Distances

@@ -4,7 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from egad._util.parameters import Length, Name, Parameters, PositiveFraction
+from egad._util.parameters import Length, Name, ParameterGroup, Parameters, PositiveFraction
+from egad.geometry import Rescale
+from egad.grippers import Gripper
+from egad.measures import MeasureSpace
+from egad.measures.reeb import Similarity
 
 Side = Annotated[float, Field(ge=0, le=10)]  # metres
 
@@ -95,3 +99,32 @@ class Engraving(Parameters):
         description="largest height difference of the surface below the label, metres; objects "
         "without an area this flat get no label",
     )
+
+
+class EvalSelection(ParameterGroup):
+    """The evaluation set."""
+
+    seed: int
+    space: MeasureSpace
+    similarity: Similarity
+    select_eval: SelectEval
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
+
+
+class PrintFiles(ParameterGroup):
+    """Files for printers."""
+
+    gripper: Gripper
+    rescale: Rescale
+    print_check: PrintCheck
+    print_export: PrintExport
+    engraving: Engraving
+
+
+class DataSheets(ParameterGroup):
+    """The datasheet of an evaluation set."""
+
+    select_eval: SelectEval
+    print_export: PrintExport

@@ -29,6 +29,7 @@ from .parameters import Hole as Hole
 from .parameters import KeepSolid as KeepSolid
 from .parameters import Limits as Limits
 from .parameters import Neat as Neat
+from .parameters import PostprocessSolids as PostprocessSolids
 from .parameters import Shape as Shape
 from .parameters import Symmetry as Symmetry
 from .surface import packed_surface as packed_surface

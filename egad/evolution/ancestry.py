@@ -19,18 +19,14 @@ class Lineage:
     A child of two parents has the structure of its network from the first one: connections and
     nodes that only one parent has come from that one (`genome.child`). So the line of first
     parents leads from each object to one founder, a random genome. All objects with the same
-    founder are a family.
+    founder are a family. A name that is not in the table is a `UserError`.
 
     Attributes:
         table: One row per object, parents before their children, with its genome and measures.
     """
 
     def __init__(self, ancestry: pd.DataFrame) -> None:
-        """Read the relations of a table.
-
-        Args:
-            ancestry: As `ancestors` returns it: the columns of `tables.evolution.LINEAGE`.
-        """
+        """Read the relations of a table with the columns of `tables.evolution.LINEAGE`."""
         self.table = ancestry
         ids = ancestry["id"]
         self._parents: dict[str, tuple[str, ...]] = {
@@ -56,23 +52,13 @@ class Lineage:
         return table_html(repr(self), self.table.set_index("id")[["parents", *MEASURES]])
 
     def genome(self, name: str) -> Row:
-        """The CPPN of an object or ancestor, with the columns of `tables.evolution.GENOME`.
-
-        An archive may have another genome with the same voxels, which was found later.
-
-        Raises:
-            UserError: The object is not in the table.
-        """
+        """The CPPN of an object or ancestor, with the columns of `tables.evolution.GENOME`."""
         self.parents(name)
         row = self.table[self.table["id"] == name].iloc[0]
         return {column: row[column] for column in GENOME.names}
 
     def parents(self, name: str) -> tuple[str, ...]:
-        """Ids of the parents of an object, the first one first; a founder has none.
-
-        Raises:
-            UserError: The object is not in the table.
-        """
+        """Ids of the parents of an object, the first one first; a founder has none."""
         if name not in self._parents:
             raise UserError(
                 f"the ancestors of the object {name} are unknown: it is not in the table"
@@ -80,39 +66,23 @@ class Lineage:
         return self._parents[name]
 
     def children(self, name: str) -> tuple[str, ...]:
-        """Ids of the children of an object that are in the table, the oldest first.
-
-        Raises:
-            UserError: The object is not in the table.
-        """
+        """Ids of the children of an object that are in the table, the oldest first."""
         self.parents(name)
         return tuple(self._children.get(name, ()))
 
     def line(self, name: str) -> list[str]:
-        """An object, its first parent, the first parent of that one, and so on to the founder.
-
-        Raises:
-            UserError: The object is not in the table.
-        """
+        """An object, its first parent, the first parent of that one, and so on to the founder."""
         line = [name]
         while parents := self.parents(line[-1]):
             line.append(parents[0])
         return line
 
     def family(self, name: str) -> str:
-        """Id of the founder at the end of the line of first parents, which names the family.
-
-        Raises:
-            UserError: The object is not in the table.
-        """
+        """Id of the founder at the end of the line of first parents, which names the family."""
         return self.line(name)[-1]
 
     def founders(self, name: str) -> list[str]:
-        """Ids of all founders that an object descends from by any parent, the oldest first.
-
-        Raises:
-            UserError: The object is not in the table.
-        """
+        """Ids of all founders that an object descends from by any parent, the oldest first."""
         known, waiting = {name}, [name]
         while waiting:
             parents = self.parents(waiting.pop())
@@ -122,21 +92,11 @@ class Lineage:
 
 
 def ancestors(elites: Iterable[str], lineage: pd.DataFrame) -> pd.DataFrame:
-    """Elites and all their ancestors.
+    """The rows of elites, named by id, and of all their ancestors, in the order of creation.
 
-    An object that was accepted more than once, or by several islands, counts from the first time,
-    so every parent is older than its children. An archive may name other parents of the object.
-
-    Args:
-        elites: Ids of the elites.
-        lineage: All objects that the archives of a run accepted, with the columns of
-            `tables.evolution.LINEAGE`, in any order.
-
-    Returns:
-        The rows of these objects, in the order in which they were created.
-
-    Raises:
-        UserError: An elite or one of its ancestors is missing.
+    An object that was accepted more than once, or by several islands, counts from the first time.
+    Raises `UserError` if one of them is not in the lineage, which has the columns of
+    `tables.evolution.LINEAGE`.
     """
     born = lineage.sort_values(["epoch", "step", "island", "id"]).drop_duplicates("id")
     parents = dict(zip(born["id"], born["parents"], strict=True))

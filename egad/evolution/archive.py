@@ -23,15 +23,12 @@ from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, GENOME
 
+_MEASURED = ("complexity", "graspability", "graspability_std", "cell_confidence")
+
 
 @dataclass(frozen=True, repr=False)
 class Elite:
-    """An object of the archive.
-
-    Attributes:
-        objective: What elites of a cell compete by; on ties, the more diverse ones stay. Always 0
-            when objects are evolved for their diversity alone.
-    """
+    """An object of the archive; elites of a cell compete by objective, then by diversity."""
 
     id: str
     genome: Row
@@ -54,10 +51,7 @@ class Elite:
         return {
             "id": self.id,
             **self.genome,
-            "complexity": self.complexity,
-            "graspability": self.graspability,
-            "graspability_std": self.graspability_std,
-            "cell_confidence": self.cell_confidence,
+            **{name: getattr(self, name) for name in _MEASURED},
             "parents": list(self.parents),
             "epoch": self.epoch,
         }
@@ -74,13 +68,7 @@ class Archive:
     """Elites in the cells of the space; no two of them have the same voxels."""
 
     def __init__(self, space: MeasureSpace, similarity: Similarity, threads: int = 1) -> None:
-        """Start without elites.
-
-        Args:
-            space: Cells and their capacity.
-            similarity: How diversity is measured.
-            threads: Diversities computed at once; no result depends on it.
-        """
+        """Start without elites; the number of threads for diversities changes no result."""
         self.space = space
         self._neighborhood = Neighborhood(similarity.weight, space.neighbors, threads)
         self._elites: dict[int, Elite] = {}
@@ -213,8 +201,8 @@ class Archive:
     def _trim(self) -> None:
         """Remove elites of overfull cells until every cell fits.
 
-        While there are more others than neighbors, a removal can only raise a diversity: a stored
-        one is then a lower bound, and is recomputed when it is the least of the heap.
+        With more others than neighbors, a removal can only raise diversities: those stored are
+        lower bounds.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
         queue = self._crowded(counts)
@@ -292,13 +280,10 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
             id=row["id"],
             genome={name: row[name] for name in GENOME.names},
             voxels=row["voxels"],
-            complexity=row["complexity"],
-            graspability=row["graspability"],
             graph=reeb.unpack(row["graph"]),
             parents=tuple(row["parents"]),
             epoch=row["epoch"],
-            graspability_std=row["graspability_std"],
-            cell_confidence=row["cell_confidence"],
+            **{name: row[name] for name in _MEASURED},
         )
         for row in parquet.records(frame)
     ]
@@ -307,35 +292,18 @@ def elites_of(frame: pd.DataFrame) -> list[Elite]:
 def merge(
     frames: Iterable[pd.DataFrame], space: MeasureSpace, similarity: Similarity, threads: int = 1
 ) -> pd.DataFrame:
-    """Insert the elites of all islands into one archive.
-
-    Args:
-        frames: Tables with the columns of `tables.evolution.EPOCH`, in the order of the islands.
-        space: Cells and their capacity.
-        similarity: How diversity is measured.
-        threads: Diversities computed at once; no result depends on it.
-
-    Returns:
-        A table with the same columns.
-    """
+    """One archive of the elites of all islands, in order, from and to tables as `EPOCH`."""
     archive = Archive(space, similarity, threads)
     archive.add(elite for frame in frames for elite in elites_of(frame))
     return archive.to_frame()
 
 
 def ribs_frame(archive: pd.DataFrame, space: MeasureSpace) -> pd.DataFrame:
-    """The elites with the columns of a pyribs `ArchiveDataFrame`, for its tools.
+    """The elites of an archive or `Dataset.table` as a pyribs `ArchiveDataFrame`, for its tools.
 
-    Args:
-        archive: One row per elite, with the columns `id`, `complexity`, `graspability`,
-            `diversity`, `complexity_cell` and `difficulty_cell`, as in `archive.parquet` or
-            `Dataset.table`.
-        space: Its cells.
-
-    Returns:
-        One row per elite: `index` (of its cell: along complexity, then graspability, both from the
-        low end), `objective` (its diversity), `measures_0` (complexity), `measures_1`
-        (graspability, high is easy), `id`. Unlike in pyribs, a cell may have several rows.
+    The columns: `index` (of the cell: along complexity, then graspability, both from the low end),
+    `objective` (its diversity), `measures_0` (complexity), `measures_1` (graspability, high is
+    easy), `id`. Unlike in pyribs, a cell may have several rows.
     """
     rows = space.cells - 1 - archive["difficulty_cell"].to_numpy()  # the low end is hard
     shape = (space.cells, space.cells)

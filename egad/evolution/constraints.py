@@ -1,6 +1,5 @@
 """Constraints on shapes (ours): envelope, required solid, hole, symmetry, limits."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,7 +21,6 @@ Points = NDArray[np.float32]
 Voxels = NDArray[np.bool_]
 AXES = "xyz"
 EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
-Reader = Callable[[str], trimesh.Trimesh]
 
 
 def folded(points: Points, symmetry: Symmetry) -> Points:
@@ -55,11 +53,7 @@ def across(axis: str) -> tuple[int, int]:
 
 
 def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
-    """Whether a body is its own image, and not one of several that are images of each other.
-
-    For symmetric bodies, it is enough that each image covers half of the body: voxels that a
-    rotation does not map onto voxels may differ.
-    """
+    """Whether a body is not one of several images of each other: each image covers half of it."""
     images = [np.flip(voxels, AXES.index(axis)) for axis in symmetry.mirror]
     if symmetry.fold > 1:
         images.append(turned(voxels, symmetry))
@@ -120,19 +114,12 @@ def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
 
 @dataclass(frozen=True)
 class Rules:
-    """Constraints that every shape must obey; none by default.
+    """Constraints that every shape must obey; none by default."""
 
-    Attributes:
-        allowed: Voxels that may be solid; None: all.
-        required: Voxels that must be solid, all of them allowed; None: none.
-        symmetry: Mirrors and rotation.
-        limits: Aspect ratio and volume.
-    """
-
-    allowed: Solid | None = None
-    required: Solid | None = None
-    symmetry: Symmetry = field(default_factory=Symmetry)
-    limits: Limits = field(default_factory=Limits)
+    allowed: Solid | None = None  # voxels that may be solid; None: all
+    required: Solid | None = None  # voxels that must be solid, all of them allowed; None: none
+    symmetry: Symmetry = field(default_factory=Symmetry)  # mirrors and rotation
+    limits: Limits = field(default_factory=Limits)  # aspect ratio and volume
 
     def clip(self, solid: Solid) -> Solid:
         """The solid with what is required, and without what is not allowed."""
@@ -143,39 +130,21 @@ class Rules:
 UNBOUND = Rules()
 
 
-def build_rules(
-    resolution: int,
-    read: Reader,
-    *,
-    envelope: Region,
-    keep_solid: Region,
-    hole: Region,
-    symmetry: Symmetry,
-    limits: Limits,
-) -> Rules:
-    """Turn constraints into voxels of the cube that shapes grow in.
+def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
+    """The constraints on all shapes as voxels, at a resolution or that of evolution.
 
-    Args:
-        resolution: Voxels along each side of the cube.
-        read: Gives the closed mesh of a file, for regions of the kind `mesh`.
-        envelope: Shapes stay inside it, except for what is kept solid.
-        keep_solid: Shapes contain it, except for the hole.
-        hole: Shapes stay out of it.
-        symmetry: Mirrors and rotation.
-        limits: Allowed values of numbers that describe a shape.
-
-    Raises:
-        UserError: Nothing could grow by these rules, or a mesh cannot be used.
+    Raises `UserError` if nothing could grow by them, or a mesh cannot be used.
     """
+    resolution = resolution or settings.shape.resolution
+    mirror, shape = settings.symmetry.mirror, (resolution,) * 3
 
     def grid(region: Region) -> Solid | None:
         if region.kind == "none":
             return None
-        mesh = read(region.mesh) if region.kind == "mesh" else None
+        mesh = mesh_of(region.mesh) if region.kind == "mesh" else None
         return region_voxels(region, resolution, mesh)
 
-    mirror, shape = symmetry.mirror, (resolution,) * 3
-    inside, solid, hollow = map(grid, (envelope, keep_solid, hole))
+    inside, solid, hollow = map(grid, (settings.envelope, settings.keep_solid, settings.hole))
     void = np.zeros(shape, dtype=bool) if hollow is None else with_images(hollow, mirror)
     outside = np.zeros(shape, dtype=bool) if inside is None else with_images(~inside, mirror)
     kept = np.zeros(shape, dtype=bool) if solid is None else with_images(solid, mirror) & ~void
@@ -185,7 +154,10 @@ def build_rules(
     if not allowed.any():
         raise UserError("envelope and hole leave no voxel free for growth")
     return Rules(
-        None if allowed.all() else allowed, None if solid is None else kept, symmetry, limits
+        None if allowed.all() else allowed,
+        None if solid is None else kept,
+        settings.symmetry,
+        settings.limits,
     )
 
 
@@ -202,10 +174,8 @@ def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
     Voxels above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
     parts are removed by an opening with the 6-neighborhood, and only the largest body is kept.
     Required voxels are added and voxels that are not allowed are cut away, both before hidden
-    voxels are filled and after thin parts are removed.
-
-    Raises:
-        RejectedError: Nothing is left, or what is left is against the rules.
+    voxels are filled and after thin parts are removed. `RejectedError` if nothing is left, or it is
+    against the rules.
     """
     filled = voxels.fill_orthographic(rules.clip(output > threshold))
     body = voxels.largest_body(rules.clip(ndimage.binary_opening(filled)))
@@ -247,27 +217,6 @@ def _check_limits(body: Solid, limits: Limits) -> None:
 def box_sides(body: Solid) -> NDArray[np.int64]:
     """Sides of the axis-aligned box of a body, in voxels, (3,)."""
     return np.asarray(np.ptp(np.argwhere(body), axis=0) + 1)
-
-
-def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
-    """The constraints on all shapes.
-
-    Args:
-        settings: All constraints.
-        resolution: Voxels along each side of the cube; None: as in evolution.
-
-    Raises:
-        UserError: The constraints leave no voxel to grow in, or a mesh cannot be used.
-    """
-    return build_rules(
-        resolution or settings.shape.resolution,
-        mesh_of,
-        envelope=settings.envelope,
-        keep_solid=settings.keep_solid,
-        hole=settings.hole,
-        symmetry=settings.symmetry,
-        limits=settings.limits,
-    )
 
 
 def mesh_of(path: str) -> trimesh.Trimesh:

@@ -49,11 +49,7 @@ def express(row: Row, settings: EvolutionParameters, rules: Rules) -> GenomeVoxe
 
 
 def measure(solid: GenomeVoxels, settings: EvolutionParameters) -> Measured | str:
-    """The measures of a solid, or the reason why it has none.
-
-    The solid seeds its grasps: equal solids have equal measures wherever and whenever they are
-    found.
-    """
+    """The measures of a solid, which seeds its grasps, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     try:
         place = measure_mesh(mesh, settings, first_estimate(solid.id, settings))
@@ -75,10 +71,7 @@ def first_estimate(solid_id: str, settings: EvolutionParameters) -> Estimate:
 
 
 def refine(elite: Elite, settings: EvolutionParameters) -> Elite | None:
-    """An object with the final estimate of its graspability; None if there is no grasp.
-
-    Other grasps are drawn: the error of the first estimate may be why the archive would keep it.
-    """
+    """An object with the final estimate of its graspability, from other grasps, or None."""
     mesh = packed_surface(elite.voxels, settings.shape)
     rng = generator(settings.seed, "difficulty", elite.id)
     try:

@@ -9,24 +9,14 @@ import trimesh
 from numpy.typing import ArrayLike
 
 from egad._util.arguments import as_floats, check_array
-from egad._util.parameters import Range, check_count, from_arguments
+from egad._util.parameters import Range, check_count, from_arguments, with_defaults
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError, UserError, most_common
 from egad.evolution.archive import Archive
 from egad.evolution.evaluation import GenomeVoxels, Measured
 from egad.evolution.island import Candidate, Island
-from egad.evolution.parameters import (
-    Envelope,
-    Evolution,
-    EvolutionParameters,
-    Hole,
-    KeepSolid,
-    Limits,
-    Neat,
-    Shape,
-    Symmetry,
-)
+from egad.evolution.parameters import Evolution, EvolutionParameters
 from egad.evolution.surface import packed_surface
 from egad.grippers import gripper
 from egad.measures import Graspability, MeasureSpace, default_measures
@@ -182,11 +172,7 @@ def evolution_parameters(
     cells: int = SPACE.cells,
     elites_per_cell: int = SPACE.elites_per_cell,
 ) -> EvolutionParameters:
-    """The default parameters of evolution, overridden by the given ones.
-
-    Raises:
-        UserError: One of them is not allowed.
-    """
+    """The parameters of evolution, the default ones for all others; `UserError` for a wrong one."""
     first, second = _checked(ranges)
     space = from_arguments(
         MeasureSpace,
@@ -195,17 +181,9 @@ def evolution_parameters(
         cells=cells,
         elites_per_cell=elites_per_cell,
     )
-    return EvolutionParameters(
-        **dict(default_measures(gripper(Graspability().gripper), seed)) | {"space": space},
-        evolution=from_arguments(Evolution, population=population),
-        neat=Neat(),
-        shape=Shape(),
-        envelope=Envelope(),
-        keep_solid=KeepSolid(),
-        hole=Hole(),
-        symmetry=Symmetry(),
-        limits=Limits(),
-    )
+    measures = dict(default_measures(gripper(Graspability().gripper), seed)) | {"space": space}
+    evolution = from_arguments(Evolution, population=population)
+    return with_defaults(EvolutionParameters, **measures, evolution=evolution)
 
 
 def _checked(ranges: tuple[Range, Range]) -> tuple[Range, Range]:

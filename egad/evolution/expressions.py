@@ -28,18 +28,12 @@ EXACT = 17  # digits that give back the same number
 
 
 class ExpressionNode(NamedTuple):
-    """A node that the output of a network depends on.
+    """A node that the output of a network depends on."""
 
-    Attributes:
-        name: `h1`, `h2` and so on in the order of evaluation; the last one is `output`.
-        activation: Name of its function.
-        bias: Added to the weighted inputs.
-        inputs: Name and weight of each input: another node, or one of `INPUT_NAMES`.
-    """
-
-    name: str
+    name: str  # `h1`, `h2` and so on in the order of evaluation; the last one is `output`
     activation: str
-    bias: float
+    bias: float  # added to the weighted inputs
+    # name and weight of each input: another node, or one of `INPUT_NAMES`
     inputs: tuple[tuple[str, float], ...]
 
 

@@ -76,44 +76,22 @@ def neat_config(settings: Neat) -> DefaultGenomeConfig:
         "enabled_default": "true",
         "enabled_mutate_rate": settings.connection_toggle_rate,
         **_float_attribute("response", settings, mean=1.0),
-        **_float_attribute(
-            "bias",
-            settings,
-            sigma=settings.bias_sigma,
-            rate=settings.bias_mutation_rate,
-            power=settings.bias_mutation_sigma,
-            replace=settings.bias_replacement_rate,
-        ),
-        **_float_attribute(
-            "weight",
-            settings,
-            sigma=settings.weight_sigma,
-            rate=settings.weight_mutation_rate,
-            power=settings.weight_mutation_sigma,
-            replace=settings.weight_replacement_rate,
-        ),
+        **_float_attribute("bias", settings),
+        **_float_attribute("weight", settings),
     }
     config = Genome.parse_config(values)
     config.innovation_tracker = _NamedInnovations()
     return config
 
 
-def _float_attribute(
-    name: str,
-    settings: Neat,
-    *,
-    mean: float = 0.0,
-    sigma: float = 0.0,
-    rate: float = 0.0,
-    power: float = 0.0,
-    replace: float = 0.0,
-) -> dict[str, float]:
+def _float_attribute(name: str, settings: Neat, mean: float = 0.0) -> dict[str, float]:
+    """The settings of a number of a gene; those that `Neat` does not have are 0."""
     return {
         f"{name}_init_mean": mean,
-        f"{name}_init_stdev": sigma,
-        f"{name}_mutate_rate": rate,
-        f"{name}_mutate_power": power,
-        f"{name}_replace_rate": replace,
+        f"{name}_init_stdev": getattr(settings, f"{name}_sigma", 0.0),
+        f"{name}_mutate_rate": getattr(settings, f"{name}_mutation_rate", 0.0),
+        f"{name}_mutate_power": getattr(settings, f"{name}_mutation_sigma", 0.0),
+        f"{name}_replace_rate": getattr(settings, f"{name}_replacement_rate", 0.0),
         f"{name}_min_value": -settings.weight_limit,
         f"{name}_max_value": settings.weight_limit,
     }
@@ -128,10 +106,7 @@ def random_genome(config: DefaultGenomeConfig, seed: int) -> Row:
 
 
 def child(config: DefaultGenomeConfig, parents: Sequence[Row], seed: int) -> Row:
-    """The row of a mutated child of one parent, or of a mutated cross of two.
-
-    Genes that only one of two parents has come from the first.
-    """
+    """The row of a mutated child of one parent, or of two: the first one's genes are kept."""
     with _seeded(seed):
         genome = from_row(config, parents[0])
         if len(parents) > 1:

@@ -20,20 +20,7 @@ SAME = 0.95  # least overlap of regrown voxels with those of an archive
 def grow(
     genome: Row, resolution: int, threshold: float = Shape().threshold, rules: Rules = UNBOUND
 ) -> Solid:
-    """The solid that a genome describes.
-
-    Args:
-        genome: As `EvolvedObject.genome`.
-        resolution: Voxels along each side of the cube.
-        threshold: Output of the network above which a voxel is solid.
-        rules: Constraints at this resolution.
-
-    Returns:
-        (r, r, r) bool, not empty.
-
-    Raises:
-        RejectedError: Nothing is left, or what is left is against the rules.
-    """
+    """The solid of a genome, (r, r, r), or `RejectedError` if it is empty or against the rules."""
     return constraints.solid(query(genome, resolution, rules.symmetry), threshold, rules)
 
 
@@ -69,13 +56,9 @@ def check_resolution(resolution: int) -> None:
 
 
 def check_regrown(genome: Row, voxels: Solid, threshold: float, rules: Rules = UNBOUND) -> None:
-    """Make sure that a genome describes the voxels that an archive has for it.
+    """Raise `UserError` if a genome does not describe the voxels that an archive has for it.
 
     A few voxels at the threshold may differ: the last bit of a sine decides about them.
-
-    Raises:
-        UserError: It does not, so the object was evolved within other constraints.
-        RejectedError: Nothing is left of it within these rules.
     """
     grown = grow(genome, len(voxels), threshold, rules)
     if np.count_nonzero(grown & voxels) < SAME * np.count_nonzero(grown | voxels):

@@ -173,17 +173,7 @@ def evolve(
     mapper: Mapper = map,
     watch: Watch | None = None,
 ) -> Epoch:
-    """Run the steps of one epoch of one island on its archive.
-
-    Args:
-        archive: Changed in place.
-        settings: Everything about breeding and measuring.
-        epoch: Number of the epoch.
-        island: Number of the island.
-        rules: Constraints that every shape must obey.
-        mapper: An order-preserving `map`; where it runs does not change the result.
-        watch: Called with the archive and the steps so far after each step; may not change them.
-    """
+    """The steps of one epoch of an island on its archive, which changes; `watch` sees each step."""
     run = Island(archive, settings, epoch, island, rules, mapper)
     rows: list[dict[str, Any]] = []
     accepted: list[dict[str, Any]] = []
@@ -202,10 +192,7 @@ def evolve(
 
 
 def snapshot(archive: Archive, done: Advance, scored: bool) -> dict[str, Any]:
-    """What a step did: columns of `tables.evolution.HISTORY` except for those that identify it.
-
-    The QD-score, if `scored`, needs all diversities.
-    """
+    """What a step did: columns of `tables.evolution.HISTORY`, the QD-score only if `scored`."""
     counts, outcomes = archive.counts(), done.outcomes
     return {
         "offspring": outcomes.total(),

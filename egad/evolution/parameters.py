@@ -20,7 +20,7 @@ from egad._util.parameters import (
     check_ascending,
 )
 from egad.geometry import VOXELS, Smoothing
-from egad.measures import MeasureParameters
+from egad.measures import MeasureMeshes, MeasureParameters
 
 Activation = Literal["sin", "sigmoid", "gaussian", "identity"]  # `query.activate`
 _USUAL = Smoothing()
@@ -202,3 +202,9 @@ class EvolutionParameters(MeasureParameters):
     hole: Annotated[Hole, SEARCH_ONLY]
     symmetry: Annotated[Symmetry, SEARCH_ONLY]
     limits: Annotated[Limits, SEARCH_ONLY]
+
+
+class PostprocessSolids(MeasureMeshes):
+    """Repair, mass properties and measures of the objects of a shard."""
+
+    shape: Shape

@@ -19,10 +19,7 @@ NO_SYMMETRY = Symmetry()
 
 @lru_cache(maxsize=4)
 def grid_inputs(resolution: int, symmetry: Symmetry = NO_SYMMETRY) -> Field:
-    """The network inputs at all grid points, (7, resolution^3) float32, C order (EGAD, Table II).
-
-    The coordinates x, y, z run over [-1, 1]; the others are distances from the axes and the center.
-    """
+    """The inputs at all grid points, (7, resolution^3), in C order (EGAD, Table II)."""
     line = np.linspace(-1, 1, resolution, dtype=np.float32)
     x, y, z = (axis.ravel() for axis in np.meshgrid(line, line, line, indexing="ij"))
     if symmetry != NO_SYMMETRY:
@@ -51,11 +48,7 @@ def query(row: Mapping[str, Any], resolution: int, symmetry: Symmetry = NO_SYMME
 
 
 def evaluation_order(row: Mapping[str, Any]) -> list[tuple[int, list[tuple[int, float]]]]:
-    """Keys of the nodes that the output, the last, depends on, each with its enabled inputs.
-
-    Inputs, as keys and weights, come before what uses them. Keys from -1 down are the inputs of the
-    network, in the order of `grid_inputs`.
-    """
+    """Keys of the nodes that the output depends on, in order, each with its inputs and weights."""
     incoming = _used_connections(row)
     order = TopologicalSorter({node: [s for s, _ in links] for node, links in incoming.items()})
     return [(node, incoming[node]) for node in order.static_order() if node >= 0]

@@ -9,12 +9,7 @@ from egad.geometry import Smoothing, voxel_surface
 
 
 def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
-    """The surface of voxels as archives keep them; see `surface`.
-
-    Raises:
-        UserError: Their number does not match the resolution.
-        RejectedError: None of them is solid.
-    """
+    """The surface of voxels as archives keep them; `RejectedError` if none is solid."""
     voxels = unpack(packed, shape.resolution)
     if not voxels.any():
         raise RejectedError("no solid voxel")
@@ -22,17 +17,7 @@ def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
 
 
 def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
-    """The surface of a solid: marching cubes, Humphrey smoothing, scaled and centered.
-
-    Source: EGAD, section III-B; smoothing by Vollmer, Mencl, Mueller 1999.
-
-    Args:
-        voxels: (r, r, r) bool, not empty.
-        shape: Smoothing and size.
-
-    Returns:
-        A mesh in metres with outward normals, its axis-aligned box centered on the origin.
-    """
+    """The smoothed surface of voxels (EGAD, III-B), in metres, its box centered on the origin."""
     smoothing = Smoothing(shape.smoothing_iterations, shape.smoothing_alpha, shape.smoothing_beta)
     _, mesh = voxel_surface(voxels, smoothing)
     low, high = mesh.bounds

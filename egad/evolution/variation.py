@@ -45,16 +45,10 @@ class Offspring:
 
 
 def breed(elites: Sequence[Parent], settings: EvolutionParameters, *index: int) -> list[Offspring]:
-    """The offspring of one step.
+    """The offspring of one step; random genomes if there are no elites (EGAD, section III-D).
 
-    Parents are sampled from the whole archive, a second one with the crossover probability. If
-    there are no elites, the offspring are random genomes (EGAD, section III-D). Sampling parents
-    near empty slots, litters of siblings and restarts are ours.
-
-    Args:
-        elites: The archive, in a fixed order.
-        settings: Population, crossover and mutation.
-        *index: Identifies the step: epoch, island, step. Every child has its own random stream.
+    The index (epoch, island, step) gives every child its own random stream. Sampling parents near
+    empty slots, litters of siblings and restarts are ours.
     """
     config = neat_config(settings.neat)
     rng = generator(settings.seed, "parents", *index)
@@ -106,10 +100,7 @@ def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | N
 
 
 def parent_odds(elites: Sequence[Parent], space: MeasureSpace) -> NDArray[np.float64]:
-    """The probability of each of n elites to be a parent, (n,), by the empty slots near it (ours).
-
-    Weights are the empty slots in the cell and the eight cells around it, plus `MIN_WEIGHT`.
-    """
+    """The probability of each of n elites to be a parent, (n,), by the empty slots near it."""
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.graspability for elite in elites], space)
     counts = np.zeros((space.cells, space.cells))

@@ -36,11 +36,7 @@ def pack(voxels: Solid) -> bytes:
 
 
 def unpack(data: bytes, resolution: int) -> Solid:
-    """The inverse of `pack`.
-
-    Raises:
-        UserError: The size of the data does not match the resolution.
-    """
+    """The inverse of `pack`; `UserError` if the size does not match the resolution."""
     count = resolution**3
     bits = np.frombuffer(data, dtype=np.uint8)
     if len(bits) != (count + 7) // 8:

@@ -1,3 +1,12 @@
+from .bundle import any_objects as any_objects
+from .bundle import evaluation_objects as evaluation_objects
+from .bundle import write_bundle as write_bundle
+from .bundled import bundle_models as bundle_models
+from .bundled import evaluation_set_models as evaluation_set_models
+from .bundled import lazy_models as lazy_models
+from .bundled import model_in as model_in
+from .bundled import model_of_parts as model_of_parts
+from .bundled import rows_by_id as rows_by_id
 from .dexnet_database import MEASURES as MEASURES
 from .dexnet_database import DexnetObject as DexnetObject
 from .dexnet_database import add_object as add_object
@@ -13,7 +22,9 @@ from .objects.simulation import read_simulation_object as read_simulation_object
 from .objects.simulation import write_simulation_object as write_simulation_object
 from .parameters import Acronym as Acronym
 from .parameters import DexNet as DexNet
+from .parameters import DexNetObjects as DexNetObjects
 from .parameters import NamedGripper as NamedGripper
+from .parameters import RescaleMeshes as RescaleMeshes
 from .registry import ALL as ALL
 from .registry import EVALUATION_SET as EVALUATION_SET
 from .registry import FORMATS as FORMATS
@@ -32,4 +43,5 @@ from .registry import settings_class as settings_class
 from .registry import sources as sources
 from .registry import write_format as write_format
 from .registry import writer_of as writer_of
+from .rescaled_files import rescale_files as rescale_files
 from .whole_sets import WriteObject as WriteObject

@@ -4,8 +4,11 @@ The groups and attributes are those that Dex-Net's database classes read. A gras
 attributes, so there are millions of groups: they are made by the low-level calls of h5py.
 """
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -14,9 +17,14 @@ from h5py import h5a, h5g, h5p, h5s, h5t
 from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
-from egad.exchange.hdf5 import add_array, add_group
-from egad.geometry import DistanceField, StablePose
+from egad._util.progress import progress
+from egad.errors import RejectedError
+from egad.exchange.hdf5 import add_array, add_group, check_key, writing
+from egad.exchange.parameters import DexNetObjects
+from egad.geometry import DistanceField, StablePose, distance_field, mass_properties, resting_poses
+from egad.io import read_mesh
 
+log = logging.getLogger(__name__)
 UNTIMED = "01-01-1980-00h-00m-00s"  # same input, same bytes
 MEASURES = ("complexity", "graspability", "complexity_cell", "difficulty_cell", "diversity")
 GRASP_TYPE, FRAME = "ParallelJawPtGrasp3D", "object"
@@ -120,3 +128,45 @@ def _attribute(
 ) -> None:
     space = h5s.create_simple(value.shape) if value.ndim else h5s.create(h5s.SCALAR)
     h5a.create(place, name, kind, space).write(value)
+
+
+def write_objects(
+    settings: DexNetObjects, rows: list[dict[str, Any]], meshes: Path, out: Path
+) -> None:
+    """Write objects, rows of `tables.objects.OBJECTS`: distance fields, stable poses.
+
+    The HDF5 file has a group for each in its group `objects`. If the stable poses of an object
+    cannot be computed, it is written without them and logged.
+    """
+    with writing(out) as file:
+        group = file.create_group("objects")
+        for row in progress(rows, "computing distance fields", len(rows)):
+            key = check_key(row["label"])
+            try:
+                solid = _solid(settings, row, meshes / f"{key}.obj")
+            except RejectedError as reason:
+                log.warning("%s is omitted: %s", key, reason)
+            else:
+                add_object(group, key, solid)
+
+
+def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> DexnetObject:
+    mesh = read_mesh(path, "m")
+    mass = mass_properties(mesh, settings.material.density)
+    wanted = settings.dexnet
+    return DexnetObject(
+        mesh=mesh,
+        mass=mass.mass,
+        field=distance_field(mesh, wanted.field_size, wanted.field_padding),
+        poses=_poses(mesh, mass.com, wanted.pose_probability, row["label"]),
+        name=row["id"],
+        measures={name: float(row[name]) for name in MEASURES},
+    )
+
+
+def _poses(mesh: trimesh.Trimesh, com: Floats, least: float, label: str) -> list[StablePose]:
+    try:
+        return [pose for pose in resting_poses(mesh, com) if pose.probability >= least]
+    except RejectedError as reason:
+        log.warning("%s is written without stable poses: %s", label, reason)
+        return []

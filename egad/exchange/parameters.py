@@ -5,7 +5,7 @@ from typing import NamedTuple, Self
 from pydantic import Field, model_validator
 
 from egad._util.parameters import Fraction, ParameterGroup, Parameters
-from egad.geometry import Bundle, Material
+from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import Quality, Robust
 from egad.grippers import Gripper
 
@@ -83,3 +83,17 @@ class DexNetDatabase(ParameterGroup):
     gripper: Gripper
     quality: Quality
     robust: Robust
+
+
+class RescaleMeshes(ParameterGroup):
+    """Scaling to a gripper."""
+
+    gripper: Gripper
+    rescale: Rescale
+
+
+class DexNetObjects(ParameterGroup):
+    """Objects of a Dex-Net database: distance fields, stable poses, masses."""
+
+    material: Material
+    dexnet: DexNet

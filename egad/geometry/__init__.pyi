@@ -31,9 +31,9 @@ from .parameters import Bundle as Bundle
 from .parameters import Material as Material
 from .parameters import OpenSurfaces as OpenSurfaces
 from .parameters import Rescale as Rescale
+from .parameters import SimulationBundle as SimulationBundle
 from .parameters import Smoothing as Smoothing
 from .parts import PartsWarning as PartsWarning
-from .precision import in_single_precision as in_single_precision
 from .primitives import joined_primitives as joined_primitives
 from .rays import RayCaster as RayCaster
 from .rays import TriangleScene as TriangleScene
@@ -43,6 +43,7 @@ from .refinement import face_areas as face_areas
 from .refinement import lexicographic as lexicographic
 from .refinement import refine as refine
 from .refinement import triangulation as triangulation
+from .rounding import in_single_precision as in_single_precision
 from .scaling import ENLARGED as ENLARGED
 from .scaling import box_sides as box_sides
 from .scaling import rescale as rescale

@@ -24,18 +24,7 @@ def repair_and_weigh(
     open_surfaces: OpenSurfaces = "reject",
     thickness: float = SHELL_THICKNESS,
 ) -> Body:
-    """Repair a mesh, round its coordinates to single precision, and weigh it.
-
-    Args:
-        mesh: In metres.
-        density: kg/m3.
-        min_volume: The least volume that an object may have, m3.
-        open_surfaces: See `egad.geometry.repair.repair`.
-        thickness: Wall thickness of the shells that open surfaces become, metres.
-
-    Raises:
-        RejectedError: The mesh cannot be repaired, or is too small.
-    """
+    """Repair a mesh for files and weigh it, kg/m3; `RejectedError` if it is below `min_volume`."""
     repaired = repair_for_files(mesh, open_surfaces, thickness)
     mass = mass_properties(repaired.mesh, density)
     if mass.volume < min_volume:

@@ -41,13 +41,7 @@ def warn_user(text: str, category: type[UserWarning]) -> None:
 
 
 def check_mesh(mesh: trimesh.Trimesh) -> None:
-    """Make sure that an argument is a mesh with faces and finite coordinates.
-
-    Raises:
-        UserError: It is something else, such as a scene or the name of a file.
-        RejectedError: No faces, coordinates that are not finite, or faces with vertices that the
-            mesh does not have.
-    """
+    """Raise `UserError` if it is no mesh, `RejectedError` if it has no valid faces and vertices."""
     if not isinstance(mesh, trimesh.Trimesh):
         raise UserError(_not_a_mesh(mesh))
     faces = np.asarray(mesh.faces)
@@ -69,24 +63,14 @@ def _not_a_mesh(given: object) -> str:
 
 
 def check_surface(mesh: trimesh.Trimesh) -> None:
-    """Make sure that a mesh has a surface at all.
-
-    Raises:
-        UserError: It is not a mesh.
-        RejectedError: As for `check_mesh`; or it has no area.
-    """
+    """Raise the errors of `check_mesh`, or `RejectedError` if a mesh has no area."""
     check_mesh(mesh)
     if not mesh.area > 0:
         raise RejectedError("no area")
 
 
 def check_solid(mesh: trimesh.Trimesh) -> None:
-    """Make sure that a surface is closed, wound outwards, and encloses a volume.
-
-    Raises:
-        UserError: It is not a mesh.
-        RejectedError: As for `check_surface`; or it is open, inside out, or has no volume.
-    """
+    """Raise those of `check_surface`, or `RejectedError` for an open, inverted or empty surface."""
     check_surface(mesh)
     if not is_closed(mesh):
         raise RejectedError(OPEN)
@@ -115,21 +99,7 @@ def cone_volumes(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDA
 
 
 def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metres") -> None:
-    """Warn if a mesh is so large or small that its coordinates are probably in another unit.
-
-    Args:
-        mesh: The mesh.
-        what: What the warning calls it.
-        unit: Unit of the coordinates when they were read.
-
-    Warns:
-        UnitsWarning: The longest side is not between 5 mm and 1 m. The warning names the line that
-            called egad.
-
-    Raises:
-        UserError: It is not a mesh.
-        RejectedError: As for `check_mesh`.
-    """
+    """Warn, naming the line that called egad, if the longest side is not between 5 mm and 1 m."""
     check_mesh(mesh)
     longest = float(mesh.extents.max())
     if not has_usual_size(longest):
@@ -150,15 +120,7 @@ def _calls_within_egad() -> int:
 
 
 def units_doubt(longest_sides: Mapping[str, float], unit: str | None) -> str:
-    """A sentence about meshes so large or small that their unit is probably wrong.
-
-    Args:
-        longest_sides: Longest side of each mesh by name, metres; NaN if it could not be read.
-        unit: Unit that they were read with; None if the files state it.
-
-    Returns:
-        An empty string if all have usual sizes.
-    """
+    """A sentence about unusual longest sides, metres by name, NaN if unread; empty without any."""
     known = {name: side for name, side in longest_sides.items() if np.isfinite(side)}
     odd = {name: side for name, side in known.items() if not has_usual_size(side)}
     if not odd:

@@ -67,7 +67,7 @@ def decompose(
     deviation: float = DEVIATION,
     max_vertices: int = MAX_VERTICES,
 ) -> Decomposition:
-    """Convex hulls that together approximate a solid (ours).
+    """Convex hulls that together approximate a solid (ours), and the bounds that they meet.
 
     The solid is cut repeatedly: always the piece with the worst hull, along the plane that leaves
     the smallest hulls. A hull is bad if it exceeds the solid, if points that a finger can touch lie
@@ -78,23 +78,9 @@ def decompose(
     hollow, and corners that matter little are left out.
 
     On about 1 % of the surface, points that fingers can touch lie deeper in a part than
-    `deviation`. The parts leave out a layer that is at most about as thick. This layer does not
-    grow with loosened bounds, unless parts need fewer vertices.
-
-    Args:
-        mesh: A closed surface, wound either way, metres.
-        max_parts: Maximum number of hulls.
-        volume_error: The hulls may exceed the solid by this fraction of it.
-        deviation: How deep the touchable surface may lie in a hull, metres.
-        max_vertices: Maximum number of vertices of a hull.
-
-    Returns:
-        The parts, and the bounds that they meet: looser ones than requested if the object needs
-        more than `max_parts`, or if its surface is too fine for the points that are tested.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or has more bodies than `max_parts`.
-        UserError: It is not a mesh.
+    `deviation`, metres. The parts leave out a layer that is at most about as thick. Raises
+    `RejectedError` if the mesh, wound either way, bounds no solid or has more bodies than
+    `max_parts`.
     """
     with one_thread():  # several threads take twice the CPU time for such small matrices
         tolerances = Tolerances(deviation, volume_error, max_vertices, LOWERING * deviation)
@@ -151,11 +137,7 @@ def _keep(hulls: list[Hull], volume: float, touchable: Touchable, tolerances: To
 
 
 def union_of_parts(parts: Iterable[trimesh.Trimesh]) -> Solid:
-    """The union of convex parts.
-
-    Raises:
-        RejectedError: A part does not bound a solid.
-    """
+    """The union of convex parts; `RejectedError` if one does not bound a solid."""
     together = union(to_solid(part.vertices, part.faces) for part in parts)
     if not is_solid(together):
         raise RejectedError("a convex part does not bound a solid")

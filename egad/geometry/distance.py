@@ -18,15 +18,7 @@ STEPS = 10  # binary digits of a distance within a cell: a thousandth
 
 
 def nearest(points: Floats, mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
-    """The exact nearest point of a mesh to each point, by libigl.
-
-    Args:
-        points: (n, 3).
-        mesh: In the same unit; triangles without area are left out.
-
-    Returns:
-        Distances, (n,), and the nearest points of the mesh, (n, 3).
-    """
+    """Distances (n,) of points from a mesh, and its nearest points (n, 3), exactly, by libigl."""
     with needed_for(WHAT):
         import igl  # noqa: PLC0415 (an extra)
     faces = np.asarray(mesh.faces, dtype=np.int64)[np.asarray(mesh.area_faces) > 0]
@@ -37,26 +29,14 @@ def nearest(points: Floats, mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
 
 
 def largest_deviation(surface: trimesh.Trimesh, mesh: trimesh.Trimesh) -> float:
-    """Largest distance from points of a surface to the nearest point of a mesh (ours).
-
-    The points are the corners of the surface and others between them, at most 2 % of the longest
-    side of the mesh apart, so a narrow peak between them is missed by at most that much.
-
-    Args:
-        surface: Where the points lie.
-        mesh: What they should lie on, in the same unit.
-    """
+    """Largest distance of points on a surface, 2 % of its size apart, from a mesh (ours)."""
     step = STEP * float(np.ptp(mesh.vertices, axis=0).max())
     corners = np.asarray(surface.vertices)[np.unique(surface.faces)]
     return _furthest(np.concatenate([corners, spread(surface, step).points]), mesh, CELL * step)
 
 
 def _furthest(points: Floats, mesh: trimesh.Trimesh, size: float) -> float:
-    """The largest distance of points (n, 3) from a mesh.
-
-    One point per grid cell comes first, as thin triangles have many points in the same spot; the
-    others only where they can be farther away.
-    """
+    """The largest distance of points from a mesh: of one per cell, then where it can be more."""
     cells = np.floor((points - points.min(axis=0)) / size).astype(np.int64)
     numbers = np.ravel_multi_index(tuple(cells.T), tuple(cells.max(axis=0) + 1))
     _, first, cell = np.unique(numbers, return_index=True, return_inverse=True)
@@ -68,33 +48,20 @@ def _furthest(points: Floats, mesh: trimesh.Trimesh, size: float) -> float:
 
 
 class DistanceField(NamedTuple):
-    """Signed distances on a cubic grid.
+    """Signed distances on a cubic grid."""
 
-    Attributes:
-        values: (n, n, n) metres along x, y, z; negative within the solid.
-        origin: (3,) position of the first node, metres.
-        resolution: Distance between two neighboring nodes, metres.
-    """
-
-    values: NDArray[np.float32]
-    origin: Floats
-    resolution: float
+    values: NDArray[np.float32]  # (n, n, n) metres along x, y, z; negative within the solid
+    origin: Floats  # (3,) position of the first node, metres
+    resolution: float  # distance between two neighboring nodes, metres
 
 
 def distance_field(mesh: trimesh.Trimesh, size: int, padding: int) -> DistanceField:
     """The distance field of a solid, on the grid that SDFGen lays around it.
 
-    The longest side of the axis-aligned box is `size - 2 * padding` cells long, and node
-    `size // 2` lies in the middle of the box. Distances are exact except for rounding to a power of
-    two, about a thousandth of a cell: this halves the size of the compressed field.
-
-    Args:
-        mesh: A surface around a solid, metres, wound outwards.
-        size: Nodes along each side.
-        padding: Cells between the box and the edge of the grid.
-
-    Source: the grid from SDFGen as Dex-Net calls it (100 nodes, 5 cells); distances from libigl's
-    tree of triangles; sign by the winding number, Barill et al., SIGGRAPH 2018.
+    The longest side of the box is `size - 2 * padding` cells long, and node `size // 2` lies in the
+    middle of the box. Distances are rounded to a power of two, about a thousandth of a cell, which
+    halves the size of the compressed field. Source: the grid from SDFGen as Dex-Net calls it (100
+    nodes, 5 cells); sign by the winding number, Barill et al., SIGGRAPH 2018.
     """
     with needed_for(WHAT):
         import igl  # noqa: PLC0415 (an extra)

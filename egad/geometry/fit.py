@@ -7,8 +7,7 @@ import numpy as np
 import trimesh
 
 from egad._util.arrays import Flags
-from egad.geometry.hull_vertices import fewer_vertices, lower_planes
-from egad.geometry.hulls import Hull, hull_of
+from egad.geometry.hulls import Hull, fewer_vertices, hull_of, lower_planes
 from egad.geometry.touchable import (
     MAX_BURIED,
     Touchable,
@@ -103,9 +102,8 @@ def finish_all(
 ) -> tuple[list[Hull], Tolerances]:
     """Turn hulls into parts, and check them at points that they are not fitted to (ours).
 
-    If too many of these points lie too deep, the hulls are fitted to both sets of points, and
-    checked at new ones. If that does not help, the bounds that are returned with the parts are
-    looser than `kept`.
+    If too many of these lie too deep, the hulls are fitted to both sets of points. If that does not
+    help, the bounds that are returned with the parts are looser than `kept`.
     """
     for number in count():
         finished = [finish(hull, touchable, kept, wanted) for hull in hulls]

@@ -91,11 +91,7 @@ def union(solids: Iterable[Solid]) -> Solid:
 def difference(
     meshes: Iterable[trimesh.Trimesh], others: Iterable[trimesh.Trimesh]
 ) -> trimesh.Trimesh:
-    """The surface of the union of closed surfaces, without what lies in others; may be empty.
-
-    Raises:
-        RejectedError: One of them is open or wound inconsistently, or has no volume.
-    """
+    """The surface of closed surfaces without what lies in others; `RejectedError` if open."""
     first, second = (union(_outward_solid(each) for each in part) for part in (meshes, others))
     return to_mesh(first - second)
 

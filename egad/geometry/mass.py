@@ -14,38 +14,21 @@ from egad.geometry.rays import bounding_box
 
 
 class MassProperties(NamedTuple):
-    """Mass properties of a solid: m3, m2, m, kg and kg m2.
-
-    Attributes:
-        volume: Volume.
-        area: Surface area.
-        com: Center of mass, (3,).
-        mass: Mass.
-        inertia: Inertia tensor about the center of mass, along the axes of the mesh, (3, 3).
-    """
+    """Mass properties of a solid: m3, m2, m, kg and kg m2."""
 
     volume: float
     area: float
-    com: NDArray[np.float64]
+    com: NDArray[np.float64]  # center of mass, (3,)
     mass: float
+    # inertia tensor about the center of mass, along the axes of the mesh, (3, 3)
     inertia: NDArray[np.float64]
 
 
 def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
-    """Exact integrals over the solid within a closed surface.
+    """Exact integrals over the solid within a closed surface, metres and kg/m3; or `RejectedError`.
 
-    They are taken about the middle of the box, in units of its longest side: far from the
-    origin, or for millimetre-sized objects, digits would cancel.
-
-    Args:
-        mesh: A closed surface wound outwards, metres.
-        density: kg/m3.
-
-    Raises:
-        RejectedError: The mesh is not closed or bounds no volume.
-        UserError: It is not a mesh.
-
-    Source: trimesh, after Eberly, Polyhedral Mass Properties, 2002.
+    They are taken about the middle of the box, in units of its longest side: otherwise digits would
+    cancel. Source: trimesh, after Eberly, Polyhedral Mass Properties, 2002.
     """
     check_solid(mesh)
     low, high = np.asarray(mesh.bounds)

@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from pydantic import Field
 
-from egad._util.parameters import Parameters, PositiveFraction, ScaleRule
+from egad._util.parameters import ParameterGroup, Parameters, PositiveFraction, ScaleRule
 
 OpenSurfaces = Literal["reject", "thicken"]
 SIDE_FRACTION = 0.8  # of a gripper's opening: the smallest side that scale rules aim at
@@ -77,3 +77,10 @@ class Bundle(Parameters):
         0.05, ge=0.01, le=1, description="largest concavity of a part (method: coacd)"
     )
     friction: float = Field(0.5, gt=0, le=2, description="sliding friction of the objects")
+
+
+class SimulationBundle(ParameterGroup):
+    """Objects for simulators: their convex parts, mass and friction."""
+
+    material: Material
+    bundle: Bundle

@@ -1,25 +1,33 @@
-"""Convex parts by either method, kept in a cache, and a warning for those beyond the bounds."""
+"""Convex parts by cuts or by CoACD, kept in a cache, and a warning for those beyond the bounds."""
 
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
+from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
+from egad._util.extras import check_installed
 from egad._util.parameters import from_arguments
 from egad._util.progress import phase_if_slow
 from egad._util.result_cache import Arrays, cached, source_version
+from egad.errors import RejectedError
 from egad.geometry.checks import check_units, warn_user
-from egad.geometry.coacd import coacd_parts
 from egad.geometry.convex_parts import Decomposition, decompose, union_of_parts
 from egad.geometry.distance import largest_deviation
+from egad.geometry.hulls import fewer_vertices, hull_mesh, hull_of
 from egad.geometry.manifold import to_mesh, to_solid, wind_outwards
 from egad.geometry.parameters import DEVIATION, MAX_PARTS, MAX_VERTICES, VOLUME_ERROR, Bundle
 from egad.geometry.touchable import MAX_BURIED, buried_share
 
 CODE = ("geometry", "random.py")
 LIBRARIES = ("numpy", "scipy", "manifold3d", "embreex", "libigl", "trimesh", "numba", "coacd")
+TIME_LIMIT = 1800  # seconds; it takes minutes at most
+Task = tuple[Floats, NDArray[np.int64], float, int]
 
 
 class PartsWarning(UserWarning):
@@ -83,10 +91,7 @@ def convex_parts(
 
 
 def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
-    """Convex parts of a solid, metres, from the cache if they were made before.
-
-    Raises `RejectedError` if it has none, `UserError` if CoACD is requested but not installed.
-    """
+    """Convex parts of a solid, metres, maybe from the cache; `RejectedError` if it has none."""
     return _unpacked(
         _cached("convex-parts", mesh, settings, lambda: _packed(_made(mesh, settings)))
     )
@@ -157,3 +162,50 @@ def _unpacked(arrays: Arrays) -> Decomposition:
     parts = [trimesh.Trimesh(*each, process=False) for each in zip(corners, faces, strict=True)]
     deviation, volume_error = arrays["bounds"].tolist()
     return Decomposition(parts, deviation, volume_error)
+
+
+def coacd_parts(
+    mesh: trimesh.Trimesh, threshold: float, max_parts: int, max_vertices: int
+) -> list[trimesh.Trimesh]:
+    """Convex hulls that together approximate a solid, wound outwards, by CoACD with seed 0.
+
+    It runs in a separate process because it sometimes aborts its process. Corners that matter least
+    are left out. Raises `UserError` if `coacd` is not installed or its process was killed,
+    `RejectedError` if it fails. Source: Wei et al., Approximate Convex Decomposition for 3D Meshes
+    with Collision-Aware Concavity and Tree Search, 2022.
+    """
+    check_installed("coacd", "bundle.method: coacd")
+    task = (np.array(mesh.vertices), np.array(mesh.faces), threshold, max_parts)
+    try:
+        with Worker(_coacd, TIME_LIMIT, name="CoACD") as run:
+            parts: list[Floats] = run(task)
+    except (WorkerDiedError, WorkerTimeoutError) as error:
+        raise RejectedError(str(error)) from error
+    hulls = [hull for hull in map(hull_of, parts) if hull.volume > 0]
+    solid = [hull_mesh(fewer_vertices(hull, max_vertices, 0.0, 0.0)[0]) for hull in hulls]
+    if not solid:
+        raise RejectedError("CoACD found no part with a volume")
+    return solid
+
+
+@contextmanager
+def _coacd() -> Iterator[Callable[[Task], list[Floats]]]:
+    """Run CoACD in this process and discard its output: it prints a lot."""
+    import coacd  # noqa: PLC0415 (an extra)
+
+    silence = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(silence, stream)
+    coacd.set_log_level("error")
+
+    def run(task: Task) -> list[Floats]:
+        vertices, faces, threshold, max_parts = task
+        mesh = coacd.Mesh(vertices, faces)
+        options = {"threshold": threshold, "max_convex_hull": max_parts}
+        try:
+            found = coacd.run_coacd(mesh, preprocess_mode="off", seed=0, **options)
+        except Exception as error:
+            raise RejectedError(f"CoACD failed: {error}") from error
+        return [np.asarray(vertices) for vertices, _ in found]
+
+    yield run

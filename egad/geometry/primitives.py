@@ -28,17 +28,10 @@ class Piece(NamedTuple):
 
 
 def joined_primitives(rng: np.random.Generator, longest_side: float) -> trimesh.Trimesh:
-    """A random object of 2 to 5 boxes, cylinders and spheres (ours).
+    """A random closed body of 2 to 5 boxes, cylinders and spheres about the origin (ours), metres.
 
     The idea of objects of random primitives, each overlapping one before it, is from Tobin et al.,
     Domain Randomization and Generative Models for Robotic Grasping, IROS 2018.
-
-    Args:
-        rng: Decides everything but the size.
-        longest_side: Longest axis-aligned side of the object, metres.
-
-    Returns:
-        One closed body, wound outwards, its axis-aligned box centered on the origin.
     """
     mesh = to_mesh(union(map(solid_of, random_pieces(rng))))
     low, high = mesh.bounds

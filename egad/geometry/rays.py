@@ -8,11 +8,51 @@ from numpy.typing import NDArray
 
 from egad._util.arrays import Flags, Floats, Singles
 from egad._util.kernels import kernel
-from egad.geometry.embree import embree_scene
 
-MISS = 1e30  # Embree gives 1e37 where a ray meets nothing
+NOTHING, MISS = 1e37, 1e30  # what Embree gives where a ray meets nothing, and what is no hit
+HIT = [("primID", np.int64), ("tfar", np.float64), ("u", np.float32), ("v", np.float32)]
 GRAZING = 1e-4  # of the mesh's size: if the distances differ by more, Embree's is the better one
 OBLIQUE = np.array([0.4359, 0.5931, 0.6769]) / np.linalg.norm([0.4359, 0.5931, 0.6769])
+
+
+def embree_scene(vertices: Singles, faces: NDArray[np.int32]) -> Any:  # noqa: ANN401 (untyped)
+    """A scene of triangles, whose method `run` casts rays as that of embreex does."""
+    try:
+        from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415 (there may be none)
+        from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
+    except ModuleNotFoundError:
+        return LibiglScene(vertices, faces)
+    scene = EmbreeScene(robust=True)
+    TriangleMesh(scene, vertices, faces)
+    return scene
+
+
+class LibiglScene:
+    """Casts rays with the Embree of libigl, one at a time; the hits are those of embreex."""
+
+    def __init__(self, vertices: Singles, faces: NDArray[np.int32]) -> None:
+        """Prepare triangles; vertices (n, 3), faces (m, 3)."""
+        from igl.embree import EmbreeIntersector  # noqa: PLC0415 (where embreex is, it need not be)
+
+        a, b, c = np.moveaxis(vertices[faces], 1, 0)
+        self._normals = np.concatenate([np.cross(b - a, c - a), np.zeros((1, 3), np.float32)])
+        self._embree = EmbreeIntersector()
+        self._embree.init(np.asfortranarray(vertices), np.asfortranarray(faces))
+
+    def run(
+        self, origins: Singles, directions: Singles, query: str, output: int = 0
+    ) -> NDArray[Any] | dict[str, NDArray[Any]]:
+        """Cast rays, origins and directions (n, 3): see `EmbreeScene.run` of embreex."""
+        first = self._embree.intersectRay_first
+        hits = np.array([first(*ray) for ray in zip(origins, directions, strict=True)], HIT)
+        faces = hits["primID"]
+        distances = np.where(faces < 0, NOTHING, hits["tfar"]).astype(np.float32)
+        if query == "OCCLUDED":
+            return np.where(faces < 0, -1, 0)
+        if not output:
+            return distances
+        weights = {name: hits[name] for name in ("u", "v")}
+        return {"primID": faces, "tfar": distances, "Ng": self._normals[faces], **weights}
 
 
 class Intersections(NamedTuple):
@@ -25,10 +65,7 @@ class Intersections(NamedTuple):
 
 
 class TriangleScene:
-    """Triangles that Embree casts rays at, in single precision.
-
-    No ray slips through between neighbors.
-    """
+    """Triangles that Embree casts rays at, in single precision, without gaps between neighbors."""
 
     def __init__(self, vertices: NDArray[Any], faces: NDArray[Any]) -> None:
         """Prepare triangles: vertices (n, 3), faces (m, 3)."""
@@ -81,14 +118,8 @@ class Hits(NamedTuple):
 class RayCaster:
     """Casts many rays at one mesh.
 
-    Embree finds the triangle in single precision, and without gaps between neighbors; the
-    distance is then computed from the triangle's plane in double precision.
-
-    Attributes:
-        mesh: The mesh.
-        triangles: (m, 3, 3) corners of its triangles, metres.
-        areas: (m,) in square metres.
-        normals: (m, 3) outward unit normals of the triangles; zeros for those without area.
+    Embree finds the triangle; the distance is computed from its plane in double precision. Its
+    `triangles`, (m, 3, 3), metres, have `areas` and outward unit `normals`, zeros without area.
     """
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
@@ -106,12 +137,7 @@ class RayCaster:
         self._scene = TriangleScene(vertices, faces)
 
     def first_hits(self, origins: Floats, directions: Floats) -> Hits:
-        """Meet the first triangle along each ray.
-
-        Args:
-            origins: (n, 3), metres.
-            directions: (n, 3) unit vectors.
-        """
+        """The first triangle along each ray; origins in metres and unit directions, (n, 3)."""
         starts = (origins - self._origin) * self._scale
         face, distances, *_ = self._scene.intersections(starts, directions)
         exact, normals, entering = _exact_hits(
@@ -138,10 +164,7 @@ def _exact_hits(
     starts: Floats,
     directions: Floats,
 ) -> tuple[Floats, Floats, Flags]:
-    """Distances to the planes of hit faces, normals, and whether rays come from outside.
-
-    A grazing ray may meet the plane far from the triangle: then the given distance is kept.
-    """
+    """Distances to the planes of hit faces unless rays graze, normals, and if from outside."""
     exact = distances.astype(np.float64)
     found, entering = np.zeros((len(faces), 3)), np.zeros(len(faces), np.bool_)
     for i, face in enumerate(faces):

@@ -39,12 +39,7 @@ def distinct_corners(faces: NDArray[np.int64]) -> Ints32:
 
 @kernel()
 def triangulation(vertices: Floats, faces: Ints32) -> Triangulation:
-    """Number the edges of a mesh by their lower vertex, then the higher one.
-
-    Args:
-        vertices: (n, 3).
-        faces: (f, 3), three different vertices each.
-    """
+    """Number the edges of a mesh by their vertices; each face has three different ones."""
     count = 3 * len(faces)
     low, high = np.empty(count, np.int32), np.empty(count, np.int32)
     for corner in range(count):
@@ -102,15 +97,7 @@ def face_areas(mesh: Triangulation) -> Floats:
 
 @kernel()
 def refine(mesh: Triangulation, count: int) -> Triangulation:
-    """Repeatedly split the longest edge at its midpoint.
-
-    Among equally long edges, the one with the lowest number is split. New vertices follow the old
-    ones. A mesh that has enough vertices stays as it is.
-
-    Args:
-        mesh: What to refine.
-        count: Stop at this number of vertices.
-    """
+    """Repeatedly split the longest edge, the first of equal ones, up to `count` vertices."""
     start = len(mesh.vertices)
     if start >= count:
         return mesh

@@ -1,10 +1,12 @@
 """Repair any triangle mesh into one closed surface that bounds a solid, or say why it fails."""
 
+import logging
 from collections.abc import Iterator
 from typing import NamedTuple, cast, get_args
 
 import manifold3d
 import numpy as np
+import pandas as pd
 import trimesh
 from scipy.spatial import cKDTree
 from trimesh.graph import connected_component_labels
@@ -22,11 +24,13 @@ from egad.geometry.checks import (
 )
 from egad.geometry.manifold import Solid, arrays, bodies, is_solid, to_mesh, to_solid, union
 from egad.geometry.parameters import SHELL_THICKNESS, OpenSurfaces
-from egad.geometry.precision import in_single_precision, is_single
 from egad.geometry.rays import RayCaster
+from egad.geometry.rounding import in_single_precision, is_single
 from egad.geometry.self_intersections import DEPTH, crossings, untangle
 from egad.geometry.shell import shell
 from egad.geometry.touching import wedge_pairs
+
+log = logging.getLogger(__name__)
 
 Loop = list[int]
 
@@ -43,11 +47,7 @@ def open_edges(faces: Ints) -> Ints:
 
 
 def close_holes(mesh: trimesh.Trimesh, largest: float) -> trimesh.Trimesh | None:
-    """Fill holes by triangulating each rim as seen along its mean normal (ours).
-
-    None if open edges form no loops, or all patches are more than `largest` of the area of the
-    surface.
-    """
+    """Fill holes by triangulating rims along their normals (ours); None if it cannot be done."""
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
     loops = simple_loops(open_edges(faces))
     if loops is None:
@@ -195,11 +195,7 @@ def repair_for_files(
     open_surfaces: OpenSurfaces = "reject",
     thickness: float = SHELL_THICKNESS,
 ) -> Repaired:
-    """Like `repair`, with coordinates in single precision, which all mesh files hold exactly.
-
-    A surface that rounding would make cross itself or lose a triangle keeps its coordinates: it has
-    details that are a millionth of its distance from the origin.
-    """
+    """Like `repair`, in single precision unless rounding makes the surface cross itself."""
     found = repair(mesh, open_surfaces, thickness)
     if is_single(found.mesh.vertices):
         return found
@@ -383,3 +379,20 @@ def _parity(faces: Ints) -> Floats:
 
 def _size(vertices: Floats) -> float:
     return float(np.ptp(vertices, axis=0).max())
+
+
+def repaired_mesh(mesh: trimesh.Trimesh, name: str) -> trimesh.Trimesh:
+    """The repaired mesh, or `RejectedError`; the log says which bodies were left out."""
+    repaired = repair(mesh)
+    if repaired.dropped:
+        log.warning("%s: %s", name, repaired.dropped)
+    return repaired.mesh
+
+
+def warn_of_shapes(table: pd.DataFrame, prefix: str = "") -> None:
+    """Warn of meshes that lost bodies; the first column of the table has their names."""
+    names = table.iloc[:, 0]
+    dropped = table["dropped_bodies"] > 0
+    bodies, volumes = table["dropped_bodies"][dropped], table["dropped_volume"][dropped]
+    for name, count, volume in zip(names[dropped], bodies, volumes, strict=True):
+        log.warning("%s%s: %s", prefix, name, dropped_text(int(count), volume))

@@ -1,7 +1,12 @@
-"""How far the rounding of coordinates has moved the vertices of a mesh."""
+"""Rounded coordinates: how far they moved vertices, and rounding to single precision.
+
+STL, PLY and GLB files hold single-precision numbers, and so do most programs that read OBJ. A mesh
+with such coordinates is bit-identical in all formats and programs, as long as they keep its unit.
+"""
 
 import numpy as np
-from numpy.typing import NDArray
+import trimesh
+from numpy.typing import ArrayLike, NDArray
 
 from egad._util.arrays import Floats
 from egad._util.kernels import kernel
@@ -20,12 +25,8 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
     Two faces that share an edge form a fold. If they lie in one plane, the height of the fold is 0,
     and rounded coordinates make it about as large as the rounding, far below the heights of real
     folds. The estimate is the largest height with such a gap above it, or the usual rounding of
-    files, which also moves corners where it leaves planes parallel to the axes flat. It needs no
-    knowledge of the file, and does not change when the mesh is turned, moved or scaled.
-
-    Returns:
-        In the unit of the vertices; 0 if few folds are flat, or if heights have no gap, as on the
-        smooth surfaces of evolved objects.
+    files, which also moves corners where it leaves planes parallel to the axes flat. It is 0 if few
+    folds are flat, or if heights have no gap, as on the smooth surfaces of evolved objects.
     """
     mesh = triangulation(np.ascontiguousarray(vertices), distinct_corners(faces))
     areas = face_areas(mesh)
@@ -43,11 +44,7 @@ def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
 
 @kernel()
 def fold_heights(mesh: Triangulation, areas: Floats) -> Floats:
-    """Height of the fold at each edge, (e,): from one face to the plane of the other, larger one.
-
-    Of more than two faces, the first two count. Infinity at a rim, and where both faces have no
-    area.
-    """
+    """Height of the fold at each edge, (e,), over its larger face; infinite at a rim."""
     first = np.full(len(mesh.edges), -1)
     result = np.full(len(mesh.edges), np.inf)
     for corner in range(3 * len(mesh.faces)):
@@ -71,3 +68,19 @@ def fold_heights(mesh: Triangulation, areas: Floats) -> Floats:
                 volume += normal * (mesh.vertices[tip, k] - mesh.vertices[a, k])
             result[edge] = abs(volume) / (2 * area)
     return result
+
+
+def to_single(coordinates: ArrayLike) -> Floats:
+    """Coordinates rounded to single precision, as doubles; infinite where they are too large."""
+    with np.errstate(over="ignore"):
+        return np.asarray(coordinates, dtype=np.float32).astype(np.float64)
+
+
+def is_single(coordinates: ArrayLike) -> bool:
+    """Whether rounding to single precision changes nothing."""
+    return bool(np.array_equal(to_single(coordinates), np.asarray(coordinates)))
+
+
+def in_single_precision(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """A copy of a mesh with coordinates rounded to single precision, and the same faces."""
+    return trimesh.Trimesh(to_single(mesh.vertices), mesh.faces, process=False)

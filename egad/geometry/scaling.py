@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Floats
 from egad.errors import RejectedError, check_name
 from egad.geometry.checks import check_mesh
-from egad.geometry.precision import is_single, to_single
+from egad.geometry.rounding import is_single, to_single
 
 TURNS = 800  # orientations tried, about 8 degrees apart, given the 24 symmetries of the box
 STARTS = 3  # how many of the best ones are turned further
@@ -24,15 +24,11 @@ AT_ONCE = 50  # orientations multiplied with the points at once: the products fi
 
 
 def box_sides(mesh: trimesh.Trimesh) -> Floats:
-    """Sides of the minimum-volume oriented box, ascending, (3,) (ours).
+    """Sides of the minimum-volume oriented box, ascending, (3,) (ours); `RejectedError` if flat.
 
     The smallest box need not have a face on a face of the convex hull, but trimesh only tries boxes
     that do. So its box and the best of evenly spread orientations are each turned to the nearest
     local minimum of the volume.
-
-    Raises:
-        RejectedError: All vertices lie in one plane, or the mesh is empty or not finite.
-        UserError: It is not a mesh.
     """
     check_mesh(mesh)
     try:
@@ -93,22 +89,11 @@ def _even_turns(count: int) -> Floats:
 
 
 def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float) -> float:
-    """The factor that a rule scales an object by.
+    """The factor by which a rule scales an object with box sides (3,) to an opening, metres.
 
-    Source: `paper`: EGAD, section IV; `egad-script`: EGAD's released script; `exact`: what EGAD's
-    graspability measure does.
-
-    Args:
-        rule: `paper`: the smallest side becomes at most the fraction of the opening, smaller
-            objects stay as they are. `egad-script`: the longest side becomes the opening, then
-            as `paper`. `exact`: the smallest side becomes the fraction of the opening. `none`:
-            objects stay as they are.
-        sides: Sides of the minimum-volume box, ascending, metres, (3,).
-        opening: Widest opening of the gripper, metres.
-        side_fraction: That fraction.
-
-    Raises:
-        UserError: There is no such rule.
+    `paper`: the smallest side becomes at most the fraction of the opening (EGAD, section IV).
+    `egad-script`: the longest side becomes the opening, then as `paper` (EGAD's released script).
+    `exact`: the smallest side becomes the fraction (EGAD's graspability). `none`: 1.
     """
     fitting = side_fraction * opening / float(sides[0])
     factors = {
@@ -121,12 +106,7 @@ def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float)
 
 
 def size_text(sides: ArrayLike, factor: float) -> str:
-    """The size of a scaled object in words, such as `40 x 52.3 x 60 mm, 0.8 times its size`.
-
-    Args:
-        sides: Sides of its box, metres, (3,).
-        factor: What it was scaled by.
-    """
+    """A scaled size in words, such as `40 x 52.3 x 60 mm, 0.8 times its size`; sides in metres."""
     millimetres = " x ".join(map(_digits, 1000 * np.asarray(sides)))
     return f"{millimetres} mm, {_digits(factor)} times its size"
 
@@ -144,22 +124,10 @@ def scale_suffix(rule: str, opening: float) -> str:
 def rescale(
     mesh: trimesh.Trimesh, rule: str, opening: float, side_fraction: float
 ) -> tuple[trimesh.Trimesh, dict[str, Any]]:
-    """Scale an object about the origin of its coordinates to fit a gripper.
+    """An object scaled about the origin by a rule, and its row of `SCALES` without the label.
 
-    Coordinates in single precision stay in single precision: they are rounded.
-
-    Args:
-        mesh: Metres; not changed.
-        rule: See `scale_factor`.
-        opening: Widest opening of the gripper, metres.
-        side_fraction: Part of the opening that the rule aims at.
-
-    Returns:
-        The scaled mesh, and a row of `tables.grasping.SCALES` without the label.
-
-    Raises:
-        RejectedError: The object is flat, empty or not finite.
-        UserError: There is no such rule, or it is not a mesh.
+    Coordinates in single precision stay in it. Raises `RejectedError` if the object is flat or
+    empty.
     """
     before = box_sides(mesh)
     factor = scale_factor(rule, before, opening, side_fraction)

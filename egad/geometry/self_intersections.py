@@ -15,11 +15,9 @@ ROUNDS = 4
 
 
 def crossings(vertices: Floats, faces: Ints, depth: float) -> Ints:
-    """Pairs (k, 2) of triangles of which one pierces the other (ours: sweep, then exact signs).
+    """Pairs (k, 2) of triangles of which one has an edge that pierces the other (ours).
 
-    An edge pierces a triangle when its ends lie more than `depth` off the triangle's plane, on
-    either side, and it passes within the triangle's border. Triangles that lie in one plane do not
-    pierce each other. A vertex that both triangles share is no crossing.
+    The ends of the edge lie more than `depth` off the plane. A common vertex is no crossing.
     """
     if len(faces) == 0:
         return np.empty((0, 2), dtype=np.int64)
@@ -122,15 +120,12 @@ def _turn(vertices: Floats, p: int, q: int, a: int, b: int) -> float:
 
 
 def untangle(solid: Solid) -> Solid:
-    """A solid whose surface does not pass through itself (ours).
+    """A solid whose surface does not pass through itself, or `RejectedError` (ours).
 
-    The smallest boxes around the triangles that cross are cut out. Within them the solid falls
-    into bodies that overlap: their union has one surface. A piece that crosses itself is halved
-    until its parts do not, or are crumbs, which are replaced by their convex hull. Whatever is
-    inside out is dropped. Then the pieces are put back, and everything else stays as it was.
-
-    Raises:
-        RejectedError: The surface still passes through itself after some rounds.
+    The smallest boxes around the triangles that cross are cut out. Within them the solid falls into
+    bodies that overlap: their union has one surface. A piece that crosses itself is halved until
+    its parts do not, or are crumbs, which are replaced by their convex hull. Whatever is inside out
+    is dropped.
     """
     for _ in range(ROUNDS):
         vertices, faces = arrays(solid)

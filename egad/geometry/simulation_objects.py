@@ -22,29 +22,20 @@ SAME_POSE = np.radians(5)
 
 @dataclass(frozen=True)
 class SimulationObject:
-    """An object in the frame of its mesh, metres.
+    """An object in the frame of its mesh, metres."""
 
-    Attributes:
-        mesh: The surface, wound outwards.
-        parts: Convex meshes that represent it in contacts.
-        physics: Mass properties of the solid within the surface, not of the parts.
-        volume_error: Volume of the union of the parts / volume of the object - 1.
-        deviation: Largest distance by which the parts protrude from the surface of the object.
-        buried: Share of the surface that fingers can touch which lies deeper in a part than the
-            setting `deviation`.
-        deviation_bound: The deviation that the parts meet at 99 % of that surface, metres: larger
-            than the setting if more than `max_parts` would be needed. NaN for CoACD.
-        within: Whether the parts are as close to the object as the settings require.
-    """
-
-    mesh: trimesh.Trimesh
-    parts: tuple[trimesh.Trimesh, ...]
-    physics: MassProperties
-    volume_error: float
-    deviation: float
+    mesh: trimesh.Trimesh  # the surface, wound outwards
+    parts: tuple[trimesh.Trimesh, ...]  # convex meshes that represent it in contacts
+    physics: MassProperties  # mass properties of the solid within the surface, not of the parts
+    volume_error: float  # volume of the union of the parts / volume of the object - 1
+    deviation: float  # largest distance by which the parts protrude from the surface of the object
+    # share of the surface that fingers can touch which lies deeper in a part than the setting
+    # `deviation`
     buried: float
+    # the deviation that the parts meet at 99 % of that surface, metres: larger than the setting
+    # if more than `max_parts` would be needed. NaN for CoACD
     deviation_bound: float
-    within: bool
+    within: bool  # whether the parts are as close to the object as the settings require
 
     @cached_property
     def poses(self) -> tuple[StablePose, ...]:
@@ -56,20 +47,9 @@ class SimulationObject:
 def make_simulation_object(
     mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh"
 ) -> SimulationObject:
-    """Prepare an object of uniform density for simulators.
+    """Prepare a closed surface, metres, of uniform density, kg/m3, for simulators.
 
-    Args:
-        mesh: A closed surface in metres, wound either way.
-        density: kg/m3.
-        settings: How the parts are made.
-        name: What warnings call it.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or has no such parts.
-        UserError: CoACD is requested but not installed.
-
-    Warns:
-        PartsWarning: The parts do not meet the bounds of the settings.
+    Raises `RejectedError` if it does not bound a solid; warns if its parts exceed the bounds.
     """
     solid = wind_outwards(mesh)
     found = make_parts(solid, settings)
@@ -88,11 +68,7 @@ def make_simulation_object(
 
 
 def part_rows(made: SimulationObject) -> pd.DataFrame:
-    """The convex parts of an object, one row each.
-
-    Returns:
-        Columns of `tables.evaluation.CONVEX_PARTS`, without `label` and `id`.
-    """
+    """The convex parts of an object: columns of `CONVEX_PARTS`, without `label` and `id`."""
     return pd.DataFrame(
         {
             "part": range(len(made.parts)),
@@ -108,14 +84,7 @@ def part_rows(made: SimulationObject) -> pd.DataFrame:
 
 
 def read_parts(rows: pd.DataFrame) -> tuple[trimesh.Trimesh, ...]:
-    """The convex parts of an object, metres.
-
-    Args:
-        rows: Columns of `tables.evaluation.CONVEX_PARTS`, of this object.
-
-    Warns:
-        PartsWarning: The parts do not meet the bounds that they were made with.
-    """
+    """The convex parts in rows of `CONVEX_PARTS`, of one object; warns if they exceed bounds."""
     warn_of_row(parquet.records(rows.head(1))[0])
     corners = [np.reshape(vertices, (-1, 3)) for vertices in rows["vertices"]]
     faces = [np.reshape(each, (-1, 3)) for each in rows["faces"]]
@@ -125,19 +94,7 @@ def read_parts(rows: pd.DataFrame) -> tuple[trimesh.Trimesh, ...]:
 def simulation_object(
     mesh: trimesh.Trimesh, density: float, rows: pd.DataFrame
 ) -> SimulationObject:
-    """An object whose convex parts were made before.
-
-    Args:
-        mesh: The closed surface that they were made from, in metres.
-        density: kg/m3.
-        rows: Columns of `tables.evaluation.CONVEX_PARTS`, of this object.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid.
-
-    Warns:
-        PartsWarning: As for `read_parts`.
-    """
+    """An object whose convex parts were made before: `make_simulation_object` and `part_rows`."""
     solid = wind_outwards(mesh)
     physics = mass_properties(solid, density)
     first = rows.iloc[0]
@@ -154,10 +111,6 @@ def simulation_object(
 
 
 def warn_of_row(row: Mapping[str, Any]) -> None:
-    """Warn if the convex parts of an object in a table exceed their bounds.
-
-    Args:
-        row: Columns of `tables.evaluation.CONVEX_PARTS` or `BUNDLE`.
-    """
+    """Warn if the convex parts of a row of `CONVEX_PARTS` or `BUNDLE` exceed their bounds."""
     name = row.get("label", row.get("id", "an object"))
     warn_if_beyond(name, bool(row["within"]), row["volume_error"], row["deviation_bound"])

@@ -12,17 +12,10 @@ from egad.geometry.parameters import Smoothing
 def voxel_surface(
     voxels: NDArray[np.bool_], smoothing: Smoothing
 ) -> tuple[NDArray[np.float32], trimesh.Trimesh]:
-    """The surface of a solid by marching cubes, before and after Humphrey smoothing.
+    """The surface of solid voxels: vertices before smoothing, (v, 3), and the smooth mesh.
 
-    Source: EGAD, section III-B; smoothing by Vollmer, Mencl, Mueller 1999.
-
-    Args:
-        voxels: (a, b, c) bool, not empty.
-        smoothing: How much it is smoothed.
-
-    Returns:
-        The vertices (v, 3) before smoothing, each halfway between a solid and an empty voxel, and
-        the smooth mesh with outward normals. The center of voxel (i, j, k) is at (i+1, j+1, k+1).
+    The center of voxel (i, j, k) is at (i+1, j+1, k+1). Source: EGAD, section III-B; smoothing by
+    Vollmer, Mencl, Mueller 1999.
     """
     padded = np.pad(voxels, 1).astype(np.float32)
     sharp, faces, _, _ = marching_cubes(padded, 0.5, gradient_direction="ascent")

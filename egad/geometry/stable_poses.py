@@ -112,20 +112,12 @@ def stable_poses(
 
 
 def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
-    """The poses of `stable_poses` about a known center of mass.
+    """The poses of `stable_poses` about a center of mass, (3,), strictly inside the hull.
 
     An object in a random orientation lands on the face that the vertical through its center of mass
     meets, with a probability of that face's solid angle / 4 pi. If the center of mass is not above
     the face, it rolls over the edge nearest to the foot of the vertical, and so on: every roll
     lowers the center of mass. Nothing slides, bounces or swings through.
-
-    Args:
-        mesh: Any surface, in any unit; only its hull counts.
-        center: Center of mass, (3,), strictly inside the hull.
-
-    Raises:
-        RejectedError: The mesh is flat, empty or not finite, or the center is not inside its hull.
-        UserError: It is not a mesh.
     """
     check_mesh(mesh)
     facets = _facets(np.asarray(mesh.vertices, dtype=np.float64), center)
@@ -143,11 +135,7 @@ def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
 
 
 def group_poses(poses: list[StablePose], angle: float) -> list[StablePose]:
-    """Merge poses that are nearly the same: a rounded bottom has many small faces.
-
-    Each, from the most probable on, joins the first whose resting face is turned by less than
-    `angle`, radians.
-    """
+    """Merge poses whose faces are turned by less than `angle`, radians, into the most probable."""
     kept: list[StablePose] = []
     normals, least = np.empty((len(poses), 3)), np.cos(angle)
     for pose in poses:

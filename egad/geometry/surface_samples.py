@@ -19,12 +19,7 @@ class Samples(NamedTuple):
 
 
 def spread(mesh: trimesh.Trimesh, spacing: float) -> Samples:
-    """The centers of all triangles, after halving them until no side exceeds the spacing.
-
-    Args:
-        mesh: A surface, wound outwards; triangles without area have no normal and no samples.
-        spacing: In the unit of the mesh.
-    """
+    """The centers of all triangles, after halving them until no side exceeds the spacing."""
     owners = np.flatnonzero(np.asarray(mesh.area_faces) > 0)
     # corners, axes, triangles: operations on all triangles run over contiguous numbers
     pieces = np.ascontiguousarray(np.asarray(mesh.triangles)[owners].transpose(1, 2, 0))
@@ -60,16 +55,7 @@ def _halves(triangles: Floats, sides: Floats) -> Floats:
 
 
 def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
-    """Points along the reflex edges, with the normals of a ball that rolls around the edge.
-
-    Args:
-        mesh: A closed surface, wound outwards.
-        spacing: Maximum distance between points, in the unit of the mesh.
-
-    Returns:
-        Points and unit normals, (n, 3). The normals at a point run from that of one side to that of
-        the other, at most `TURN` apart. Edges that bend less have none.
-    """
+    """Points along the reflex edges, and normals there from one side to the other, (n, 3)."""
     angles = np.asarray(mesh.face_adjacency_angles)
     bent = ~np.asarray(mesh.face_adjacency_convex) & (angles > TURN) & (angles < np.pi - 1e-6)
     angles = angles[bent]

@@ -37,11 +37,7 @@ class Touchable(NamedTuple):
 
 
 def touchable_points(mesh: trimesh.Trimesh, purpose: str) -> Touchable:
-    """At most 16,000 points of equal area all over a surface that a finger can touch (ours).
-
-    A point counts if a ray along its outward normal runs through 10 mm of free space, the thickness
-    of a finger. So the inside of a narrow hole does not count. Each `purpose` has different points.
-    """
+    """At most 16,000 points of equal area with 10 mm of free space along the normal (ours)."""
     caster = RayCaster(mesh)
     rng = generator(0, "touchable points", purpose)
     sums = np.cumsum(caster.areas)
@@ -68,10 +64,7 @@ def depths(points: Floats, planes: Floats) -> Floats:
 
 
 def facing_depths(touchable: Touchable, planes: Floats) -> Floats:
-    """Depths of points below planes that face the same way, (n, m); infinite below the others.
-
-    A point near a cut lies close below the plane of the cut, but a finger comes from elsewhere.
-    """
+    """Depths of points below planes that face the same way, (n, m); infinite below the others."""
     facing = touchable.normals @ planes[:, :3].T > FACING
     below = -(touchable.points @ planes[:, :3].T + planes[:, 3])
     return np.where(facing, below, np.inf)
@@ -104,13 +97,7 @@ def _blocks(count: int, width: int) -> list[slice]:
 
 
 def buried_share(mesh: trimesh.Trimesh, parts: Iterable[trimesh.Trimesh], depth: float) -> float:
-    """Share of the touchable surface that lies deeper than `depth` in a convex part (ours).
-
-    Args:
-        mesh: A closed surface, metres, wound outwards.
-        parts: Convex meshes that approximate it.
-        depth: Metres.
-    """
+    """Share of the touchable surface that lies deeper than `depth` in a convex part (ours)."""
     hulls = (hull_of(np.asarray(part.vertices)) for part in parts)
     return share_within(touchable_points(mesh, "check").points, hulls, depth)
 

@@ -24,16 +24,9 @@ def csv_lines(
     """The cells of the lines of a CSV file, with line numbers; empty lines are left out.
 
     Cells are separated by commas or, as spreadsheets do, by semicolons or tabs, or by what a line
-    such as `sep=;` says; then, the decimal comma of a number becomes a point. The text is UTF-8 or
-    UTF-16; only cells that are not used may have another encoding.
-
-    Args:
-        path: The file.
-        columns: The names, in small letters, of the columns that are used.
-        numbers: Those of them that may have decimal numbers.
-
-    Raises:
-        UserError: It is not a CSV file, is too large, or a cell has another encoding.
+    such as `sep=;` says; then, the decimal comma of `numbers`, columns in small letters, becomes a
+    point. The text is UTF-8 or UTF-16; only cells outside `columns` may have another encoding.
+    Raises `UserError` if it is not a CSV file, is too large, or a cell has another encoding.
     """
     if path.stat().st_size > MAX_BYTES:
         raise UserError(f"{path}: larger than {MAX_BYTES:,} bytes; split it")

@@ -1,10 +1,11 @@
-"""Folders of mesh files: which files are objects, and the names of these."""
+"""Folders of mesh files: which are objects, and their names; archives with the same bytes."""
 
 import difflib
 import hashlib
 import logging
 import os
 import re
+import zipfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
@@ -17,21 +18,17 @@ log = logging.getLogger(__name__)
 
 EVERY_FILE = "*"
 _WILDCARD = re.compile(r"[*?\[]")
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest time that a ZIP archive can hold
+READABLE = 0o100644 << 16  # a plain file that everybody may read
+UNIX = 3
 
 
 def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[Path]:
     """All files in a folder and the folders in it, except hidden folders, sorted in each of them.
 
-    Links are followed as `find -L` follows them: a file occurs at each of its paths, but a link to
-    a folder that the link itself lies in is passed over. A link to nothing counts as a file. A
-    warning names each folder in it that cannot be read.
-
-    Args:
-        folder: Where to look.
-        above: Real paths of the folders that lead to it.
-
-    Raises:
-        UserError: The folder itself cannot be read.
+    Links are followed as `find -L` does: a file occurs at each of its paths, but a link to a folder
+    around it, among the real paths `above`, is passed over. A link to nothing counts as a file. A
+    folder that cannot be read is left out with a warning; `UserError` if it is the first.
     """
     try:
         entries = sorted(os.scandir(folder), key=attrgetter("name"))
@@ -51,14 +48,8 @@ def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[P
 def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
     """The mesh files that match a pattern, sorted, except hidden ones and those in hidden folders.
 
-    Args:
-        folder: Where to look.
-        pattern: A glob relative to the folder; `**`, at most once, stands for any number of
-            folders, including links to folders (see `files_below`).
-
-    Raises:
-        UserError: There is no such folder, it cannot be read, no mesh file is in it, or the pattern
-            is not such a glob.
+    In the pattern, a glob relative to the folder, `**` may stand once for any number of folders.
+    Raises `UserError` if there is no such folder or file, or it is not such a glob.
     """
     _check_folder(folder)
     try:
@@ -117,14 +108,7 @@ def _is_mesh(path: Path, folder: Path) -> bool:
 
 
 def objects_in(folder: Path, pattern: str = EVERY_FILE) -> dict[str, Path]:
-    """The mesh files that match a pattern, by the names of the objects.
-
-    A name is made of the parts of the path that the wildcards of the pattern match, without the
-    ending: `*/scan/mesh.ply` names `mug/scan/mesh.ply` `mug`.
-
-    Raises:
-        UserError: As for `mesh_files`.
-    """
+    """The mesh files of `mesh_files` by what its wildcards match: `*/scan/mesh.ply` gives `mug`."""
     paths = [path.relative_to(folder) for path in mesh_files(folder, pattern)]
     named = _unique({path: _matched(path, pattern) for path in paths})
     return {name: folder / path for name, path in named.items()}
@@ -174,3 +158,14 @@ def _ending(path: Path) -> str:
 
 def _hash(path: Path) -> str:
     return hashlib.sha256(path.as_posix().encode()).hexdigest()[:8]
+
+
+def write_zip(path: Path, folders: Iterable[Path]) -> None:
+    """Pack all files of folders, in this order, with the same times and permissions for all."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+        for folder in folders:
+            for file in sorted(each for each in files_below(folder) if each.is_file()):
+                entry = zipfile.ZipInfo(file.relative_to(folder).as_posix(), EARLIEST)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.create_system, entry.external_attr = UNIX, READABLE
+                archive.writestr(entry, file.read_bytes())

@@ -13,11 +13,7 @@ ENDINGS = (".parquet", ".csv")
 
 
 def check_ending(path: Path | None, endings: tuple[str, ...] = ENDINGS) -> None:
-    """Make sure, before any work, that a file can be written.
-
-    Raises:
-        UserError: The name has none of these endings, there is no such folder, or it is read-only.
-    """
+    """Raise `UserError`, before any work, if a table cannot be written or has another ending."""
     if path is None:
         return
     if path.suffix.lower() not in endings:
@@ -30,10 +26,7 @@ def check_ending(path: Path | None, endings: tuple[str, ...] = ENDINGS) -> None:
 
 
 def write_frame(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
-    """Write the columns of a schema as Parquet, or as CSV where lists are joined by spaces.
-
-    Columns that the table lacks are written without values.
-    """
+    """Write the columns of a schema as Parquet, or as CSV where lists are joined by spaces."""
     whole = frame.reindex(columns=schema.names)
     if path.suffix.lower() == ".parquet":
         parquet.write(whole, schema, path)

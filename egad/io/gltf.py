@@ -1,4 +1,4 @@
-"""GLB files (binary glTF 2.0): the triangles of the default scene.
+"""GLB files (binary glTF 2.0): read, the triangles of the default scene; and written.
 
 Source: Khronos Group, glTF 2.0 Specification; extensions KHR_mesh_quantization,
 KHR_node_visibility and EXT_mesh_gpu_instancing.
@@ -6,16 +6,17 @@ KHR_node_visibility and EXT_mesh_gpu_instancing.
 
 import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import trimesh
 
 from egad._util.arrays import Floats, Ints
+from egad._util.files import atomic_output
 from egad._util.input_limits import MAX_FACES, MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
-from egad.io.content import Content
-from egad.io.polygons import check_corners, fan_triangles, strip_triangles
+from egad.io.polygons import Content, check_corners, fan_triangles, strip_triangles
 
 Json = dict[str, Any]
 
@@ -28,6 +29,9 @@ LOOKS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_x
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 TRIANGLES, STRIP, FAN = 4, 5, 6
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963  # numbers of OpenGL, which glTF uses
+GREY_LINEAR = (0.48, 0.51, 0.57)  # linear RGB
+ROUGHNESS = 0.7  # of a matte surface
 
 
 def parse_glb(data: bytes) -> Content:
@@ -224,3 +228,36 @@ def _array(
     if start + stride * (count - 1) + tight > len(binary):
         raise RejectedError("it is truncated: its binary chunk is too short")
     return np.ndarray((count, width), kind, binary, start, (stride, kind.itemsize))
+
+
+def write_glb(mesh: trimesh.Trimesh, path: Path) -> None:
+    """Write a GLB file, metres, matte gray with flat faces; its node has the name of the file."""
+    material = trimesh.visual.material.PBRMaterial(
+        name="grey",
+        baseColorFactor=(*GREY_LINEAR, 1.0),
+        metallicFactor=0.0,
+        roughnessFactor=ROUGHNESS,
+    )
+    turned = trimesh.Trimesh(
+        np.asarray(mesh.vertices) @ TO_Y_UP.T,
+        mesh.faces,
+        process=False,
+        visual=trimesh.visual.TextureVisuals(material=material),
+    )
+    scene = trimesh.Scene()
+    scene.add_geometry(turned, node_name=path.stem, geom_name=path.stem)
+    data = scene.export(file_type="glb", tree_postprocessor=_name_targets)
+    with atomic_output(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def _name_targets(document: dict[str, Any]) -> None:
+    """Say which buffer views hold vertices and which indices, as glTF recommends."""
+    (mesh,) = document["meshes"]
+    (primitive,) = mesh["primitives"]
+    for accessor, target in (
+        (primitive["attributes"]["POSITION"], ARRAY_BUFFER),
+        (primitive["indices"], ELEMENT_ARRAY_BUFFER),
+    ):
+        view = document["accessors"][accessor]["bufferView"]
+        document["bufferViews"][view]["target"] = target

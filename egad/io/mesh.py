@@ -11,13 +11,11 @@ from egad._util.limited import LimitError, limited
 from egad._util.memory import is_out_of_memory
 from egad.errors import RejectedError, UserError
 from egad.geometry import check_surface
-from egad.io.content import Content
-from egad.io.glb import write_glb
-from egad.io.gltf import parse_glb
-from egad.io.obj import parse_obj
+from egad.io.gltf import parse_glb, write_glb
+from egad.io.obj import parse_obj, parse_plain_obj, write_obj
 from egad.io.off import parse_off
-from egad.io.plain_obj import parse_plain_obj, write_obj
 from egad.io.ply import parse_ply
+from egad.io.polygons import Content
 from egad.io.stl import count_binary_faces, parse_stl, stated_in_header, write_stl_mm
 from egad.io.threemf import parse_3mf
 from egad.io.units import (
@@ -46,18 +44,7 @@ WRITERS: dict[str, Callable[[trimesh.Trimesh, Path], None]] = {
 
 
 def read_mesh(path: Path, units: str | None) -> trimesh.Trimesh:
-    """Read a mesh file as one mesh in metres, vertices at the same place merged.
-
-    Args:
-        path: A file with one of `ENDINGS`.
-        units: Unit of its coordinates: m, cm, mm or inch; None: what the file states, or its format
-            prescribes.
-
-    Raises:
-        UserError: The unit is unknown.
-        RejectedError: The file is not a mesh, is empty, has a feature that is not read, or
-            coordinates that are not finite; or it states another unit, or none is known.
-    """
+    """Read a file as `egad.read_mesh` does, without a warning of its unit."""
     check_unit(units)
     content = read_content(path)
     scale = metres_per_unit(units, content.unit, path.suffix[1:].lower())
@@ -70,15 +57,7 @@ def read_mesh(path: Path, units: str | None) -> trimesh.Trimesh:
 
 
 def write_mesh(mesh: trimesh.Trimesh, path: Path) -> None:
-    """Write a mesh file; the same mesh gives the same bytes.
-
-    Args:
-        mesh: Metres.
-        path: A file with one of the endings of `WRITERS`; STL files are in millimetres and say so.
-
-    Raises:
-        UserError: The file has another ending.
-    """
+    """Write a mesh in metres, always with the same bytes; `UserError` for another ending."""
     ending = path.suffix.lower()
     if ending not in WRITERS:
         raise UserError(
@@ -88,16 +67,7 @@ def write_mesh(mesh: trimesh.Trimesh, path: Path) -> None:
 
 
 def read_content(path: Path) -> Content:
-    """Vertices and faces of a mesh file, in its own unit; GLB files are turned to have z up.
-
-    Vertices that no face uses are left out if they are not finite.
-
-    Args:
-        path: A file with one of `ENDINGS`.
-
-    Raises:
-        RejectedError: The file is not a mesh, or has a feature that is not read.
-    """
+    """Vertices and faces of a mesh file, in its own unit, with z up, or `RejectedError`."""
     if not path.is_file():
         raise RejectedError("no such file")
     if path.suffix.lower() not in ENDINGS:
@@ -121,11 +91,7 @@ def read_content(path: Path) -> Content:
 
 
 def check_unit_known(paths: Iterable[Path], units: str | None) -> None:
-    """Make sure that a unit is given if there are files that do not state it.
-
-    Raises:
-        UserError: Such a file is among them; the message names the first.
-    """
+    """Raise `UserError` if no unit is given and a file, which it names, states none."""
     silent = [path for path in paths if units is None and _is_silent(path)]
     if silent:
         raise UserError(
@@ -159,8 +125,5 @@ def _parsed(path: Path) -> Content:
 
 
 def parse_file(path: Path) -> Content:
-    """What a mesh file holds. It may unfold to any amount of memory, unless it is a binary STL.
-
-    A file that is damaged may raise anything; `RejectedError` says what is not read.
-    """
+    """What a mesh file holds. One that is damaged may raise anything, or take any memory."""
     return PARSERS[path.suffix.lower()](path.read_bytes())

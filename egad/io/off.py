@@ -6,8 +6,7 @@ import numpy as np
 
 from egad._util.input_limits import MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
-from egad.io.content import Content
-from egad.io.polygons import triangles_of
+from egad.io.polygons import Content, triangles_of
 from egad.io.text import integers, plain_text, reals
 from egad.io.units import stated_in_comments
 

@@ -38,13 +38,7 @@ class PlacedMesh:
 
 
 def write_3mf(objects: Mapping[str, PlacedMesh], path: Path, metadata: Mapping[str, str]) -> None:
-    """Write a plate, in millimetres.
-
-    Args:
-        objects: What is on the plate, by name.
-        path: The file.
-        metadata: Names defined by the core specification (Title, Description, ...) and values.
-    """
+    """Write objects by name on a plate, in millimetres, with metadata of the core specification."""
     parts = {
         "[Content_Types].xml": _TYPES,
         "_rels/.rels": _RELATIONS,

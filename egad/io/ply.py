@@ -9,8 +9,7 @@ import numpy as np
 from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
-from egad.io.content import Content
-from egad.io.polygons import check_corners, strip_triangles, triangles_of
+from egad.io.polygons import Content, check_corners, strip_triangles, triangles_of
 from egad.io.text import (
     BYTE_ORDER_MARK,
     check_digits,

@@ -1,8 +1,11 @@
-"""Polygons of mesh files, cut into triangles that lie within them."""
+"""What mesh files hold: triangles, and polygons that are cut into triangles within them."""
+
+from typing import NamedTuple
 
 import manifold3d
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import MAX_FACES, check_at_most
@@ -11,12 +14,19 @@ from egad.errors import RejectedError
 ROUNDING = 1e-6  # of areas of polygons of size 1
 
 
+class Content(NamedTuple):
+    """A surface of triangles, in the unit of the file and in the axes of its format."""
+
+    vertices: NDArray[np.float64]  # (n, 3)
+    faces: NDArray[np.int64]  # (m, 3) vertex indices
+    unit: str | None = None  # one of `egad.io.units.LENGTHS`, if the file states it
+
+
 def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
     """Triangles (m, 3) of polygons in their order, whose (k,) corners follow one another.
 
-    A polygon is cut by diagonals from its first corner where that is valid, as it is for all convex
-    ones. Others are triangulated in their mean plane, and rejected if they cross themselves.
-    Polygons of one or two corners have no area: they are points and edges, which are left out.
+    A polygon is cut by diagonals from its first corner where that is valid, otherwise in its mean
+    plane, and rejected if it crosses itself. Polygons of one or two corners are left out.
     """
     check_at_most(int(np.maximum(lengths - 2, 0).sum()), MAX_FACES, "faces")
     check_corners(corners, len(vertices))

@@ -91,10 +91,7 @@ def part_kind(volumes: Sequence[Volume], index: int, number: str) -> str | None:
 
 
 def volume_sizes(volumes: Sequence[Volume], count: int) -> list[tuple[str, int]]:
-    """The kinds of the volumes of an object, and how many of its triangles, in turn, each has.
-
-    Raises `RejectedError` if they do not divide its triangles, and not all are solid.
-    """
+    """The kinds of volumes of an object, each with its number of triangles; or `RejectedError`."""
     if all(sign_of(each.kind) == 1 for each in volumes):
         return [("", count)]
     try:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from egad._util.files import atomic_output
 from egad._util.input_limits import MAX_FACES, check_at_most
 from egad.errors import RejectedError
-from egad.io.content import Content
+from egad.io.polygons import Content
 from egad.io.text import BYTE_ORDER_MARK, START, is_padding, is_utf16, plain_text, reals
 from egad.io.units import stated_in
 

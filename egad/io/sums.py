@@ -49,11 +49,7 @@ def write_sums(path: Path) -> None:
 
 
 def read_sums(path: Path) -> tuple[dict[Path, str], dict[str, Any]]:
-    """The files that a file of sums lists, with their sums, and their origin if it has one.
-
-    Raises:
-        UserError: It is damaged, or lists a file outside its folder.
-    """
+    """The sums of listed files, and their origin; `UserError` if damaged or outside the folder."""
     if path.stat().st_size > MAX_BYTES:
         raise UserError(f"{path}: not a checksum file (larger than {MAX_BYTES:,} bytes)")
     try:

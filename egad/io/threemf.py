@@ -20,8 +20,7 @@ from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import MAX_FACES, MAX_UNPACKED_BYTES, MAX_VERTICES, check_at_most
 from egad.errors import RejectedError
 from egad.geometry import difference
-from egad.io.content import Content
-from egad.io.polygons import check_corners
+from egad.io.polygons import Content, check_corners
 from egad.io.slicers import (
     CONFIGS,
     Volume,

@@ -51,11 +51,7 @@ def check_unit(asked: str | None) -> None:
 
 
 def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float:
-    """Metres per unit of a file: the unit asked for or stated in it, or that of its ending.
-
-    Raises `UserError` for an unknown unit, `RejectedError` if the file states another or none is
-    known.
-    """
+    """Metres per unit of a file, or an error if the units asked for and stated differ or lack."""
     check_unit(asked)
     if asked and stated and asked != stated:
         raise RejectedError(f"the file states the unit {stated}, but {asked} is given")

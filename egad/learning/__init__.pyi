@@ -8,6 +8,8 @@ from .model_card import TrainedNetwork as TrainedNetwork
 from .model_card import card as card
 from .parameters import NetworkName as NetworkName
 from .parameters import Training as Training
+from .parameters import TrainNetwork as TrainNetwork
+from .parameters import TrainOnScenes as TrainOnScenes
 from .parameters import VgnTraining as VgnTraining
 from .scene_model_card import TrainedOnScenes as TrainedOnScenes
 from .scene_model_card import scene_card as scene_card

@@ -4,8 +4,9 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Length, Parameters, PositiveFraction
+from egad._util.parameters import Length, ParameterGroup, Parameters, PositiveFraction
 from egad.detectors import SIZE, NoiseName
+from egad.grippers import Gripper
 
 NetworkName = Literal["ggcnn", "ggcnn2", "vgn"]
 
@@ -107,3 +108,18 @@ class VgnTraining(Parameters):
         description="kinds of noise added to scenes whose images have none; one is sampled per "
         "example; validation and test use the images as they are",
     )
+
+
+class TrainNetwork(ParameterGroup):
+    """Training of a grasp network on images."""
+
+    seed: int
+    training: Training
+
+
+class TrainOnScenes(ParameterGroup):
+    """Training of a grasp network on labelled scenes."""
+
+    seed: int
+    training_vgn: VgnTraining
+    gripper: Gripper

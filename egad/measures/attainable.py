@@ -21,20 +21,14 @@ LEANS, HEIGHTS = 500, 81  # steps of the model
 
 
 class Attainable(NamedTuple):
-    """What objects can attain in the measure of graspability.
+    """What objects can attain in the measure of graspability."""
 
-    Attributes:
-        quality: Highest possible quality of a grasp; infinite if graspability is not the nominal
-            quality of antipodal grasps.
-        graspability: Highest expected value, for an object as thick as its box; or infinite.
-        rows: Number of easiest rows that lie above that graspability.
-        edge: The lowest graspability of these rows.
-    """
-
+    # highest possible quality of a grasp; infinite if graspability is not the nominal quality of
+    # antipodal grasps
     quality: float
-    graspability: float
-    rows: int
-    edge: float
+    graspability: float  # highest expected value, for an object as thick as its box; or infinite
+    rows: int  # number of easiest rows that lie above that graspability
+    edge: float  # the lowest graspability of these rows
 
     @property
     def row_names(self) -> str:
@@ -52,9 +46,6 @@ def attainable_graspability(settings: MeasureParameters) -> Attainable:
     both of its contacts lean equally, with a tangent that is uniform up to the cone of the sampler.
     Without lean, the line of the grasp passes through the center of mass, which lies at the best
     height between the contacts.
-
-    Args:
-        settings: Gripper, cone of the sampler, contact model, percentile, and the cells.
     """
     others = settings.robust is not None or settings.gripper.grasps_with != ANTIPODAL
     if settings.measures.graspability or others:
@@ -73,13 +64,7 @@ def attainable_graspability(settings: MeasureParameters) -> Attainable:
 
 
 def attainable_coverage(objects: pd.DataFrame, space: MeasureSpace, rows: int) -> float:
-    """Archive coverage, without some of the easiest rows.
-
-    Args:
-        objects: Columns complexity_cell and difficulty_cell.
-        space: The cells.
-        rows: Number of rows that are left out: see `attainable_graspability`.
-    """
+    """Archive coverage without some of the easiest rows: see `attainable_graspability`."""
     filled = np.minimum(cell_counts(objects, space), space.elites_per_cell)[rows:]
     return float(filled.sum() / (filled.size * space.elites_per_cell))
 

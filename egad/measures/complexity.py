@@ -18,24 +18,12 @@ UNKNOWN_ROUNDING = 1e-3  # of a bin; away from flat vertices, where evolved obje
 
 
 def complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
-    """Entropy of the angular deficits of the vertices.
+    """Entropy of the angular deficits of the vertices that have faces, bits, at most log2(bins).
 
     Flat vertices and right angles lie on the edge of a bin. A deficit that rounded coordinates have
-    moved below the edge counts as if it were on it. So the number of digits in a file does not
-    matter. It counts vertices, so it depends on the triangles: see `map_complexity`.
-
-    Args:
-        mesh: A triangle mesh of any size; vertices without faces do not count.
-        bins: Bins of the histogram over [-2 pi, 2 pi).
-
-    Returns:
-        Bits: 0 if all vertices are alike, at most log2(bins).
-
-    Raises:
-        RejectedError: The mesh is empty or not finite.
-        UserError: It is not a mesh.
-
-    Source: EGAD, section III-A; the treatment of rounding is ours.
+    moved below the edge counts as if it were on it (ours). So the number of digits in a file does
+    not matter. It depends on the triangles: see `map_complexity`. Raises `RejectedError` if the
+    mesh is empty or not finite. Source: EGAD, section III-A.
     """
     check_mesh(mesh)
     width = 4 * np.pi / bins

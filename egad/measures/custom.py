@@ -16,12 +16,7 @@ WHERE = "measures"
 
 
 def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | None = None) -> float:
-    """The value of a user's measure, `FILE.py:FUNCTION` or `package.module:FUNCTION`.
-
-    The function gets a copy of the closed mesh, metres, and those parameters of `axes` that are
-    arguments of it. Raises `RejectedError` if it fails or gives no finite number, and `UserError`
-    if there is none.
-    """
+    """The value of a user's measure of a closed mesh, metres; `RejectedError` if it fails."""
     function, name = _function(measure), plugin_name(measure)
     try:
         given = function(mesh.copy(), **_parameters(function, axes or CustomMeasures()))
@@ -45,21 +40,13 @@ def plugin_name(measure: str) -> str:
 
 
 def check_measures(axes: CustomMeasures) -> None:
-    """Make sure that the user's measures exist.
-
-    Raises:
-        UserError: One does not exist.
-    """
+    """Raise `UserError` if one of the user's measures does not exist."""
     for measure in axes.functions().values():
         _function(measure)
 
 
 def source_hash(measure: str) -> str:
-    """A fingerprint of the file that defines a measure; the file is not run.
-
-    Raises:
-        UserError: There is no such file.
-    """
+    """A fingerprint of the file that defines a measure, which is not run; `UserError` if none."""
     return plugins.source_hash(measure, WHERE)
 
 

@@ -57,30 +57,16 @@ class GraspabilityEstimate(NamedTuple):
 
 
 class GraspedSize(NamedTuple):
-    """The size of an object while its grasps are sampled.
-
-    Attributes:
-        factor: Scale factor of the object.
-        sides: Sides of its scaled box, ascending, metres, (3,): the box along the principal axes
-            for the rule `exact`, the minimum-volume box for the others.
-    """
+    """The size of an object while its grasps are sampled."""
 
     factor: float
+    # sides of its scaled box, ascending, metres, (3,): the box along the principal axes for the
+    # rule `exact`, the minimum-volume box for the others
     sides: Floats
 
 
 def grasped_size(mesh: trimesh.Trimesh, settings: MeasureParameters, rule: str) -> GraspedSize:
-    """The size at which the grasps of a mesh are sampled.
-
-    Args:
-        mesh: Metres; in any unit for the rule `exact`.
-        settings: The gripper, and the fraction of its opening that the smallest side becomes.
-        rule: See `egad.rescale`. The cells of the map use `exact`.
-
-    Raises:
-        RejectedError: The mesh is empty, flat or not finite.
-        UserError: It is not a mesh, or there is no such rule.
-    """
+    """The size at which the grasps of a mesh are sampled; `RejectedError` if it is flat."""
     check_mesh(mesh)
     sides = np.sort(_principal_box(mesh.vertices)[2]) if rule == MAP_RULE else box_sides(mesh)
     return _scaled_size(sides, settings, rule)
@@ -100,29 +86,16 @@ def graspability(
     com: Floats | None = None,
     factor: float | None = None,
 ) -> GraspabilityEstimate:
-    """A percentile of the quality of independent grasps: high values are easy objects.
+    """A percentile of the quality of independent grasps: high values are easy objects (ours).
 
-    For a suction cup, all candidates count: those that do not seal have the quality 0.
-
-    A copy of the mesh is measured: it is rotated until its principal axes (of the vertices) are the
-    coordinate axes, then scaled until its smallest side is `side_fraction` of the opening, or by
-    the factor. Grasps without quality count as zeros. The number of candidates is doubled until the
-    cell of the object is as certain as the space requires, or the budget is spent. The confidence
-    holds on average over objects, but not over objects that were selected by their cell. (The
-    estimator is ours.)
-
-    Args:
-        mesh: The object, of any size, its triangles winding outwards.
-        settings: Gripper, metric, percentile, how grasps are sampled and rated, and the cells.
-        max_candidates: Maximum number of candidates; at most `MAX_CUPS` for a suction cup. See
-            `valid_contacts`.
-        rng: Random number generator.
-        com: Center of mass in the frame of the mesh; else the centroid of the volume.
-        factor: Scale factor, from `grasped_size`; by default that of the rule `exact`.
-
-    Raises:
-        RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
-        UserError: It is not a mesh.
+    For a suction cup, all candidates count: those that do not seal have the quality 0. A copy of
+    the mesh is rotated until its principal axes (of the vertices) are the coordinate axes, then
+    scaled by the factor, by default until its smallest side is `side_fraction` of the opening.
+    Grasps without quality count as zeros. The number of candidates is doubled until the cell of the
+    object is as certain as the space requires, or the budget is spent. The confidence holds on
+    average over objects, but not over objects that were selected by their cell. The center of mass
+    is by default that of the volume. Raises `RejectedError` if there is no grasp, or the mesh is
+    flat.
     """
     grasps, enough = _RatedGrasps(mesh, settings, rng, com, factor), settings.space.confidence
     if settings.gripper.grasps_with == SUCTION:
@@ -140,17 +113,7 @@ def graspability(
 def rough_graspability(
     mesh: trimesh.Trimesh, settings: MeasureParameters, rng: np.random.Generator
 ) -> GraspabilityEstimate:
-    """The percentile from only the first candidates of `graspability`, without its errors (NaN).
-
-    Args:
-        mesh: The object, of any size, its triangles winding outwards.
-        settings: As for `graspability`.
-        rng: Random number generator.
-
-    Raises:
-        RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
-        UserError: It is not a mesh.
-    """
+    """The percentile from only the first candidates of `graspability`, without its errors (NaN)."""
     grasps = _RatedGrasps(mesh, settings, rng)
     grasps.draw(settings.graspability.candidates)
     return GraspabilityEstimate(grasps.percentile(), math.nan, math.nan, len(grasps))
@@ -159,22 +122,7 @@ def rough_graspability(
 def spaced_graspability(
     mesh: trimesh.Trimesh, settings: MeasureParameters, count: int, rng: np.random.Generator
 ) -> GraspabilityEstimate:
-    """The paper's estimator: a percentile of grasps that keep a minimum distance from each other.
-
-    The grasps are not independent, so the errors are not known (NaN).
-
-    Args:
-        mesh: The object, of any size, its triangles winding outwards.
-        settings: As for `graspability`.
-        count: Number of grasps to sample.
-        rng: Random number generator.
-
-    Raises:
-        RejectedError: There is no grasp, or the mesh is empty, flat or not finite.
-        UserError: It is not a mesh.
-
-    Source: EGAD, section III-C.
-    """
+    """The paper's percentile (EGAD, III-C), of `count` grasps at a distance, without errors."""
     grasps = _RatedGrasps(mesh, settings, rng)
     grasps.draw(count, sample_contacts)
     return GraspabilityEstimate(grasps.percentile(), math.nan, math.nan, len(grasps))

@@ -15,10 +15,7 @@ Cell = tuple[int, int]
 
 
 def cells(values: ArrayLike, low: float, high: float, count: int) -> Cells:
-    """The cell of each value among `count` equal ones; values outside go to the nearest cell.
-
-    Source: EGAD's released code (values are clipped to the range).
-    """
+    """The cell of each value among `count` equal ones, the nearest if outside (as EGAD)."""
     scaled = (np.asarray(values, dtype=np.float64) - low) / (high - low) * count
     return np.clip(np.floor(scaled), 0, count - 1).astype(np.int64)
 
@@ -78,14 +75,7 @@ def coverage(objects: pd.DataFrame, space: MeasureSpace) -> float:
 
 
 def coverage_of(counts: Cells, space: MeasureSpace) -> float:
-    """The fraction of all slots that is filled; a cell has one slot for each elite it may keep.
-
-    Args:
-        counts: From `cell_counts`.
-        space: The cells.
-
-    Source: EGAD, Table III, where 2331 objects fill 93 % of 2500 slots.
-    """
+    """The fraction of all slots, one for each elite of a cell, that is filled (EGAD, Table III)."""
     filled = np.minimum(counts, space.elites_per_cell).sum()
     return float(filled / (space.cells**2 * space.elites_per_cell))
 

@@ -19,24 +19,17 @@ from egad.random import generator
 
 
 class MeasureValues(NamedTuple):
-    """The measures that span the space.
+    """The measures that span the space."""
 
-    Attributes:
-        complexity: Entropy of the angular deficits, bits; or the user's own measure.
-        graspability: Percentile of grasp quality; high is easy. Or the user's own measure.
-        graspability_std: Standard error of the percentile; NaN for a user's measure.
-        cell_confidence: Probability that the percentile of all grasps lies in the same cell; NaN
-            for a user's measure.
-        grasps: Number of grasps that the percentile was computed from; 0 for a user's measure.
-        raw_complexity: Complexity by the triangles of the mesh as they are, bits; NaN during
-            evolution, and for a user's measure.
-    """
-
-    complexity: float
-    graspability: float
-    graspability_std: float
+    complexity: float  # entropy of the angular deficits, bits; or the user's own measure
+    graspability: float  # percentile of grasp quality; high is easy. Or the user's own measure
+    graspability_std: float  # standard error of the percentile; NaN for a user's measure
+    # probability that the percentile of all grasps lies in the same cell; NaN for a user's
+    # measure
     cell_confidence: float
-    grasps: int
+    grasps: int  # number of grasps that the percentile was computed from; 0 for a user's measure
+    # complexity by the triangles of the mesh as they are, bits; NaN during evolution, and for a
+    # user's measure
     raw_complexity: float = math.nan
 
 
@@ -46,17 +39,7 @@ Estimate = Callable[[trimesh.Trimesh], GraspabilityEstimate]
 def measure_mesh(
     mesh: trimesh.Trimesh, settings: MeasureParameters, estimate: Estimate
 ) -> MeasureValues:
-    """Measure a closed mesh.
-
-    Args:
-        mesh: One body, wound outwards, of any size.
-        settings: What the measures depend on.
-        estimate: Gives the graspability of a mesh, unless that is a user's measure.
-
-    Raises:
-        RejectedError: The mesh cannot be measured, or has no grasp.
-        UserError: A user's measure cannot be found.
-    """
+    """Measure a closed mesh of one body, its graspability by `estimate` unless that is a user's."""
     axes = settings.measures
     along = (
         GraspabilityEstimate(plugin_value(axes.graspability, mesh, axes), math.nan, math.nan, 0)
@@ -79,22 +62,11 @@ def measure_repeatably(
     *,
     resample: bool = True,
 ) -> MeasureValues:
-    """Measure a closed mesh by grasps that are seeded by its triangles.
+    """Measure a closed mesh, one body, by grasps that are seeded by its triangles.
 
-    So a mesh has the same measures in every dataset, under every name and in every unit.
-
-    Args:
-        mesh: One body, wound outwards, of any size.
-        settings: What the measures depend on.
-        max_candidates: Maximum number of candidate grasps.
-        factor: Scale factor, from `grasped_size`; by default that of the rule `exact`, as in the
-            map.
-        resample: Measure the complexity that compares with evolved objects, see `map_complexity`;
-            otherwise by the mesh's own triangles, as those of evolved objects.
-
-    Raises:
-        RejectedError: The mesh cannot be measured, or has no grasp.
-        UserError: It is not a mesh.
+    So a mesh has the same measures in every dataset, under every name and in every unit. The factor
+    is from `grasped_size`, by default that of the rule `exact`, as in the map. `resample` gives the
+    complexity that compares with evolved objects, see `map_complexity`.
     """
     check_mesh(mesh)
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from egad._util.parameters import (
     Archived,
     Fraction,
+    Length,
     Name,
     ParameterGroup,
     Parameters,
@@ -19,9 +20,9 @@ from egad._util.parameters import (
     SideFraction,
     UserPath,
     check_ascending,
-    from_arguments,
+    with_defaults,
 )
-from egad.geometry import SIDE_FRACTION, Material
+from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, Material, OpenSurfaces
 from egad.grasps import Quality, Robust, Sampling
 from egad.grippers import SUCTION, Gripper
 from egad.measures.reeb import Similarity
@@ -171,11 +172,7 @@ class MeasureParameters(ParameterGroup):
 
 
 def space_of(gripper: Gripper, space: MeasureSpace) -> MeasureSpace:
-    """The space; for a suction cup, its graspability range replaces the default one of jaws.
-
-    The quality of a suction grasp is the share of 25 perturbed copies that hold; the limits of
-    cells lie halfway between the values that it can have.
-    """
+    """The space; for a suction cup, a range that suits the share of 25 copies that hold."""
     jaws = MeasureSpace().graspability_range
     if gripper.grasps_with != SUCTION or space.graspability_range != jaws:
         return space
@@ -183,28 +180,9 @@ def space_of(gripper: Gripper, space: MeasureSpace) -> MeasureSpace:
 
 
 def default_measures(gripper: Gripper, seed: int) -> MeasureParameters:
-    """The default parameters of EGAD's measures.
-
-    Args:
-        gripper: The gripper that grasps are sampled for.
-        seed: Seed of the grasps.
-
-    Raises:
-        UserError: The seed is not allowed.
-    """
-    return from_arguments(
-        MeasureParameters,
-        seed=seed,
-        gripper=gripper,
-        measures=CustomMeasures(),
-        complexity=Complexity(),
-        graspability=Graspability(),
-        space=space_of(gripper, MeasureSpace()),
-        similarity=Similarity(),
-        sampling=Sampling(),
-        quality=Quality(),
-        robust=None,
-    )
+    """The default parameters of EGAD's measures; `UserError` if the seed is not allowed."""
+    space = space_of(gripper, MeasureSpace())
+    return with_defaults(MeasureParameters, seed=seed, gripper=gripper, space=space, robust=None)
 
 
 class SizeEffectParameters(ParameterGroup):
@@ -217,3 +195,47 @@ class SizeEffectParameters(ParameterGroup):
     quality: Quality
     robust: Robust | None = None  # of suction cups
     density: float = Material().density  # of the object, kg/m3, for suction cups
+
+
+class Postprocess(Parameters):
+    """Mesh repair, and measurement with other grasps than those used for selection in evolution."""
+
+    max_candidates: int = Field(
+        MAX_CANDIDATES,
+        ge=1,
+        description="maximum number of candidate grasps per object; sampling stops earlier once "
+        "the cell of the object is certain",
+    )
+    min_volume: float = Field(
+        1e-9, ge=0, description="objects with a smaller volume are rejected, m3"
+    )
+    open_surfaces: OpenSurfaces = Field(
+        "reject",
+        description="treatment of surfaces that are still open after small holes are closed, such "
+        "as scans of glasses and bowls: reject them, or thicken them to closed shells",
+    )
+    shell_thickness: Length = Field(
+        SHELL_THICKNESS,
+        description="wall thickness of thickened surfaces, metres, half on each side of the "
+        "surface (open_surfaces: thicken)",
+    )
+
+
+class MeasureMeshes(MeasureParameters):
+    """Measures of repaired objects, and their mass."""
+
+    postprocess: Postprocess
+    material: Material
+
+
+class GraspabilityOfGripper(MeasureParameters):
+    """Measures of objects for one gripper."""
+
+    postprocess: Postprocess
+
+
+class CellsAndDiversities(ParameterGroup):
+    """The cells of objects, and how much their shapes differ."""
+
+    space: MeasureSpace
+    similarity: Similarity

@@ -15,10 +15,7 @@ class BoundedSample:
     """Values with known upper bounds; the values themselves are computed on demand."""
 
     def __init__(self, compute: Callable[[Ints, float], Floats]) -> None:
-        """Start without values; `compute` gives those at some indices.
-
-        For a value below a limit, it may give any upper bound that is also below it.
-        """
+        """Start without values; `compute` gives those at indices, or bounds below a limit."""
         self._compute = compute
         self._upper = np.empty(0)  # the value itself where it is known
         self._known = np.empty(0, dtype=bool)
@@ -69,12 +66,10 @@ def percentile_rank(count: int, percent: float) -> int:
 
 
 def percentile_std(sample: BoundedSample, percent: float) -> float:
-    """Standard error of a percentile of n independent values.
+    """Standard error of a percentile of n independent values; NaN if there are too few.
 
-    Half the distance between the two values whose ranks lie a standard error of the rank away; NaN
-    if there are too few values for that.
-
-    Source: Woodruff, Confidence Intervals for Medians and Other Position Measures, JASA 47 (1952).
+    Half the distance between the values whose ranks lie a standard error of the rank away. Source:
+    Woodruff, Confidence Intervals for Medians and Other Position Measures, JASA 47 (1952).
     """
     count, part = len(sample), percent / 100
     spread = np.sqrt(part * (1 - part) / count)

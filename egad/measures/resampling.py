@@ -40,24 +40,11 @@ _STARTS = [np.eye(3), *Rotation.from_rotvec([*_TURNS, np.full(3, np.pi / 27**0.5
 
 
 def map_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
-    """Complexity that places a mesh on the map, whatever its triangles.
+    """Complexity, bits, that places a closed mesh on the map, whatever its triangles (ours).
 
     It is that of its own triangles if they are those of an evolved object, and otherwise the
     resampled one; also if the own one is clearly higher, which noise does, or much lower, as on a
-    regular grid.
-
-    Args:
-        mesh: A closed triangle mesh of any size, wound outwards.
-        bins: Bins of the histogram over [-2 pi, 2 pi).
-
-    Returns:
-        Bits.
-
-    Raises:
-        RejectedError: The mesh is empty or not finite.
-        UserError: It is not a mesh.
-
-    Source: ours.
+    regular grid. Raises the errors of `complexity`.
     """
     resampled = resampled_complexity(mesh, bins)
     if not _is_of_voxels(mesh):
@@ -75,39 +62,17 @@ def _is_of_voxels(mesh: trimesh.Trimesh) -> bool:
 
 
 def resampled_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
-    """Complexity of the voxels whose smoothed surface is closest to a mesh.
-
-    Unlike `complexity`, it hardly depends on the triangles of the mesh. If no voxel fits, it is the
-    complexity of the mesh itself.
-
-    Args:
-        mesh: A closed triangle mesh of any size, wound outwards.
-        bins: Bins of the histogram over [-2 pi, 2 pi).
-
-    Returns:
-        Bits.
-
-    Raises:
-        RejectedError: The mesh is empty or not finite.
-        UserError: It is not a mesh.
-
-    Source: ours; marching cubes and smoothing as in EGAD, section III-B.
-    """
+    """Complexity of the voxels with the closest smoothed surface; of the mesh without any."""
     check_mesh(mesh)
     closest = closest_voxels(FitTarget(mesh))
     return complexity(closest.surface if closest else mesh, bins)
 
 
 def closest_voxels(target: FitTarget) -> Fit | None:
-    """The voxels that a mesh was made from, or else some that are close to it.
+    """The voxels that a mesh was made from, or else some that are close to it; None if none fits.
 
-    Args:
-        target: The mesh.
-
-    Returns:
-        Voxels along the axes of its coordinates, or along those that most of its faces follow, if
-        they fit better: 25 along the longest side, or fewer if the mesh shows so. None if not one
-        voxel fits.
+    They lie along the axes of its coordinates, or along those that most of its faces follow, if
+    they fit better: 25 along the longest side, or fewer if the mesh shows so.
     """
     upright = np.eye(3)
     best = _search(target, upright, SIDES)
@@ -125,14 +90,7 @@ def closest_voxels(target: FitTarget) -> Fit | None:
 
 
 def _search(target: FitTarget, frame: Floats, sides: Floats, most: int = 3) -> Fit | None:
-    """The best fit among grids with so many voxels along the longest side; None without any.
-
-    Args:
-        target: What to fit.
-        frame: Axes of the grids.
-        sides: Numbers of voxels.
-        most: How many of the first fits are improved, if none is good.
-    """
+    """The best fit on grids of a frame with so many voxels; `most` are improved if none is good."""
     turn = not np.array_equal(frame, np.eye(3))
     starts = []
     for number, grids in enumerate(_grids(target, frame, sides)):
@@ -167,8 +125,7 @@ def _refined(target: FitTarget, best: Fit, times: int, rounds: int, turn: bool) 
 def _grids(target: FitTarget, frame: Floats, sides: Floats) -> Iterator[list[Grid]]:
     """For each pitch, grids: the middle of the box is the middle of a cube or between two.
 
-    Along axes without such symmetry, planes between cubes are where most faces are that follow the
-    axis.
+    Along axes without such symmetry, planes between cubes are where most faces follow the axis.
     """
     box = target.vertices @ frame.T
     low, high = box.min(axis=0), box.max(axis=0)

@@ -4,7 +4,9 @@ The figure is EGAD's (Morrison, Corke and Leitner, RA-L 2020): percentiles of gr
 size of an object relative to its gripper. Repetitions and the share of candidates are ours.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,35 +14,28 @@ import pandas as pd
 import trimesh
 
 from egad._util.arrays import Floats
+from egad._util.progress import progress
+from egad._util.workers import workers
 from egad.errors import NoGraspError
 from egad.geometry import RayCaster, box_sides, center_of_mass
+from egad.geometry.repair import repaired_mesh
 from egad.grasps import ferrari_canny, sample_contacts
 from egad.grasps.samplers import draw_grasps
 from egad.grippers import ANTIPODAL
+from egad.io import use_mesh, warn_of_units
 from egad.measures.parameters import SizeEffectParameters
 from egad.measures.percentile import percentile
 from egad.random import generator
+from egad.tables import parquet
 from egad.tables.grasping import SIZE_EFFECT
 
 
 def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters) -> pd.DataFrame:
-    """Sample and rate grasps of an object at several sizes.
+    """Quality of grasps of a closed mesh at several sizes: rows of `tables.grasping.SIZE_EFFECT`.
 
-    The object is scaled until the smallest side of its minimum-volume box is the fraction of the
-    opening. Grasps without quality count as zeros. The grasps come from the gripper's sampler.
-
-    Args:
-        mesh: The object, closed, its triangles winding outwards, in any unit: its own size does not
-            matter.
-        name: Its name, which seeds the random numbers.
-        settings: Gripper, sizes, percentiles, and how grasps are sampled and rated.
-
-    Returns:
-        Columns of `tables.grasping.SIZE_EFFECT`: a row for each fraction, repetition and
-        percentile; the quality is NaN where there is no grasp.
-
-    Raises:
-        RejectedError: The object is flat.
+    The smallest side of its box becomes each fraction of the opening; its own size does not matter.
+    Grasps without quality count as zeros; the quality is NaN where there is no grasp. The name
+    seeds the random numbers.
     """
     wanted, opening = settings.size_effect, settings.gripper.opening
     side = float(box_sides(mesh)[0])
@@ -113,16 +108,11 @@ def _others(
 
 
 def summarize(table: pd.DataFrame) -> pd.DataFrame:
-    """Means and spread over the repetitions.
+    """Means and spread over the repetitions, for each name, fraction and percentile, in this order.
 
-    Args:
-        table: Columns of `tables.grasping.SIZE_EFFECT`.
-
-    Returns:
-        A row for each name, fraction and percentile, in that order, with names as they appear:
-        `mean`, `low` and `high` quality over the repetitions that found grasps (NaN if none did),
-        `grasps` (mean number), `share` (of the candidates that are possible) and `found` (fraction
-        of the repetitions with grasps).
+    `mean`, `low` and `high` are the quality over the repetitions that found grasps (NaN if none
+    did), `grasps` is their mean number, `share` that of the candidates that are possible, and
+    `found` the fraction of the repetitions with grasps.
     """
     groups = table.groupby(["name", "fraction", "percentile"], sort=False)
     numbers = groups.agg(
@@ -139,3 +129,31 @@ def summarize(table: pd.DataFrame) -> pd.DataFrame:
         share=numbers["possible"] / numbers["candidates"],
         found=numbers["found"] / numbers["repeats"],
     ).drop(columns=["repeats", "candidates", "possible"])
+
+
+def curves(
+    settings: SizeEffectParameters, files: Mapping[str, Path], units: str | None, worker_count: int
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Compute grasp quality over size for repaired meshes, and the reasons of rejected ones.
+
+    The columns are `tables.grasping.SIZE_EFFECT`, meshes in the given order. Units, as stated in
+    the files if None, do not affect the result.
+    """
+    work = partial(_curve, units=units, settings=settings)
+    with workers(max(1, min(worker_count, len(files)))) as mapper:
+        done = list(progress(mapper(work, files.items()), "measuring", len(files)))
+    warn_of_units({name: side for name, (_, side) in zip(files, done, strict=True)}, units)
+    found = {name: item for name, (item, _) in zip(files, done, strict=True)}
+    tables = [item for item in found.values() if not isinstance(item, str)]
+    reasons = {name: item for name, item in found.items() if isinstance(item, str)}
+    return pd.concat(tables) if tables else parquet.empty(SIZE_EFFECT), reasons
+
+
+def _curve(
+    item: tuple[str, Path], units: str | None, settings: SizeEffectParameters
+) -> tuple[pd.DataFrame | str, float]:
+    """The rows of a mesh, or the reason why there are none; and its longest side."""
+    name, path = item
+    return use_mesh(
+        path, units, lambda mesh: size_effect(repaired_mesh(mesh, name), name, settings)
+    )

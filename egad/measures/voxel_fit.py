@@ -23,10 +23,7 @@ CLOSE = 0.05  # voxels: surfaces further apart count less in an alignment
 
 
 class FitTarget:
-    """A mesh to fit voxels to: its longest side has 25 units, its box is centered on the origin.
-
-    Walls thinner than 0.6 units, which evolved objects do not have, are thickened to 1.1.
-    """
+    """A mesh to fit voxels to, 25 units long about the origin; walls below 0.6 units become 1.1."""
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
         low, high = mesh.bounds
@@ -72,19 +69,12 @@ class FitTarget:
 
 
 class Grid(NamedTuple):
-    """Cubes in the units of a `FitTarget`.
+    """Cubes in the units of a `FitTarget`."""
 
-    Attributes:
-        origin: (3,) center of the first.
-        frame: (3, 3) unit vectors along its axes, as rows.
-        pitch: Their side.
-        shape: Their numbers along the axes.
-    """
-
-    origin: Floats
-    frame: Floats
-    pitch: float
-    shape: tuple[int, ...]
+    origin: Floats  # (3,) center of the first
+    frame: Floats  # (3, 3) unit vectors along its axes, as rows
+    pitch: float  # their side
+    shape: tuple[int, ...]  # their numbers along the axes
 
     @classmethod
     def around(cls, target: FitTarget, frame: Floats, pitch: float, plane: Floats) -> Self:
@@ -106,25 +96,15 @@ class Grid(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Voxels, and how far their surface is from the target.
-
-    Attributes:
-        grid: Their grid.
-        voxels: Which of its cubes are solid.
-        surface: Their smoothed surface, in numbers of cubes.
-        normals: (v, 3) outward unit normals of its vertices.
-        deviation: Root mean square distance of its vertices from the target, in cubes.
-        offsets: Mean height of the target over the surface near each cube, in cubes.
-        errors: Mean square of these heights near each cube and its neighbors.
-    """
+    """Voxels, and how far their surface is from the target."""
 
     grid: Grid
-    voxels: Flags
-    surface: trimesh.Trimesh
-    normals: Floats
-    deviation: float
-    offsets: Floats
-    errors: Floats
+    voxels: Flags  # which of its cubes are solid
+    surface: trimesh.Trimesh  # their smoothed surface, in numbers of cubes
+    normals: Floats  # (v, 3) outward unit normals of its vertices
+    deviation: float  # root mean square distance of its vertices from the target, in cubes
+    offsets: Floats  # mean height of the target over the surface near each cube, in cubes
+    errors: Floats  # mean square of these heights near each cube and its neighbors
 
     @property
     def size(self) -> float:
@@ -143,14 +123,7 @@ def fit(target: FitTarget, grid: Grid, rounds: int) -> Fit | None:
 
     Smoothing moves the surface away from the voxels' faces. So in each round, cubes become solid or
     empty by how far the surface is still from the target there, and only those changes stay that
-    bring it closer.
-
-    Args:
-        target: What to fit them to.
-        grid: Their grid.
-        rounds: Number of rounds.
-
-    Source: ours, after van Cittert's deconvolution.
+    bring it closer. (Ours, after van Cittert's deconvolution.)
     """
     depths = target.depths(grid.centers(), DEEP * grid.pitch).reshape(grid.shape) / grid.pitch
     if not (depths > 0).any():

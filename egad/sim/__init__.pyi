@@ -23,6 +23,7 @@ from .parameters import LabelTrialParameters as LabelTrialParameters
 from .parameters import Lifting as Lifting
 from .parameters import SimulatedLabel as SimulatedLabel
 from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
+from .parameters import SimulatedLabels as SimulatedLabels
 from .parameters import check_engine as check_engine
 from .pose_execution import ContactRules as ContactRules
 from .pose_execution import PoseExecution as PoseExecution

@@ -7,6 +7,7 @@ from pydantic import Field
 
 from egad._util.parameters import ParameterGroup, Parameters
 from egad.errors import UserError, check_name
+from egad.geometry import Material
 from egad.grasps import Quality
 from egad.grippers import Gripper
 
@@ -83,3 +84,9 @@ class LabelTrialParameters(ParameterGroup):
     quality: Quality
     trials: Lifting
     agreement: LabelAgreement
+
+
+class SimulatedLabels(SimulatedLabelParameters):
+    """Simulated labels of the grasps of a gripper."""
+
+    material: Material

@@ -91,9 +91,7 @@ def pose(name: str, meaning: str) -> list[pa.Field]:
 
 ID = column("id", STRING, "name of the object in its dataset, never reused for another shape")
 LABEL = column(
-    "label",
-    STRING,
-    "readable name, used in file names: difficulty letter, complexity, index",
+    "label", STRING, "readable name, used in file names: difficulty letter, complexity, index"
 )
 COMPLEXITY = column(
     "complexity",

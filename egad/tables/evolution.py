@@ -87,9 +87,7 @@ HISTORY = pa.schema(
         column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),
         column("qd_score", FLOAT, "sum of the diversities; computed every tenth step"),
         column(
-            "cells",
-            BINARY,
-            "number of objects in each cell, one byte each, by rows of difficulty",
+            "cells", BINARY, "number of objects in each cell, one byte each, by rows of difficulty"
         ),
     ]
 )

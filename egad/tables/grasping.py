@@ -46,9 +46,7 @@ GRASPS = pa.schema(
         QUALITY,
         ROBUST_QUALITY,
         column(
-            "robust_quality_std",
-            FLOAT,
-            "standard deviation of the quality over perturbed copies",
+            "robust_quality_std", FLOAT, "standard deviation of the quality over perturbed copies"
         ),
         ROBUST_SUCCESS_RATE,
         column(
@@ -192,9 +190,7 @@ SAMPLING = pa.schema(
         ),
         column("n_in_collision", INT, "number of grasps in collision at every approach angle"),
         column(
-            "n_unreachable",
-            INT,
-            "number of grasps that fit but have no collision-free approach",
+            "n_unreachable", INT, "number of grasps that fit but have no collision-free approach"
         ),
     ]
 )

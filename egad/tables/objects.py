@@ -49,9 +49,7 @@ SOLIDS = pa.schema(
         CELL_CONFIDENCE,
         _GRASPS,
         column(
-            "archive_graspability",
-            FLOAT,
-            "graspability measured during evolution, for selection",
+            "archive_graspability", FLOAT, "graspability measured during evolution, for selection"
         ),
         column("volume", FLOAT, "volume of the solid", "m3"),
         column("area", FLOAT, "surface area", "m2"),
@@ -186,3 +184,8 @@ FILES = [
     ),
     Result("D/images/G/rejected.parquet", "objects without images", REJECTED),
 ]
+
+
+def rejection(object_id: str, stage: str, reason: object) -> dict[str, str]:
+    """A row of `REJECTED`."""
+    return {"id": object_id, "stage": stage, "reason": str(reason)}

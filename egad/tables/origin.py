@@ -29,11 +29,7 @@ class Origin:
     inputs: tuple[tuple[Path, str], ...] = ()  # files and folders, and their hashes
 
     def noted(self, folder: Path) -> dict[str, Any]:
-        """As plain values, for a file in a folder: inputs by their paths relative to it.
-
-        For an input outside the working directory, or for a folder outside it, only the name is
-        noted, after `ELSEWHERE`.
-        """
+        """As plain values, for a file in a folder; inputs elsewhere only by name."""
         inputs = [[_relative(path, folder), digest] for path, digest in self.inputs]
         return {**self.__dict__, "arguments": dict(self.arguments), "inputs": inputs}
 

@@ -17,24 +17,8 @@ from egad._util.files import atomic_output
 from egad.errors import TableError
 from egad.tables import origin, seal
 from egad.tables.columns import check_names
-from egad.tables.untrusted import BATCH, DAMAGED, Source, unreadable
+from egad.tables.untrusted import DAMAGED, Source, unreadable
 
-__all__ = [
-    "BATCH",
-    "RowGroups",
-    "TableError",
-    "batches",
-    "check_columns",
-    "columns",
-    "distinct",
-    "empty",
-    "notes",
-    "origin_of",
-    "read",
-    "records",
-    "schema_of",
-    "write",
-]
 _NOTES, _ORIGIN = "egad", "egad-origin"
 OLD = {  # columns of older versions by what they are called now, for messages
     "graspability": "difficulty",
@@ -134,14 +118,9 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
 
 
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
-    """Read a table and check that it has the columns of its schema.
+    """Read a table, or `TableError`: exactly the columns and types of its schema.
 
-    Other columns are not read. Values of another type are converted if they can be. Optional
-    columns are NaN if all of them are missing.
-
-    Raises:
-        TableError: The file is missing, is not Parquet, is cut short, has other columns or types,
-            would take too much memory, or an object in it has a name that no file can have.
+    Other columns are not read, and values converted. Optional columns are NaN if all are missing.
     """
     try:
         source = Source(path)

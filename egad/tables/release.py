@@ -7,6 +7,8 @@ from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import ANTIPODAL_RATES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
 
+MAX_FILES = 10_000  # in a folder of a repository of Hugging Face
+
 SPLIT = column("split", STRING, "train, validation or test; the same for all rows of an object")
 MESH = column("mesh", STRING, "file of the mesh in the release, not scaled")
 PREVIEW = column("preview", STRING, "file of a picture of the object in the release")

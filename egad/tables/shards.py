@@ -14,11 +14,7 @@ from egad.tables import parquet
 
 
 def shard_files(folder: Path, names: Sequence[str], target: str) -> list[tuple[Path, ...]]:
-    """The files of each shard of a folder, by number; messages call the set by its first name.
-
-    Raises `UserError`, with the target that makes them, if some are missing or of another set, and
-    `TableError` if one is damaged.
-    """
+    """The files of each shard of a folder, by number; `UserError` with the target if incomplete."""
     found = {path.name: path for name in names for path in sorted(folder.glob(f"{name}-*.parquet"))}
     if not found:
         raise UserError(f"{folder}: no {names[0]} found; make them with {target}")
@@ -45,11 +41,7 @@ def rows_of(paths: Iterable[Path], schema: pa.Schema, names: list[str]) -> pd.Da
 
 
 def remove_leftovers(folder: Path, names: Sequence[str], shards: int) -> None:
-    """Remove the files of an earlier, larger set than the one of `shards` in a folder.
-
-    Raises `UserError` if that set has another number of shards, `TableError` if its first file is
-    damaged.
-    """
+    """Remove files of an earlier, larger set; `UserError` if the set has not `shards` shards."""
     if parquet.notes(folder / f"{names[0]}-0.parquet").get("shards") != shards:
         raise UserError(f"{folder}: expected {names[0]} in {shards} shards; make them again")
     for name in names:

@@ -34,12 +34,7 @@ class Source:
     """A Parquet file whose seal and size have been checked."""
 
     def __init__(self, path: Path) -> None:
-        """Check a file without reading its rows.
-
-        Raises:
-            TableError: It is too large, or altered since it was sealed.
-            OSError, ArrowException, FailedError, LimitError: It is damaged.
-        """
+        """Check a file without its rows: `TableError` if too large or altered, else `DAMAGED`."""
         self._path = path
         sealed = is_whole(path)
         if sealed is False:

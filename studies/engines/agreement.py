@@ -11,10 +11,10 @@ import numpy as np
 
 from egad._util.files import write_text
 from egad.bench.stats import Area
-from egad.config import Settings
 from egad.report.agreement import agreement
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT
+from egad_workflow.settings import Settings
 
 FOLDER = Path(__file__).parent
 

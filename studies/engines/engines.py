@@ -21,12 +21,12 @@ from typing_extensions import override
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench import CellErrors, TrialProtocol, TrialRunner, read_attempt
+from egad.exchange import model_in, rows_by_id
 from egad.grippers import GRIPPERS
 from egad.sim import ARMS, ENGINES, open_world
 from egad.sim.pybullet_world import PyBulletWorld
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
-from egad.workflow.bundled import model_in, rows_by_id
 
 PAIR = list(ENGINES)
 ANCHORLESS = "without anchors"

@@ -14,13 +14,13 @@ import numpy as np
 import trimesh
 
 from egad.bench import InitialPose, TrialProtocol, initial_poses
+from egad.exchange import model_in, rows_by_id
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.random import generator
 from egad.sim import ARMS, TIME_STEP, Arm, Hand, HandPose, Model, Pose, World, build
 from egad.sim.mujoco_world import MujocoWorld
 from egad.sim.pybullet_world import PyBulletWorld
-from egad.workflow.bundled import model_in, rows_by_id
 
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
 SIDE = 0.04

@@ -12,14 +12,13 @@ from pathlib import Path
 
 import pandas as pd
 
+from egad.bench import SimulatedTrials, repeat_attempt
 from egad.bench.stats import object_positions, trend, trial_grid
-from egad.config import Settings
-from egad.config.stages import SimulatedTrials, select
+from egad.exchange import bundle_models
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.outcomes import EXECUTION, Outcome
-from egad.workflow.bundled import bundle_models
-from egad.workflow.replays import repeat_attempt
+from egad_workflow.settings import Settings, select
 
 sys.path.append(str(Path(__file__).parents[1]))
 from pictures import chosen, save_sheet

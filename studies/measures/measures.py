@@ -19,8 +19,6 @@ from scipy.stats import spearmanr
 from egad._util.files import write_text
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.config import Settings
-from egad.config.stages import select
 from egad.geometry.repair import repair
 from egad.grasps import ferrari_canny
 from egad.io import mesh_files, read_mesh
@@ -32,6 +30,7 @@ from egad.measures.reeb import graph as reeb
 from egad.random import generator
 from egad.report.colors import LINES, SOFT
 from egad.report.drawing import new_figure
+from egad_workflow.settings import Settings, select
 
 Floats = NDArray[np.float64]
 FOLDER = Path(__file__).parent

@@ -19,13 +19,13 @@ from scene_plan import FOLDER, condition_settings, networks_of, study_of
 from write_scene_tables import CAMERAS, SCENE
 
 from egad._util.arrays import RgbImage
-from egad.bench import ClutterParameters, Models, repeat_round
-from egad.config.stages import ClearedTables, select
+from egad.bench import ClearedTables, ClutterParameters, Models, repeat_round
 from egad.errors import UserError
+from egad.exchange import bundle_models
 from egad.sim import Film
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, ROUND
-from egad.workflow.bundled import bundle_models
+from egad_workflow.settings import select
 
 PICTURE = Path(__file__).with_name("scenes_failures.png")
 FRAMES = 6

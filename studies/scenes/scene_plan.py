@@ -9,9 +9,9 @@ from pydantic import Field, ValidationError
 
 from egad._util.parameters import Fraction, Name, Parameters, UserPath
 from egad.bench import NAMED_PROTOCOLS, SceneCameras
-from egad.config import Settings
-from egad.config.check import check
 from egad.errors import UserError
+from egad_workflow.check import check
+from egad_workflow.settings import Settings
 
 FOLDER = "results/scene_study"
 PAIRS = (("evolved", "primitives"), ("tuned-evolved", "tuned-primitives"))  # ours and its rival

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from egad.config.files import read_values
+from egad_workflow.config_files import read_values
 
 STUDY = "studies/scenes"
 ROOT = Path(__file__).parents[2]

@@ -23,7 +23,7 @@ from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, ROUND
 from egad.tables.objects import OBJECTS
 from egad.tables.training import SCENE_SCORE
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 SCENE, CAMERAS = "pile", "six"  # the condition that counts
 LEAD, MARGIN = 0.1, 0.05  # over published VGN; up to this far behind the rival is not behind

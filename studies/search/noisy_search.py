@@ -31,9 +31,6 @@ import pandas as pd
 from certainty import independent
 
 from egad._util.files import write_text
-from egad._util.kernel_cache import compile_kernels
-from egad.config import Settings
-from egad.config.stages import select
 from egad.evolution import Archive, Elite, EvolutionParameters, packed_surface
 from egad.evolution.evaluation import measure
 from egad.evolution.island import Island
@@ -41,6 +38,8 @@ from egad.measures import MeasureSpace, rough_graspability
 from egad.random import generator
 from egad.report.colors import line_color
 from egad.report.drawing import new_figure, show_percent
+from egad_workflow.precompile import compile_kernels
+from egad_workflow.settings import Settings, select
 
 FOLDER = Path(__file__).parent
 ROWS = FOLDER / "noisy-search"

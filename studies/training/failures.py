@@ -20,14 +20,13 @@ from pictures import chosen, save_sheet, typical  # type: ignore[import-not-foun
 from study import read_study
 
 from egad._util.arrays import RgbImage
-from egad.bench import TrialProtocol
-from egad.config.stages import SimulatedTrials, select
+from egad.bench import SimulatedTrials, TrialProtocol, repeat_attempt
 from egad.detectors import DepthCamera, Grasp, Intrinsics, camera_above
+from egad.exchange import bundle_models
 from egad.sim import Model, Pose
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
-from egad.workflow.bundled import bundle_models
-from egad.workflow.replays import repeat_attempt
+from egad_workflow.settings import select
 
 FOLDER = Path(__file__).parent
 FRAMES = 5

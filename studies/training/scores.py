@@ -13,9 +13,8 @@ from study import Network, read_study, settings_for
 from study_results import training_of
 
 from egad._util.markdown import table
-from egad.config.stages import TrainNetwork
-from egad.learning import outline_score
-from egad.workflow.train import open_dataset
+from egad.learning import TrainNetwork, outline_score
+from egad.learning.train_on_images import open_dataset
 
 CONFIG = Path(__file__).with_name("study.yaml")
 

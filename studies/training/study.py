@@ -17,14 +17,14 @@ from typing_extensions import TypedDict
 
 from egad._util.parameters import Name, ParameterGroup, Parameters, UserPath
 from egad.bench import TrialProtocol
-from egad.config import Settings
-from egad.config.check import check
-from egad.config.files import read_values
-from egad.config.references import unknown_names
 from egad.detectors import STEREO, DetectorConfig, ImageNoise
 from egad.errors import UserError
 from egad.learning import Training
 from egad.learning.images import Render
+from egad_workflow.check import check
+from egad_workflow.config_files import read_values
+from egad_workflow.references import unknown_names
+from egad_workflow.settings import Settings
 
 FOLDER = Path("results/training_study")
 SET_SECTIONS = ("render", "image_noise", "training")  # those that a training set may change

@@ -16,11 +16,13 @@ from study import (
     study_of,
 )
 
-from egad.config.check import check
-from egad.config.stages import ClearedTables, SimulatedTrials, TrainNetwork, select
+from egad.bench import ClearedTables, SimulatedTrials
 from egad.errors import UserError
+from egad.learning import TrainNetwork
 from egad.learning.images import RenderParameters
-from egad.workflow.code_version import used_names
+from egad_workflow.check import check
+from egad_workflow.code_version import imported_modules
+from egad_workflow.settings import select
 
 STUDY = Path(__file__).parent
 ASKED = {
@@ -151,7 +153,7 @@ def test_the_page_reads_the_sets_that_are_compared_and_their_images():
 def test_a_page_is_no_reason_to_train_again():
     """The workflow trains again for the code of these modules."""
     for module in ("egad.learning.training", "egad.detectors.weights"):
-        assert not [name for name, _ in used_names(module) if name.startswith("egad.report")]
+        assert not [name for name in imported_modules(module) if name.startswith("egad.report")]
 
 
 def test_a_detector_with_the_name_of_a_network_is_refused():

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from egad.config.files import read_values
+from egad_workflow.config_files import read_values
 
 TARGET = "results/training_study/report.html"
 STUDY = "studies/training"

@@ -11,7 +11,7 @@ from study_tables import CLEARED, COMPARED
 
 from egad._util.files import write_text
 from egad.tables import parquet
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 

@@ -13,8 +13,6 @@ from pathlib import Path
 import pytest
 from timing import timed
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.evolution import (
     Archive,
     EvolutionParameters,
@@ -32,6 +30,7 @@ from egad.measures.reeb import graph as reeb
 from egad.measures.reeb import neighbors
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
+from egad_workflow.settings import Settings, select
 
 STEPS = {
     "reproduction": (island, "breed"),

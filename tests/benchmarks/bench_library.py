@@ -12,8 +12,6 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.evolution import (
     UNBOUND,
@@ -36,6 +34,7 @@ from egad.measures.reeb import Forest, Neighborhood, similarities, similarity_ma
 from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
+from egad_workflow.settings import Settings, select
 
 SETTINGS = Settings()
 EVOLVE = select(SETTINGS, EvolutionParameters)

@@ -9,9 +9,7 @@ from collections import Counter
 import pytest
 from timing import timed
 
-from egad.bench import TrialRunner, run_attempts
-from egad.config import Settings
-from egad.config.stages import SimulatedTrials, select
+from egad.bench import SimulatedTrials, TrialRunner, run_attempts
 from egad.data import released
 from egad.detectors.registry import QUICK
 from egad.evalset.selection import candidates_by_cell
@@ -24,6 +22,7 @@ from egad.sim.model import build
 from egad.sim.parameters import ENGINES
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
+from egad_workflow.settings import Settings, select
 
 SETTINGS = Settings.model_validate({"trials": {"attempts": 5}})
 GRIPPER = "egad_75mm"

@@ -15,11 +15,10 @@ from typing import TypeVar
 
 import pandas as pd
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.evolution import Archive, EvolutionParameters, elites_of, evolve, merge
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
+from egad_workflow.settings import Settings, select
 
 ISLANDS = (1, 2, 4, 8, 16, 32)
 T = TypeVar("T")

@@ -16,11 +16,11 @@ from typer.main import get_command
 from egad import __version__
 from egad.cli.commands import app
 from egad.cli.common import settings_in
-from egad.config import Settings
 from egad.grippers import Gripper
 from egad.tables import parquet
 from egad.tables.grasping import SCALES, SIZE_EFFECT
 from egad.tables.objects import MEASURED, OBJECTS, REJECTED
+from egad_workflow.settings import Settings
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow/scripts"
@@ -45,17 +45,18 @@ def test_a_file_that_is_no_mesh_is_told_as_that(tmp_path):
     assert "not a mesh file; allowed endings: .3mf .glb" in found.stderr
 
 
-def test_help_imports_no_library_that_is_slow_and_nothing_of_the_workflow():
+def test_help_imports_no_library_that_is_slow_and_of_the_workflow_only_its_settings():
     code = (
         "import sys, egad.cli.commands\n"
         "slow = {'numba', 'trimesh', 'pybullet', 'mujoco', 'scipy', 'snakemake', 'torch'}\n"
         "slow |= {'numpy', 'pandas', 'pyarrow', 'matplotlib', 'skimage'}\n"
-        "print([n for n in sys.modules if n in slow or n.startswith('egad.workflow')])"
+        "slow |= {n for n in sys.modules if n.startswith('egad_workflow.')}\n"
+        "print(slow & set(sys.modules) - {f'egad_workflow.{n}' for n in ('settings', 'datasets')})"
     )
     loaded = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     )
-    assert loaded.stdout.strip() == "[]"
+    assert loaded.stdout.strip() == "set()"
 
 
 def test_help_lists_what_people_call_and_no_stage_of_the_workflow():

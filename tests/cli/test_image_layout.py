@@ -5,13 +5,12 @@ import pytest
 import trimesh
 
 from egad.cli import main
-from egad.config import Settings
-from egad.config.stages import select
 from egad.grippers import BoxBody
 from egad.learning.images import SPLITS, RenderParameters, Share, encoded, pictures
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
 from egad.tables.images import IMAGES
+from egad_workflow.settings import Settings, select
 
 
 @pytest.fixture(scope="module")

@@ -8,20 +8,19 @@ from scipy.stats import percentileofscore
 
 from egad.cli.export_meshes import write_meshes
 from egad.cli.locate import locate_files, reference
-from egad.config import Settings
-from egad.config.archive_settings import provenance
-from egad.config.stages import MeasureMeshes, select
 from egad.errors import TableError, UserError
 from egad.evolution import Archive, EvolutionParameters, evolve
 from egad.geometry.repair import repair
 from egad.io import read_mesh, write_obj
-from egad.measures import MeasureSpace
+from egad.measures import MeasureMeshes, MeasureSpace
 from egad.measures.reeb import graph as reeb
 from egad.measures.reeb.similarity import similarity
 from egad.report.locations import location_map, page
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
 from egad.tables.objects import OBJECTS, REJECTED
+from egad_workflow.archive_settings import provenance
+from egad_workflow.settings import Settings, select
 
 SETTINGS = Settings.model_validate(
     {

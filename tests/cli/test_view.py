@@ -4,8 +4,7 @@ import pytest
 import trimesh
 
 from egad.cli import view
-from egad.config import Settings
-from egad.config.stages import ViewMesh, select
+from egad.cli.view import ViewMesh
 from egad.errors import UserError
 from egad.grasps import GraspLabel
 from egad.report.viewer import scenes
@@ -13,6 +12,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import GRASPS, SCALES
 from egad.tables.objects import OBJECTS, REJECTED
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(grasp_label=GraspLabel(grasps=6)), ViewMesh, "yumi")
 OPENING = 0.05

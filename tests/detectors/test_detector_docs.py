@@ -9,10 +9,10 @@ import trimesh
 import yaml
 
 from egad.bench.stats.records import COLUMNS
-from egad.config.check import check
 from egad.detectors import DetectorConfig
 from egad.detectors.registry import make_detector
 from egad.grippers import GRIPPERS
+from egad_workflow.check import check
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE, RESULTS = ((DOCS / name).read_text() for name in ("detectors.md", "compare.md"))

@@ -39,6 +39,13 @@ def elites(spiky_box):
     return [elite(spiky_box(number), number, cells[number % 3]) for number in range(18)]
 
 
+def filled(*batches, space=SPACE, threads=1):
+    archive = Archive(space, SIMILARITY, threads)
+    for batch in batches:
+        archive.add(batch)
+    return archive
+
+
 def slow_archive(batches, space):
     """The paper's rule, all distances computed again after every removal."""
 
@@ -66,9 +73,7 @@ def slow_archive(batches, space):
 def test_equals_the_rule_done_slowly(elites, neighbors):
     space = SPACE.model_copy(update={"neighbors": neighbors})
     batches = [elites[:7], elites[5:12], elites[10:]]
-    archive = Archive(space, SIMILARITY)
-    for batch in batches:
-        archive.add(batch)
+    archive = filled(*batches, space=space)
     assert {each.id for each in archive.elites} == slow_archive(batches, space)
     assert len(archive) == 6
 
@@ -79,11 +84,9 @@ def test_uncertain_elites_go_before_less_diverse_ones(elites):
     some = [replace(each, graspability=0.003, complexity=2.0) for each in elites[:8]]
     doubtful = [replace(each, cell_confidence=0.5) for each in some[:3]]
     sure = [replace(each, cell_confidence=0.95) for each in some[3:]]
-    archive = Archive(space, SIMILARITY)
-    archive.add([*doubtful, *sure])
+    archive = filled([*doubtful, *sure], space=space)
     assert {each.id for each in archive.elites} == slow_archive([sure], space)
-    archive = Archive(space, SIMILARITY)
-    archive.add([*doubtful, sure[0]])
+    archive = filled([*doubtful, sure[0]], space=space)
     assert sure[0].id in archive
     assert len(archive) == 2
 
@@ -94,8 +97,7 @@ def test_a_certain_candidate_takes_the_slot_of_an_uncertain_elite(elites):
     here = [replace(each, graspability=0.003, complexity=2.0) for each in elites[:5]]
     for old, new in itertools.permutations(here, 2):
         for before, after in ((0.5, 0.95), (0.95, 0.5)):
-            archive = Archive(space, SIMILARITY)
-            archive.add([replace(old, cell_confidence=before)])
+            archive = filled([replace(old, cell_confidence=before)], space=space)
             archive.add([new], lambda some, c=after: [replace(e, cell_confidence=c) for e in some])
             assert (new if after > before else old).id in archive
             assert len(archive) == 1
@@ -121,8 +123,7 @@ def test_only_what_its_cell_would_keep_is_refined(elites):
 def test_refined_candidates_compete_where_they_turn_out_to_be(elites):
     """One goes to another cell, one has no grasp; the elite that they would replace stays."""
     here = [replace(each, graspability=0.003, complexity=2.0) for each in elites[:2]]
-    archive = Archive(SPACE, SIMILARITY)
-    archive.add(here)
+    archive = filled(here)
 
     def refine(chosen):
         found = {each.id: None for each in chosen}
@@ -142,51 +143,36 @@ def test_of_equally_diverse_ones_the_first_name_goes(elites):
     twins = [replace(each, id=f"twin {each.id}") for each in elites]
     space = SPACE.model_copy(update={"elites_per_cell": 4})
     batches = [elites[:9] + twins[:9], elites[9:] + twins[9:]]
-    archive = Archive(space, SIMILARITY)
-    for batch in batches:
-        archive.add(batch)
-    assert {each.id for each in archive.elites} == slow_archive(batches, space)
+    found = {each.id for each in filled(*batches, space=space).elites}
+    assert found == slow_archive(batches, space)
 
 
 def test_any_number_of_threads_keeps_the_same(elites):
-    tables = []
-    for threads in (1, 3):
-        archive = Archive(SPACE, SIMILARITY, threads)
-        for batch in (elites[:7], elites[5:12], elites[10:]):
-            archive.add(batch)
-        tables.append(archive.to_frame())
+    batches = elites[:7], elites[5:12], elites[10:]
+    tables = [filled(*batches, threads=threads).to_frame() for threads in (1, 3)]
     pd.testing.assert_frame_equal(*tables)
 
 
 def test_no_cell_holds_too_many_and_coverage_counts_places(elites):
-    archive = Archive(SPACE, SIMILARITY)
-    archive.add(elites)
+    archive = filled(elites)
     frame = archive.to_frame()
     assert frame.groupby(["complexity_cell", "difficulty_cell"]).size().max() == 2
     assert archive.coverage == pytest.approx(6 / 8)
 
 
 def test_known_objects_are_passed_over(elites):
-    archive = Archive(SPACE, SIMILARITY)
-    archive.add(elites[:3])
-    archive.add(elites[:3])
-    assert len(archive) == 3
+    assert len(filled(elites[:3], elites[:3])) == 3
 
 
 def test_table_round_trip_gives_the_same_table(elites, tmp_path):
-    archive = Archive(SPACE, SIMILARITY)
-    archive.add(elites)
-    parquet.write(archive.to_frame(), EPOCH, tmp_path / "one")
-    again = Archive(SPACE, SIMILARITY)
-    again.add(elites_of(parquet.read(tmp_path / "one", EPOCH)))
+    parquet.write(filled(elites).to_frame(), EPOCH, tmp_path / "one")
+    again = filled(elites_of(parquet.read(tmp_path / "one", EPOCH)))
     parquet.write(again.to_frame(), EPOCH, tmp_path / "two")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
 
 
 def test_slots_count_within_a_cell_from_the_most_diverse(elites):
-    archive = Archive(SPACE, SIMILARITY)
-    archive.add(elites)
-    for _, cell in archive.to_frame().groupby(["difficulty_cell", "complexity_cell"]):
+    for _, cell in filled(elites).to_frame().groupby(["difficulty_cell", "complexity_cell"]):
         assert list(cell["slot"]) == list(range(len(cell)))
         assert (np.diff(cell["diversity"]) <= 0).all()
 
@@ -198,12 +184,7 @@ def test_an_empty_archive_has_an_empty_table():
 
 
 def test_merging_keeps_the_survivors_of_all_islands_by_the_rule(elites):
-    halves = elites[:9], elites[9:]
-    frames = []
-    for half in halves:
-        archive = Archive(SPACE, SIMILARITY)
-        archive.add(half)
-        frames.append(archive.to_frame())
+    frames = [filled(half).to_frame() for half in (elites[:9], elites[9:])]
     survivors = [each for frame in frames for each in elites_of(frame)]
     merged = merge(frames, SPACE, SIMILARITY)
     assert set(merged["id"]) == slow_archive([survivors], SPACE)

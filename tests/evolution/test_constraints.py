@@ -12,18 +12,17 @@ from egad.evolution import (
     Rules,
     Symmetry,
     constraints,
+    evolution_parameters,
     voxels,
 )
-from egad.evolution.constraints import build_rules, region_voxels, voxel_middles, with_images
+from egad.evolution.constraints import region_voxels, rules_of, voxel_middles, with_images
 from egad.evolution.parameters import Region
 
 R = 12
 
 
 def rules(**regions):
-    free = {"envelope": Envelope(), "keep_solid": KeepSolid(), "hole": Hole()}
-    free |= {"symmetry": Symmetry(), "limits": Limits()}
-    return build_rules(R, lambda path: pytest.fail(f"{path} was read"), **(free | regions))
+    return rules_of(evolution_parameters(0).model_copy(update=regions), R)
 
 
 def noise(seed):

@@ -8,10 +8,9 @@ import pandas as pd
 import pytest
 
 import egad
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import RejectedError, UserError
 from egad.evolution import Archive, EvolutionParameters, island
+from egad_workflow.settings import Settings, select
 
 RANGES = ((0.0, 3e-4), (1.0, 4.0))
 

@@ -9,10 +9,15 @@ import pytest
 import trimesh
 import yaml
 
-from egad.config.check import check
-from egad.config.schema import schema
-from egad.config.stages import PostprocessSolids, select
-from egad.evolution import Archive, EvolutionParameters, evolve, packed_surface, rules_of, unpack
+from egad.evolution import (
+    Archive,
+    EvolutionParameters,
+    PostprocessSolids,
+    evolve,
+    packed_surface,
+    rules_of,
+    unpack,
+)
 from egad.evolution.constraints import voxel_middles
 from egad.evolution.voxels import largest_body
 from egad.geometry.repair import repair
@@ -20,6 +25,8 @@ from egad.measures import measure_repeatably
 from egad.measures.custom import plugin_value
 from egad.measures.graspability import rough_graspability
 from egad.random import generator
+from egad_workflow.check import check, schema
+from egad_workflow.settings import select
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = {path.stem: path for path in sorted((ROOT / "config/examples").glob("*.yaml"))}

@@ -5,7 +5,7 @@ import pytest
 
 import egad
 from egad.errors import UserError
-from egad.evolution import Limits, Symmetry, check_regrown, constraints, genome_mesh
+from egad.evolution import Envelope, check_regrown, evolution_parameters, genome_mesh, rules_of
 from egad.evolution.growth import grow
 
 BALL = {  # output = 0.5 + 0.8 - r, above the threshold within 0.8 of the center
@@ -66,15 +66,8 @@ def test_a_finer_object_is_closed_and_alike(objects):
 
 def test_constraints_that_nobody_named_are_noticed(objects):
     each = objects["M14_3"]
-    rules = constraints.build_rules(
-        25,
-        lambda _: None,
-        envelope=constraints.Region(kind="box", size=(1, 1, 0.6)),
-        keep_solid=constraints.Region(),
-        hole=constraints.Region(),
-        symmetry=Symmetry(),
-        limits=Limits(),
-    )
+    envelope = {"envelope": Envelope(kind="box", size=(1, 1, 0.6))}
+    rules = rules_of(evolution_parameters(0).model_copy(update=envelope), 25)
     bounded = grow(each.genome, 25, rules=rules)
     check_regrown(each.genome, bounded, 0.5, rules)
     with pytest.raises(UserError, match="evolved under constraints"):

@@ -5,8 +5,6 @@ import pandas as pd
 import pytest
 
 from egad._util.workers import workers
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import UserError
 from egad.evolution import (
     Archive,
@@ -26,6 +24,7 @@ from egad.measures import Graspability
 from egad.measures.reeb import Similarity
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(
     Settings(

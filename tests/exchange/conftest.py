@@ -5,8 +5,7 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import RescaleMeshes, select
+from egad.exchange import RescaleMeshes, rescale_files
 from egad.geometry import Bundle, RayCaster, center_of_mass, make_simulation_object, part_rows
 from egad.geometry.mass import mass_properties
 from egad.grasps import LabelParameters, sample_for_labels
@@ -19,7 +18,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
-from egad.workflow.rescale import rescale_files
+from egad_workflow.settings import Settings, select
 
 GRIPPER = "yumi"
 HELD = ("A00_0", "B01_0")

@@ -6,7 +6,6 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.config.stages import select
 from egad.errors import UserError
 from egad.exchange.grasp_tables import load_grasps
 from egad.exchange.grasps import acronym
@@ -17,6 +16,7 @@ from egad.grasps.grasps import vectors
 from egad.grasps.poses import PANDA_REACH
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
+from egad_workflow.settings import select
 
 GRIPPER = "yumi"
 

@@ -11,16 +11,17 @@ import pytest
 import trimesh
 from autolab_core import RigidTransform
 
-from egad.config.stages import DexNetObjects, select
 from egad.errors import RejectedError, TableError, UserError
-from egad.exchange.dexnet_database import add_dataset, add_grasps
+from egad.exchange import DexNetObjects
+from egad.exchange.dexnet_database import add_dataset, add_grasps, write_objects
 from egad.exchange.grasps import dexnet
 from egad.exchange.hdf5 import writing
 from egad.exchange.parameters import DexNetDatabase
 from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
-from egad.workflow.dexnet_objects import write_objects
+from egad_workflow.settings import select
+from egad_workflow.shards import rows_in_shard
 
 GRIPPER = "yumi"
 
@@ -31,8 +32,13 @@ def export(settings, dataset, folder, shards):
     objects, scaled = dataset / "objects.parquet", dataset / "rescaled" / GRIPPER
     for shard, part in enumerate(parts):
         wanted = select(settings, DexNetObjects)
-        write_objects(wanted, objects, scaled, (shard, shards), part)
+        rows = rows_in_shard(parquet.read(objects, OBJECTS), shard, shards)
+        write_objects(wanted, parquet.records(rows), scaled, part)
     return joined(settings, dataset, parts, folder / f"database-{shards}.hdf5")
+
+
+def rows_of(folder):
+    return parquet.records(parquet.read(folder / "objects.parquet", OBJECTS))
 
 
 def joined(settings, dataset, parts, out):
@@ -218,7 +224,7 @@ def test_an_object_without_stable_poses_is_written(
     def none(*_):
         raise RejectedError("its center of mass is not inside its convex hull")
 
-    monkeypatch.setattr("egad.workflow.dexnet_objects.resting_poses", none)
+    monkeypatch.setattr("egad.exchange.dexnet_database.resting_poses", none)
     with h5py.File(export(settings, dataset, tmp_path, 1)) as file:
         group = file["datasets/tiny/objects/A00_0"]
         assert group["stable_poses"].attrs["num_stable_poses"] == 0
@@ -240,9 +246,8 @@ def test_an_object_with_an_illegal_name_is_refused(dataset, tmp_path, settings):
     with pytest.raises(TableError, match="'a/b' is not a valid file name"):
         write_objects(
             select(settings, DexNetObjects),
-            tmp_path / "objects.parquet",
+            rows_of(tmp_path),
             dataset,
-            (0, 1),
             tmp_path / "a",
         )
 
@@ -261,7 +266,7 @@ def test_an_unreadable_mesh_is_left_out(dataset, tmp_path, caplog, settings):
     (tmp_path / "B01_0.obj").write_text("v 0 0")
     wanted = select(settings, DexNetObjects)
     out = tmp_path / "part.hdf5"
-    write_objects(wanted, dataset / "objects.parquet", tmp_path, (0, 1), out)
+    write_objects(wanted, rows_of(dataset), tmp_path, out)
     with h5py.File(out) as file:
         assert list(file["objects"]) == ["A00_0"]
     assert "C02_0 is omitted: no such file" in caplog.text

@@ -8,13 +8,13 @@ from commands import egad
 from typer.testing import CliRunner
 
 from egad.cli.commands import app
-from egad.config import Settings
 from egad.data import released
 from egad.grippers.rescaling import rescale
 from egad.io import read_mesh
 from egad.objects import load
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
+from egad_workflow.settings import Settings
 
 GRIPPER = "yumi"
 

@@ -8,12 +8,14 @@ import pytest
 import trimesh
 from commands import egad
 
-from egad.config.stages import SimulationBundle, select
+from egad.exchange import write_bundle
+from egad.exchange.bundle import Item
+from egad.geometry import SimulationBundle
 from egad.io import read_mesh, write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS
-from egad.workflow.bundle import Item, write_bundle
+from egad_workflow.settings import select
 
 GRIPPER = "yumi"
 ALL = ("--objects", "all")

@@ -3,7 +3,6 @@
 import pytest
 
 import egad
-from egad.config.stages import select
 from egad.errors import UserError
 from egad.exchange import (
     FORMATS,
@@ -21,6 +20,7 @@ from egad.grippers import GRIPPERS
 from egad.io import WRITERS, write_mesh
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
+from egad_workflow.settings import select
 
 HAND = NamedGripper("panda", GRIPPERS["panda"])
 SIMULATED = ("acronym", "graspgen", "graspnet", "simready")

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from egad.io import read_mesh
-from egad.io.glb import write_glb
+from egad.io.gltf import write_glb
 
 
 @pytest.fixture(scope="module")

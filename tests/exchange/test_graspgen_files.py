@@ -10,7 +10,6 @@ import yaml
 from described_hands import box_urdf, jaw_urdf
 
 from egad import Gripper
-from egad.config.stages import select
 from egad.exchange.grasps import graspgen
 from egad.exchange.grasps.graspgen import (
     default_split,
@@ -21,6 +20,7 @@ from egad.exchange.grasps.graspgen import (
 from egad.exchange.parameters import GripperFormat
 from egad.geometry.distance import nearest
 from egad.grippers import GRIPPERS, model_of
+from egad_workflow.settings import select
 
 GRIPPER = "yumi"
 

@@ -4,12 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config.stages import select
 from egad.exchange.grasps import graspnet
 from egad.exchange.grasps.graspnet import needed_friction
 from egad.exchange.parameters import GripperFormat
 from egad.grasps import Grasps
 from egad.tables.grasping import GRASPS
+from egad_workflow.settings import select
 
 GRIPPER = "yumi"
 

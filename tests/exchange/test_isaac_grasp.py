@@ -11,10 +11,10 @@ from trimesh.transformations import translation_matrix
 
 import egad
 from egad import Gripper
-from egad.config.stages import select
 from egad.exchange.grasps import isaac_grasp
 from egad.exchange.grasps.isaac_grasp import write_isaac_grasp
 from egad.exchange.parameters import GripperFormat
+from egad_workflow.settings import select
 
 LABEL = "A00_0"
 

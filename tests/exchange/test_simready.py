@@ -11,7 +11,6 @@ from PIL import Image
 pxr = pytest.importorskip("pxr")
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation  # noqa: E402 (an extra)
 
-from egad.config.stages import select  # noqa: E402
 from egad.exchange import NamedGripper, sources, write_format  # noqa: E402
 from egad.exchange.grasps.simready import write  # noqa: E402
 from egad.exchange.parameters import AllObjects  # noqa: E402
@@ -19,6 +18,7 @@ from egad.grippers import GRIPPERS, Gripper  # noqa: E402
 from egad.grippers.hand import JAW_CLEARANCE  # noqa: E402
 from egad.tables import parquet  # noqa: E402
 from egad.tables.grasping import SIMULATED_GRASPS  # noqa: E402
+from egad_workflow.settings import select  # noqa: E402
 
 LABELS = ("A00_0", "B01_0", "C02_0")
 OPENING = GRIPPERS["yumi"].opening

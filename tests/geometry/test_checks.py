@@ -9,8 +9,6 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import EgadError, RejectedError, UserError
 from egad.geometry import repair_and_weigh
 from egad.geometry.checks import UnitsWarning, check_mesh, check_solid, check_units
@@ -26,6 +24,7 @@ from egad.measures.complexity import complexity
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
 from egad.measures.reeb import graph as reeb
+from egad_workflow.settings import Settings, select
 
 SETTINGS = Settings()
 LABELS = select(SETTINGS, LabelParameters)

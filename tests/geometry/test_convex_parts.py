@@ -326,9 +326,7 @@ def basket() -> trimesh.Trimesh:
 
 
 @pytest.mark.parametrize("make", [bowl, basket])
-def test_what_is_hollow_stays_hollow_and_is_covered(
-    make: Callable[[], trimesh.Trimesh],
-) -> None:
+def test_what_is_hollow_stays_hollow_and_is_covered(make: Callable[[], trimesh.Trimesh]) -> None:
     mesh = make()
     found = decompose(mesh, 512, 0.06)
     assert (found.deviation, found.volume_error) == (0.0005, 0.06)

@@ -5,8 +5,7 @@ import pytest
 import trimesh
 from scipy.spatial import ConvexHull
 
-from egad.geometry.hull_vertices import fewer_vertices, lower_planes
-from egad.geometry.hulls import hull_of
+from egad.geometry.hulls import fewer_vertices, hull_of, lower_planes
 
 
 def outside(points: np.ndarray, of: np.ndarray) -> float:

@@ -5,8 +5,8 @@ import trimesh
 import egad
 from egad.evolution.surface import surface
 from egad.geometry import rescale
-from egad.geometry.precision import is_single, to_single
 from egad.geometry.repair import repair, repair_for_files
+from egad.geometry.rounding import is_single, to_single
 
 BALL = trimesh.creation.icosphere(subdivisions=3, radius=0.0517)
 ROUNDED = repair_for_files(BALL).mesh

@@ -3,8 +3,7 @@ import pytest
 import trimesh
 
 import egad
-from egad.geometry.embree import LibiglScene, embree_scene
-from egad.geometry.rays import RayCaster, TriangleScene
+from egad.geometry.rays import LibiglScene, RayCaster, TriangleScene, embree_scene
 
 
 def blob(seed=0):

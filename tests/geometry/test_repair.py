@@ -68,19 +68,13 @@ def test_merging_vertices_is_no_change_and_the_input_is_kept():
     assert np.array_equal(given.faces, before)
 
 
-def test_an_inside_out_mesh_is_turned_round():
-    ball = icosphere(subdivisions=2)
-    mesh, changed, *_ = repair(raw(ball.vertices, ball.faces[:, ::-1]))
-    assert changed
-    assert_sound(mesh)
-    assert mesh.volume == pytest.approx(ball.volume)
-
-
-def test_mixed_winding_is_made_consistent():
+@pytest.mark.parametrize("step", [1, 3])
+def test_faces_that_are_inside_out_all_or_some_are_turned_round(step):
     ball = icosphere(subdivisions=2)
     faces = ball.faces.copy()
-    faces[::3] = faces[::3, ::-1]
-    mesh, *_ = repair(raw(ball.vertices, faces))
+    faces[::step] = faces[::step, ::-1]
+    mesh, changed, *_ = repair(raw(ball.vertices, faces))
+    assert changed
     assert_sound(mesh)
     assert mesh.volume == pytest.approx(ball.volume)
 
@@ -97,9 +91,8 @@ def test_cracks_are_welded():
 def test_a_small_hole_is_closed_and_a_large_one_is_named():
     block = box()
     assert_sound(repair(raw(block.vertices, block.faces[1:])).mesh)
-    side = block.face_normals[:, 2] > 0.9
     with pytest.raises(RejectedError, match="open surface: 4 open edges"):
-        repair(raw(block.vertices, block.faces[~side]))
+        repair(CUP)
 
 
 def test_degenerate_and_doubled_faces_go():
@@ -186,12 +179,10 @@ def test_what_was_dropped_is_said_in_words():
 
 
 def test_an_open_part_is_dropped_only_if_little_is_lost():
-    block = box()
-    cup = raw(block.vertices, block.faces[block.face_normals[:, 2] < 0.9])
-    mesh, *_ = repair(together(block, shifted(cup.copy().apply_scale(0.1), 2, 0, 0)))
-    assert mesh.bounds == pytest.approx(block.bounds)
+    mesh, *_ = repair(together(box(), shifted(CUP.copy().apply_scale(0.1), 2, 0, 0)))
+    assert mesh.bounds == pytest.approx(box().bounds)
     with pytest.raises(RejectedError, match="open surface: 4 open edges"):
-        repair(together(block, shifted(cup, 2, 0, 0)))
+        repair(together(box(), shifted(CUP, 2, 0, 0)))
 
 
 def test_overlapping_parts_become_one_body():
@@ -270,22 +261,14 @@ def test_what_bounds_no_solid_is_rejected_with_the_reason(reason):
         repair(BAD[reason])
 
 
-SINGLE_SURFACES = {
-    "sheet": SHEET,
-    "sheet on both sides": BAD["no volume"],
-    "box without a lid": raw(
-        trimesh.creation.box().vertices, trimesh.creation.box().faces[2:].tolist()
-    ),
-    "box without a lid on both sides": together(
-        raw(trimesh.creation.box().vertices, trimesh.creation.box().faces[2:]),
-        raw(trimesh.creation.box().vertices, trimesh.creation.box().faces[2:, ::-1]),
-    ),
-}
+LIDLESS = raw(box().vertices, box().faces[2:])
 
 
-@pytest.mark.parametrize("name", SINGLE_SURFACES)
-def test_surfaces_without_thickness_are_rejected_with_the_advice_that_helps(name):
-    mesh = SINGLE_SURFACES[name]
+@pytest.mark.parametrize("both_sides", [False, True])
+@pytest.mark.parametrize("surface", [SHEET, LIDLESS])
+def test_surfaces_without_thickness_are_rejected_with_the_advice_that_helps(surface, both_sides):
+    other = raw(surface.vertices, surface.faces[:, ::-1])
+    mesh = together(surface, other) if both_sides else surface
     with pytest.raises(RejectedError, match="`open_surfaces: thicken`"):
         repair(mesh)
     assert repair(mesh, "thicken", 0.05).mesh.is_watertight

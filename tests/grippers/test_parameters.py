@@ -8,10 +8,10 @@ import pytest
 from described_hands import BAR, PAD, PANDA, box_urdf, linkage_mjcf
 
 import egad
-from egad.config import Settings
-from egad.config.check import check
 from egad.errors import UserError
 from egad.grippers import Gripper, body_of, model_of
+from egad_workflow.check import check
+from egad_workflow.settings import Settings
 
 THICK, WIDE, LONG = PANDA["finger"]
 

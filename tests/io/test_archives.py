@@ -5,7 +5,7 @@ import subprocess
 import sys
 import zipfile
 
-from egad.io.archives import write_zip
+from egad.io.folders import write_zip
 
 
 def folder_with(path, texts, time):

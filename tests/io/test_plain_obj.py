@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.io.plain_obj import obj_text, parse_plain_obj
+from egad.io.obj import obj_text, parse_plain_obj
 
 VERTICES = np.array([[0, 0, 0], [1e-17, -0.1, 1 / 3], [2.5e300, 4, -7e-5]])
 FACES = np.array([[0, 1, 2], [2, 1, 0]])

@@ -35,11 +35,7 @@ def test_trimesh_reads_it_back_in_millimetres(plate):
 def test_objects_have_names_and_every_item_an_object(plate):
     path, objects = plate
     with zipfile.ZipFile(path) as archive:
-        assert set(archive.namelist()) == {
-            "[Content_Types].xml",
-            "_rels/.rels",
-            "3D/3dmodel.model",
-        }
+        assert set(archive.namelist()) == {"[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"}
         root = ElementTree.fromstring(archive.read("3D/3dmodel.model"))  # noqa: S314 (ours)
     assert root.get("unit") == "millimeter"
     names = [each.get("name") for each in root.iter(f"{{{CORE}}}object")]

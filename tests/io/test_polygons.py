@@ -88,12 +88,7 @@ def test_a_polygon_that_crosses_itself_is_refused(name, scale):
 
 @pytest.mark.parametrize(
     ("polygon", "area"),
-    [
-        ([0, 1, 1, 2], 0.5),
-        ([0, 1, 0, 1], 0),
-        ([0, 4, 1, 0], 0),
-        ([0, 4, 1, 2], 0.5),
-    ],
+    [([0, 1, 1, 2], 0.5), ([0, 1, 0, 1], 0), ([0, 4, 1, 0], 0), ([0, 4, 1, 2], 0.5)],
 )
 def test_edges_that_run_there_and_back_cross_nothing(polygon, area):
     vertices = np.vstack([SQUARE, [0.5, 0, 0]])

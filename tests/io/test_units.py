@@ -18,7 +18,6 @@ LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
     ("text", "unit"),
     [
         (b"egad, unit: millimetre", "mm"),
-        (b"UNITS=mm", "mm"),
         (b"# File units = Inches", "inch"),
         (b"comment unit : metre", "m"),
         (b"Unit:cm,", "cm"),
@@ -66,10 +65,7 @@ def test_a_unit_is_what_is_asked_for_or_stated_or_that_of_the_format(asked, stat
 
 @pytest.mark.parametrize(
     ("asked", "stated", "words"),
-    [
-        ("mm", "yard", "states the unit yard, but mm is given"),
-        (None, None, "m, cm, mm or inch"),
-    ],
+    [("mm", "yard", "states the unit yard, but mm is given"), (None, None, "m, cm, mm or inch")],
 )
 def test_no_unit_and_two_units_are_refused(asked, stated, words):
     with pytest.raises(RejectedError, match=words):

@@ -7,15 +7,14 @@ import pytest
 from typer.testing import CliRunner
 
 from egad.cli.commands import app
-from egad.config import Settings
-from egad.config.stages import TrainNetwork, select
 from egad.detectors import prepare_input
 from egad.detectors.ggcnn import GGCNN, middle
 from egad.errors import TableError, UserError
-from egad.learning import Training
+from egad.learning import Training, TrainNetwork
+from egad.learning.train_on_images import open_dataset, train
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
-from egad.workflow.train import open_dataset, train
+from egad_workflow.settings import Settings, select
 
 PLAN = Training(
     images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn", crop=96

@@ -13,21 +13,20 @@ from shapes import grasps_of
 from typer.testing import CliRunner
 
 from egad.cli.commands import app
-from egad.config.stages import TrainOnScenes
 from egad.detectors import DepthCamera, DetectorConfig, Intrinsics, cameras_around, render_scene
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
-from egad.learning import VgnTraining
+from egad.learning import TrainOnScenes, VgnTraining
 from egad.learning.images import pose_values
 from egad.learning.scenes import SceneDataset, write_shard
 from egad.learning.scenes.making import MadeScene, view_columns
+from egad.learning.train_on_scenes import check_device, fingerprint, open_scenes, train_on_scenes
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
 from egad.tables.scenes import SCENE_GRASPS
 from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
-from egad.workflow.code_version import PACKAGE, code_version
-from egad.workflow.train_on_scenes import check_device, fingerprint, open_scenes, train_on_scenes
+from egad_workflow.code_version import PACKAGES, code_version
 
 PLAN = VgnTraining(examples=4, epoch=2, batch=2, validation=2, test=3)
 SETTINGS = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
@@ -270,17 +269,17 @@ def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
     for path in files:
         path.write_text(path.name)
     found = [
-        fingerprint(SETTINGS, [scenes], "cpu"),
-        fingerprint(SETTINGS, [scenes], "cuda"),
-        fingerprint(SETTINGS, [other], "cpu"),
-        fingerprint(SETTINGS.model_copy(update={"seed": 4}), [scenes], "cpu"),
+        fingerprint(SETTINGS, [scenes], "cpu", ""),
+        fingerprint(SETTINGS, [scenes], "cuda", ""),
+        fingerprint(SETTINGS, [other], "cpu", ""),
+        fingerprint(SETTINGS.model_copy(update={"seed": 4}), [scenes], "cpu", ""),
         fingerprint(
-            SETTINGS.model_copy(update={"gripper": GRIPPERS["egad_75mm"]}), [scenes], "cpu"
+            SETTINGS.model_copy(update={"gripper": GRIPPERS["egad_75mm"]}), [scenes], "cpu", ""
         ),
-        *(fingerprint(SETTINGS, [scenes], "cpu", weights) for weights in files),
+        *(fingerprint(SETTINGS, [scenes], "cpu", "", weights) for weights in files),
     ]
     assert len(set(found)) == 7
-    assert fingerprint(SETTINGS, [scenes], "cpu") == found[0]
+    assert fingerprint(SETTINGS, [scenes], "cpu", "") == found[0]
 
 
 CHANGED = [
@@ -296,29 +295,27 @@ CHANGED = [
     ("learning/scene_scores.py", "DECISION_THRESHOLD = 0.5", "DECISION_THRESHOLD = 0.6", True),
     ("learning/scene_model_card.py", "## Score", "## Scores", True),
     ("detectors/weights.py", "sort_keys=True", "sort_keys=False", True),
-    ("workflow/train_on_scenes.py", '"test", plan.test', '"validation", plan.test', True),
-    # of other networks, and of nothing that is stored
-    ("detectors/maps.py", "WIDEST = 150.0", "WIDEST = 100.0", False),
-    ("learning/model_card.py", "## Score", "## Scores", False),
-    ("detectors/vgn.py", "SMOOTHING = 1.0", "SMOOTHING = 2.0", False),
+    ("learning/train_on_scenes.py", '"test", plan.test', '"validation", plan.test', True),
+    # of objects to print
+    ("evalset/plates.py", "SMALL_CONTACT = 1e-4", "SMALL_CONTACT = 1e-3", False),
 ]
 
 
 @pytest.mark.parametrize(("file", "old", "new", "counts"), CHANGED)
 def test_code_that_decides_a_training_is_in_its_fingerprint(tmp_path, file, old, new, counts):
     package = tmp_path / "egad"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__", "data"))
+    shutil.copytree(PACKAGES[0], package, ignore=shutil.ignore_patterns("__pycache__", "data"))
     text = (package / file).read_text(encoding="utf-8")
     assert old in text
     (package / file).write_text(text.replace(old, new, 1), encoding="utf-8")
-    module = "egad.workflow.train_on_scenes"
-    assert (code_version(module, package) != code_version(module)) == counts
+    module = "egad.learning.train_on_scenes"
+    assert (code_version(module, (package,)) != code_version(module)) == counts
 
 
 def test_the_fingerprint_has_the_version_of_the_code(scenes):
     pytest.importorskip("torch")
-    found = json.loads(fingerprint(SETTINGS, [scenes], "cpu"))
-    assert found["code"] == code_version("egad.workflow.train_on_scenes")
+    found = json.loads(fingerprint(SETTINGS, [scenes], "cpu", "1f2e"))
+    assert found["code"] == "1f2e"
 
 
 @pytest.mark.usefixtures("without_torch")

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import yaml
 
-from egad.config.check import check
 from egad.detectors import DetectorConfig
 from egad.detectors.registry import make_detector
 from egad.grippers import GRIPPERS
 from egad.plugins import find
+from egad_workflow.check import check
 
 PAGE = (Path(__file__).parents[2] / "docs" / "vision.md").read_text()
 HAND = GRIPPERS["egad_75mm"]

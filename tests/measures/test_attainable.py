@@ -6,8 +6,6 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import Settings
-from egad.config.stages import select
 from egad.grasps import ferrari_canny
 from egad.measures import (
     Attainable,
@@ -18,6 +16,7 @@ from egad.measures import (
     coverage,
     default_measures,
 )
+from egad_workflow.settings import Settings, select
 
 DEFAULT = default_measures(egad.gripper("yumi"), 0)
 

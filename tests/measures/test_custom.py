@@ -3,8 +3,6 @@ from functools import partial
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import RejectedError, UserError
 from egad.measures import CustomMeasures
 from egad.measures.custom import check_measures, plugin_name, plugin_value, source_hash
@@ -12,6 +10,7 @@ from egad.measures.graspability import rough_graspability
 from egad.measures.measure import measure_mesh
 from egad.measures.parameters import MeasureParameters
 from egad.random import generator
+from egad_workflow.settings import Settings, select
 
 CODE = """
 import numpy as np

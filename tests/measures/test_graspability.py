@@ -2,8 +2,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.geometry import center_of_mass
 from egad.geometry.rays import RayCaster
@@ -19,6 +17,7 @@ from egad.measures.graspability import (
 from egad.measures.grid import graspability_limits
 from egad.measures.parameters import MeasureParameters
 from egad.measures.percentile import BoundedSample, confidence_between, percentile, percentile_std
+from egad_workflow.settings import Settings, select
 
 
 def parameters(sampling=None, confidence=0.0, **settings):

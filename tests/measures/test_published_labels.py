@@ -8,9 +8,9 @@ import pytest
 from scipy.stats import spearmanr
 
 from egad.cli.measure import measure_files
-from egad.config import Settings
-from egad.config.stages import MeasureMeshes, select
 from egad.io.folders import mesh_files
+from egad.measures import MeasureMeshes
+from egad_workflow.settings import Settings, select
 
 FOLDER = os.environ.get("EGAD_PUBLISHED")
 pytestmark = [

@@ -2,13 +2,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import RejectedError
 from egad.measures import SizeEffect
 from egad.measures.parameters import SizeEffectParameters
 from egad.measures.size_effect import size_effect, summarize
 from egad.tables.grasping import SIZE_EFFECT
+from egad_workflow.settings import Settings, select
 
 WANTED = SizeEffect(fractions=[0.3, 0.6, 0.9, 1.1], grasps=60, repeats=2)
 SETTINGS = select(Settings(size_effect=WANTED), SizeEffectParameters, "panda")

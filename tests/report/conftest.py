@@ -7,7 +7,6 @@ import trimesh
 from chromium import CHROMIUM, PHONE, QUIET
 from partial_tables import fill_columns
 
-from egad.config import DatasetSection, Settings
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.report.pictures import png_bytes, render
 from egad.report.viewer import GraspScene
@@ -17,7 +16,9 @@ from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import OBJECTS, REJECTED
-from egad.workflow.report_page import DatasetReport, ReportData, build
+from egad_workflow.datasets import DatasetSection
+from egad_workflow.report_page import DatasetReport, ReportData, build
+from egad_workflow.settings import Settings
 
 
 @pytest.fixture(scope="session")

@@ -12,7 +12,7 @@ from egad.report.axes import USUAL, axis_pair
 from egad.report.locations import location_map
 from egad.report.space_map import collage
 from egad.report.trial_charts import trial_heat_map
-from egad.workflow.report_page import build
+from egad_workflow.report_page import build
 
 OWN = CustomMeasures(complexity="a.py:wall_thickness", graspability="b.c:slenderness")
 

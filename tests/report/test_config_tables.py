@@ -1,9 +1,9 @@
 import yaml
 
 from egad.bench import TrialProtocol
-from egad.config import Settings
-from egad.config.check import check
-from egad.workflow.config_tables import changed_parameters, settings_text
+from egad_workflow.check import check
+from egad_workflow.config_tables import changed_parameters, settings_text
+from egad_workflow.settings import Settings
 
 
 def test_only_changed_values_show_their_default():

@@ -6,13 +6,12 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.evolution import EvolutionParameters
 from egad.evolution.voxels import pack
 from egad.measures.grid import cell_name, complexity_cells, difficulty_cells
 from egad.report import live_map as module
 from egad.report.live_map import EpochOfIsland, LiveMap
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(), EvolutionParameters)
 STEPS = SETTINGS.evolution.steps_per_epoch

@@ -10,13 +10,13 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.config import Settings
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 from egad.tables.grasping import GRASPS, SIZE_EFFECT
 from egad.tables.objects import OBJECTS, REJECTED
-from egad.workflow.report_page import DatasetReport, ReportData, build
+from egad_workflow.report_page import DatasetReport, ReportData, build
+from egad_workflow.settings import Settings
 
 VOID = {"meta", "img", "br", "stop", "rect", "image", "link", "input", "hr"}
 

@@ -3,9 +3,9 @@
 import pytest
 from chromium import IN_CHROMIUM
 
-from egad.config import Settings
 from egad.report.page import report_page, section_of
-from egad.workflow.config_tables import changed_parameters, settings_text
+from egad_workflow.config_tables import changed_parameters, settings_text
+from egad_workflow.settings import Settings
 
 pytestmark = IN_CHROMIUM
 PARTS = {"source": "meshes", "folder": "parts/" + "long" * 20, "units": "mm"}

@@ -9,8 +9,6 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import Settings
-from egad.config.stages import select
 from egad.errors import UserError
 from egad.grasps import GraspLabel
 from egad.grasps.labels import label_grasps
@@ -20,6 +18,7 @@ from egad.report import viewer
 from egad.report.viewer import GraspScene
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(grasp_label=GraspLabel(grasps=20)), LabelParameters, "yumi")
 MESH = trimesh.creation.torus(0.03, 0.008)

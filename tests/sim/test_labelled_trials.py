@@ -6,8 +6,6 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, start
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.geometry import Bundle
 from egad.grasps.poses import hand_poses
 from egad.grippers import finger_span
@@ -23,6 +21,7 @@ from egad.sim.world import DOWN, WEIGHTLESS
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import AGREEMENT
 from egad.tables.outcomes import Outcome
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(), LabelTrialParameters, "egad_75mm")
 HAND = SETTINGS.gripper

@@ -3,6 +3,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from egad.errors import TableError
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 from egad.tables.seal import is_whole
@@ -50,5 +51,5 @@ def test_notes_that_are_no_notes_are_named(tmp_path, text):
     table = pa.table({"id": ["a"]}).replace_schema_metadata({"egad": text, "egad-origin": text})
     pq.write_table(table, path)
     for read in (parquet.notes, parquet.origin_of):
-        with pytest.raises(parquet.TableError, match=r"odd\.parquet: its metadata egad"):
+        with pytest.raises(TableError, match=r"odd\.parquet: its metadata egad"):
             read(path)

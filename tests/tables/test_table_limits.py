@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from peak_memory import MEGABYTE, MEMORY, measured
 
 from egad.cli.export_meshes import write_meshes
-from egad.config import Settings
 from egad.data import released
 from egad.errors import RejectedError, TableError, UserError
 from egad.evolution import packed_surface
@@ -23,6 +22,7 @@ from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE
 from egad.tables.grasping import GRASPS, SCALES
 from egad.tables.parquet import RowGroups
+from egad_workflow.settings import Settings
 
 SECONDS = 20  # that reading may take here
 SPARE = 60  # for all else, on a busy machine

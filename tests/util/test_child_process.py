@@ -1,4 +1,3 @@
-import subprocess
 import sys
 import time
 import types
@@ -19,6 +18,13 @@ from worker_tasks import (
 from egad._util.child_process import RestartingWorker, Worker, WorkerDiedError, WorkerTimeoutError
 from egad.errors import UserError
 
+MODULE = """
+from contextlib import contextmanager
+
+@contextmanager
+def halving():
+    yield lambda number: number / 2
+"""
 WANT = "probably out of memory; use fewer processes: `jobs`"
 
 
@@ -123,28 +129,3 @@ def test_a_worker_says_how_it_ended_and_starts_anew(tmp_path):
 def test_a_worker_that_takes_too_long_to_start_is_ended():
     with pytest.raises(UserError, match=r"the sleeper was not ready within 0\.2 s"):
         Worker(partial(time.sleep, 600), start_limit=0.2, name="the sleeper").start()
-
-
-MODULE = """
-from contextlib import contextmanager
-
-@contextmanager
-def halving():
-    yield lambda number: number / 2
-"""
-PROGRAM = """
-from egad._util.child_process import RestartingWorker
-from divider import halving
-
-with RestartingWorker(halving) as work:
-    print(work(4))
-"""
-
-
-def test_a_program_needs_no_guard_around_what_it_does(tmp_path):
-    (tmp_path / "divider.py").write_text(MODULE)
-    (tmp_path / "program.py").write_text(PROGRAM)
-    done = subprocess.run(
-        [sys.executable, tmp_path / "program.py"], capture_output=True, text=True, check=True
-    )
-    assert done.stdout == "2.0\n"

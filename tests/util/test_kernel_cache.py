@@ -9,8 +9,6 @@ import pytest
 
 from egad._util import kernel_cache
 from egad._util.kernel_cache import (
-    compile_kernels,
-    compiled_marker,
     kernel_folder,
     kernel_sources_version,
 )
@@ -127,25 +125,3 @@ def test_kernels_are_not_kept_where_others_can_write(read_only, tmp_path):
     open_to_all = writable_folder(read_only).parent
     open_to_all.chmod(0o777)
     assert not writable_folder(read_only).is_relative_to(open_to_all)
-
-
-def test_kernels_are_compiled_once_for_each_state_of_their_sources(tmp_path, monkeypatch, capsys):
-    started, status = [], 1
-
-    def run(command, **_):
-        started.append(command)
-        return subprocess.CompletedProcess(command, status)
-
-    monkeypatch.setattr(kernel_cache, "kernel_folder", lambda: tmp_path)
-    monkeypatch.setattr(kernel_cache.subprocess, "run", run)
-    compile_kernels()
-    assert "compiled at their first use" in capsys.readouterr().err
-    started.clear()
-    status = 0
-    compile_kernels()
-    compiled_marker().touch()
-    compile_kernels()
-    assert len(started) == 1
-    monkeypatch.setattr(kernel_cache, "kernel_sources_version", lambda: "edited")
-    compile_kernels()
-    assert len(started) == 2

@@ -34,20 +34,29 @@ print(double(1), double(1.5), triple(1), triple(1.5))
 """
 
 
-def test_compilation_is_said_once_and_only_that_of_our_kernels(tmp_path):
+@pytest.fixture
+def start(tmp_path):
+    """Starts a program that uses the kernels, whose code is kept in a folder of its own."""
     (tmp_path / "ours.py").write_text(OURS)
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    options = {"text": True, "env": os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}}
+    options |= dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    return lambda code, **more: subprocess.Popen(
+        [sys.executable, "-c", code, tmp_path], **options | more
+    )
 
+
+def finish(process):
+    """What a program prints, and its messages."""
+    output, messages = process.communicate()
+    assert process.returncode == 0, messages
+    return output, messages
+
+
+def test_compilation_is_said_once_and_only_that_of_our_kernels(start):
     def said():
-        run = subprocess.run(
-            [sys.executable, "-c", PROGRAM, tmp_path],
-            capture_output=True,
-            text=True,
-            check=True,
-            env=environment,
-        )
-        assert run.stdout.split() == ["2", "3.0", "3", "4.5"]
-        return run.stderr.splitlines()
+        output, messages = finish(start(PROGRAM))
+        assert output.split() == ["2", "3.0", "3", "4.5"]
+        return messages.splitlines()
 
     first, *ours = said()
     assert first == "others are done"
@@ -71,20 +80,8 @@ sys.stdin.readline()
 """
 
 
-def test_processes_of_a_command_compile_each_kernel_once_and_one_of_them_says_so(tmp_path):
-    (tmp_path / "ours.py").write_text(OURS)
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    processes = [
-        subprocess.Popen(
-            [sys.executable, "-c", TOGETHER, tmp_path],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=environment,
-        )
-        for _ in range(4)
-    ]
+def test_processes_of_a_command_compile_each_kernel_once_and_one_of_them_says_so(start):
+    processes = [start(TOGETHER) for _ in range(4)]
     assert [each.stdout.readline() for each in processes] == ["ready\n"] * 4
     for each in processes:
         each.stdin.write("\n")
@@ -94,14 +91,8 @@ def test_processes_of_a_command_compile_each_kernel_once_and_one_of_them_says_so
     assert "".join(reports).count("compiling kernels") == 1
     later = TOGETHER.partition("print")[0]
     for call, new_command in (("triple(1.5)", False), ("triple(1j)", True)):
-        run = subprocess.run(
-            [sys.executable, "-c", later + call, tmp_path],
-            capture_output=True,
-            check=True,
-            env=environment,
-            start_new_session=new_command,
-        )
-        assert (b"compiling kernels" in run.stderr) == new_command
+        _, messages = finish(start(later + call, start_new_session=new_command))
+        assert ("compiling kernels" in messages) == new_command
 
 
 TIMES = """
@@ -115,31 +106,12 @@ print(double(2), double(1.5), sum(double.stats.cache_hits.values()))
 """
 
 
-@pytest.fixture
-def doubled(tmp_path):
-    """What a program that calls a kernel prints, and the files in its cache."""
-    (tmp_path / "ours.py").write_text(OURS)
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-
-    def run(**options):
-        return subprocess.run(
-            [sys.executable, "-c", TIMES, tmp_path],
-            capture_output=True,
-            text=True,
-            check=True,
-            env=environment,
-            **options,
-        )
-
-    return run, lambda ending: sorted((tmp_path / "cache").rglob(f"*{ending}"))
-
-
-def test_damaged_code_is_compiled_again(doubled):
-    run, files = doubled
-    assert run().stdout == "4 3.0 0\n"
-    assert run().stdout == "4 3.0 2\n"
+def test_damaged_code_is_compiled_again(start, tmp_path):
+    assert finish(start(TIMES))[0] == "4 3.0 0\n"
+    assert finish(start(TIMES))[0] == "4 3.0 2\n"
     for ending in (".nbi", ".nbc"):
-        whole = {path: path.read_bytes() for path in files(ending)}
+        files = sorted((tmp_path / "cache").rglob(f"*{ending}"))
+        whole = {path: path.read_bytes() for path in files}
         assert whole
         for end in (0, 20, -20, None):  # None: other bytes in the middle
             for path, data in whole.items():
@@ -149,16 +121,15 @@ def test_damaged_code_is_compiled_again(doubled):
                     if end is not None
                     else data.replace(data[middle : middle + 8], b"spamspam")
                 )
-            assert run().stdout.startswith("4 3.0 ")
-    assert run().stdout == "4 3.0 2\n"
+            assert finish(start(TIMES))[0].startswith("4 3.0 ")
+    assert finish(start(TIMES))[0] == "4 3.0 2\n"
 
 
-def test_code_that_cannot_be_kept_is_said_once_with_the_folder(doubled):
-    run, files = doubled
+def test_code_that_cannot_be_kept_is_said_once_with_the_folder(start, tmp_path):
     limits = (resource.RLIMIT_FSIZE, (100, 100))  # bytes of a file, as on a full disk
-    said = run(preexec_fn=lambda: resource.setrlimit(*limits))
-    assert said.stdout == "4 3.0 0\n"
-    warnings = [line for line in said.stderr.splitlines() if "cannot be kept" in line]
+    output, messages = finish(start(TIMES, preexec_fn=lambda: resource.setrlimit(*limits)))
+    assert output == "4 3.0 0\n"
+    warnings = [line for line in messages.splitlines() if "cannot be kept" in line]
     assert len(warnings) == 1
     assert "cache/kernels-" in warnings[0]
-    assert files(".nbc") == []
+    assert not list((tmp_path / "cache").rglob("*.nbc"))

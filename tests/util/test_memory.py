@@ -39,8 +39,7 @@ def ball(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("soft", "hard"),
-    [(3_800 * MIB, 3_800 * MIB), (1_500 * MIB, resource.RLIM_INFINITY)],
+    ("soft", "hard"), [(3_800 * MIB, 3_800 * MIB), (1_500 * MIB, resource.RLIM_INFINITY)]
 )
 def test_a_file_is_read_under_a_limit_below_that_of_its_reader(ball, soft, hard):
     assert run_under(soft, hard, READS, ball).stdout == "80\n"

@@ -155,7 +155,8 @@ class Checkout:
     def take_library(self):
         """Copy the library into the folder, to edit it."""
         uncompiled = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / "egad", self.folder / "egad", ignore=uncompiled)
+        for name in ("egad", "egad_workflow"):
+            shutil.copytree(ROOT / name, self.folder / name, ignore=uncompiled)
 
 
 def _words(arguments, configs):

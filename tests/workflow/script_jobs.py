@@ -14,7 +14,7 @@ from snakemake.iocontainers import (
     Wildcards,
 )
 
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def job_of(rule, *, reads=(), writes=(), params=(), wildcards=(), threads=1):

@@ -16,17 +16,17 @@ from scipy.spatial.transform import Rotation
 
 import egad
 from egad.cli import main
-from egad.config import Settings
-from egad.config.stages import SimulationBundle, select
 from egad.errors import UserError
+from egad.exchange import any_objects, evaluation_objects, model_in, rows_by_id, write_bundle
+from egad.exchange.bundle import Item
+from egad.geometry import SimulationBundle
 from egad.geometry.checks import OPEN
 from egad.geometry.mass import mass_properties
 from egad.io import read_mesh, write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49
 from egad.tables.objects import REJECTED
-from egad.workflow.bundle import Item, any_objects, evaluation_objects, write_bundle
-from egad.workflow.bundled import model_in, rows_by_id
+from egad_workflow.settings import Settings, select
 
 try:
     import pybullet

@@ -13,10 +13,10 @@ import yaml
 from forks import python
 from partial_tables import write_rows
 
-from egad.config import Settings
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SCALES
 from egad.tables.objects import OBJECTS
+from egad_workflow.settings import Settings
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```python\n# (\S+?)(?:, class (\w+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -51,7 +51,7 @@ def copy(tmp_path_factory):
     """The sources with all of these."""
     folder = tmp_path_factory.mktemp("copy")
     skipped = shutil.ignore_patterns("__pycache__")
-    for name in ("egad", "workflow", "config", "profiles", "envs", "docs"):
+    for name in ("egad", "egad_workflow", "workflow", "config", "profiles", "envs", "docs"):
         shutil.copytree(ROOT / name, folder / name, ignore=skipped)
     shutil.copy(ROOT / "Snakefile", folder)
     for file, name, text in blocks():
@@ -116,12 +116,11 @@ def test_a_stage_runs_and_notes_what_it_was_made_from(copy, dataset):
 
 def test_the_manuals_have_the_stage_the_format_and_the_measure(copy):
     (copy / "results").mkdir(exist_ok=True)
-    run(copy, module="egad.workflow.results_page")
+    run(copy, module="egad_workflow.manual")
     manual = (copy / "results/README.md").read_text(encoding="utf-8")
     assert "| `D/weights.parquet` | what the objects weigh on the moon |" in manual
     assert "## `D/weights.parquet`\n" in manual
     assert "| `weight` | double | N | weight on the moon |" in manual
-    run(copy, module="egad.config.manual")
     settings = (copy / "config/README.md").read_text(encoding="utf-8")
     assert " or obj or plain or robosuite " in settings
     assert "| `compactness_power` | `1.0` | exponent of compactness |" in settings
@@ -155,10 +154,10 @@ def test_a_measure_has_its_setting_and_takes_it(copy):
 import sys, trimesh
 from egad.measures.custom import plugin_value
 from egad.measures.parameters import CustomMeasures
-from egad.config.archive_settings import provenance
-from egad.config.check import check
-from egad.config.schema import node_at
-from egad.config.stages import select
+from egad_workflow.archive_settings import provenance
+from egad_workflow.check import check
+from egad_workflow.check import node_at
+from egad_workflow.settings import select
 from egad.evolution import EvolutionParameters
 name = "egad.measures.compactness:compactness"
 axes = CustomMeasures(complexity=name, compactness_power=2)

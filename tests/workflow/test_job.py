@@ -13,16 +13,15 @@ from forks import python
 from pydantic import ValidationError
 from script_jobs import job_of, run_as_job
 
-from egad.config import Settings
-from egad.config.stages import EvalSelection, select
 from egad.errors import UserError
+from egad.evalset import EvalSelection
 from egad.io import checksum
 from egad.io.sums import read_sums
-from egad.provenance.record import settings_hash
 from egad.tables import parquet
-from egad.tables.objects import REJECTED
-from egad.workflow.job import arguments_of
-from egad.workflow.shards import rejection
+from egad.tables.objects import REJECTED, rejection
+from egad_workflow.job import arguments_of
+from egad_workflow.provenance import settings_hash
+from egad_workflow.settings import Settings, select
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = select(Settings(seed=7), EvalSelection)
@@ -236,7 +235,7 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 
@@ -265,7 +264,7 @@ WRONG = """
 from pathlib import Path
 
 from egad.errors import UserError
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(name: str, out: Path) -> None:

@@ -22,8 +22,8 @@ from egad.sim import model_of
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import TRIALS
-from egad.workflow import leaderboard
-from egad.workflow.leaderboard import ENTRIES, ENTRY, PROTOCOLS, Checks, build, read_entry
+from egad_workflow import leaderboard
+from egad_workflow.leaderboard import ENTRIES, ENTRY, PROTOCOLS, Checks, build, read_entry
 
 SHIPPED = Path(egad.__file__).parents[1] / "leaderboard"
 BOX = trimesh.creation.box((0.03, 0.05, 0.03))

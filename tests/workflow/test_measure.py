@@ -5,11 +5,12 @@ import trimesh
 from postprocess import solid_row
 
 from egad.cli.measure import incomparable, measure_files, warn_of_measures
-from egad.config import Settings
-from egad.config.stages import MeasureMeshes, PostprocessSolids, select
+from egad.evolution import PostprocessSolids
 from egad.evolution.surface import surface
 from egad.io import read_mesh, write_obj
+from egad.measures import MeasureMeshes
 from egad.tables.objects import MEASURED
+from egad_workflow.settings import Settings, select
 
 DEFAULTS = Settings()
 SETTINGS = select(DEFAULTS, MeasureMeshes)

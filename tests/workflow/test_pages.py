@@ -21,7 +21,7 @@ from described_hands import box_urdf, jaw_urdf
 from forks import python
 
 import egad
-from egad.config.files import defaults, merged, read_values
+from egad_workflow.config_files import defaults, merged, read_values
 
 ROOT = Path(__file__).parents[2]
 PAGES = ["README.md", "docs/quickstart.md", "docs/tutorial.ipynb"]

@@ -10,7 +10,6 @@ import trimesh
 from described_hands import PANDA, box_urdf
 from failure_searches import FEW, QUICK
 
-from egad.config import Settings
 from egad.learning.images import read
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
@@ -18,7 +17,8 @@ from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.failures import EXAMINED
 from egad.tables.grasping import SCALES, SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad.tables.objects import OBJECTS
-from egad.workflow.shards import shard_of
+from egad_workflow.settings import Settings
+from egad_workflow.shards import shard_of
 
 GRIPPER = "egad_75mm"
 TRIED = {"simulated_trial", "join_trials"}
@@ -107,21 +107,31 @@ def test_a_setting_re_runs_what_depends_on_it_and_no_more(planned, settings, rul
 @pytest.mark.parametrize(
     ("module", "old", "new", "rules"),
     [
-        ("sim/world.py", "GRAVITY = 9.81", "GRAVITY = 1.62", {"simulated_trial"} | AFTER_TRIALS),
-        ("workflow/job.py", "{twice[0]!r} twice", "{twice[0]!r} two times", set()),
         (
-            "tables/evaluation.py",
+            "egad/sim/world.py",
+            "GRAVITY = 9.81",
+            "GRAVITY = 1.62",
+            {"simulated_trial"} | AFTER_TRIALS,
+        ),
+        ("egad_workflow/job.py", "{twice[0]!r} twice", "{twice[0]!r} two times", set()),
+        (
+            "egad/tables/evaluation.py",
             "row of the coarse grid",
             "row",
             {"select_eval"} | AFTER_SELECTION,
         ),
-        ("measures/parameters.py", "percentile of the qualities", "of them", {"report", "all"}),
+        (
+            "egad/measures/parameters.py",
+            "percentile of the qualities",
+            "of them",
+            {"report", "all"},
+        ),
     ],
     ids=named,
 )
 def test_an_edit_re_runs_the_stages_that_use_it(copy, module, old, new, rules):
     copy.take_library()
-    path = copy.folder / "egad" / module
+    path = copy.folder / module
     text = path.read_text(encoding="utf-8")
     assert old in text
     path.write_text(text.replace(old, new, 1), encoding="utf-8")

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 import egad
+from egad.cli.released_graphs import dataset_graphs
 from egad.data import released_graphs
 from egad.measures.reeb import Similarity
 from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.objects import GRAPHS
-from egad.workflow.released_graphs import dataset_graphs
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def test_the_shipped_graphs_are_of_all_released_objects(objects):
 
 
 def test_the_shipped_graphs_are_those_of_the_meshes(objects):
-    """If not, run `python -m egad.workflow.released_graphs`."""
+    """If not, run `python -m egad.cli.released_graphs`."""
     some = objects.select(objects.table["label"].sample(8, random_state=61))
     shipped = dataset_graphs(some, Similarity(), unused)
     made = dataset_graphs(some, Similarity(), map, shipped=False)

@@ -3,12 +3,11 @@
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import RescaleMeshes, select
+from egad.exchange import RescaleMeshes, rescale_files
 from egad.grippers import GRIPPERS
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
-from egad.workflow.rescale import rescale_files
+from egad_workflow.settings import Settings, select
 
 
 @pytest.mark.parametrize("gripper", GRIPPERS)

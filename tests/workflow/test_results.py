@@ -19,18 +19,18 @@ import trimesh
 from rule_texts import ROOT, script_of
 
 from egad import __version__
-from egad.config import Settings
 from egad.data import evaluation_set
 from egad.io.sums import read_sums
-from egad.provenance.lookup import origin_of
-from egad.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import ARCHIVE, EPOCH, HISTORY, LINEAGE
 from egad.tables.grasping import GRASPS, SAMPLING, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
-from egad.workflow.code_version import code_version
-from egad.workflow.results_page import results
+from egad_workflow.code_version import code_version
+from egad_workflow.provenance import origin_of
+from egad_workflow.results_page import results
+from egad_workflow.settings import Settings
+from egad_workflow.verify import verify
 
 GRIPPER, DETECTOR = "egad_75mm", "antipodal-depth"
 SCRIPTS = ROOT / "workflow/scripts"

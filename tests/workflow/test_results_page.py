@@ -1,11 +1,10 @@
 import re
-import sys
 from pathlib import Path
 
 import pytest
-from rule_texts import ROOT, TEXT
+from rule_texts import TEXT
 
-from egad.workflow import results_page
+from egad_workflow import results_page
 
 RESULTS = results_page.results()
 
@@ -30,24 +29,6 @@ def outputs():
     """The files and folders that rules make, in `results/`."""
     blocks = re.findall(r"^    output:\n((?: {8}.*\n)+)", TEXT, flags=re.MULTILINE)
     return sorted({path for block in blocks for path in re.findall(r'"results/([^"]+)"', block)})
-
-
-def test_the_manual_is_up_to_date(monkeypatch):
-    monkeypatch.chdir(ROOT)
-    monkeypatch.setattr(sys, "argv", ["results_page", "--check"])
-    results_page.main()
-
-
-def test_a_manual_that_is_out_of_date_is_said_and_written_anew(monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    results_page.PAGE.parent.mkdir()
-    results_page.PAGE.write_text("# Results\n")
-    monkeypatch.setattr(sys, "argv", ["results_page", "--check"])
-    with pytest.raises(SystemExit, match="out of date"):
-        results_page.main()
-    monkeypatch.setattr(sys, "argv", ["results_page"])
-    results_page.main()
-    assert results_page.PAGE.read_text(encoding="utf-8") == results_page.page()
 
 
 def test_every_column_has_a_meaning():

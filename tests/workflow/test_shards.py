@@ -2,8 +2,8 @@ import pandas as pd
 from join import run as join_files
 
 from egad.tables import parquet
-from egad.tables.objects import OBJECTS, REJECTED
-from egad.workflow.shards import by_shard, in_shard, join, rejection, rows_in_shard
+from egad.tables.objects import OBJECTS, REJECTED, rejection
+from egad_workflow.shards import by_shard, in_shard, join, rows_in_shard
 
 IDS = [f"object-{number}" for number in range(200)]
 

@@ -4,7 +4,7 @@ Inputs: results/D/eval49.parquet, results/D/rescaled/G.
 Outputs: results/D/bundle/G, a folder with bundle.parquet and rejected.parquet.
 """
 
-from egad.config.stages import SimulationBundle
+from egad.geometry import SimulationBundle
 
 
 rule bundle:

@@ -6,7 +6,7 @@ Outputs: results/D/clutter/G/P.parquet, one row per attempt; made for `targets.c
 Steps: rounds are run in shards; then the tables of the shards are joined.
 """
 
-from egad.config.stages import ClearedTables
+from egad.bench import ClearedTables
 
 
 localrules:

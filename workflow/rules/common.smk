@@ -10,11 +10,11 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from egad.workflow.code_version import code_version
-from egad.config.check import check, check_engines
-from egad.config.input_files import check_input_files, is_result
-from egad.config.schema import schema
-from egad.config.stages import select
+from egad_workflow.code_version import code_version
+from egad_workflow.check import check, check_engines
+from egad_workflow.input_files import check_input_files, is_result
+from egad_workflow.check import schema
+from egad_workflow.settings import select
 from egad.exchange import (
     FORMATS,
     NamedGripper,
@@ -26,12 +26,13 @@ from egad.exchange import (
     sources,
 )
 from egad.data import released, released_ancestry
-from egad.workflow.display import explain_reasons, start_display
-from egad.workflow.params import contents, plain
+from egad_workflow.display import explain_reasons, start_display
+from egad_workflow.input_files import contents
+from egad_workflow.settings import plain
 from egad.errors import UserError
 from egad.grippers import files_of
 from egad.io import files_below, missing_files
-from egad._util.kernel_cache import compile_kernels
+from egad._util.kernel_cache import compiled_marker
 from egad._util.progress import MARKS
 from egad.measures import source_hash
 from egad.grasps.samplers import own_samplers

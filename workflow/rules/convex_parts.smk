@@ -6,7 +6,7 @@ Steps: shards of objects are decomposed, then the tables of the shards are joine
 the parts of a shard.
 """
 
-from egad.config.stages import SimulationBundle
+from egad.geometry import SimulationBundle
 
 
 rule convex_parts:

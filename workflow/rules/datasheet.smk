@@ -4,7 +4,7 @@ Inputs: results/D/eval49.parquet; for every target gripper results/D/print/G and
 Outputs: results/D/eval49/README.md, contact-sheet.pdf and trials.csv.
 """
 
-from egad.config.stages import DataSheets
+from egad.evalset import DataSheets
 
 
 rule datasheet:

@@ -9,7 +9,7 @@ the archive of the last epoch, or the source archive of a dataset, is published.
 before extend a finished run.
 """
 
-from egad.config.stages import CellsAndDiversities
+from egad.measures import CellsAndDiversities
 from egad.evolution import EvolutionParameters
 
 

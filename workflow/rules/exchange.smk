@@ -7,7 +7,7 @@ Outputs: results/D/exchange/G.hdf5 (Dex-Net), results/D/exchange/G-FORMAT (the o
 Steps: for Dex-Net, distance fields and poses of shards of objects; then one file for all of them.
 """
 
-from egad.config.stages import DexNetObjects
+from egad.exchange import DexNetObjects
 
 
 rule dexnet_objects:

@@ -8,7 +8,7 @@ Steps: `failures.shards` searches share the attempts; then their failures are me
 archive, and the detector is asked again why it failed; then attempts are filmed.
 """
 
-from egad.config.stages import DetectorFailures
+from egad.bench.failures import DetectorFailures
 
 
 rule search_failures:

@@ -7,7 +7,7 @@ Steps: shards of objects are labelled; if targets.simulated_labels is true, or a
 simulated labels, their grasps are simulated; then the tables of the shards are joined.
 """
 
-from egad.config.stages import SimulatedLabels
+from egad.sim import SimulatedLabels
 from egad.grasps import LabelParameters
 
 

@@ -4,7 +4,7 @@ Inputs: results/D/objects.parquet, results/D/meshes.
 Outputs: results/D/graspability/G.parquet; made if targets.graspability is true.
 """
 
-from egad.config.stages import GraspabilityOfGripper
+from egad.measures import GraspabilityOfGripper
 
 
 rule graspability:

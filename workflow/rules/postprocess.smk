@@ -5,7 +5,8 @@ Outputs: results/D/objects.parquet, results/D/meshes/LABEL.obj (metres), results
 Steps: shards of objects are repaired and measured; then all get cells, labels and diversities.
 """
 
-from egad.config.stages import CellsAndDiversities, PostprocessSolids
+from egad.measures import CellsAndDiversities
+from egad.evolution import PostprocessSolids
 
 
 rule postprocess:

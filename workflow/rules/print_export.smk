@@ -4,7 +4,7 @@ Inputs: results/D/eval49.parquet, results/D/rescaled/G; results/D/grasps/G.parqu
 Outputs: results/D/print/G, a folder with manifest.parquet.
 """
 
-from egad.config.stages import PrintFiles
+from egad.evalset import PrintFiles
 
 
 rule print_export:

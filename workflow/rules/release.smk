@@ -9,7 +9,8 @@ Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then fi
 them.
 """
 
-from egad.config.stages import SimulationBundle, ReleaseCard, ReleaseTables
+from egad.geometry import SimulationBundle
+from egad.exchange.release import ReleaseCard, ReleaseTables
 
 
 localrules:

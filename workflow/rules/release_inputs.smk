@@ -1,6 +1,6 @@
 """Functions: the inputs of the release and its gallery. No rules here."""
 
-from egad.config.stages import Gallery
+from egad.exchange.release import Gallery
 
 RELEASED = {"dataset": SETTINGS.release.dataset, "gripper": SETTINGS.release.gripper}
 

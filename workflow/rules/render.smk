@@ -8,7 +8,7 @@ rejected.parquet, the objects without images. Made if targets.render is true.
 Steps: shards of images are rendered (their number depends on that of the images); then the card.
 """
 
-from egad.config.stages import RenderImages
+from egad.learning.images import RenderImages
 from egad.learning.images import RenderParameters
 
 

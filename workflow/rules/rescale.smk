@@ -4,7 +4,7 @@ Inputs: results/D/meshes.
 Outputs: results/D/rescaled/G/LABEL.obj (metres), scales.parquet and rejected.parquet.
 """
 
-from egad.config.stages import RescaleMeshes
+from egad.exchange import RescaleMeshes
 
 
 rule rescale:

@@ -7,7 +7,7 @@ description; rejected.parquet, the objects in no scene. Made if targets.scenes i
 Steps: shards of scenes are made (their number depends on that of the scenes); then the card.
 """
 
-from egad.config.stages import MakeScenes
+from egad.learning.scenes import MakeScenes
 from egad.learning.scenes import SceneParameters
 
 

@@ -4,7 +4,7 @@ Inputs: results/D/objects.parquet, and the shards of postprocess for their Reeb 
 Outputs: results/D/eval49.parquet, and eval49.rejected.parquet for objects that were not chosen.
 """
 
-from egad.config.stages import EvalSelection
+from egad.evalset import EvalSelection
 
 
 rule select_eval:

@@ -7,7 +7,7 @@ Steps: naive grasps of shards of objects are tried; the tables of the shards are
 each object are counted.
 """
 
-from egad.config.stages import NaiveGrasps
+from egad.bench import NaiveGrasps
 
 
 localrules:

@@ -6,7 +6,7 @@ Outputs: results/D/trials/G/P.parquet, one row per attempt.
 Steps: trials on shards of objects; then the tables of the shards are joined.
 """
 
-from egad.config.stages import SimulatedTrials
+from egad.bench import SimulatedTrials
 
 
 localrules:

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from egad.io import EVERY_FILE, objects_in
-from egad.workflow.shards import by_shard
+from egad_workflow.shards import by_shard
 
 
 def previous_archive(wildcards):

@@ -1,24 +1,33 @@
 """agreement: execute labelled grasps of the evaluation objects of a shard in simulation."""
 
 import logging
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
+from egad.bench import ENGINE_TIME, run_or_replace
+from egad.exchange import model_in, rows_by_id
 from egad.learning.images import evenly
-from egad.sim import LabelTrialParameters, failed_labelled_grasps, sample_labelled_grasps
+from egad.sim import (
+    LabelTrialParameters,
+    execute_labelled_grasps,
+    failed_labelled_grasps,
+    sample_labelled_grasps,
+)
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.grasping import GRASPS
-from egad.workflow.bundled import ENGINE_TIME, rows_by_id, run_or_replace
-from egad.workflow.job import run_job
-from egad.workflow.shards import rows_in_shard
-from egad.workflow.simulations import open_agreement
+from egad_workflow.job import run_job
+from egad_workflow.shards import rows_in_shard
 
 log = logging.getLogger(__name__)
+Task = tuple[Mapping[str, Any], pd.DataFrame]
 
 
 def run(
@@ -56,6 +65,20 @@ def run(
     whole = pd.concat(filled) if filled else parquet.empty(AGREEMENT)
     parquet.write(whole, AGREEMENT, out)
     log.info("%d grasps, %d successes", len(whole), int(whole["success"].sum()))
+
+
+@contextmanager
+def open_agreement(
+    settings: LabelTrialParameters, bundle: Path
+) -> Iterator[Callable[[Task], pd.DataFrame]]:
+    """A function that executes grasps of an object, given its row in the bundle and the grasps."""
+
+    def execute(task: Task) -> pd.DataFrame:
+        row, sample = task
+        model = model_in(bundle, row)
+        return execute_labelled_grasps(model, row["label"], row["id"], sample, settings)
+
+    yield execute
 
 
 if __name__ == "__main__":

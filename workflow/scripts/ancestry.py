@@ -8,7 +8,7 @@ import pandas as pd
 from egad.evolution import ancestors
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, LINEAGE
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 

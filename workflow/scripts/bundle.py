@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from egad.config.stages import SimulationBundle
-from egad.workflow.bundle import evaluation_objects, write_bundle
-from egad.workflow.job import run_job
+from egad.exchange import evaluation_objects, write_bundle
+from egad.geometry import SimulationBundle
+from egad_workflow.job import run_job
 
 
 def run(

@@ -1,23 +1,25 @@
 """clutter: a shard of rounds of clearing a table with a grasp detector."""
 
 import logging
-from functools import partial
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache, partial
 from pathlib import Path
 
 import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
-from egad.bench import failed_round, rounds_of
-from egad.bench.clearing import Cleared
-from egad.config.stages import ClearedTables
-from egad.detectors import STARTING_TIME, FailureMonitor, keep_failure
+from egad.bench import ENGINE_TIME, ClearedTables, Round, failed_round, rounds_of
+from egad.bench.clearing import Cleared, open_table
+from egad.detectors import LABELS, STARTING_TIME, FailureMonitor, keep_failure
+from egad.errors import UserError
+from egad.exchange import model_in, rows_by_id
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
+from egad.tables.grasping import GRASPS
 from egad.tables.outcomes import Outcome
-from egad.workflow.bundled import ENGINE_TIME, rows_by_id
-from egad.workflow.job import run_job
-from egad.workflow.simulations import open_clutter
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 
@@ -56,6 +58,23 @@ def run(
     whole = pd.concat([table for table in tables if len(table)] or tables)
     parquet.write(whole, CLUTTER, out)
     log.info("%d attempts, %d successes", len(whole), int(whole["success"].sum()))
+
+
+@contextmanager
+def open_clutter(
+    settings: ClearedTables, bundle: Path, grasps: Path | None
+) -> Iterator[Callable[[Round], Cleared]]:
+    """A function that lets the detector clear one table of objects of a bundle."""
+    known = rows_by_id(bundle)
+    by_id = {} if grasps is None else dict(list(parquet.read(grasps, GRASPS).groupby("id")))
+    none = parquet.empty(GRASPS)
+    if settings.detector.detector == LABELS and grasps is None:
+        raise UserError("the detector `labels` needs the table of labelled grasps")
+    model = cache(lambda name: model_in(bundle, known[name]))
+    with open_table(
+        settings.detector, model, lambda name: by_id.get(name, none), settings
+    ) as clear:
+        yield clear
 
 
 if __name__ == "__main__":

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad.config.stages import CellsAndDiversities
 from egad.errors import UserError, most_common
 from egad.geometry import units_doubt
+from egad.geometry.repair import warn_of_shapes
+from egad.io import write_meshes
+from egad.measures import CellsAndDiversities, arrange
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
-from egad.workflow.job import run_job
-from egad.workflow.objects import arrange, write_meshes
-from egad.workflow.repair import warn_of_shapes
-from egad.workflow.shards import join
+from egad_workflow.job import run_job
+from egad_workflow.shards import join
 
 log = logging.getLogger(__name__)
 

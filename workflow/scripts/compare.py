@@ -19,7 +19,7 @@ from egad.report.axes import axis_pair
 from egad.report.comparison import comparison_text, dataset_maps
 from egad.tables import parquet
 from egad.tables.objects import COMPARISON, OBJECTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(

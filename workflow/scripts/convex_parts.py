@@ -6,15 +6,14 @@ from pathlib import Path
 import pandas as pd
 
 from egad._util.progress import progress
-from egad.config.stages import SimulationBundle
 from egad.errors import RejectedError
-from egad.geometry import make_simulation_object, part_rows
+from egad.geometry import SimulationBundle, make_simulation_object, part_rows
 from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS
-from egad.workflow.job import run_job
-from egad.workflow.shards import rows_in_shard
+from egad_workflow.job import run_job
+from egad_workflow.shards import rows_in_shard
 
 log = logging.getLogger(__name__)
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from egad._util.progress import phase
 from egad._util.workers import workers
-from egad.config.archive_settings import check_provenance, provenance
 from egad.errors import UserError, most_common
 from egad.evolution import Archive, EvolutionParameters, Watch, elites_of, evolve, rules_of
 from egad.measures import check_measures
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY, LINEAGE
-from egad.workflow.job import run_job
+from egad_workflow.archive_settings import check_provenance, provenance
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 
@@ -59,7 +59,7 @@ def watch_of(
     It is imported by name: the page does not affect results, so its changes must not re-run jobs.
     """
     live_map = importlib.import_module("egad.report.live_map")
-    record = importlib.import_module("egad.provenance.record")
+    record = importlib.import_module("egad_workflow.provenance")
     axes = importlib.import_module("egad.report.axes")
     evaluations = settings.evolution.steps_per_epoch * settings.evolution.population
     run = record.settings_hash(settings)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from egad.bench.failures import FailureAtlas
 from egad.report.failure_atlas import write_page
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(failures: Path, page: Path, jobs: int) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from egad.exchange import ObjectSet, settings_class, sources, write_format
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(

@@ -15,11 +15,10 @@ from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output, write_text
 from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
-from egad.config.stages import Gallery
 from egad.errors import RejectedError
 from egad.evolution import Lineage, Row, Rules, express, genome_text, packed_surface, rules_of
 from egad.exchange import is_simulated
-from egad.exchange.release import file_stems
+from egad.exchange.release import Gallery, file_stems
 from egad.geometry.repair import repair_for_files
 from egad.io import read_mesh
 from egad.measures import attainable_graspability
@@ -49,7 +48,7 @@ from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.evolution import GENOME, LINEAGE
 from egad.tables.grasping import SCALES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 POINTS = [f"{name}_{axis}" for name in ("contact0", "contact1", "approach") for axis in "xyz"]
 VIEWED = ["id", "label", "quality", "robust_quality", "collision_free", *POINTS]

@@ -14,9 +14,9 @@ from egad.io import read_mesh
 from egad.random import generator
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SAMPLING
-from egad.tables.objects import OBJECTS, REJECTED
-from egad.workflow.job import run_job
-from egad.workflow.shards import rejection, rows_in_shard
+from egad.tables.objects import OBJECTS, REJECTED, rejection
+from egad_workflow.job import run_job
+from egad_workflow.shards import rows_in_shard
 
 log = logging.getLogger(__name__)
 

@@ -9,13 +9,12 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.config.stages import GraspabilityOfGripper
 from egad.errors import RejectedError
 from egad.io import read_mesh
-from egad.measures import measure_repeatably
+from egad.measures import GraspabilityOfGripper, measure_repeatably
 from egad.tables import parquet
 from egad.tables.objects import GRASPABILITIES, OBJECTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(

@@ -11,8 +11,8 @@ from egad.report.training import openings_chart
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 from egad.tables.shards import remove_leftovers
-from egad.workflow.job import run_job
-from egad.workflow.shards import join
+from egad_workflow.job import run_job
+from egad_workflow.shards import join
 
 log = logging.getLogger(__name__)
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from egad._util.progress import phase
 from egad.tables import parquet
-from egad.workflow.job import run_job
-from egad.workflow.shards import join
+from egad_workflow.job import run_job
+from egad_workflow.shards import join
 
 
 def run(tables: list[Path], by: list[str], joined: Path) -> None:

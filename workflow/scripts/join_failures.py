@@ -3,11 +3,10 @@
 import logging
 from pathlib import Path
 
-from egad.bench.failures import Found, join
-from egad.config.stages import DetectorFailures
+from egad.bench.failures import DetectorFailures, Found, join
 from egad.tables import parquet
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 

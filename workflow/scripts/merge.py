@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from egad._util.progress import phase
-from egad.config.stages import CellsAndDiversities
 from egad.evolution import merge
+from egad.measures import CellsAndDiversities
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(settings: CellsAndDiversities, islands: list[Path], archive: Path, jobs: int = 1) -> None:

@@ -1,22 +1,23 @@
 """naive-grasp: naive grasps of the objects of a shard, in free space and on a table."""
 
 import logging
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
-from egad.bench import naive_outcomes
-from egad.config.stages import NaiveGrasps
+from egad.bench import ENGINE_TIME, NaiveGrasps, naive_outcomes, try_naive_grasps
+from egad.exchange import model_of_parts
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import NAIVE_GRASPS
 from egad.tables.outcomes import Outcome
-from egad.workflow.bundled import ENGINE_TIME
-from egad.workflow.job import run_job
-from egad.workflow.simulations import open_naive_grasps
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 
@@ -45,6 +46,21 @@ def run(settings: NaiveGrasps, convex_parts: Path, meshes: Path, out: Path) -> N
     parquet.write(table, NAIVE_GRASPS, out)
     succeeded = int((table["outcome"] == Outcome.SUCCESS).sum())
     log.info("%d naive grasps, %d succeeded", len(table), succeeded)
+
+
+@contextmanager
+def open_naive_grasps(
+    settings: NaiveGrasps, convex_parts: Path, meshes: Path
+) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
+    """A function that tries naive grasps of an object, given its label and id."""
+    parts = dict(iter(parquet.read(convex_parts, CONVEX_PARTS).groupby("label")))
+
+    def attempt(row: Mapping[str, Any]) -> pd.DataFrame:
+        label, density = row["label"], settings.material.density
+        model = model_of_parts(meshes / f"{label}.obj", density, parts[label])
+        return try_naive_grasps(model, row["id"], settings)
+
+    yield attempt
 
 
 if __name__ == "__main__":

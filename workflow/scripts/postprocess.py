@@ -10,20 +10,19 @@ import pandas as pd
 import trimesh
 
 from egad._util.progress import progress
-from egad.config import DatasetSection
-from egad.config.archive_settings import MEASURING, archive_notes, check_provenance, differences
-from egad.config.stages import PostprocessSolids
 from egad.errors import RejectedError
-from egad.evolution import packed_surface
+from egad.evolution import PostprocessSolids, packed_surface
 from egad.geometry import joined_primitives
 from egad.io import EVERY_FILE, objects_in, read_mesh
+from egad.measures import solid_row
 from egad.random import generator
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
-from egad.tables.objects import REJECTED, SOLIDS
-from egad.workflow.job import run_job
-from egad.workflow.shards import in_shard, rejection
-from egad.workflow.solids import solid_row
+from egad.tables.objects import REJECTED, SOLIDS, rejection
+from egad_workflow.archive_settings import MEASURING, archive_notes, check_provenance, differences
+from egad_workflow.datasets import DatasetSection
+from egad_workflow.job import run_job
+from egad_workflow.shards import in_shard
 
 log = logging.getLogger(__name__)
 PAPER_ESTIMATES = (

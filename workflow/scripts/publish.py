@@ -4,7 +4,7 @@ from pathlib import Path
 
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(final: Path, archive: Path) -> None:

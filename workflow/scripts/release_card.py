@@ -11,8 +11,6 @@ import pyarrow as pa
 
 from egad import __version__
 from egad._util.files import atomic_output, write_text
-from egad.config import Release
-from egad.config.stages import ReleaseCard
 from egad.detectors import NETWORKS
 from egad.errors import UserError
 from egad.exchange.release import (
@@ -25,6 +23,8 @@ from egad.exchange.release import (
     TABLES,
     TAGS,
     Files,
+    Release,
+    ReleaseCard,
     ReleaseFacts,
     card_page,
     citation_cff,
@@ -32,10 +32,10 @@ from egad.exchange.release import (
     licence_text,
 )
 from egad.io import checksum, files_of
-from egad.provenance.lookup import provenance_graph
 from egad.tables import parquet
 from egad.tables.release import RELEASED_GRASPS, RELEASED_OBJECTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
+from egad_workflow.provenance import provenance_graph
 
 PROGRAM = f"egad {__version__}"
 

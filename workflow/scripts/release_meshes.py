@@ -11,7 +11,7 @@ from egad.exchange.release import file_stems
 from egad.io import read_mesh, write_glb
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(objects: Path, meshes: Path, out: Path, jobs: int = 1) -> None:

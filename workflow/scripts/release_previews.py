@@ -12,7 +12,7 @@ from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 SIZE = 192  # pixels along each side
 

@@ -8,10 +8,15 @@ import pandas as pd
 
 from egad._util.files import atomic_output
 from egad._util.progress import progress
-from egad.config.stages import ReleaseTables
 from egad.evalset import families, split_by_family, with_parents_and_children
 from egad.evolution import Lineage
-from egad.exchange.release import in_files, released_grasps, released_objects, simulated_grasps
+from egad.exchange.release import (
+    ReleaseTables,
+    in_files,
+    released_grasps,
+    released_objects,
+    simulated_grasps,
+)
 from egad.grasps import antipodal_success_rates
 from egad.learning.images import SPLITS
 from egad.tables import parquet
@@ -20,7 +25,7 @@ from egad.tables.evolution import LINEAGE
 from egad.tables.grasping import ANTIPODAL_RATES, SCALES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
 from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 

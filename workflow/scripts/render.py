@@ -12,7 +12,6 @@ import trimesh
 
 from egad._util.arrays import Floats
 from egad._util.progress import progress
-from egad.config.stages import RenderImages
 from egad.errors import RejectedError, UserError
 from egad.geometry import RayCaster, mass_properties, read_parts
 from egad.grasps import ContactPairs
@@ -21,6 +20,7 @@ from egad.io import read_mesh
 from egad.learning.images import (
     PlacedObject,
     RenderedImage,
+    RenderImages,
     RenderParameters,
     Share,
     draw_width,
@@ -38,9 +38,8 @@ from egad.learning.images import (
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.images import IMAGES
-from egad.tables.objects import OBJECTS, REJECTED
-from egad.workflow.job import run_job
-from egad.workflow.shards import rejection
+from egad.tables.objects import OBJECTS, REJECTED, rejection
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 KEPT = 200  # objects kept in memory

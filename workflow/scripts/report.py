@@ -18,8 +18,7 @@ from egad._util.files import write_text
 from egad._util.progress import phase, progress
 from egad._util.workers import Mapper, workers
 from egad.bench import ClutterParameters, picture_of, rounds_of
-from egad.config import Settings
-from egad.config.stages import select
+from egad.exchange import model_in, rows_by_id
 from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.report.space_map import shown_objects
@@ -32,9 +31,9 @@ from egad.tables.evaluation import AGREEMENT, EVAL49, MANIFEST, TRIALS
 from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
-from egad.workflow.bundled import model_in, rows_by_id
-from egad.workflow.job import run_job
-from egad.workflow.report_page import DatasetReport, ReportData, build, is_listed
+from egad_workflow.job import run_job
+from egad_workflow.report_page import DatasetReport, ReportData, build, is_listed
+from egad_workflow.settings import Settings, select
 
 log = logging.getLogger(__name__)
 PACKAGES = [

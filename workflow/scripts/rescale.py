@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from egad.config.stages import RescaleMeshes
-from egad.workflow.job import run_job
-from egad.workflow.rescale import rescale_files
+from egad.exchange import RescaleMeshes, rescale_files
+from egad_workflow.job import run_job
 
 
 def run(settings: RescaleMeshes, meshes: Path, out: Path, jobs: int = 1) -> None:

@@ -3,10 +3,9 @@
 import logging
 from pathlib import Path
 
-from egad.learning.scenes import SceneParameters, describe_set
+from egad.learning.scenes import SceneParameters, describe_set, read_plan
 from egad.tables.shards import remove_leftovers
-from egad.workflow.job import run_job
-from egad.workflow.scene_inputs import read_plan
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 

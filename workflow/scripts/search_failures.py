@@ -6,14 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from egad._util.progress import phase, shared_progress
-from egad.bench.failures import ObjectVerdict, attempts_of, run_shard
-from egad.config.archive_settings import MEASURING, check_provenance, differences
-from egad.config.stages import DetectorFailures
+from egad.bench.failures import DetectorFailures, ObjectVerdict, attempts_of, run_shard
 from egad.detectors import keep_failure
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
-from egad.workflow.job import run_job
+from egad_workflow.archive_settings import MEASURING, check_provenance, differences
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 

@@ -9,10 +9,10 @@ import pandas as pd
 import trimesh
 
 from egad._util.progress import phase, progress
-from egad.config.stages import EvalSelection
 from egad.errors import RejectedError
 from egad.evalset import (
     Distances,
+    EvalSelection,
     Selection,
     best_of_random,
     bound,
@@ -34,9 +34,9 @@ from egad.measures.reeb import similarity_matrix
 from egad.random import generator
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
-from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
-from egad.workflow.job import run_job
-from egad.workflow.shards import join, rejection
+from egad.tables.objects import OBJECTS, REJECTED, SOLIDS, rejection
+from egad_workflow.job import run_job
+from egad_workflow.shards import join
 
 log = logging.getLogger(__name__)
 

@@ -1,22 +1,34 @@
 """simulate: trials of a grasp detector on the evaluation objects of a shard."""
 
 import logging
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
-from egad.bench import failed_attempts
-from egad.config.stages import SimulatedTrials
-from egad.detectors import FailureMonitor, keep_failure
+from egad.bench import ENGINE_TIME, SimulatedTrials, failed_attempts, run_attempts, run_or_replace
+from egad.detectors import (
+    IN_SCENES,
+    LABELS,
+    Detector,
+    FailureMonitor,
+    Labels,
+    check_views_will_do,
+    keep_failure,
+    opened,
+)
+from egad.errors import UserError
+from egad.exchange import model_in, rows_by_id
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
-from egad.workflow.bundled import ENGINE_TIME, rows_by_id, run_or_replace
-from egad.workflow.job import run_job
-from egad.workflow.shards import rows_in_shard
-from egad.workflow.simulations import open_trials
+from egad.tables.grasping import GRASPS
+from egad_workflow.job import run_job
+from egad_workflow.shards import rows_in_shard
 
 log = logging.getLogger(__name__)
 
@@ -53,6 +65,42 @@ def run(
     whole = pd.concat(parts) if parts else parquet.empty(TRIALS)
     parquet.write(whole, TRIALS, out)
     log.info("%d attempts, %d successes", len(whole), int(whole["success"].sum()))
+
+
+@contextmanager
+def open_trials(
+    settings: SimulatedTrials, bundle: Path, grasps: Path | None
+) -> Iterator[Callable[[Mapping[str, Any]], pd.DataFrame]]:
+    """A function that runs all attempts of an object, given its row in the bundle."""
+    with open_detector(settings, grasps) as detector_of:
+
+        def attempts(row: Mapping[str, Any]) -> pd.DataFrame:
+            detect = detector_of(row["id"])
+            return run_attempts(model_in(bundle, row), row["label"], row["id"], detect, settings)
+
+        yield attempts
+
+
+@contextmanager
+def open_detector(
+    settings: SimulatedTrials, grasps: Path | None
+) -> Iterator[Callable[[str], Detector | Labels]]:
+    """A function that returns the detector of an object by its id, valid within the context."""
+    config = settings.detector
+    if config.detector == LABELS:
+        yield _labels(grasps)
+        return
+    if config.detector in IN_SCENES:
+        check_views_will_do(IN_SCENES[config.detector])
+    with opened(config, settings.trials.planning_time) as detect:
+        yield lambda _: detect
+
+
+def _labels(grasps: Path | None) -> Callable[[str], Labels]:
+    if grasps is None:
+        raise UserError("the detector `labels` needs the table of labelled grasps")
+    table = parquet.read(grasps, GRASPS)
+    return lambda object_id: Labels(table[table["id"] == object_id])
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from egad.exchange import is_simulated
 from egad.grasps import antipodal_success_rates, naive_success_rates
 from egad.tables import parquet
 from egad.tables.grasping import NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJECTS
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(grasps: Path, naive: Path, out: Path) -> None:

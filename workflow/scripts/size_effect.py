@@ -6,11 +6,11 @@ from pathlib import Path
 import pandas as pd
 
 from egad.measures import SizeEffectParameters
+from egad.measures.size_effect import curves
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import SIZE_EFFECT
-from egad.workflow.job import run_job
-from egad.workflow.size_effect import curves
+from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)
 

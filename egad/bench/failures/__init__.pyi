@@ -9,6 +9,7 @@ from .finding import run_shard as run_shard
 from .finding import search_failures as search_failures
 from .matched import MatchedSet as MatchedSet
 from .matched import match_failures as match_failures
+from .parameters import DetectorFailures as DetectorFailures
 from .parameters import FailureParameters as FailureParameters
 from .parameters import FailureSearch as FailureSearch
 from .parameters import check_searchable as check_searchable

@@ -129,3 +129,9 @@ def check_searchable(detector: DetectorConfig, gripper: Gripper) -> None:
             "failures of a detector that has to see them"
         )
     check_gripper(detector.name, gripper)
+
+
+class DetectorFailures(FailureParameters):
+    """Search for failures of a grasp detector."""
+
+    detector: DetectorConfig

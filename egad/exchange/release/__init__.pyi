@@ -12,7 +12,10 @@ from .dataset_card import ReleaseFacts as ReleaseFacts
 from .dataset_card import card_page as card_page
 from .dataset_card import citation_cff as citation_cff
 from .dataset_card import licence_text as licence_text
-from .tables import MAX_FILES as MAX_FILES
+from .parameters import Gallery as Gallery
+from .parameters import Release as Release
+from .parameters import ReleaseCard as ReleaseCard
+from .parameters import ReleaseTables as ReleaseTables
 from .tables import file_stems as file_stems
 from .tables import in_files as in_files
 from .tables import released_grasps as released_grasps

@@ -10,9 +10,8 @@ from scipy.spatial.transform import Rotation
 from egad.grasps import Grasps
 from egad.tables import parquet
 from egad.tables.grasping import SIMULATED_GRASPS
-from egad.tables.release import RELEASED_GRASPS
+from egad.tables.release import MAX_FILES, RELEASED_GRASPS
 
-MAX_FILES = 10_000  # in a folder of a repository of Hugging Face
 ROWS = 50_000  # in a file of grasps, at most: about 10 MB
 
 

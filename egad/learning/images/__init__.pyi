@@ -19,6 +19,7 @@ from .image_shards import shards as shards
 from .parameters import CAMERAS as CAMERAS
 from .parameters import Camera as Camera
 from .parameters import Render as Render
+from .parameters import RenderImages as RenderImages
 from .parameters import RenderParameters as RenderParameters
 from .rectangles import ImageGrasps as ImageGrasps
 from .rectangles import Rectangles as Rectangles

@@ -17,7 +17,9 @@ from egad._util.parameters import (
     check_ascending,
 )
 from egad.detectors import ImageNoise
+from egad.geometry import Material
 from egad.grasps import LabelParameters
+from egad.sim import Lifting, SimulatedLabel, SimulatedLabelParameters
 
 
 class Camera(Parameters):
@@ -157,3 +159,17 @@ class RenderParameters(LabelParameters):
     render: Render
     camera: Camera
     image_noise: ImageNoise
+
+
+class RenderImages(RenderParameters):
+    """Depth images of objects at rest; some need a simulation."""
+
+    material: Material
+    trials: Lifting
+    simulated_label: SimulatedLabel
+
+    @property
+    def labels(self) -> SimulatedLabelParameters:
+        """What simulated labels depend on."""
+        names = SimulatedLabelParameters.model_fields
+        return SimulatedLabelParameters(**{name: getattr(self, name) for name in names})

@@ -1,9 +1,11 @@
 from .making import make_scene as make_scene
+from .parameters import MakeScenes as MakeScenes
 from .parameters import SceneParameters as SceneParameters
 from .parameters import TrainingScenes as TrainingScenes
 from .planning import PlannedScene as PlannedScene
 from .planning import Splits as Splits
 from .planning import planned_scenes as planned_scenes
+from .planning import read_plan as read_plan
 from .planning import scenes_of_shard as scenes_of_shard
 from .planning import shard_count as shard_count
 from .planning import split_objects as split_objects

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from egad._util.parameters import Fraction, ParameterGroup, Parameters, Seed
 from egad.bench import CUSTOM, NAMED_PROTOCOLS, Clutter, ClutterParameters, Protocol, SceneCameras
 from egad.detectors import NoiseName
+from egad.geometry import Material
 from egad.grippers import Gripper
 from egad.sim import ENGINES, EngineName
 
@@ -104,3 +105,9 @@ class SceneParameters(ParameterGroup):
         protocol = self.scenes.protocol.model_copy(update={"cameras": self.scenes.cameras})
         clutter = Clutter(engine=self.scenes.engine, protocol=protocol)
         return ClutterParameters(seed=self.seed, gripper=self.gripper, clutter=clutter)
+
+
+class MakeScenes(SceneParameters):
+    """Labelled scenes of the objects of a dataset."""
+
+    material: Material

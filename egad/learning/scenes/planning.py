@@ -2,9 +2,11 @@
 
 from collections.abc import Collection, Container, Iterable, Mapping, Sequence
 from itertools import pairwise
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from egad.bench import Round, SceneKind, draw_objects
 from egad.errors import UserError
@@ -13,6 +15,9 @@ from egad.evolution import Lineage
 from egad.learning.images import SPLITS
 from egad.learning.scenes.parameters import MAX_OBJECTS, SceneParameters
 from egad.random import entropy, generator
+from egad.tables import parquet
+from egad.tables.evolution import LINEAGE
+from egad.tables.objects import OBJECTS, REJECTED, rejection
 
 SHARD = 50  # scenes, about: the number of shards follows from the settings alone
 
@@ -125,3 +130,50 @@ def _planned(number: int, ids: Sequence[str], settings: SceneParameters) -> Roun
     chosen, factors = draw_objects(ids, kind, count, scenes.protocol, rng)
     seed = entropy(settings.seed, "training round", number)
     return Round(kind, noise, number, seed, chosen, factors)
+
+
+class ScenePlan(NamedTuple):
+    """The planned scenes of a dataset."""
+
+    scenes: list[PlannedScene]
+    splits: Splits  # how the objects are split
+    rejected: pd.DataFrame  # objects that cannot be simulated, columns of `tables.objects.REJECTED`
+    usable: dict[str, str]  # the split of each object that can be simulated
+
+
+def read_plan(
+    settings: SceneParameters,
+    objects: Path,
+    scales: Path,
+    convex_parts: Path,
+    evaluation: Path | None,
+    ancestry: Path | None,
+) -> ScenePlan:
+    """Plan the scenes of a dataset; an evaluation set is held out, with ancestors if known.
+
+    Raises `UserError` if all objects are held out, or none can be simulated.
+    """
+    table = parquet.read(objects, OBJECTS)[["id", "label"]]
+    lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
+    held_out = parquet.distinct(evaluation, "id") if evaluation else set()
+    splits = split_objects(table["id"].tolist(), lineage, held_out, settings)
+    if len(table) and not splits.split_of:
+        raise UserError(
+            f"{objects}: all {len(table)} objects are in the evaluation set, or are parents or "
+            "children of objects in it; set scenes.hold_out: false"
+        )
+    scaled, simulated = parquet.distinct(scales, "label"), parquet.distinct(convex_parts, "label")
+    reasons = {
+        row["id"]: "it could not be scaled to the gripper"
+        if row["label"] not in scaled
+        else "it has no convex parts for the simulation"
+        for row in parquet.records(table)
+        if row["label"] not in scaled & simulated
+    }
+    usable = {name: split for name, split in splits.split_of.items() if name not in reasons}
+    if not usable:
+        raise UserError(f"{objects}: no object of the dataset can be simulated in scenes")
+    rows = [rejection(name, "scenes", reason) for name, reason in sorted(reasons.items())]
+    return ScenePlan(
+        planned_scenes(usable, settings), splits, pd.DataFrame(rows, columns=REJECTED.names), usable
+    )

@@ -26,10 +26,7 @@ class Nodes(NamedTuple):
 
 
 class MatchingMemory(NamedTuple):
-    """Memory for a matching, reused for the next one.
-
-    All integers share one array, because separate arrays would slow each call down.
-    """
+    """Memory for matchings; separate arrays in place of rows of one would slow each call down."""
 
     ints: Ints32  # (_ROWS, 2 n): a row for each purpose below
 
@@ -70,12 +67,7 @@ class Forest:
     """Graphs to be compared, numbered in the order in which they were added."""
 
     def __init__(self, weight: float, graphs: Iterable[ReebGraph] = ()) -> None:
-        """Make a forest of some graphs.
-
-        Args:
-            weight: Weight of area against length in the value of a node, 0 to 1.
-            graphs: The first graphs.
-        """
+        """Make a forest; `weight` is that of area against length in the value of a node, 0 to 1."""
         self._weights = np.array([weight, 1 - weight])
         self._levels: set[int] = set()
         self._values, self._around = _Rows(np.empty((0, 2))), _Rows(np.empty((0, 4)))
@@ -88,11 +80,7 @@ class Forest:
         return len(self._keys.view)
 
     def extend(self, graphs: Iterable[ReebGraph]) -> None:
-        """Add graphs.
-
-        Raises:
-            UserError: They do not have the same number of ranges as those already here.
-        """
+        """Add graphs; `UserError` if they have another number of ranges than those already here."""
         graphs = list(graphs)
         levels = self._levels | {len(graph.level_starts) for graph in graphs}
         if len(levels) > 1:

@@ -20,10 +20,7 @@ _ABSENT = -(1 << 30)  # in `preceding`: in no bucket
 
 
 class EdgeGraph(NamedTuple):
-    """The edges at each vertex, row by row, and the buckets that vertices wait in.
-
-    Unsigned indices avoid the check for negative ones, which takes a fifth of the time of a search.
-    """
+    """The edges at each vertex, row by row, and buckets; unsigned, which saves index checks."""
 
     starts: NDArray[np.uint32]  # (n + 1,) of the rows
     neighbors: NDArray[np.uint32]  # (2 e,)
@@ -156,11 +153,7 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
                 if after >= 0:
                     preceding[after] = before
             after = first[bucket]
-            first[bucket], following[neighbor], preceding[neighbor] = (
-                neighbor,
-                after,
-                -1 - bucket,
-            )
+            first[bucket], following[neighbor], preceding[neighbor] = (neighbor, after, -1 - bucket)
             if after >= 0:
                 preceding[after] = neighbor
 
@@ -237,9 +230,9 @@ def scan_integral(graph: EdgeGraph, faces: Ints32, areas: Floats, radius: float)
     """The integral (n,) from the bases of the program that the published values come from.
 
     Vertices are visited in order: one that is not covered yet becomes a base and covers all
-    vertices within the radius, a geodesic distance. It represents all faces with a vertex that it
-    is the first to cover, so faces between bases count several times, and a different order of the
-    vertices gives a different mu.
+    vertices within the radius. It represents all faces with a vertex that it is the first to cover,
+    so faces between bases count several times, and another order of the vertices gives a different
+    mu.
     """
     count = len(graph.starts) - 1
     result, distances = np.zeros(count), np.empty(count)

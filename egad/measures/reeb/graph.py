@@ -131,19 +131,11 @@ class ReebGraph:
 
 
 def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
-    """The multiresolutional Reeb graph of a shape.
+    """The multiresolutional Reeb graph of a shape of one connected piece, or `RejectedError`.
 
     Its ranges are those of the function mu, which tells how far a point is from all the others (see
     `egad.measures.reeb.geodesics`), from its smallest value up, as a fraction of its largest. The
     graph does not depend on the position, orientation or size of the mesh.
-
-    Args:
-        mesh: One connected piece, in any unit; it may have holes.
-        settings: Resolution, and how mu is computed.
-
-    Raises:
-        RejectedError: The mesh is empty, not finite, degenerate or in several pieces.
-        UserError: It is not a mesh.
     """
     check_mesh(mesh)
     surface = refine(_checked(mesh), settings.vertices)

@@ -37,34 +37,20 @@ def diversities(
     threads: int = 1,
     watch: Watch = iter,
 ) -> Floats:
-    """Diversity of each of n shapes among the others, (n,); see `Neighborhood.diversity`.
-
-    Args:
-        graphs: The shapes.
-        weight: Weight of area against length in the value of a node, 0 to 1.
-        neighbors: Number of nearest neighbors.
-        threads: Shapes looked up at once; the result does not depend on it.
-        watch: Passes batches of shapes through while they are looked up, to show progress.
-
-    Raises:
-        UserError: The graphs have different numbers of ranges.
-    """
+    """Diversity of each of n shapes among the others, (n,); `watch` passes batches through."""
     neighborhood = Neighborhood(weight, neighbors, threads)
     found = neighborhood.diversities(neighborhood.add(graphs), watch)
     return np.array(found, dtype=np.float64)
 
 
 class Neighborhood:
-    """Shapes and their nearest neighbors. A distance is 1 - similarity, computed at most once."""
+    """Shapes and their nearest neighbors. A distance is 1 - similarity, computed at most once.
+
+    An index without a shape is a `KeyError`.
+    """
 
     def __init__(self, weight: float, neighbors: int, threads: int = 1) -> None:
-        """Start with no shapes.
-
-        Args:
-            weight: Weight of area against length in the value of a node, 0 to 1.
-            neighbors: Number of nearest neighbors.
-            threads: Shapes looked up at once; no result depends on it.
-        """
+        """Start with no shapes; `threads` are looked up at once, which changes no result."""
         self._weight, self._threads = weight, threads
         self._forest = Forest(weight)
         self._graphs: dict[int, ReebGraph] = {}
@@ -80,11 +66,7 @@ class Neighborhood:
         return len(self._graphs)
 
     def add(self, graphs: Iterable[ReebGraph]) -> list[int]:
-        """Add shapes; returns their indices, which may be those of removed shapes.
-
-        Raises:
-            UserError: The graphs have different numbers of ranges.
-        """
+        """Add shapes; returns their indices, which may be those of removed shapes."""
         graphs = list(graphs)
         first = len(self._forest)
         self._forest.extend(graphs)
@@ -98,11 +80,7 @@ class Neighborhood:
         return indices
 
     def remove(self, index: int) -> None:
-        """Remove a shape.
-
-        Raises:
-            KeyError: There is no such shape.
-        """
+        """Remove a shape."""
         del self._graphs[index]
         self._trees[index] = -1
         heapq.heappush(self._free, index)
@@ -115,11 +93,7 @@ class Neighborhood:
             self._replant()
 
     def distance(self, one: int, other: int) -> float:
-        """Distance between two shapes.
-
-        Raises:
-            KeyError: There are no such shapes.
-        """
+        """Distance between two shapes."""
         self._check(one, other)
         if one != other and self._known[one, other] != _EXACT:
             table = self._table
@@ -128,11 +102,7 @@ class Neighborhood:
         return float(self._distances[one, other]) if one != other else 0.0
 
     def nearest(self, index: int) -> tuple[Ints, Floats]:
-        """The nearest other shapes and their distances, ascending; ties by index.
-
-        Raises:
-            KeyError: There is no such shape.
-        """
+        """The nearest other shapes and their distances, ascending; ties by index."""
         self._check(index)
         self._look_up([index])
         near = self._near[index][self._near[index] >= 0]
@@ -146,22 +116,14 @@ class Neighborhood:
         return near, distances
 
     def diversity(self, index: int) -> float:
-        """Mean distance of a shape to its nearest ones; 1 if there is no other.
-
-        Raises:
-            KeyError: There is no such shape.
-        """
+        """Mean distance of a shape to its nearest ones; 1 if there is no other."""
         if index not in self._diversities:
             _, distances = self.nearest(index)
             self._diversities[index] = float(distances.mean()) if len(distances) else 1.0
         return self._diversities[index]
 
     def diversities(self, indices: Sequence[int], watch: Watch = iter) -> list[float]:
-        """The diversities of several shapes, in parallel; `watch` as in `diversities`.
-
-        Raises:
-            KeyError: There is no such shape.
-        """
+        """The diversities of several shapes, in parallel; `watch` passes batches through."""
         self._check(*indices)
         self._look_up(indices, watch)
         return [self.diversity(index) for index in indices]
@@ -230,10 +192,7 @@ class _Table(NamedTuple):
 
 @kernel(nogil=True)
 def _nearest_to_each(table: _Table, rows: Ints, others: Ints, count: int) -> Ints:
-    """The nearest of other indices to each of n, except itself: (n, count), padded with -1.
-
-    Writes only to these rows of the table; see `_tell`.
-    """
+    """The nearest of others to each of n indices, the only rows written: (n, count), with -1."""
     result = np.full((len(rows), count), -1)
     memory = space(table.trees.starts)
     for place, index in enumerate(rows):

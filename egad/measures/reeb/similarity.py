@@ -19,16 +19,7 @@ SLACK = 1e-12  # rounding errors of a bound and of a similarity stay below this
 
 
 def similarity(a: ReebGraph, b: ReebGraph, weight: float) -> float:
-    """Similarity of two shapes, 0 to 1; the same in both directions.
-
-    Args:
-        a: One shape.
-        b: The other, with the same number of ranges.
-        weight: Weight of area against length in the value of a node, 0 to 1.
-
-    Raises:
-        UserError: The graphs have different numbers of ranges.
-    """
+    """Similarity of two shapes, 0 to 1, in either order; `UserError` for different ranges."""
     return float(similarities(Forest(weight, [a, b]), np.array([[0, 1]]))[0])
 
 
@@ -38,17 +29,7 @@ def similarity_matrix(
     threads: int = 1,
     watch: Callable[[Iterable[Floats]], Iterable[Floats]] = iter,
 ) -> Floats:
-    """Similarities of all pairs of n shapes, (n, n): symmetric, 1 on the diagonal.
-
-    Args:
-        graphs: The shapes.
-        weight: Weight of area against length in the value of a node, 0 to 1.
-        threads: Rows computed at once; the result does not depend on it.
-        watch: Passes the n rows through as they are computed, to show progress.
-
-    Raises:
-        UserError: The graphs have different numbers of ranges.
-    """
+    """Similarities of all pairs of n shapes, (n, n); `watch` passes the rows through."""
     forest, count = Forest(weight, graphs), len(graphs)
     result = np.eye(count)
 
@@ -82,10 +63,7 @@ def _similarities(trees: Trees, pairs: Ints) -> Floats:
 def compare(
     trees: Trees, one: int, other: int, least: float, memory: MatchingMemory
 ) -> tuple[float, bool]:
-    """Similarity of two graphs of a forest and True; the graph with the smaller key goes first.
-
-    If it must be less than `least`, this may return an upper bound and False, which is quicker.
-    """
+    """Similarity of two graphs and True; if it is below `least`, maybe an upper bound and False."""
     if trees.keys[one] == trees.keys[other]:
         return 1.0, True
     if trees.keys[one] > trees.keys[other]:

@@ -32,10 +32,7 @@ class VertexEdges(NamedTuple):
 
 @kernel()
 def order_of(distances: Floats) -> Ints:
-    """Vertices in about the order of their distances, (n,): unreachable ones come last.
-
-    Distances are divided into as many steps as there are vertices; a step is not sorted.
-    """
+    """Vertices in about the order of their distances, (n,): unreachable ones come last."""
     count, largest = len(distances), 0.0
     for distance in distances:
         if largest < distance < np.inf:
@@ -153,10 +150,7 @@ def lower(
     start: int,
     end: int,
 ) -> bool:
-    """Lower the (LANES,) distances of a vertex, not NaN, to those via the neighbors start to end.
-
-    Returns whether any was lowered.
-    """
+    """Lower the distances (LANES,) of a vertex to those via neighbors; returns whether any was."""
     own = distances[vertex]
     lowered = False
     for index in range(start, end):

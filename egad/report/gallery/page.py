@@ -8,7 +8,6 @@ from typing import Any
 import pandas as pd
 
 from egad.evolution import Lineage
-from egad.exchange.release import MAX_FILES
 from egad.grasps import antipodal_success_rates
 from egad.report.axes import AxisPair
 from egad.report.gallery.details import Download, ObjectPage, Relatives
@@ -19,6 +18,7 @@ from egad.report.viewer import LABELS
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import GENOME
 from egad.tables.parquet import empty, records
+from egad.tables.release import MAX_FILES
 
 
 @dataclass(frozen=True)

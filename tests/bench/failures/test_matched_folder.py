@@ -13,13 +13,13 @@ from commands import egad as run
 
 import egad
 from egad.bench.failures import MatchedSet
-from egad.config import Settings
+from egad.cli.matched_folder import write_matched_set
 from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST
 from egad.tables.failures import MATCHED
 from egad.tables.grasping import GRASPS, SCALES
-from egad.workflow.matched_set import write_matched_set
+from egad_workflow.settings import Settings
 
 SLICER = shutil.which("prusa-slicer")
 LABELS = ["A0", "A1", "B0", "B1"]
@@ -128,7 +128,7 @@ def test_a_command_makes_it_of_an_atlas_with_several_processes_to_the_last_byte(
     failing, folder, tmp_path, monkeypatch
 ):
     monkeypatch.setattr("egad.bench.failures.matched.load", lambda: bars.NONE)
-    monkeypatch.setattr("egad.provenance.record.recorded", lambda *_, **__: nullcontext())
+    monkeypatch.setattr("egad_workflow.provenance.recorded", lambda *_, **__: nullcontext())
     monkeypatch.setenv("EGAD_CACHE_DIR", "off")  # convex parts are made again, too
     failing.save(tmp_path / "atlas")
     out = tmp_path / "bars"

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.grasps.collision import SIDE_CLEARANCE
 from egad.learning.images import CAMERAS, PlacedObject, RenderParameters, Share, views_of
 from egad.learning.images.arrangement import TableGrasps
 from egad.learning.images.rendering import Labelled
+from egad_workflow.settings import Settings, select
 
 SIDES = np.array([0.03, 0.06, 0.04])
 AXES = np.vstack([np.eye(3), [[1.0, 0, 0]]])

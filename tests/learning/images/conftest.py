@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.grippers import BoxBody
 from egad.learning.images import PlacedObject, RenderParameters
 from egad.learning.images.arrangement import TableGrasps
+from egad_workflow.settings import Settings, select
 
 
 @pytest.fixture(scope="session")

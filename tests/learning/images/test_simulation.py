@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.grasps import ContactPairs
 from egad.learning.images import model_at_size, settle_scene, simulate_contacts
 from egad.sim.parameters import SimulatedLabelParameters
+from egad_workflow.settings import Settings, select
 
 DENSITY = 400.0
 SETTINGS = select(Settings(), SimulatedLabelParameters, "egad_75mm")

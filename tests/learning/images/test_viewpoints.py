@@ -5,12 +5,12 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.config import Settings
 from egad.detectors import Intrinsics, camera_above
 from egad.detectors.camera import LOOKING_DOWN
 from egad.geometry.stable_poses import resting_poses
 from egad.learning.images import CAMERAS
 from egad.learning.images.viewpoints import sample_object_poses, sample_scene
+from egad_workflow.settings import Settings
 
 CENTER = np.array([0.001, -0.002, 0.003])
 

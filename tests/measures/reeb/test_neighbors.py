@@ -110,12 +110,6 @@ def test_removing_one_of_many_can_only_raise_a_diversity(graphs):
     assert after != {index: before[index] for index in others}
 
 
-def test_distance_is_symmetric(graphs, distances):
-    two = Neighborhood(0.5, 1)
-    a, b = two.add(graphs[:2])
-    assert two.distance(a, b) == two.distance(b, a) == distances[0, 1]
-
-
 def test_few_members(graphs):
     lonely = Neighborhood(0.5, 10)
     (only,) = lonely.add(graphs[:1])

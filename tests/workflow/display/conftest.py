@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from egad.workflow.display import messages
+from egad_workflow.display import messages
 
 
 class Terminal(io.StringIO):

@@ -3,8 +3,8 @@ import os
 import pytest
 
 from egad._util.progress import Status
-from egad.workflow.display import jobs as module
-from egad.workflow.display.jobs import Job, Jobs, last_lines, last_progress
+from egad_workflow.display import jobs as module
+from egad_workflow.display.jobs import Job, Jobs, last_lines, last_progress
 
 
 @pytest.fixture

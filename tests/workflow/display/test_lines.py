@@ -4,9 +4,9 @@ import time
 import pytest
 
 from egad._util.progress import Pace
-from egad.workflow.display import lines as module
-from egad.workflow.display.jobs import Job, Jobs
-from egad.workflow.display.lines import Lines, job_line
+from egad_workflow.display import lines as module
+from egad_workflow.display.jobs import Job, Jobs
+from egad_workflow.display.lines import Lines, job_line
 
 
 @pytest.fixture

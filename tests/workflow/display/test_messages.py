@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import pytest
 
 from egad._util.progress import marked
-from egad.workflow.display import messages
+from egad_workflow.display import messages
 
 RULES, ALL, REASON = (SimpleNamespace(name=name) for name in ("RULES", "ALL", "REASON"))
 

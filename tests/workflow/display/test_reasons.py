@@ -10,11 +10,11 @@ from types import SimpleNamespace
 import pytest
 from forks import python
 
-from egad.workflow.display.messages import LOGGER
-from egad.workflow.display.reasons import changes, explain_reasons
+from egad_workflow.display.messages import LOGGER
+from egad_workflow.display.reasons import changes, explain_reasons
 
 SNAKEFILE = """
-from egad.workflow.display import explain_reasons
+from egad_workflow.display import explain_reasons
 
 explain_reasons(workflow)
 

@@ -11,7 +11,7 @@ SNAKEFILE = """
 import os
 
 from egad._util.progress import MARKS, Pace
-from egad.workflow.display import lines, start_display
+from egad_workflow.display import lines, start_display
 
 os.environ[MARKS] = "1"  # as the Snakefile of the workflow does
 lines.PEOPLE = Pace(0.2, 0.2, 0)
@@ -44,7 +44,7 @@ from pathlib import Path
 
 from egad._util.progress import progress
 from egad.errors import UserError
-from egad.workflow.job import run_job
+from egad_workflow.job import run_job
 
 
 def run(name: str, made: Path) -> None:

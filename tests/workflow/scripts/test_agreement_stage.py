@@ -7,15 +7,15 @@ import pytest
 import trimesh
 from script_jobs import run_as_job
 
-from egad.config import Settings
-from egad.config.stages import SimulationBundle, select
+from egad.exchange import evaluation_objects, write_bundle
+from egad.geometry import SimulationBundle
 from egad.grasps.parameters import LabelParameters
 from egad.io import write_obj
 from egad.sim.parameters import LabelTrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.objects import OBJECTS
-from egad.workflow.bundle import evaluation_objects, write_bundle
+from egad_workflow.settings import Settings, select
 
 WHOLE = Settings.model_validate({"agreement": {"grasps": 11}, "grasp_label": {"grasps": 20}})
 SETTINGS = select(WHOLE, LabelTrialParameters, "egad_75mm")

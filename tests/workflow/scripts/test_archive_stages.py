@@ -8,13 +8,13 @@ import pytest
 from partial_tables import write_rows
 from postprocess import from_archive
 
-from egad.config import Settings
-from egad.config.archive_settings import provenance
-from egad.config.stages import CellsAndDiversities, PostprocessSolids, select
 from egad.errors import UserError
-from egad.evolution import EvolutionParameters
+from egad.evolution import EvolutionParameters, PostprocessSolids
+from egad.measures import CellsAndDiversities
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE, EPOCH
+from egad_workflow.archive_settings import provenance
+from egad_workflow.settings import Settings, select
 
 
 def settings(**changes):

@@ -13,24 +13,24 @@ from PIL import Image
 from report import scene_pictures
 
 from egad.bench import (
+    ClearedTables,
     ClutterParameters,
     failed_round,
+    film_clearing,
     proposed_by,
     rounds_of,
     run_round,
     verify_rounds,
 )
 from egad.cli import main
-from egad.config import Settings
-from egad.config.stages import ClearedTables, SimulationBundle, select
 from egad.errors import UserError
+from egad.exchange import any_objects, bundle_models, model_in, rows_by_id, write_bundle
+from egad.geometry import SimulationBundle
 from egad.io import write_obj
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.outcomes import Outcome
-from egad.workflow.bundle import any_objects, write_bundle
-from egad.workflow.bundled import bundle_models, model_in, rows_by_id
-from egad.workflow.replays import film_clearing
+from egad_workflow.settings import Settings, select
 
 GRIPPER = "egad_75mm"
 FEW = {"rounds": 2, "objects": 2, "noise": ["none"], "scenes": ["packed", "pile"]}

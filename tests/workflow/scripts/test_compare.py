@@ -3,11 +3,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.measures import MeasureParameters
 from egad.tables import parquet
 from egad.tables.objects import COMPARISON, OBJECTS
+from egad_workflow.settings import Settings, select
 
 
 def objects(count):

@@ -6,13 +6,12 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import SimulationBundle, select
-from egad.geometry import make_simulation_object, simulation_object
+from egad.geometry import SimulationBundle, make_simulation_object, simulation_object
 from egad.io import write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(), SimulationBundle)
 BOX = trimesh.creation.box((0.04, 0.03, 0.02))

@@ -8,15 +8,14 @@ import trimesh
 from partial_tables import fill_columns, write_rows
 
 from egad.bench.stats import read
-from egad.config import Settings
-from egad.config.stages import DataSheets, select
 from egad.errors import UserError
-from egad.evalset import ForGripper, PrintExport
+from egad.evalset import DataSheets, ForGripper, PrintExport
 from egad.evalset.datasheet import page
 from egad.io import write_stl_mm
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(select_eval={"rows": 2, "columns": 2}), DataSheets)
 LABELS = ["A0", "A1", "B0"]  # B1 is empty

@@ -9,14 +9,13 @@ from failure_searches import FEW, QUICK, SHAPE, coarse_objects, parts_kept, sett
 from script_jobs import run_as_job
 
 from egad import load
-from egad.bench.failures import FailureAtlas
+from egad.bench.failures import DetectorFailures, FailureAtlas
 from egad.bench.failures import search_failures as whole_search
-from egad.config import Settings
-from egad.config.stages import DetectorFailures, select
 from egad.errors import UserError
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS, FAILURES
+from egad_workflow.settings import Settings, select
 
 OWN = """
 from egad.detectors import Grasp

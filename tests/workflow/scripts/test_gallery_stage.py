@@ -15,9 +15,8 @@ import pytest
 import trimesh
 
 import egad
-from egad.config import Settings
-from egad.config.stages import Gallery, select
 from egad.data import released
+from egad.exchange.release import Gallery
 from egad.exchange.release import tables as release_files
 from egad.measures import MeasureSpace
 from egad.report.gallery import page as gallery_files
@@ -27,6 +26,7 @@ from egad.tables.columns import LABEL
 from egad.tables.evolution import ARCHIVE, LINEAGE
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(space=MeasureSpace(cells=5)), Gallery, "egad_75mm")
 HOSTILE = "a#b?c%41 & <b>'\"é"

@@ -8,9 +8,8 @@ import rescale
 import trimesh
 
 import egad
-from egad.config import Settings
-from egad.config.stages import RescaleMeshes, select
 from egad.errors import UserError
+from egad.exchange import RescaleMeshes
 from egad.grasps import GraspLabel
 from egad.grasps.labels import label_parameters
 from egad.grasps.parameters import LabelParameters
@@ -21,6 +20,7 @@ from egad.objects import named_meshes, scaled_solid
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
+from egad_workflow.settings import Settings, select
 
 
 def label_by_stages(folder, each, gripper, grasps, seed):

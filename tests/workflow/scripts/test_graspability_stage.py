@@ -7,13 +7,13 @@ import trimesh
 from described_hands import box_urdf
 
 import egad
-from egad.config import Postprocess, Settings
-from egad.config.stages import GraspabilityOfGripper, select
 from egad.geometry import in_single_precision
 from egad.grippers import GRIPPERS, Gripper
 from egad.io import write_obj
+from egad.measures import GraspabilityOfGripper, Postprocess
 from egad.tables import parquet
 from egad.tables.objects import GRASPABILITIES, OBJECTS
+from egad_workflow.settings import Settings, select
 
 
 @pytest.fixture

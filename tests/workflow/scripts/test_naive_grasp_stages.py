@@ -8,9 +8,7 @@ import simulated_success_rate
 import trimesh
 from dying_worker import Dying
 
-from egad.bench import try_naive_grasps
-from egad.config import Settings
-from egad.config.stages import NaiveGrasps, select
+from egad.bench import NaiveGrasps, try_naive_grasps
 from egad.errors import UserError
 from egad.geometry import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
@@ -18,6 +16,7 @@ from egad.sim import build
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJECTS
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings.model_validate({"naive_grasp": {"grasps": 4}}), NaiveGrasps, "egad_75mm")
 BOX = trimesh.creation.box((0.03, 0.04, 0.05))

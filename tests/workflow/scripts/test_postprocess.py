@@ -5,12 +5,12 @@ import pytest
 import trimesh
 from postprocess import from_folder, from_primitives, measure_objects, solid_row
 
-from egad.config import Settings
-from egad.config.stages import CellsAndDiversities, PostprocessSolids, select
 from egad.errors import UserError
-from egad.measures import CustomMeasures
+from egad.evolution import PostprocessSolids
+from egad.measures import CellsAndDiversities, CustomMeasures
 from egad.tables import parquet
 from egad.tables.objects import REJECTED, SOLIDS
+from egad_workflow.settings import Settings, select
 
 COARSE = Settings.model_validate(
     {

@@ -5,12 +5,12 @@ import print_export
 import pytest
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import PrintFiles, select
+from egad.evalset import PrintFiles
 from egad.io import read_mesh, write_obj
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import GRASPS, SCALES
+from egad_workflow.settings import Settings, select
 
 
 def exported(folder, sides, grasps=None, **changes):

@@ -20,19 +20,19 @@ import yaml
 from partial_tables import fill_columns, write_rows
 from script_jobs import run_as_job
 
-from egad.config import Settings
-from egad.config.stages import ReleaseCard, ReleaseTables, SimulationBundle, select
 from egad.errors import UserError
+from egad.exchange.release import ReleaseCard, ReleaseTables
 from egad.exchange.release import tables as release_files
-from egad.geometry import Bundle, make_simulation_object, part_rows
+from egad.geometry import Bundle, SimulationBundle, make_simulation_object, part_rows
 from egad.io import write_obj
-from egad.provenance.verify import verify
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.evolution import LINEAGE
 from egad.tables.grasping import SCALES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
 from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
+from egad_workflow.settings import Settings, select
+from egad_workflow.verify import verify
 
 SETTINGS = Settings.model_validate({"release": {"grasps": 3, "validation": 0.4}})
 COUNT, GRASPS = 12, 5

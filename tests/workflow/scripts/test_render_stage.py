@@ -8,16 +8,15 @@ import render
 import trimesh
 from script_jobs import run_as_job
 
-from egad.config import Settings
-from egad.config.stages import RenderImages, select
 from egad.errors import UserError
 from egad.io import read_mesh, write_obj
-from egad.learning.images import RenderParameters, read
+from egad.learning.images import RenderImages, RenderParameters, read
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS, REJECTED
 from egad.tables.shards import remove_leftovers
+from egad_workflow.settings import Settings, select
 
 FAST = {"grasps": 20, "test": 0.2, "validation": 0.2}
 NAMES = [f"B{number}" for number in range(8)]

@@ -7,16 +7,15 @@ import scene_card
 import scenes
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import MakeScenes, select
 from egad.errors import UserError
 from egad.io import write_obj
-from egad.learning.scenes import SceneParameters, load_scenes
+from egad.learning.scenes import MakeScenes, SceneParameters, load_scenes
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.evolution import LINEAGE
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS, REJECTED
+from egad_workflow.settings import Settings, select
 
 FEW = {"scenes": 4, "objects": 1.5, "grasps": 3, "yaws": 2, "validation": 0.25, "test": 0.25}
 NAMES = [f"B{number}" for number in range(8)]

@@ -5,12 +5,12 @@ import select_eval
 import trimesh
 from partial_tables import write_rows
 
-from egad.config import Settings
-from egad.config.stages import EvalSelection, select
+from egad.evalset import EvalSelection
 from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS, REJECTED, SOLIDS
+from egad_workflow.settings import Settings, select
 
 SETTINGS = Settings()
 # The mug has walls of 2.5 mm, which are too thin to print at its size for an opening of 50 mm.

@@ -11,21 +11,18 @@ import simulate
 import trimesh
 from PIL import Image
 
-from egad.bench import failed_attempts
+from egad.bench import SimulatedTrials, failed_attempts, film_attempt
 from egad.cli import main
-from egad.config import Settings
-from egad.config.stages import SimulatedTrials, SimulationBundle, select
 from egad.errors import UserError
-from egad.geometry import make_simulation_object
+from egad.exchange import bundle_models, evaluation_objects, model_in, write_bundle
+from egad.geometry import SimulationBundle, make_simulation_object
 from egad.io import write_obj
 from egad.sim.film import write_film
 from egad.sim.model import model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
 from egad.tables.outcomes import Outcome
-from egad.workflow.bundle import evaluation_objects, write_bundle
-from egad.workflow.bundled import bundle_models, model_in
-from egad.workflow.replays import film_attempt
+from egad_workflow.settings import Settings, select
 
 WHOLE = Settings.model_validate({"trials": {"attempts": 3}})
 SETTINGS = select(WHOLE, SimulatedTrials, "egad_75mm", "antipodal-depth")

@@ -7,14 +7,14 @@ import simulated_label
 import trimesh
 from dying_worker import Dying
 
-from egad.config import Settings
-from egad.config.stages import SimulatedLabels, select
 from egad.errors import UserError
 from egad.geometry import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
+from egad.sim import SimulatedLabels
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS
+from egad_workflow.settings import Settings, select
 
 SETTINGS = select(
     Settings.model_validate({"simulated_label": {"grasps": 2}}),

@@ -3,14 +3,13 @@ import pytest
 import size_effect
 import trimesh
 
-from egad.config import Settings
-from egad.config.stages import select
 from egad.measures import SizeEffect
 from egad.measures.parameters import SizeEffectParameters
+from egad.measures.size_effect import curves
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import SIZE_EFFECT
-from egad.workflow.size_effect import curves
+from egad_workflow.settings import Settings, select
 
 WANTED = SizeEffect(fractions=[0.5, 1.2], percentiles=[75.0], grasps=5, repeats=1)
 SETTINGS = select(Settings(size_effect=WANTED), SizeEffectParameters, "yumi")

@@ -6,9 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from egad.workflow.code_version import PACKAGE
+from egad_workflow.code_version import PACKAGES
 
-SCRIPTS = Path(__file__).parents[3] / "workflow" / "scripts"
+ROOT = Path(__file__).parents[3]
+SCRIPTS = ROOT / "workflow" / "scripts"
 
 CODE = """
 import importlib, json, sys
@@ -31,7 +32,7 @@ print(json.dumps(failed))
 
 def failures(names):
     """What the import of modules says where PyTorch and safetensors are not installed."""
-    found = os.pathsep.join(map(str, (SCRIPTS, PACKAGE.parent)))
+    found = os.pathsep.join(map(str, (SCRIPTS, ROOT)))
     command = [sys.executable, "-c", CODE, *names]
     done = subprocess.run(
         command, check=True, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": found}
@@ -40,17 +41,17 @@ def failures(names):
 
 
 def modules(folder):
-    """Names of the modules in a folder of the package, also of those in its folders."""
+    """Names of the modules in a folder of a package, also of those in its folders."""
     for path in sorted(folder.rglob("*.py")):
-        parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+        parts = path.relative_to(ROOT).with_suffix("").parts
         yield ".".join(parts).removesuffix(".__init__")
 
 
 def test_every_stage_can_be_imported_without_pytorch():
     scripts = sorted(path.stem for path in SCRIPTS.glob("*.py"))
-    folders = [PACKAGE / "workflow", PACKAGE / "exchange"]
+    folders = [PACKAGES[1], PACKAGES[0] / "exchange"]
     shared = [name for folder in folders for name in modules(folder)]
-    known = {"evolve", "egad.workflow.train", "egad.exchange.grasps.dexnet"}
-    assert known <= {*scripts, *shared}
+    shared += ["egad.learning.train_on_images", "egad.learning.train_on_scenes"]
+    assert {"evolve", "egad_workflow.job", "egad.exchange.grasps.dexnet"} <= {*scripts, *shared}
     networks = ["egad.detectors.networks", "egad.detectors.weights"]
     assert set(failures([*scripts, *shared, *networks])) == set(networks)

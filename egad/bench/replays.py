@@ -1,0 +1,90 @@
+"""Repeating attempts and rounds of tables without their detector, as films."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from egad._util.arrays import RgbImage
+from egad._util.progress import phase_if_slow
+from egad.bench.attempts import END, columns_of, read_attempt
+from egad.bench.parameters import ClutterParameters, TrialParameters
+from egad.bench.rounds import Models, film_round
+from egad.bench.trial_runner import Attempt, TrialRunner
+from egad.errors import UserError
+from egad.sim import ARMS, Film, open_world, write_film
+from egad.tables import parquet
+from egad.tables.clutter import CLUTTER
+from egad.tables.evaluation import TRIALS
+
+
+@phase_if_slow("simulating and filming the attempt")
+def film_attempt(
+    settings: TrialParameters, trials: Path, models: Models, label: str, attempt: int, out: Path
+) -> str:
+    """Repeat an attempt, film it (`.gif` or `.mp4`), and return its outcome.
+
+    The detector does not run again: its proposal is read from the table,
+    `tables.evaluation.TRIALS`. The objects are known by their ids.
+
+    Raises:
+        UserError: There is no such attempt, it never started, or its outcome differs.
+    """
+    row = _row(trials, label, attempt)
+    if not row["initial_pose"]:
+        raise UserError(f"{label}, attempt {attempt} never started: {row['outcome']}")
+    again, frames = repeat_attempt(settings, row, models)
+    write_film(frames, out)
+    _check(row, columns_of(again))
+    return str(row["outcome"])
+
+
+def repeat_attempt(
+    settings: TrialParameters, row: Mapping[str, Any], models: Models
+) -> tuple[Attempt, list[RgbImage]]:
+    """Repeat an attempt that started, a row of TRIALS: its outcome and the frames of its film."""
+    if row["id"] not in models:
+        raise UserError(f"no object {row['label']} ({row['id']}) in this dataset")
+    arm = ARMS[settings.trials.arm](settings.gripper)
+    with open_world(row["engine"], [models[row["id"]]], arm.robot) as world:
+        film = Film(world)
+        again = TrialRunner(world, arm, settings.trials).repeat(
+            *read_attempt(row, settings.trials.errors)
+        )
+    return again, film.frames
+
+
+def _row(trials: Path, label: str, attempt: int) -> dict[str, Any]:
+    table = parquet.read(trials, TRIALS)
+    own = table[table["label"] == label]
+    if len(own) == 0:
+        names = ", ".join(table["label"].unique())
+        raise UserError(f"{trials}: no object {label}; allowed: {names}")
+    found = parquet.records(own[own["attempt"] == attempt])
+    if not found:
+        raise UserError(f"{trials}: {label} has no attempt {attempt}; its last is {len(own) - 1}")
+    return found[0]
+
+
+def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
+    """Check for the same outcome, if there was a grasp, and the same final pose, bit by bit."""
+    outcome = again["outcome"] or row["outcome"]
+    before, after = ([values[name] for name in END] for values in (row, again))
+    if outcome != row["outcome"] or not np.array_equal(before, after, equal_nan=True):
+        raise UserError(
+            f"{row['label']}, attempt {row['attempt']} was not reproduced: {outcome}, not "
+            f"{row['outcome']}; settings, bundle, machine or the version of {row['engine']} must "
+            "differ from those of the trials"
+        )
+
+
+def film_clearing(
+    settings: ClutterParameters, table: Path, models: Models, name: tuple[str, str, int], out: Path
+) -> None:
+    """Repeat a round without its detector, and film it (`.gif` or `.mp4`).
+
+    A kind of scene, the noise and a number name a round, `tables.clutter.CLUTTER`. Raises
+    `UserError` if there is no such round, or it ends differently.
+    """
+    write_film(film_round(parquet.read(table, CLUTTER), *name, models, settings), out)

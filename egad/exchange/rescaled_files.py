@@ -1,0 +1,93 @@
+"""rescale: meshes scaled to a gripper."""
+
+import logging
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from egad._util.files import atomic_output
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.exchange.parameters import RescaleMeshes
+from egad.geometry import rescale
+from egad.grasps import graspable_fraction, graspable_widths
+from egad.io import object_names, use_mesh, warn_of_units, write_mesh
+from egad.tables import parquet
+from egad.tables.grasping import SCALES
+from egad.tables.objects import REJECTED, rejection
+
+log = logging.getLogger(__name__)
+BOTH = ("before", "after")
+
+
+def rescale_files(
+    settings: RescaleMeshes,
+    meshes: list[Path],
+    units: str | None,
+    out: Path,
+    ending: str = "obj",
+    suffix: str = "",
+    jobs: int = 1,
+) -> int:
+    """Scale every mesh by the rule; return how many files could not be used.
+
+    The folder `out` has the meshes (`obj` in metres, `stl` in millimetres, with a suffix on their
+    names), a table of their scales, and `rejected.parquet`. Units are m, mm, cm, inch, or as stated
+    in the files.
+    """
+    named = object_names(meshes)
+    scales, left_out, sides = [], [], {}
+    with workers(jobs) as mapper, atomic_output(out) as folder:
+        folder.mkdir()
+        work = partial(
+            _scaled, units=units, settings=settings, folder=folder, tail=f"{suffix}.{ending}"
+        )
+        results = mapper(work, named.items())
+        done = progress(results, "scaling", len(named))
+        for name, (result, sides[name]) in zip(named, done, strict=True):
+            if isinstance(result, str):
+                left_out.append(rejection(name, "rescale", result))
+            else:
+                scales.append({"label": name, **result})
+        parquet.write(pd.DataFrame(scales), SCALES, folder / "scales.parquet")
+        parquet.write(pd.DataFrame(left_out), REJECTED, folder / "rejected.parquet")
+    warn_of_units(sides, units)
+    rule = settings.rescale.rule
+    log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
+    if scales and settings.gripper.cup is None:
+        _log_fit(scales, settings.gripper.opening)
+    return len(left_out)
+
+
+def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
+    """Log how much of the surface fits into the gripper."""
+    before, after = (
+        100 * np.mean([row[f"graspable_fraction_{when}"] for row in scales]) for when in BOTH
+    )
+    text = "%.0f %% of their surface fits into an opening of %g mm, before scaling %.0f %%"
+    log.info(text, after, 1000 * opening, before)
+
+
+def _scaled(
+    named: tuple[str, Path], units: str | None, settings: RescaleMeshes, folder: Path, tail: str
+) -> tuple[dict[str, Any] | str, float]:
+    """Write a scaled mesh; return its row, or why there is none, and its longest side."""
+    (name, path), rule, opening = named, settings.rescale, settings.gripper.opening
+    result, longest = use_mesh(
+        path, units, lambda mesh: (mesh, *rescale(mesh, rule.rule, opening, rule.side_fraction))
+    )
+    if isinstance(result, str):
+        return result, longest
+    mesh, scaled, row = result
+    widths, areas = graspable_widths(mesh)
+    file = folder / f"{name}{tail}"
+    write_mesh(scaled, file)
+    row |= {
+        "graspable_fraction_before": graspable_fraction(widths, areas, opening),
+        "graspable_fraction_after": graspable_fraction(row["factor"] * widths, areas, opening),
+        "file": file.name,
+    }
+    return row, longest

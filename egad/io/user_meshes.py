@@ -1,0 +1,61 @@
+"""Mesh files of users: the result of each, or why there is none, and whether its unit is right."""
+
+import logging
+from collections import deque
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+import pandas as pd
+import trimesh
+
+from egad._util.files import atomic_output
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.errors import RejectedError
+from egad.geometry import units_doubt
+from egad.io.mesh import read_mesh
+from egad.io.obj import write_obj
+
+T = TypeVar("T")
+log = logging.getLogger(__name__)
+
+
+def use_mesh(
+    path: Path, units: str | None, use: Callable[[trimesh.Trimesh], T]
+) -> tuple[T | str, float]:
+    """What is made from a mesh file, or the reason why nothing is; and its longest side, metres.
+
+    The side is NaN if the file cannot be read. The unit is as stated in the file if None; `use` may
+    raise `RejectedError`.
+    """
+    longest = np.nan
+    try:
+        mesh = read_mesh(path, units)
+        longest = float(mesh.extents.max())
+        return use(mesh), longest
+    except RejectedError as reason:
+        return str(reason), longest
+
+
+def warn_of_units(sides: Mapping[str, float], units: str | None) -> None:
+    """Warn if the size of meshes, longest sides in metres, suggests that their unit is wrong."""
+    if doubt := units_doubt(sides, units):
+        log.warning("%s", doubt)
+
+
+def write_meshes(frame: pd.DataFrame, out: Path, jobs: int = 1) -> None:
+    """Write the meshes of objects, `label`, `vertices` and `faces`, as `LABEL.obj`, in metres."""
+    with workers(jobs) as mapper, atomic_output(out) as folder:
+        folder.mkdir()
+        columns = zip(frame["label"], frame["vertices"], frame["faces"], strict=True)
+        written = mapper(partial(_write, folder), columns)
+        deque(progress(written, "writing meshes", len(frame)), maxlen=0)
+
+
+def _write(folder: Path, row: tuple[str, np.ndarray, np.ndarray]) -> None:
+    label, vertices, faces = row
+    mesh = trimesh.Trimesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), process=False)
+    write_obj(mesh, folder / f"{label}.obj")

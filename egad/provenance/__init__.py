@@ -1,1 +1,0 @@
-"""Provenance of files: recorded, printed as a tree, and verified."""

@@ -1,0 +1,1 @@
+"""Runs of the workflow: settings and their check, how a script runs, provenance, the display."""
