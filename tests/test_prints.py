@@ -373,6 +373,8 @@ def test_what_draws_results_is_loaded_when_it_is_asked_for():
 import sys, egad
 results = [egad.Archive, egad.Dataset, egad.Grasps, egad.Gripper, egad.Measures, egad.Trials]
 print([name for name in sys.modules if name.startswith(("egad.report", "matplotlib"))])
+sys.modules["matplotlib"] = None  # an extra, which notebooks can do without
+assert "force" in egad.gripper("panda")._repr_html_()
 """
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert done.stdout.strip() == "[]"

@@ -22,13 +22,14 @@ from egad.cli.common import (
     reasons_in,
     settings_in,
 )
-from egad.cli.measure import SIZE, measure_row, sizes, warn_of_measures
-from egad.errors import RejectedError, UserError
+from egad.cli.measure import measure_row, warn_of_measures
+from egad.errors import UserError
 from egad.measures import MeasureMeshes
 from egad_workflow.settings import select
 
 if TYPE_CHECKING:
     import pandas as pd
+    import trimesh
 
     from egad.measures.reeb import Neighborhood
     from egad.objects import Dataset
@@ -115,7 +116,7 @@ def locate_files(
     hood = Neighborhood(similarity.weight, settings.space.neighbors)
     hood.add(reeb.unpack(graph) for graph in packed)  # indices are those of the rows
     rows = [_placed(item, hood, among.table) for item in mine]
-    warn_of_units(sizes(item.row for item in mine), units)
+    warn_of_units({item.row["name"]: item.longest for item in mine}, units)
     warn_of_measures(pd.DataFrame([item.row for item in mine], columns=MEASURED.names))
     return pd.DataFrame(rows, columns=LOCATED.names), [
         _located(row, item, among) for row, item in zip(rows, mine, strict=True) if item.graph
@@ -123,28 +124,30 @@ def locate_files(
 
 
 class _Mine(NamedTuple):
-    """A mesh of the user: its row, and its packed graph and picture if it could be used."""
+    """A mesh of the user: its row, longest side, and packed graph and picture if it is usable."""
 
     row: dict[str, Any]
+    longest: float
     graph: bytes = b""
     picture: bytes = b""
 
 
 def _mine(item: tuple[str, Path], units: str | None, settings: MeasureMeshes) -> _Mine:
-    from egad.io import read_mesh
+    from egad.io import use_mesh
     from egad.measures.reeb import graph as reeb
     from egad.report.pictures import png_bytes, render
 
-    name, path = item
-    found: dict[str, Any] = {"name": name, "reason": ""}
-    try:
-        mesh = read_mesh(path, units)
-        found[SIZE] = float(mesh.extents.max())
+    def use(mesh: "trimesh.Trimesh") -> tuple[dict[str, Any], bytes, bytes]:
         solid, row = measure_row(mesh, settings)
         graph = reeb.pack(reeb.extract(solid, settings.similarity))
-    except RejectedError as reason:
-        return _Mine({**found, "reason": str(reason)})
-    return _Mine({**found, **row}, graph, png_bytes(render(solid, PORTRAIT)))
+        return row, graph, png_bytes(render(solid, PORTRAIT))
+
+    name, path = item
+    found, longest = use_mesh(path, units, use)
+    if isinstance(found, str):
+        return _Mine({"name": name, "reason": found}, longest)
+    row, graph, picture = found
+    return _Mine({"name": name, "reason": "", **row}, longest, graph, picture)
 
 
 def _placed(item: _Mine, hood: "Neighborhood", objects: "pd.DataFrame") -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Complexity and graspability of meshes, and their cells."""
 
 import logging
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,7 +26,6 @@ from egad.cli.common import (
     reasons_in,
     settings_in,
 )
-from egad.errors import RejectedError
 from egad.grippers import SUCTION
 from egad.measures import MAP_RULE, MeasureMeshes
 from egad_workflow.settings import Settings, select
@@ -36,7 +35,6 @@ if TYPE_CHECKING:
     import trimesh
 
 log = logging.getLogger(__name__)
-SIZE = "size_as_read"  # longest side before repair, metres; known of rejected meshes, too
 
 
 def measure(
@@ -95,26 +93,21 @@ def measure_files(
 
     work = partial(_row, units=units, settings=settings, rule=rule)
     with workers(min(worker_count, len(files))) as mapper:
-        rows = list(progress(mapper(work, files.items()), "measuring", len(files)))
-    table = pd.DataFrame(rows, columns=MEASURED.names)
-    warn_of_units(sizes(rows), units)
-    return table
+        done = list(progress(mapper(work, files.items()), "measuring", len(files)))
+    warn_of_units({row["name"]: longest for row, longest in done}, units)
+    return pd.DataFrame([row for row, _ in done], columns=MEASURED.names)
 
 
 def _row(
     item: tuple[str, Path], units: str | None, settings: MeasureMeshes, rule: str
-) -> dict[str, Any]:
-    from egad.io import read_mesh
+) -> tuple[dict[str, Any], float]:
+    """The row of a mesh file, and its longest side before repair."""
+    from egad.io import use_mesh
 
     name, path = item
-    found: dict[str, Any] = {"name": name, "reason": ""}
-    try:
-        mesh = read_mesh(path, units)
-        found[SIZE] = float(mesh.extents.max())
-        _, row = measure_row(mesh, settings, rule)
-    except RejectedError as reason:
-        return {**found, "reason": str(reason)}
-    return {**found, **row}
+    found, longest = use_mesh(path, units, lambda mesh: measure_row(mesh, settings, rule)[1])
+    row = {"reason": found} if isinstance(found, str) else {"reason": "", **found}
+    return {"name": name, **row}, longest
 
 
 def measure_row(
@@ -144,11 +137,6 @@ def measure_row(
         "dropped_bodies": repaired.dropped_bodies,
         "dropped_volume": repaired.dropped_volume,
     }
-
-
-def sizes(rows: Iterable[Mapping[str, Any]]) -> dict[str, float]:
-    """The longest sides of meshes by their names, metres; NaN for those that cannot be read."""
-    return {row["name"]: row.get(SIZE, float("nan")) for row in rows}
 
 
 def warn_of_measures(table: "pd.DataFrame") -> None:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from egad.bench.stats import Area, Bin, Rate, area, engine_names, gain, rate, reliability
 from egad.evalset import cell_of_label, in_grid
 from egad.report.colors import LINES, SOFT
-from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
+from egad.report.drawing import DASHED, new_figure, show_percent
+from egad.report.page import svg_uri
 from egad.report.trial_charts import draw_rates, outcome_counts
 
 QUALITIES = {

@@ -20,8 +20,7 @@ from egad.bench.stats import (
     engine_names,
     unusual,
 )
-from egad.report.drawing import data_uri
-from egad.report.page import render_template
+from egad.report.page import data_uri, render_template
 from egad.tables import parquet
 
 

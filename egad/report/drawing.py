@@ -1,6 +1,5 @@
 """The style of charts, and SVG text that is the same for the same data."""
 
-import base64
 import io
 import re
 from collections.abc import Iterator
@@ -58,13 +57,3 @@ def new_figure(width: float, height: float) -> Iterator[Drawing]:
 def show_percent(axis: Axis) -> None:
     """Write the ticks of an axis, which are fractions of 1, as percentages."""
     axis.set_major_formatter(lambda value, _: f"{value:.0%}")
-
-
-def data_uri(content: bytes, kind: str = "image/png") -> str:
-    """Content as a data URI, which needs no file; empty for no content."""
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}" if content else ""
-
-
-def svg_uri(svg: str) -> str:
-    """The text of an SVG figure as a data URI."""
-    return data_uri(svg.encode(), "image/svg+xml")

@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from egad.evalset import labels_of
 from egad.grippers import Gripper
 from egad.report.colors import INK, SOFT
-from egad.report.drawing import STYLE, data_uri
+from egad.report.drawing import STYLE
+from egad.report.page import data_uri
 from egad.report.pictures import render
 from egad.report.viewer import GraspScene, viewer_data
 

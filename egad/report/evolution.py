@@ -9,7 +9,8 @@ from matplotlib.ticker import MaxNLocator
 
 from egad.measures import MeasureSpace, coverage, difficulty_cells
 from egad.report.colors import line_color
-from egad.report.drawing import new_figure, show_percent, svg_uri
+from egad.report.drawing import new_figure, show_percent
+from egad.report.page import svg_uri
 
 THIN = "\N{NARROW NO-BREAK SPACE}"
 

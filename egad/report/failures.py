@@ -14,9 +14,9 @@ from egad.bench.stats import Rate
 from egad.measures import MeasureSpace, cell_name, labels
 from egad.report.axes import AxisPair
 from egad.report.colors import FAINT, INK, LINES, SOFT, UNKNOWN
-from egad.report.drawing import data_uri, new_figure, show_percent, svg_uri
+from egad.report.drawing import new_figure, show_percent
 from egad.report.failure_map import dataset_map, failure_map, lowest_difference
-from egad.report.page import render_template
+from egad.report.page import data_uri, render_template, svg_uri
 from egad.report.trial_charts import outcome_chart, outcome_counts
 
 MAX_OF_CELL = 2  # failures per cell among the worst

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 
 from egad.measures import summarize
 from egad.report.colors import FAINT, INK, SOFT, line_color
-from egad.report.drawing import THOUSANDTHS, new_figure, show_percent, svg_uri
+from egad.report.drawing import THOUSANDTHS, new_figure, show_percent
+from egad.report.page import svg_uri
 
 COLUMNS = 3
 WIDTH, HEIGHT = 3.2, 3.7

@@ -22,8 +22,7 @@ from egad.bench.stats import (
     ranks,
     trial_grid,
 )
-from egad.report.drawing import svg_uri
-from egad.report.page import render_template
+from egad.report.page import render_template, svg_uri
 from egad.report.trial_charts import outcome_chart, rate_bars, trial_heat_map
 from egad.tables.clutter import ROUND
 

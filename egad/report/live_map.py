@@ -20,8 +20,7 @@ from egad._util.progress import duration, rate_text
 from egad.evolution import Archive, Elite, unpack
 from egad.measures import MeasureSpace, cell_name, complexity_cells, difficulty_cells
 from egad.report.axes import USUAL, AxisPair, named_axes
-from egad.report.drawing import data_uri
-from egad.report.page import counted, render_template
+from egad.report.page import counted, data_uri, render_template
 from egad.report.pictures import voxel_picture, voxel_png
 
 log = logging.getLogger(__name__)

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from egad.measures import MeasureSpace, cell_name
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import INK
-from egad.report.drawing import data_uri, new_figure, svg_uri
-from egad.report.page import render_template
+from egad.report.drawing import new_figure
+from egad.report.page import data_uri, render_template, svg_uri
 
 MARK = "#d55e00"
 FEW = 3

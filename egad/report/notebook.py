@@ -5,8 +5,7 @@ from collections.abc import Mapping
 import pandas as pd
 import trimesh
 
-from egad.report.drawing import data_uri
-from egad.report.page import render_template
+from egad.report.page import data_uri, render_template
 from egad.report.pictures import png_bytes, render
 
 THUMBNAIL = 160  # pixels along each side

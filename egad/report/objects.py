@@ -9,8 +9,7 @@ from egad.bench.stats import by_object
 from egad.grippers import Gripper
 from egad.measures import cell_name
 from egad.report.axes import AxisPair
-from egad.report.drawing import data_uri
-from egad.report.page import DASH
+from egad.report.page import DASH, data_uri
 from egad.report.viewer import GraspScene, viewer_data
 
 TIMES = "\N{MULTIPLICATION SIGN}"

@@ -4,6 +4,7 @@ A section of the report is a module of this package, which turns tables into wha
 the same name shows.
 """
 
+import base64
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
@@ -97,3 +98,13 @@ def _code(text: str) -> Markup:
 def counted(count: int, noun: str) -> str:
     """A number and its noun, with an s in the plural."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def data_uri(content: bytes, kind: str = "image/png") -> str:
+    """Content as a data URI, which needs no file; empty for no content."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}" if content else ""
+
+
+def svg_uri(svg: str) -> str:
+    """The text of an SVG figure as a data URI."""
+    return data_uri(svg.encode(), "image/svg+xml")

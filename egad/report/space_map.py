@@ -15,8 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 from egad.measures import Attainable, MeasureSpace, cell_name
 from egad.report.axes import USUAL, AxisPair, MeasureAxis
 from egad.report.colors import scale_color
-from egad.report.drawing import data_uri
-from egad.report.page import Section, section_of
+from egad.report.page import Section, data_uri, section_of
 
 SHOWN = 4  # objects of a cell with a picture
 BY_CELL = ["difficulty_cell", "complexity_cell"]

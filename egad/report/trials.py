@@ -28,8 +28,8 @@ from egad.bench.stats import (
 from egad.evalset import cell_of_label
 from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import LINES, SOFT, line_color
-from egad.report.drawing import DASHED, new_figure, show_percent, svg_uri
-from egad.report.page import Section, render_template, section_of
+from egad.report.drawing import DASHED, new_figure, show_percent
+from egad.report.page import Section, render_template, section_of, svg_uri
 from egad.report.trial_charts import (
     draw_intervals,
     draw_rates,

@@ -26,8 +26,7 @@ from study_charts import Row, learning_chart, success_chart
 from egad.bench.stats import Mean, mean_rate
 from egad.evalset import cell_of_label
 from egad.report.colors import ink_on
-from egad.report.drawing import svg_uri
-from egad.report.page import render_template
+from egad.report.page import render_template, svg_uri
 from egad.report.trial_charts import outcome_chart, rate_color
 from egad.tables import parquet
 

@@ -16,6 +16,7 @@ from typer.models import OptionInfo
 from egad import __version__
 from egad.cli import gripper, trials
 from egad.cli.commands import app
+from egad.cli.gripper import _name_of
 from egad.io import read_mesh
 from egad.report.pictures import png_bytes, render
 from egad.tables import parquet
@@ -192,3 +193,11 @@ def test_the_package_is_a_program_too():
     command = [sys.executable, "-m", "egad", "--version"]
     done = subprocess.run(command, cwd=root, check=True, capture_output=True, text=True)
     assert done.stdout.strip() == f"egad {__version__}"
+
+
+@pytest.mark.parametrize(
+    ("taken", "name"),
+    [((), "my_panda"), (("my_panda",), "my_panda_2"), (("my_panda", "my_panda_2"), "my_panda_3")],
+)
+def test_no_other_gripper_has_the_name_of_a_hand_that_is_inspected(taken, name):
+    assert _name_of(Path("Panda.urdf"), taken) == name

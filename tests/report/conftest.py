@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from chromium import CHROMIUM, PHONE, QUIET
 from partial_tables import fill_columns
 
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
@@ -219,3 +220,40 @@ def report(
 @pytest.fixture(scope="session")
 def report_html(report: ReportData) -> str:
     return build(report)
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as started:
+        yield started.chromium
+
+
+@pytest.fixture
+def browser(chromium, tmp_path):
+    """Start a browser that keeps what pages store in a folder: again, if it has the same name.
+
+    Nothing that a page does may fail or ask the network.
+    """
+    opened, wrong = [], []
+
+    def start(name="phone", **options):
+        context = chromium.launch_persistent_context(
+            tmp_path / name, executable_path=CHROMIUM, args=QUIET, **(PHONE | options)
+        )
+        context.on("weberror", lambda each: wrong.append(each.error))
+        context.on("console", lambda each: wrong.append(each.text))
+        context.on("request", lambda each: asked(each.url))
+        context.set_default_timeout(5000)
+        context.clock.install()
+        opened.append(context)
+        return context
+
+    def asked(address):
+        if not address.startswith(("file:", "data:", "blob:")):
+            wrong.append(address)
+
+    yield start
+    for context in opened:
+        context.close()
+    assert not wrong

@@ -1,10 +1,8 @@
 """The leaderboard in Chromium: `make browser`."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from chromium import CHROMIUM, IN_CHROMIUM, QUIET, STANDARDS
+from chromium import IN_CHROMIUM, STANDARDS
 from partial_tables import fill_columns
 
 from egad.report.leaderboard import Board, Protocol, Refusal, SubmittedTable, page
@@ -58,33 +56,22 @@ def board(tmp_path_factory):
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1200, "light")])
-def test_the_page_fits_and_gives_the_command_of_any_attempt(board, tmp_path, width, scheme):
+def test_the_page_fits_and_gives_the_command_of_any_attempt(board, browser, width, scheme):
     accessibility = pytest.importorskip("axe_playwright_python.sync_playwright")
-    wrong = []
-    with playwright.sync_playwright() as started:
-        context = started.chromium.launch_persistent_context(
-            tmp_path / "browser",
-            executable_path=CHROMIUM,
-            args=QUIET,
-            viewport={"width": width, "height": 844},
-            color_scheme=scheme,
-        )
-        context.on("weberror", lambda each: wrong.append(each.error))
-        tab = context.new_page()
-        tab.goto(Path(board).as_uri())
-        for each in tab.locator("details:not(.film)").all():
-            each.evaluate("box => { box.open = true; }")
-        assert tab.evaluate("document.documentElement.scrollWidth") <= width
-        box = tab.locator(".replay").nth(1)
-        box.locator("select").nth(0).select_option("C4")
-        box.locator("select").nth(1).select_option("3")
-        assert box.locator("input").input_value() == (
-            "egad trials replay C4 3 --table leaderboard/entries/good/single-pybullet.parquet "
-            "--in evaluation-set --config leaderboard/protocols/single-pybullet.yaml"
-        )
-        box.locator("button").click()
-        playwright.expect(box.locator("button")).to_have_text("Copied")  # the clipboard takes time
-        found = accessibility.Axe().run(tab, options={"runOnly": STANDARDS})
-        assert found.response["violations"] == []
-        context.close()
-    assert wrong == []
+    size = {"viewport": {"width": width, "height": 844}, "is_mobile": False}
+    tab = browser(color_scheme=scheme, **size).new_page()
+    tab.goto(board.as_uri())
+    for each in tab.locator("details:not(.film)").all():
+        each.evaluate("box => { box.open = true; }")
+    assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    box = tab.locator(".replay").nth(1)
+    box.locator("select").nth(0).select_option("C4")
+    box.locator("select").nth(1).select_option("3")
+    assert box.locator("input").input_value() == (
+        "egad trials replay C4 3 --table leaderboard/entries/good/single-pybullet.parquet "
+        "--in evaluation-set --config leaderboard/protocols/single-pybullet.yaml"
+    )
+    box.locator("button").click()
+    playwright.expect(box.locator("button")).to_have_text("Copied")  # the clipboard takes time
+    found = accessibility.Axe().run(tab, options={"runOnly": STANDARDS})
+    assert found.response["violations"] == []

@@ -6,7 +6,7 @@ from importlib import resources
 
 import pytest
 import trimesh
-from chromium import CHROMIUM, IN_CHROMIUM, QUIET, STANDARDS
+from chromium import IN_CHROMIUM, PHONE, STANDARDS
 from commands import egad
 
 from egad.bench.stats import LOG_COLUMNS, read, wilson
@@ -16,7 +16,6 @@ from egad.tables.outcomes import OBSERVABLE
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = IN_CHROMIUM
-PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 SECOND_TAP = 380  # ms: later than what counts as one tap
 MIN_TARGET = 44  # pixels
 PLANNED = plan(["A0", "C4"], 10, ["mine", "theirs"], 0, blind=True)
@@ -42,42 +41,6 @@ def sheet(tmp_path_factory):
     path = tmp_path_factory.mktemp("sheet") / "log.html"
     path.write_text(page(PLANNED, objects, "two objects"), encoding="utf-8")
     return path
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    with playwright.sync_playwright() as started:
-        yield started.chromium
-
-
-@pytest.fixture
-def browser(chromium, tmp_path):
-    """Start a browser that keeps what pages store in a folder: again, if it has the same name.
-
-    Nothing that a page does may fail or ask the network.
-    """
-    opened, wrong = [], []
-
-    def start(name="phone", **options):
-        context = chromium.launch_persistent_context(
-            tmp_path / name, executable_path=CHROMIUM, args=QUIET, **(PHONE | options)
-        )
-        context.on("weberror", lambda each: wrong.append(each.error))
-        context.on("console", lambda each: wrong.append(each.text))
-        context.on("request", lambda each: asked(each.url))
-        context.set_default_timeout(5000)
-        context.clock.install()
-        opened.append(context)
-        return context
-
-    def asked(address):
-        if not address.startswith(("file:", "data:", "blob:")):
-            wrong.append(address)
-
-    yield start
-    for context in opened:
-        context.close()
-    assert not wrong
 
 
 def opened(context, sheet):

@@ -1,13 +1,12 @@
 """The report in Chromium, on screens of several widths: `make browser`."""
 
 import pytest
-from chromium import CHROMIUM, IN_CHROMIUM
+from chromium import IN_CHROMIUM
 
 from egad.report.page import report_page, section_of
 from egad_workflow.config_tables import changed_parameters, settings_text
 from egad_workflow.settings import Settings
 
-playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = IN_CHROMIUM
 PARTS = {"source": "meshes", "folder": "parts/" + "long" * 20, "units": "mm"}
 
@@ -29,14 +28,9 @@ def settings_page(tmp_path_factory):
 
 
 @pytest.mark.parametrize("width", [320, 390, 800, 1200])
-def test_the_report_does_not_scroll_sideways(settings_page, width):
-    with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": width, "height": 900})
-        page.goto(settings_page.as_uri())
-        page.locator("details > summary").click()
-        reach = page.evaluate("document.documentElement.scrollWidth")
-        text = page.locator("pre").inner_text()
-        browser.close()
-    assert reach == width
-    assert "graspability_range: [0.0005, 0.004]" in text
+def test_the_report_does_not_scroll_sideways(settings_page, browser, width):
+    page = browser(viewport={"width": width, "height": 900}, is_mobile=False).new_page()
+    page.goto(settings_page.as_uri())
+    page.locator("details > summary").click()
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    assert "graspability_range: [0.0005, 0.004]" in page.locator("pre").inner_text()

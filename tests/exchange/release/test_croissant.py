@@ -1,4 +1,4 @@
-"""The description of a release, read from a web server and beside the files."""
+"""The description of a release, from a web server and beside the files, and its card."""
 
 import hashlib
 import json
@@ -9,9 +9,11 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import pandas as pd
 import pytest
+import yaml
 
 from egad.exchange.release import OTHER_FILES, RAI, TABLES, croissant_json
 from egad.exchange.release import tables as release_files
+from egad.exchange.release.dataset_card import front_matter
 from egad.tables import parquet
 
 ROWS = 3
@@ -108,3 +110,11 @@ def test_no_folder_has_more_files_than_the_hub_takes():
             assert folders.value_counts().max() <= 10_000
             assert (folders.nunique() == 1) == (count == 10_000)
     assert table["mesh"].iloc[-1] == "meshes/02/L20000.glb"
+
+
+@pytest.mark.parametrize(
+    ("rows", "category"),
+    [(999, "n<1K"), (1000, "1K<n<10K"), (999_999, "100K<n<1M"), (11_000_000, "10M<n<100M")],
+)
+def test_the_size_is_a_category_of_hugging_face(rows, category):
+    assert yaml.safe_load(front_matter("Name", 100, rows - 100))["size_categories"] == [category]
