@@ -14,6 +14,8 @@ from .parameters import Engraving as Engraving
 from .parameters import PrintCheck as PrintCheck
 from .parameters import PrintExport as PrintExport
 from .parameters import SelectEval as SelectEval
+from .plate_files import PlacedMesh as PlacedMesh
+from .plate_files import write_3mf as write_3mf
 from .plates import PrintItem as PrintItem
 from .plates import plan_prints as plan_prints
 from .printability import print_problems as print_problems

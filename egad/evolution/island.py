@@ -20,8 +20,8 @@ from egad.evolution import voxels
 from egad.evolution.archive import Archive, Elite, Refine
 from egad.evolution.constraints import UNBOUND, Rules
 from egad.evolution.evaluation import Evaluate, GenomeVoxels, Measured, express, measure, refine
+from egad.evolution.growth import packed_surface
 from egad.evolution.parameters import EvolutionParameters, Shape
-from egad.evolution.surface import packed_surface
 from egad.evolution.variation import Offspring, breed
 from egad.measures import coverage_of, filled_part
 from egad.tables.evolution import HISTORY, LINEAGE

@@ -15,7 +15,7 @@ from egad.config import Settings
 from egad.config.stages import select
 from egad.detectors import Intrinsics, View, camera_above, fuse
 from egad.evolution import Shape
-from egad.evolution.surface import surface
+from egad.evolution.growth import surface
 from egad.geometry import decompose
 from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps

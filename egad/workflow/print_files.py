@@ -15,15 +15,17 @@ from egad._util.progress import progress
 from egad.config.stages import PrintFiles
 from egad.errors import RejectedError
 from egad.evalset import (
+    PlacedMesh,
     PrintExport,
     PrintItem,
     engrave,
     plan_prints,
     print_problems,
     print_settings,
+    write_3mf,
 )
 from egad.geometry import scale_suffix
-from egad.io import PlacedMesh, read_mesh, write_3mf, write_stl_mm
+from egad.io import read_mesh, write_stl_mm
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import SCALES

@@ -264,7 +264,7 @@ USED = [
         {"evolve", "search_failures"},
     ),
     ("geometry/convex_parts.py", "SLIVER = 1e-6", "SLIVER = 1e-5", DECOMPOSED),
-    ("io/plates.py", "MILLIMETRES = 1000.0", "MILLIMETRES = 1.0", {"print_export"}),
+    ("evalset/plate_files.py", "MILLIMETRES = 1000.0", "MILLIMETRES = 1.0", {"print_export"}),
     ("bench/stats/rates.py", "DRAWS = 10_000", "DRAWS = 1_000", {"report", "explain_failures"}),
     # code
     ("evalset/selection.py", "range(restarts)", "range(1)", {"select_eval"}),

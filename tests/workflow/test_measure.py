@@ -7,7 +7,7 @@ from postprocess import solid_row
 from egad.cli.measure import incomparable, measure_files, warn_of_measures
 from egad.config import Settings
 from egad.config.stages import MeasureMeshes, PostprocessSolids, select
-from egad.evolution.surface import surface
+from egad.evolution.growth import surface
 from egad.io import read_mesh, write_obj
 from egad.tables.objects import MEASURED
 
