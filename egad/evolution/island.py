@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Flags
 from egad._util.display import facts_html
 from egad._util.progress import progress
 from egad._util.workers import Mapper
@@ -55,7 +55,7 @@ class Candidate:
         return self.solid.id
 
     @property
-    def voxels(self) -> NDArray[np.bool_]:
+    def voxels(self) -> Flags:
         """Which cells of the cube are solid, (r, r, r)."""
         return voxels.unpack(self.solid.packed, self.shape.resolution)
 
