@@ -86,7 +86,7 @@ def sample_contacts(
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Find grasps that are well spread over an object.
+    """Find grasps that are well spread over an object, and sampling statistics.
 
     First contacts are uniform over the surface; the axis deviates from the inward normal by an
     angle whose tangent is uniform up to the cone. The second contact is where a finger that closes
@@ -97,14 +97,10 @@ def sample_contacts(
     Args:
         caster: Ray caster of the object, metres.
         opening: Distance between the open fingers, metres.
-        count: Number of grasps wanted.
-        sampling: Rules. A round samples twice as many candidates as grasps are wanted, if that is
-            more than its setting.
+        count: How many at most; a round samples at least twice as many candidates.
+        sampling: Rules.
         rng: Random number generator.
         wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
-
-    Returns:
-        Up to `count` grasps, fewer if the rounds did not find more, and the sampling statistics.
     """
     grasps, statistics = ContactPairs.empty(), SamplingStatistics()
     for _ in range(sampling.rounds):
@@ -128,19 +124,8 @@ def valid_contacts(
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Sample candidates like `sample_contacts`, and keep all that are grasps, however close.
 
-    They are independent draws from one distribution, so a percentile of their quality has no
-    bias from spacing.
-
-    Args:
-        caster: Ray caster of the object, metres.
-        opening: Distance between the open fingers, metres.
-        candidates: Number of candidates to sample.
-        sampling: Rules; rounds and spacing do not matter.
-        rng: Random number generator.
-        wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
-
-    Returns:
-        The grasps among them, in the order sampled, and the sampling statistics.
+    They are independent draws from one distribution, so a percentile of their quality has no bias
+    from spacing. Rounds and spacing do not matter.
     """
     starts, faces = _points(caster, candidates, rng)
     normals = caster.normals[faces]

@@ -80,14 +80,7 @@ def touching_turns(
 ) -> Flags:
     """In which poses a part of a hand shares a point with the object, surface or inside: (n, k).
 
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        parts: This and the other arguments are those of `blocked_turns`.
-        origins: (n, 3).
-        frames: (n, 3, 3).
-        turns: (k,).
-        known: (n, k).
-        behind: (n,).
+    The other arguments are those of `blocked_turns`.
     """
     inside = _swallowed(caster, parts, origins, frames, turns, behind)
     known = inside if known is None else inside | known
@@ -104,10 +97,7 @@ def _swallowed(
     turns: Floats,
     behind: Floats | None,
 ) -> Flags:
-    """In which poses a part of the hand has its middle in the object, (n, k); see `blocked_turns`.
-
-    A part that touches no surface lies entirely inside or outside, like any of its points.
-    """
+    """In which poses a part has its middle in the object, (n, k): one that touches no surface."""
     result = np.zeros((len(origins), len(turns)), dtype=bool)
     back = np.zeros((len(origins), 1)) if behind is None else behind[:, None]
     for x, y, z in (part.middle for part in hand):

@@ -34,10 +34,7 @@ class JawFaces(NamedTuple):
         return cls(body, approaches, excess)
 
     def normals(self, grasps: ContactPairs) -> Floats:
-        """Outward normals (n, 2, 3) of an object that fits the faces at the contacts.
-
-        The grasps are the same, or as many copies of each, grasp by grasp.
-        """
+        """Outward normals (n, 2, 3) of what fits the faces, for as many copies of each grasp."""
         copies = len(grasps) // max(len(self.excess), 1)
         excess = np.repeat(self.excess, copies)
         approaches = np.repeat(self.approaches, copies, axis=0)
@@ -48,8 +45,7 @@ class JawFaces(NamedTuple):
 def face_normals(axes: Floats, approaches: Floats, angles: Floats) -> Floats:
     """Outward normals (n, 2, 3) of objects that fit between jaws at angles (n,), radians.
 
-    Positive angles are those of faces farther apart at the tips. Both lean equally to the axes (n,
-    3); the components of the approaches along them do not count.
+    Both lean equally to the axes (n, 3); the components of the approaches along them do not count.
     """
     along = np.einsum("nk,nk->n", approaches, axes)[:, None] * axes
     ahead = approaches - along

@@ -38,11 +38,7 @@ def label_parameters(
     cone: float = CONE,
     approach_angles: int = APPROACH_ANGLES,
 ) -> LabelParameters:
-    """The default parameters of labelled grasps, overridden by the given ones.
-
-    Raises:
-        UserError: A value is not allowed.
-    """
+    """The default parameters of labelled grasps, overridden by the given ones; or `UserError`."""
     return from_arguments(
         LabelParameters,
         seed=seed,
@@ -61,23 +57,9 @@ def label_grasps(
     rng: np.random.Generator,
     body: HandBody,
 ) -> pd.DataFrame:
-    """Sample grasps of an object and rate them.
+    """Sample grasps of a solid mesh and rate them, with columns of `GRASPS` but `id` and `label`.
 
-    Args:
-        mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
-        com: (3,) center of mass, metres.
-        settings: The gripper, how many grasps, and how to rate them.
-        rng: Random number generator.
-        body: Body of the gripper's hand.
-
-    Returns:
-        One row per grasp, in the frame of the mesh, with the columns of `tables.grasping.GRASPS`
-        except `id` and `label`.
-
-    Raises:
-        RejectedError: No grasp was found; the reason says at which tests the candidates failed. Or
-            the mesh is open, bounds no volume or is not finite.
-        UserError: It is not a mesh.
+    `RejectedError` if no grasp was found; it says at which tests the candidates failed.
     """
     check_solid(mesh)
     caster = RayCaster(mesh)
@@ -92,8 +74,8 @@ def sample_for_labels(
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Sample the grasps of an object to be rated; also returns the sampling statistics.
 
-    The sampler's own test of one horizontal approach is skipped: the body of the hand is tested
-    from all around instead.
+    The body of the hand is tested from all around instead of the sampler's own test of one
+    approach.
     """
     wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
     sampling = settings.sampling.model_copy(update={"approach_clearance": 0.0})
@@ -161,13 +143,7 @@ def rate_grasps(
 def statistics_row(
     wanted: int, statistics: SamplingStatistics, grasps: pd.DataFrame
 ) -> dict[str, int]:
-    """Sampling statistics of an object: a row of `tables.grasping.SAMPLING`.
-
-    Args:
-        wanted: Number of grasps wanted.
-        statistics: Sampling statistics.
-        grasps: The rated grasps, with the columns of `tables.grasping.GRASPS`; may be empty.
-    """
+    """A row of `tables.grasping.SAMPLING` about an object, from its rated grasps, if any."""
     failed = asdict(statistics)
     candidates = failed.pop("candidates")
     fits, free = (grasps[name].to_numpy(bool) for name in ("fits", "collision_free"))

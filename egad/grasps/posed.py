@@ -57,8 +57,7 @@ def posed_table(
 ) -> pd.DataFrame:
     """Columns of `tables.grasping.GRASPS` of n grasps that have one approach each.
 
-    Rows of the frames are the unit vectors x, y, z of the hand. The quality is the nominal and the
-    robust one; width and needed opening are 0, deviation and success rate are missing.
+    Rows of the frames are the unit vectors x, y, z of the hand. Width and needed opening are 0.
     """
     vectors = {
         "center": centers,

@@ -28,25 +28,12 @@ def robust_ferrari_canny(
     rng: np.random.Generator,
     faces: JawFaces | None = None,
 ) -> tuple[Floats, Floats, Floats]:
-    """Quality of each of n grasps over perturbed copies.
+    """Mean and deviation of the quality of n grasps over perturbed copies, and the share above 0.
 
-    In every copy, the object and the hand are slightly displaced, the center of mass and the
-    friction differ, and the open fingers close again on whatever is there. A copy counts as 0 if a
-    finger starts inside the object or meets nothing.
-
-    Args:
-        caster: Ray caster of the object, metres.
-        grasps: The n grasps.
-        com: (3,) center of mass, metres.
-        opening: Distance between the open fingers, metres.
-        quality: Contact model; its torque scaling is replaced by that of `robust`.
-        robust: Number of copies and their spread.
-        rng: Random number generator.
-        faces: Jaw faces of a hand with one moving jaw, which must hold the copies, too.
-
-    Returns:
-        Mean, standard deviation (of the copies), and fraction of copies with positive quality:
-        each (n,).
+    In every copy, the object and the hand are slightly displaced, the center of mass, (3,) metres,
+    and the friction differ, and the open fingers close again on whatever is there. A copy counts as
+    0 if a finger starts inside the object or meets nothing. The torque scaling is that of `robust`.
+    Copies must also be held by the faces of a moving jaw, if there is one.
     """
     copies = len(grasps) * robust.samples
     centers, axes = _disturb(grasps, com, robust, rng)
@@ -77,10 +64,7 @@ def robust_ferrari_canny(
 def close_fingers(
     caster: RayCaster, centers: Floats, axes: Floats, opening: float
 ) -> tuple[ContactPairs, NDArray[np.bool_]]:
-    """Contacts of fingers closed from half an opening, metres, on either side of n centers.
-
-    Contacts exist where both fingers start outside and meet the object before they meet each other.
-    """
+    """Contacts of fingers closed from half an opening, m, and where both start outside and meet."""
     directions = np.stack([axes, -axes], axis=1)
     starts = centers[:, None] - opening / 2 * directions
     hits = caster.first_hits(starts.reshape(-1, 3), directions.reshape(-1, 3))
@@ -94,11 +78,7 @@ def close_fingers(
 def _disturb(
     grasps: ContactPairs, com: Floats, robust: Robust, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Centers and axes of the copies, grasp by grasp, in the frame of the perturbed object.
-
-    The object turns about its center of mass and shifts; the hand turns and shifts. Instead of
-    moving the mesh, the hand is moved back.
-    """
+    """Centers and axes of the copies, grasp by grasp: hands move back instead of the mesh."""
     copies = len(grasps) * robust.samples
 
     def normal(sigma: float) -> Floats:

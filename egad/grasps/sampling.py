@@ -46,10 +46,7 @@ class Labeller:
     ) -> LabelledGrasps:
         """The labelled grasps of an object as it is grasped, with a center of mass (3,), metres.
 
-        Raises:
-            RejectedError: The mesh is open, bounds no volume or is not finite, no cup seals, or the
-                user's sampler fails.
-            UserError: It is not a mesh, or the user's sampler gives something other than grasps.
+        `RejectedError` if the mesh bounds no volume, no cup seals, or the user's sampler fails.
         """
         check_solid(mesh)
         settings, caster = self.settings, RayCaster(mesh)
@@ -132,16 +129,8 @@ def dataset_grasps(
 ) -> pd.DataFrame:
     """The labelled grasps of a scaled object, the same as in a dataset of the pipeline.
 
-    Args:
-        mesh: A closed mesh in metres.
-        object_id: Id of the object; it and the seed determine the grasps.
-        parameters: The gripper, the seed, how many grasps, and how to rate them.
-
-    Returns:
-        Columns of `tables.grasping.GRASPS` without `id` and `label`.
-
-    Raises:
-        RejectedError: The mesh is open, or there is no grasp.
+    Columns of `tables.grasping.GRASPS` without `id` and `label`. The id of the object and the seed
+    determine the grasps. `RejectedError` if the mesh is open, or there is no grasp.
     """
     rng = generator(parameters.seed, "grasps", object_id)
     return _table(Labeller(parameters)(mesh, center_of_mass(mesh), rng))

@@ -38,17 +38,11 @@ class BoxBody(HandBody):
     """Two finger boxes, and a palm that is a box or a mesh."""
 
     def __init__(self, gripper: Gripper, palm: trimesh.Trimesh | None = None) -> None:
-        """Make a body.
+        """Make a body from the sizes of a gripper with jaws.
 
-        Args:
-            gripper: Sizes of the boxes.
-            palm: A mesh that replaces the palm box. Its origin is the middle of the palm's face,
-                where the fingers begin, its axes are those of the hand, its unit is the metre. Each
-                of its bodies is replaced by its convex hull.
-
-        Raises:
-            RejectedError: A body of the mesh is flat.
-            UserError: The gripper has a suction cup.
+        A palm mesh, metres, replaces the palm box. Its origin is the middle of the palm's face,
+        where the fingers begin, its axes are those of the hand. Each of its bodies is replaced by
+        its convex hull; `RejectedError` if one is flat.
         """
         check_jaws(gripper, "the body of a hand")
         self.gripper, self._palm = gripper, palm
@@ -95,11 +89,7 @@ class BoxBody(HandBody):
 
 
 class ModelBody(HandBody):
-    """The links of a maker's model. Openings are rounded up to those that it tabulates.
-
-    Attributes:
-        model: Shape and joints.
-    """
+    """The links of a maker's model. Openings are rounded up to those that it tabulates."""
 
     def __init__(self, gripper: Gripper, model: HandModel) -> None:
         """Take a model; the gripper has the widest opening that is used."""
@@ -136,13 +126,7 @@ class ModelBody(HandBody):
     def at(
         self, level: int, retreat: float = 0.0, *, bodies: tuple[int, ...] = BODIES
     ) -> list[Part]:
-        """The hand at one of the tabulated openings, with its pads at the origin.
-
-        Args:
-            level: Number of the opening.
-            retreat: Length of its straight approach, metres.
-            bodies: Which of its bodies, as in `HandLink`.
-        """
+        """The hand at a tabulated opening, by its number, with its pads at the origin."""
         opening = float(self.model.openings[level])
         shift = self.model.middle_at(np.array(opening))
         return [

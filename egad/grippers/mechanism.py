@@ -138,8 +138,8 @@ class Mechanism:
     def follow(self, driven: Floats, near: Floats) -> Floats:
         """Positions of all joints for (n,) positions of the driven ones, starting near known ones.
 
-        The followers obey all constraints between them. What the constraints leave open is decided
-        by the springs, as in a hand that touches nothing, and by the limits.
+        What the constraints between followers leave open is decided by the springs, as in a hand
+        that touches nothing, and by the limits.
         """
         positions = near.copy()
         positions[self._driven_at] = driven
@@ -216,10 +216,9 @@ class Mechanism:
         return np.asarray(back @ self._data.xaxis[joint])
 
     def velocities(self, positions: Floats, body: int, points: Floats) -> tuple[Floats, Floats]:
-        """Velocities (n, 3) of points per radian, or per metre, and their levers (n,), metres.
+        """Velocities (n, 3) of points, per radian or metre of the only joint, and levers (n,), metres.
 
-        They move with the only joint between a link and the palm, whose frame it is. The levers are
-        about a hinge; 1 for a sliding joint.
+        All are in the frame of the palm; the lever of a sliding joint is 1.
         """
         joint = int(self.model.body_jntadr[body])
         axis = self.axis(joint, positions)

@@ -45,8 +45,8 @@ def find_file(wanted: str, path: Path, packages: Callable[[], Packages] = list_p
     """The path of a file that a description names; a `UserError` says where it was searched for.
 
     A path, or a URI: file://, or package://NAME/ or model://NAME/ for ROS packages in the folders
-    above the description, and in those of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. `packages` is
-    called if a package is not in the folders above; it may remember its result.
+    above the description, and in those of ROS_PACKAGE_PATH, which `packages` lists, and
+    AMENT_PREFIX_PATH.
     """
     folder = path.resolve().parent
     scheme = next((each for each in PACKAGE if wanted.startswith(each)), None)

@@ -51,10 +51,7 @@ def read_urdf(path: Path) -> str | None:
 
 
 def without_faults(path: Path) -> str | None:
-    """MJCF without assets that repeat an earlier one, and attributes of defaults.
-
-    Programs that put hands onto robots allow both. None if there are none, or it is not XML.
-    """
+    """MJCF without repeated assets and attributes of defaults, as some write; None if in order."""
     root, faulty = _root(path.read_bytes()), False
     if root is None:
         return None

@@ -44,12 +44,7 @@ class HandPose(NamedTuple):
 
 
 class Arm(ABC):
-    """How a robot brings its hand, pointing down, to a pose.
-
-    Attributes:
-        robot: The robot.
-        unstoppable: Whether it reaches any height, whatever it carries.
-    """
+    """How a robot brings its hand, pointing down, to a pose; unstoppable: whatever it carries."""
 
     robot: Robot
     unstoppable: bool
@@ -60,14 +55,9 @@ class Arm(ABC):
 
     @abstractmethod
     def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
-        """Joint positions that bring the hand to a pose.
+        """Joint positions that bring the hand to a pose, from nearby ones if they are given.
 
-        Args:
-            hand_pose: The pose.
-            near: Current joint positions; None if they may be anywhere.
-
-        Raises:
-            UnreachableError: The hand cannot get there. Not raised if `near` is given.
+        `UnreachableError` if the hand cannot get there from anywhere.
         """
 
     @abstractmethod

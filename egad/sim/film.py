@@ -80,12 +80,9 @@ def draw(
     looking_at: Floats,
     camera: tuple[float, float, float] = FOLLOWED,
 ) -> RgbImage:
-    """Draw a picture of colored meshes with one light and its shadows, (height, width, 3).
+    """Draw colored meshes, z up, with one light and its shadows, (height, width, 3).
 
-    Args:
-        bodies: Meshes in metres, z up, and their colors from 0 to 1.
-        looking_at: Point in the middle of the picture, (3,).
-        camera: Distance of the camera from that point, metres, and its yaw and pitch, degrees.
+    The camera's distance (metres), yaw and pitch (degrees) are about the point in the middle.
     """
     counts = [len(mesh.faces) for mesh, _ in bodies]
     colors = np.repeat([color for _, color in bodies], counts, axis=0)
@@ -129,15 +126,7 @@ def _table() -> trimesh.Trimesh:
 
 
 def write_film(frames: list[RgbImage], path: Path) -> None:
-    """Write a film in real time.
-
-    Args:
-        frames: Pictures of one size.
-        path: `.gif`, or `.mp4` if ffmpeg is installed.
-
-    Raises:
-        UserError: The film is an MP4, and ffmpeg is not installed.
-    """
+    """Write pictures as a film in real time: `.gif`, or `.mp4`; `UserError` without ffmpeg."""
     seconds = STEPS * TIME_STEP
     if path.suffix.lower() == ".gif":
         data = imageio.imwrite("<bytes>", frames, extension=".gif", duration=1000 * seconds, loop=0)

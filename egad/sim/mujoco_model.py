@@ -54,8 +54,7 @@ def scene_spec(
 ) -> mujoco.MjSpec:
     """Table, objects and robot for MuJoCo, with the motors of the robot.
 
-    The first weld constraints hold the objects in place, one each. If the robot has a suction cup,
-    as many more hold them to the cup. `walls` is the inner side of the box around the middle.
+    The first weld constraints hold the objects in place, as many more hold them to a suction cup.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False

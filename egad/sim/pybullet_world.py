@@ -41,13 +41,7 @@ NORMAL_FORCE, LINK = 9, 3  # positions in the engine's tuple of a contact
 
 
 class PyBulletWorld(World):
-    """A world in PyBullet without a window.
-
-    Attributes:
-        client: The engine.
-        objects: Numbers of the objects in the engine.
-        table: Number of the table in the engine.
-    """
+    """A world in PyBullet: the engine is `client`, objects and table are numbers in it."""
 
     def __enter__(self) -> Self:
         # The engine reads compound shapes and robots only from files.

@@ -30,11 +30,11 @@ def robust_suction_quality(
     seed: int,
     indices: Ints,
 ) -> Floats:
-    """The share of perturbed copies of each of n grasps that seal and resist the load.
+    """The share of perturbed copies of each of n grasps that seal and resist the load, (n,).
 
     In every copy, the object rotates about its center of mass and shifts, the cup rotates and
-    shifts, and friction, weight and the position of the center of mass differ. The copies of a
-    grasp depend on the seed and its index, in the frame of its cup, but not on the other grasps.
+    shifts, and friction, weight and center of mass differ. The copies of a grasp depend on the seed
+    and its index, in the frame of its cup, but not on the other grasps.
 
     Args:
         caster: Ray caster of the object, closed, metres.
@@ -46,9 +46,6 @@ def robust_suction_quality(
         robust: Number of copies and their spread.
         seed: Seed of the copies.
         indices: (n,) identify the grasps in the random streams.
-
-    Returns:
-        (n,) from 0 to 1.
     """
     size = (robust.samples, RANDOM_NUMBERS)
     streams = [generator(seed, "robust_suction_quality", int(index)) for index in indices]

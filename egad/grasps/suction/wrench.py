@@ -59,14 +59,7 @@ def _bending(cup: SuctionCup) -> float:
 
 
 def loads_in_frames(origins: Floats, frames: Floats, forces: Floats, points: Floats) -> Floats:
-    """Loads of forces at points, in the frames of n cups: (n, 6).
-
-    Args:
-        origins: (n, 3) origins of the frames, metres.
-        frames: (n, 3, 3) their unit vectors x, y, z in rows.
-        forces: (n, 3) or (3,), newtons.
-        points: (n, 3) or (3,) where the forces act, metres.
-    """
+    """Loads (n, 6) of forces, N, at points, m, in the frames of n cups (`seal_cups`)."""
     force = np.broadcast_to(forces, origins.shape)
     both = np.stack([force, np.cross(points - origins, force)], axis=1)
     turned = np.einsum("nij,nkj->nki", frames, both)
