@@ -163,7 +163,7 @@ def local(
 
 @kernel()
 def clipped(polygon: Floats, planes: Floats) -> tuple[Floats, int]:
-    """Corners left of a convex polygon behind planes (Sutherland and Hodgman 1974), and how many."""
+    """Corners of a convex polygon left behind planes (Sutherland and Hodgman 1974); how many."""
     count = len(polygon)
     corners = np.empty((count + len(planes) + 1, 3))
     kept = np.empty((count + len(planes) + 1, 3))

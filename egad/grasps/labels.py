@@ -13,7 +13,6 @@ from egad.geometry import RayCaster, check_solid
 from egad.geometry.surfaces import FRICTION
 from egad.grasps.antipodal import ContactPairs, SamplingStatistics, sample_contacts
 from egad.grasps.approach import best_approaches
-from egad.grasps.jaws import JawFaces
 from egad.grasps.opening import needed_openings
 from egad.grasps.parameters import (
     APPROACH_ANGLES,
@@ -25,7 +24,7 @@ from egad.grasps.parameters import (
     Sampling,
 )
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.robust import robust_ferrari_canny
+from egad.grasps.robust import JawFaces, robust_ferrari_canny
 from egad.grippers import Gripper, HandBody
 
 

@@ -82,7 +82,7 @@ def _gaps(
     frames: Floats,
     least: Floats,
 ) -> tuple[Floats, Floats]:
-    """The first gap beyond `least` that both fingers fit into, from and to the middle, (n,) each."""
+    """The first gap beyond `least` that both fingers fit into, (n,) from the middle each."""
     planes = np.zeros((4, 4))
     for axis in range(2):
         for end in range(2):

@@ -163,11 +163,6 @@ class CupBody(HandBody):
         return cup_parts(self._cup, retreat)
 
     @override
-    def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
-        rows = np.arange(len(openings))
-        yield Pieces(rows, self.parts(retreat), np.zeros((len(openings), 3)))
-
-    @override
     def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:
         cup, top = self._cup, -self._cup.height
         flared = [_circle(cup.radius, 0.0), _circle(cup.stem_radius, top)]

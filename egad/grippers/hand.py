@@ -64,9 +64,10 @@ class HandBody(ABC):
     def parts(self, retreat: float = 0.0) -> list[Part]:
         """The open hand, swept back along its straight approach by `retreat`, metres."""
 
-    @abstractmethod
     def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
         """Hands that are open by `openings`, (n,) metres, swept back by `retreat`."""
+        count = len(openings)
+        yield Pieces(np.arange(count), self.parts(retreat), np.zeros((count, 3)))
 
     @abstractmethod
     def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:

@@ -216,7 +216,7 @@ class Mechanism:
         return np.asarray(back @ self._data.xaxis[joint])
 
     def velocities(self, positions: Floats, body: int, points: Floats) -> tuple[Floats, Floats]:
-        """Velocities (n, 3) of points, per radian or metre of the only joint, and levers (n,), metres.
+        """Velocities (n, 3) of points, per radian or metre of the joint, and levers (n,), metres.
 
         All are in the frame of the palm; the lever of a sliding joint is 1.
         """

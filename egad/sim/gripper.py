@@ -104,7 +104,7 @@ class Hand(Fingers):
         self._target, self._stance = joints, hand_pose
 
     def move(self, height: float, seconds: float, limit: float = COLLISION_FORCE) -> float | None:
-        """Move the fingertips to a height on a minimum-jerk path, or until a contact force, newtons.
+        """Move the fingertips to a height on a minimum-jerk path, or until a contact force, N.
 
         A suction cup stays where its ring lies on an object. Returns how far before that height a
         contact stopped the hand, metres; None if none did.
@@ -194,7 +194,7 @@ class FreeHand(Fingers):
         world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
 
     def move(self, shift: Floats, speed: float, limit: float = math.inf) -> float:
-        """Move by (3,) metres; how far before the end a contact above the limit, N, stopped it, metres.
+        """Move by (3,) metres; how far before the end a contact above the limit, N, stopped it.
 
         A suction cup stays where its ring lies on an object.
         """
