@@ -16,9 +16,8 @@ from egad.geometry.mass import center_or_given
 from egad.geometry.surfaces import FRICTION
 from egad.grasps.antipodal import SamplingStatistics
 from egad.grasps.grasps import Grasps
-from egad.grasps.labels import label_parameters, rate_grasps, sample_for_labels
+from egad.grasps.labels import LABELS, label_parameters, rate_grasps, sample_for_labels
 from egad.grasps.parameters import APPROACH_ANGLES, CONE, LabelParameters
-from egad.grasps.posed import LABELS
 from egad.grasps.samplers import check_sampler, draw_grasps
 from egad.grippers import ANTIPODAL, Gripper, as_gripper, hand_body
 from egad.random import generator

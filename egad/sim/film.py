@@ -11,7 +11,7 @@ from egad._util.arrays import Floats, RgbImage
 from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.geometry import TriangleScene
-from egad.sim.shapes import shape_mesh
+from egad.sim.robot import shape_mesh
 from egad.sim.world import TIME_STEP, World
 
 ENDINGS = (".gif", ".mp4")

@@ -23,8 +23,7 @@ from egad.grippers import (
 )
 from egad.grippers.kinds import CupKind, JawKind
 from egad.sim.drives import LEFT, RIGHT, CupDrive, Drive, FingerDrive, Follower, JawDrive
-from egad.sim.robot import PALM, TIP, Joint, Link
-from egad.sim.shapes import Box, HullShape, vector
+from egad.sim.robot import PALM, TIP, Box, HullShape, Joint, Link, vector
 
 PALM_MASS = 0.6
 STEM_SIDES = 16

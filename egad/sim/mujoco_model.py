@@ -11,8 +11,7 @@ from egad.geometry import surfaces
 from egad.geometry.surfaces import Surface
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
-from egad.sim.robot import EFFORT, PALM, Joint, Link, Robot
-from egad.sim.shapes import Box, HullShape, wall_boxes
+from egad.sim.robot import EFFORT, PALM, Box, HullShape, Joint, Link, Robot, wall_boxes
 from egad.sim.world import (
     CLOSING_SPEED,
     TIME_STEP,

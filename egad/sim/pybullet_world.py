@@ -23,8 +23,7 @@ from egad.sim.pybullet_scene import (
     add_wall,
     wavefront,
 )
-from egad.sim.robot import PALM
-from egad.sim.shapes import wall_boxes
+from egad.sim.robot import PALM, wall_boxes
 from egad.sim.urdf import hull_files, to_urdf
 from egad.sim.world import CLOSING_SPEED, DOWN, TIME_STEP, Forces, Pose, World
 

@@ -4,8 +4,7 @@ import numpy as np
 
 from egad.grippers import Gripper
 from egad.sim.hands import HANDS, HandParts
-from egad.sim.robot import PALM, Joint, Link, Robot
-from egad.sim.shapes import Box, Vector
+from egad.sim.robot import PALM, Box, Joint, Link, Robot, Vector
 
 STROKE = 2.0  # metres, of the vertical axis, both ways
 TURN = 10.0  # radians, of the axis, both ways

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from trimesh.exchange.obj import export_obj
 
 from egad._util.arrays import Floats
-from egad.sim.robot import EFFORT, Link, Robot
-from egad.sim.shapes import Box, HullShape, Vector, shape_mesh
+from egad.sim.robot import EFFORT, Box, HullShape, Link, Robot, Vector, shape_mesh
 
 
 def to_urdf(robot: Robot) -> str:

@@ -13,12 +13,11 @@ from egad._util.parameters import from_arguments
 from egad.errors import NoGraspError, UserError, most_common
 from egad.geometry import Material, RayCaster, box_sides, check_solid, mass_properties
 from egad.grasps.approach import touching_turns
-from egad.grasps.grasps import vectors
+from egad.grasps.grasps import vector_columns, vectors
 from egad.grasps.parameters import RobustSuction, SuctionSampling
 from egad.grasps.poses import hand_poses
-from egad.grasps.suction.robust import robust_suction_quality
 from egad.grasps.suction.seal import Seals, seal_cups
-from egad.grasps.suction.wrench import loads_in_frames, resists
+from egad.grasps.suction.wrench import loads_in_frames, resists, robust_suction_quality
 from egad.grippers import SuctionCup, cup_parts
 from egad.random import generator
 
@@ -97,9 +96,9 @@ def sample_suction(
     return pd.DataFrame(
         {
             "grasp": np.arange(settings.n),
-            **_columns("point", origins),
-            **_columns("approach", frames[:, 2]),
-            **_columns("axis", frames[:, 0]),
+            **vector_columns("point", origins),
+            **vector_columns("approach", frames[:, 2]),
+            **vector_columns("axis", frames[:, 0]),
             "sealed": seals.sealed,
             "seal_failure": seals.failures,
             "strain": seals.strains,
@@ -178,7 +177,3 @@ def _direction(gravity: ArrayLike) -> Floats:
     if not length > 0:
         raise UserError(f"gravity is {gravity!r}; allowed: a nonzero direction")
     return np.asarray(given / length)
-
-
-def _columns(name: str, values: Floats) -> dict[str, Floats]:
-    return {f"{name}_{part}": values[:, i] for i, part in enumerate("xyz")}
