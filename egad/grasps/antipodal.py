@@ -21,13 +21,7 @@ CONTACT_TOLERANCE = 1e-6  # of the opening
 
 @dataclass(frozen=True)
 class ContactPairs:
-    """Contacts of n grasps.
-
-    Attributes:
-        points: (n, 2, 3), metres.
-        normals: (n, 2, 3) outward unit normals.
-        axes: (n, 3) unit vectors from the first contact to the second.
-    """
+    """Contacts of n grasps: points and outward normals (n, 2, 3), and axes between (n, 3)."""
 
     points: Floats
     normals: Floats
@@ -146,10 +140,7 @@ def join(parts: list[ContactPairs]) -> ContactPairs:
 
 
 def approach_directions(axes: Floats) -> Floats:
-    """Horizontal unit vectors (n, 3) at right angles to closing axes: Dex-Net's angle 0.
-
-    It is x for a vertical axis.
-    """
+    """Horizontal unit vectors (n, 3) across axes: Dex-Net's angle 0; x for a vertical one."""
     flat = np.stack([axes[:, 1], -axes[:, 0], np.zeros(len(axes))], axis=1)
     length = np.linalg.norm(flat, axis=1, keepdims=True)
     return np.where(length > 1e-9, flat / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])

@@ -34,11 +34,9 @@ def best_approaches(
     """Find the approach with the most clearance for the open hand, for each of n grasps.
 
     The approaches tried are spread evenly around the closing axis; the first points down (along -z)
-    as far as the axis allows. At each, the hand is tested exactly, at the grasp and along its
-    straight way in (metres): it is swept along that way, and no part of it may share a point with
-    the object, surface or inside. The free approach farthest from any that is not free is chosen.
-    If none is free, the same is done with those that fit at the grasp; if none fits, the first
-    approach is chosen.
+    as far as the axis allows. At each, the hand is tested exactly, at the grasp and swept along its
+    straight way in, metres. The free approach farthest from any that is not free is chosen; if none
+    is free, the same among those that fit at the grasp; if none fits, the first.
     """
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)

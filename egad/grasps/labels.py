@@ -60,10 +60,7 @@ def label_grasps(
     rng: np.random.Generator,
     body: HandBody,
 ) -> pd.DataFrame:
-    """Sample grasps of a solid mesh and rate them, with columns of `GRASPS` but `id` and `label`.
-
-    `RejectedError` if no grasp was found; it says at which tests the candidates failed.
-    """
+    """Sample grasps of a solid mesh and rate them (`GRASPS`); `RejectedError` if there is none."""
     check_solid(mesh)
     caster = RayCaster(mesh)
     grasps, statistics = sample_for_labels(caster, settings, rng)
@@ -75,11 +72,7 @@ def label_grasps(
 def sample_for_labels(
     caster: RayCaster, settings: LabelParameters, rng: np.random.Generator
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Sample the grasps of an object to be rated; also returns the sampling statistics.
-
-    The body of the hand is tested from all around instead of the sampler's own test of one
-    approach.
-    """
+    """Sample grasps to be rated, without the sampler's own test of one approach; statistics."""
     wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
     sampling = settings.sampling.model_copy(update={"approach_clearance": 0.0})
     return sample_contacts(caster, opening, wanted, sampling, rng)
@@ -165,9 +158,8 @@ def statistics_row(
 def label_poses(caster: RayCaster, grasps: Sampled, body: HandBody, way: float) -> pd.DataFrame:
     """Label grasps of jaws: columns of `tables.grasping.GRASPS` but `id` and `label`.
 
-    The normals are those where rays from the open fingers along the closing axis meet the surface;
-    they are missing if the rays meet none. The `way` in is straight, metres. The robust quality is
-    the given one; its deviation and the success rate are missing.
+    The normals are those where rays from the open fingers along the closing axis meet the surface,
+    or missing. The way in is straight, metres. The robust quality is the given one.
     """
     widths, (centers, frames) = grasps.widths, _frames(grasps.poses)
     axes, approaches = frames[:, 0], frames[:, 2]
@@ -241,9 +233,8 @@ def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float)
 def label_cups(caster: RayCaster, grasps: Sampled, body: HandBody, _way: float) -> pd.DataFrame:
     """Label suction grasps, with columns as of `label_poses`.
 
-    Both contacts are the origin of the pose, both normals the opposite of the approach; the width
-    is 0. Deviation and success rate are missing unless the quality is the share of perturbed copies
-    that hold.
+    Both contacts are the origin of the pose, both normals the opposite of the approach. Deviation
+    and success rate are missing unless the quality is the share of perturbed copies that hold.
     """
     cup, quality = cup_of(body.gripper, "a suction grasp"), grasps.quality
     origins, frames = _frames(grasps.poses)

@@ -211,10 +211,7 @@ def _needed_by_fingers(
 def _needed_by_jaw(
     caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: JawBody
 ) -> Floats:
-    """The same for a hand with one moving jaw, whose fixed jaw stands before the first contact.
-
-    The moving jaw sweeps from wide open to the contact: what it meets on the way stops it there.
-    """
+    """The same for one moving jaw, which sweeps from wide open until something stops it."""
     widths, openings = grasps.widths, body.model.openings
     levels = np.flatnonzero(openings <= body.gripper.opening + CLEARANCE)
     everything = np.arange(len(grasps))

@@ -31,8 +31,7 @@ def held_when_shaken(grasps: pd.DataFrame) -> NDArray[np.bool_]:
 def antipodal_success_rates(grasps: pd.DataFrame) -> pd.DataFrame:
     """Success rate of the simulated antipodal grasps (`SIMULATED_GRASPS`) of each object (ours).
 
-    Grasps that were not simulated, or on which the engine failed, do not count. One row per object
-    that has any, sorted by label, columns of `ANTIPODAL_RATES`.
+    Grasps with no outcome do not count. One row per object that has any: `ANTIPODAL_RATES`.
     """
     known = grasps[grasps["simulated_success"].notna()]
     marked = known.assign(

@@ -52,11 +52,7 @@ class Pieces(NamedTuple):
 
 
 class HandBody(ABC):
-    """The body of a hand at any opening.
-
-    Attributes:
-        gripper: Its settings.
-    """
+    """The body of a gripper at any opening: what collisions and drawings ask of each kind."""
 
     gripper: Gripper
 
@@ -71,10 +67,7 @@ class HandBody(ABC):
 
     @abstractmethod
     def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:
-        """Convex meshes of a hand with its pads at the origin, with what each belongs to.
-
-        That is `PALM_BODY`, `FIRST_FINGER` or `SECOND_FINGER`.
-        """
+        """Convex meshes of a hand, pads at the origin, with what each is: a body of `HandLink`."""
 
     def reach(self, openings: Floats) -> Floats:
         """Position along the approach of pads that move on an arc, (n,) metres, plus a constant."""

@@ -56,7 +56,7 @@ def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
 
 
 def find_facing(mechanism: Mechanism, body: int, moving: RayCaster, fixed: RayCaster) -> Facing:
-    """The faces with which a jaw that moves closes against one that does not, or `UserError`.
+    """The faces with which a moving jaw closes against a fixed one, or `UserError`.
 
     Faces that the jaw itself hides, such as those of ribs and cavities, do not count. A face is
     taken as if it did not tilt along a hinge, or from the way that a jaw slides: so the sides of a
@@ -218,11 +218,7 @@ class JawSolids:
         return float(np.arctan2(normal @ frame.approach, -normal @ frame.closing))
 
     def gaps(self, starts: Floats, joint: float, frame: JawFrame) -> Floats:
-        """Distances (n,) from points along the closing axis to the moving jaw's inner face, metres.
-
-        Infinite where a ray meets nothing or another side of the jaw, negative infinity within the
-        jaw.
-        """
+        """Distances (n,) along the closing axis to the moving jaw's face, m, as `_distances`."""
         turns, places = self.mechanism.placement(self.positions(joint))
         turn, place = turns[self.body], places[self.body]
         ahead = np.tile(frame.closing @ turn, (len(starts), 1))

@@ -55,10 +55,7 @@ def ancestors(model: mujoco.MjModel, body: int) -> list[int]:
 
 
 def find_palm(model: mujoco.MjModel, fingers: Sequence[str] | None = None) -> tuple[int, list[int]]:
-    """The link that carries the fingers, and the links on it that move.
-
-    Joints between the root and the palm belong to an arm, and stay where they are.
-    """
+    """The link that carries the fingers, or all behind an arm, and the links on it that move."""
     if fingers is not None:
         first, second = (ancestors(model, link_number(model, name)) for name in fingers)
         common = [body for body in first if body in second]

@@ -28,14 +28,7 @@ class UnreachableError(Exception):
 
 
 class HandPose(NamedTuple):
-    """Pose of the hand: x, y and height of the point between the fingertips, and its rotation.
-
-    Attributes:
-        x: Metres.
-        y: Metres.
-        height: Metres above the table.
-        angle: Angle of the closing axis about the vertical, radians.
-    """
+    """Pose of the hand: the point between the fingertips, metres, and the closing axis, radians."""
 
     x: float
     y: float
@@ -89,11 +82,7 @@ class TurningAxis(Arm):
 
 
 class Panda(Arm):
-    """A Franka Panda arm under position control, with the joint torques of its data sheet.
-
-    The hand at the flange is the configured gripper, not Franka's: a gripper is the same with
-    either arm.
-    """
+    """A Franka Panda arm under position control, with its torques and the configured gripper."""
 
     unstoppable = False
 

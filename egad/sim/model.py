@@ -25,7 +25,7 @@ class Model:
         parts: Convex meshes that represent it in contacts. Metres.
         mass: Kilograms, at least 50 g.
         solid_mass: Mass of the solid, which may be less, kilograms.
-        inertia: Principal moments about the center of mass, (3,), kg m2.
+        inertia: (3,) principal moments about the center of mass, kg m2.
         volume_error: Volume of the parts / volume of the mesh - 1.
         to_principal: (4, 4) transform from the frame that the object was given in, with its scale.
     """
