@@ -145,6 +145,11 @@ class ModelBody(HandBody):
 class JawBody(ModelBody):
     """The same with one moving jaw: the fixed one, at negative x, is before the first contact."""
 
+    def __init__(self, gripper: Gripper, model: HandModel, lever: float) -> None:
+        """Take a model and its `lever`."""
+        super().__init__(gripper, model)
+        self.lever = lever
+
     @override
     def aside(self, widths: Floats, openings: Floats, clearance: float = JAW_CLEARANCE) -> Floats:
         places = self.model.middle_at(openings) - self.model.middle_at(widths)
@@ -156,15 +161,15 @@ class CupBody(HandBody):
 
     def __init__(self, gripper: Gripper) -> None:
         """Take a gripper with a cup."""
-        self.gripper, self._cup = gripper, cup_of(gripper, "the body of a cup")
+        self.gripper, self.cup = gripper, cup_of(gripper, "the body of a cup")
 
     @override
     def parts(self, retreat: float = 0.0) -> list[Part]:
-        return cup_parts(self._cup, retreat)
+        return cup_parts(self.cup, retreat)
 
     @override
     def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:
-        cup, top = self._cup, -self._cup.height
+        cup, top = self.cup, -self.cup.height
         flared = [_circle(cup.radius, 0.0), _circle(cup.stem_radius, top)]
         stem = [_circle(cup.stem_radius, top), _circle(cup.stem_radius, top - cup.stem_length)]
         return [
@@ -196,7 +201,9 @@ def _jaws(gripper: Gripper) -> HandBody:
     if gripper.file is None:
         return BoxBody(gripper)
     model = model_of(gripper)
-    return (ModelBody if model.lever is None else JawBody)(gripper, model)
+    if model.lever is None:
+        return ModelBody(gripper, model)
+    return JawBody(gripper, model, model.lever)
 
 
 OF_KIND: dict[str, Callable[[Gripper], HandBody]] = {JawKind.name: _jaws, CupKind.name: CupBody}

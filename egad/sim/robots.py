@@ -3,7 +3,7 @@
 import numpy as np
 
 from egad.grippers import Gripper
-from egad.sim.hands import HANDS, HandParts
+from egad.sim.hands import HandParts, hand_parts
 from egad.sim.robot import PALM, Box, Joint, Link, Robot, Vector
 
 STROKE = 2.0  # metres, of the vertical axis, both ways
@@ -29,7 +29,7 @@ PANDA_THICKNESS = 0.1  # metres, of the boxes that represent its links
 
 def on_axis(gripper: Gripper) -> Robot:
     """The hand on a vertical axis that turns: at 0 the fingertips are on the ground."""
-    hand = HANDS[gripper.kind.name](gripper)
+    hand = hand_parts(gripper)
     top = (0.0, 0.0, hand.length)
     joints = [
         # Turned upside down, so that the hand points down
@@ -42,7 +42,7 @@ def on_axis(gripper: Gripper) -> Robot:
 
 def free_hand(gripper: Gripper) -> Robot:
     """The hand by itself, moved along its own axes: at 0 the fingertips are at the origin."""
-    hand = HANDS[gripper.kind.name](gripper)
+    hand = hand_parts(gripper)
     root = (0.0, 0.0, -hand.length)
     names = ("along_x", "along_y", PALM)
     axes: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -71,7 +71,7 @@ def on_panda(gripper: Gripper) -> Robot:
         strength[name] = torque
     # The fingers close along x of the palm, and along y of the flange.
     flange = Joint(PALM, f"panda{len(PANDA_JOINTS)}", origin=PANDA_FLANGE, turn=(0, 0, QUARTER))
-    hand = HANDS[gripper.kind.name](gripper)
+    hand = hand_parts(gripper)
     return _robot(gripper, hand, links, [*joints, flange], strength)
 
 
