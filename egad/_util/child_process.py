@@ -223,7 +223,7 @@ def one_thread() -> threadpool_limits:
 
 
 def kill_when_closed(end: Connection, process: int) -> None:
-    """Have Linux kill a process, or a negative group, when nobody can write to a pipe's `end`."""
+    """Have Linux kill a process (a negative number: a group) once nobody can write to `end`."""
     with suppress(OSError):  # not in every sandbox
         fcntl.fcntl(end, fcntl.F_SETSIG, signal.SIGKILL)
         fcntl.fcntl(end, fcntl.F_SETOWN, process)

@@ -30,7 +30,7 @@ def kernel_sources_version(package: Path = PACKAGE) -> str:
 
 @cache
 def kernel_folder(package: Path = PACKAGE) -> Path:
-    """The folder for compiled kernels: the first of `_parents` that can be written, or new."""
+    """The folder for compiled kernels: the first of `_parents` to be writable, or temporary."""
     checked = "-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") != "0" else ""
     name = f"kernels-{kernel_sources_version(package)}{checked}"
     folders = (parent / name for parent in _parents(package))

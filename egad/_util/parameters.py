@@ -92,7 +92,7 @@ def _with_tuples(given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
 
 
 def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)
-    """Parameters from arguments, or `UserError`; as numbers, texts like `"2"` are refused."""
+    """Parameters from arguments, or `UserError`: here, `2.0` and `"2"` are no integers."""
     integers = [name for name in values if kind.model_fields[name].annotation is int]
     if wrong := [name for name in integers if _whole(values[name]) is None]:
         known = kind.model_json_schema()["properties"]

@@ -106,7 +106,7 @@ def random_genome(config: DefaultGenomeConfig, seed: int) -> Row:
 
 
 def child(config: DefaultGenomeConfig, parents: Sequence[Row], seed: int) -> Row:
-    """The row of a mutated child of one parent, or of two: the first one's genes are kept."""
+    """The row of a mutated child; genes that only one of two parents has are of the first."""
     with _seeded(seed):
         genome = from_row(config, parents[0])
         if len(parents) > 1:

@@ -54,7 +54,7 @@ def hull_mesh(hull: Hull) -> trimesh.Trimesh:
 
 
 def merge_hulls(hulls: Sequence[Hull], allowed: float, fits: Callable[[Hull], bool]) -> list[Hull]:
-    """Repeatedly merge the touching hulls whose common hull adds the least volume (ours)."""
+    """Merge touching hulls, the cheapest first, while all volumes are at most `allowed`."""
     pool = _Pool(hulls)
     total = sum(hull.volume for hull in hulls)
     while candidate := pool.cheapest():

@@ -38,7 +38,7 @@ def distinct_corners(faces: Ints) -> Ints32:
 
 @kernel()
 def triangulation(vertices: Floats, faces: Ints32) -> Triangulation:
-    """Number the edges of a mesh by their vertices; each face has three different ones."""
+    """Number the edges by their lower, then higher vertex; faces have three different ones."""
     count = 3 * len(faces)
     low, high = np.empty(count, np.int32), np.empty(count, np.int32)
     for corner in range(count):
@@ -96,7 +96,7 @@ def face_areas(mesh: Triangulation) -> Floats:
 
 @kernel()
 def refine(mesh: Triangulation, count: int) -> Triangulation:
-    """Repeatedly split the longest edge, the first of equal ones, up to `count` vertices."""
+    """Repeatedly halve the longest edge, the first of equal ones, up to `count` vertices."""
     start = len(mesh.vertices)
     if start >= count:
         return mesh

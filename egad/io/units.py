@@ -51,7 +51,7 @@ def check_unit(asked: str | None) -> None:
 
 
 def metres_per_unit(asked: str | None, stated: str | None, ending: str) -> float:
-    """Metres per unit of a file, or an error if the units asked for and stated differ or lack."""
+    """Metres per unit of a file; errors if those asked for and stated differ, or neither is."""
     check_unit(asked)
     if asked and stated and asked != stated:
         raise RejectedError(f"the file states the unit {stated}, but {asked} is given")

@@ -15,7 +15,7 @@ class BoundedSample:
     """Values with known upper bounds; the values themselves are computed on demand."""
 
     def __init__(self, compute: Callable[[Ints, float], Floats]) -> None:
-        """Start without values; `compute` gives those at indices, or bounds below a limit."""
+        """Start without values; below a limit, `compute` may give any bound that is below it."""
         self._compute = compute
         self._upper = np.empty(0)  # the value itself where it is known
         self._known = np.empty(0, dtype=bool)

@@ -1,8 +1,5 @@
 """Convex parts: cover the solid, stay close to it, and know inside from outside."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 import trimesh
@@ -16,25 +13,25 @@ from egad.geometry.touchable import buried_share, touchable_points
 RING, TUBE = 0.03, 0.01  # radii of the torus
 
 
-def convex_parts(*arguments: Any, **named: Any) -> list[trimesh.Trimesh]:
+def convex_parts(*arguments, **named):
     return decompose(*arguments, **named).parts
 
 
 @pytest.fixture(scope="module")
-def torus() -> trimesh.Trimesh:
+def torus():
     return trimesh.creation.torus(RING, TUBE, major_sections=96, minor_sections=48)
 
 
 @pytest.fixture(scope="module")
-def torus_parts(torus: trimesh.Trimesh) -> list[trimesh.Trimesh]:
+def torus_parts(torus):
     return convex_parts(torus, 64, 0.06)
 
 
-def box(size: tuple[float, float, float], at: tuple[float, float, float]) -> trimesh.Trimesh:
+def box(size, at):
     return trimesh.creation.box(size, trimesh.transformations.translation_matrix(at))
 
 
-def ell() -> trimesh.Trimesh:
+def ell():
     parts = [
         box((0.06, 0.02, 0.02), (0.03, 0.01, 0.01)),
         box((0.02, 0.06, 0.02), (0.01, 0.03, 0.01)),
@@ -42,36 +39,36 @@ def ell() -> trimesh.Trimesh:
     return trimesh.boolean.union(parts, engine="manifold")
 
 
-def excess_volume(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> float:
+def excess_volume(parts, mesh):
     """Volume of the union of the parts / volume of the mesh - 1."""
     return union_of_parts(parts).volume() / abs(mesh.volume) - 1
 
 
-def outside(part: trimesh.Trimesh, points: np.ndarray) -> np.ndarray:
+def outside(part, points):
     """How far points lie beyond the outermost face plane of a convex part; negative inside."""
     heights = np.einsum("pij,ij->pi", points[:, None] - part.triangles[:, 0], part.face_normals)
     return heights.max(axis=1)
 
 
-def inside_torus(points: np.ndarray, tube: float) -> np.ndarray:
+def inside_torus(points, tube):
     away = np.hypot(points[:, 0], points[:, 1]) - RING
     return np.hypot(away, points[:, 2]) < tube
 
 
-def test_a_convex_solid_is_its_own_part() -> None:
+def test_a_convex_solid_is_its_own_part():
     cube = trimesh.creation.box((0.04, 0.04, 0.04))
     (part,) = convex_parts(cube, 64, 0.06)
     assert part.volume == pytest.approx(cube.volume, rel=1e-12)
     assert excess_volume([part], cube) == pytest.approx(0, abs=1e-9)
 
 
-def test_an_ell_is_two_boxes() -> None:
+def test_an_ell_is_two_boxes():
     parts = convex_parts(ell(), 64, 0.01)
     assert len(parts) == 2
     assert sum(part.volume for part in parts) == pytest.approx(5 * 0.02**3, rel=1e-6)
 
 
-def test_parts_are_convex_solids(torus_parts: list[trimesh.Trimesh]) -> None:
+def test_parts_are_convex_solids(torus_parts):
     assert len(torus_parts) > 4
     for part in torus_parts:
         assert part.is_volume
@@ -79,16 +76,14 @@ def test_parts_are_convex_solids(torus_parts: list[trimesh.Trimesh]) -> None:
         assert outside(part, part.vertices).max() < 1e-9
 
 
-def test_parts_cover_the_solid_and_nothing_far_from_it(
-    torus: trimesh.Trimesh, torus_parts: list[trimesh.Trimesh]
-) -> None:
+def test_parts_cover_the_solid_and_nothing_far_from_it(torus, torus_parts):
     points = np.random.default_rng(0).uniform(*torus.bounds, size=(4000, 3))
     covered = np.min([outside(part, points) for part in torus_parts], axis=0) <= 0
     assert covered[inside_torus(points, TUBE - 0.001)].all()
     assert not covered[~inside_torus(points, TUBE + 0.0015)].any()
 
 
-def test_a_cluster_of_balls_whose_hulls_have_needles() -> None:
+def test_a_cluster_of_balls_whose_hulls_have_needles():
     rng = np.random.default_rng(4)
     balls = [
         trimesh.creation.icosphere(3, rng.uniform(0.008, 0.02)).apply_translation(
@@ -103,7 +98,7 @@ def test_a_cluster_of_balls_whose_hulls_have_needles() -> None:
     assert all(part.is_volume for part in parts)
 
 
-def test_volume_error_is_kept(torus: trimesh.Trimesh, torus_parts: list[trimesh.Trimesh]) -> None:
+def test_volume_error_is_kept(torus, torus_parts):
     assert abs(excess_volume(torus_parts, torus)) <= 0.06
     coarse = convex_parts(torus, 64, 0.3, deviation=0.02)
     assert len(coarse) < len(torus_parts)
@@ -111,13 +106,13 @@ def test_volume_error_is_kept(torus: trimesh.Trimesh, torus_parts: list[trimesh.
     assert abs(excess_volume(convex_parts(torus, 64, 0.05, deviation=0.02), torus)) <= 0.05
 
 
-def test_volume_error_counts_overlaps_once() -> None:
+def test_volume_error_counts_overlaps_once():
     first, second = box((2, 2, 2), (0, 0, 0)), box((2, 2, 2), (1, 0, 0))
     assert excess_volume([first, second], first) == pytest.approx(0.5, rel=1e-9)
 
 
 @pytest.mark.parametrize("most", [1, 2, 9])
-def test_there_are_never_more_parts_than_allowed(torus: trimesh.Trimesh, most: int) -> None:
+def test_there_are_never_more_parts_than_allowed(torus, most):
     parts = convex_parts(torus, most, 0.001)
     assert 1 <= len(parts) <= most
     points = np.random.default_rng(1).uniform(*torus.bounds, size=(1000, 3))
@@ -126,9 +121,7 @@ def test_there_are_never_more_parts_than_allowed(torus: trimesh.Trimesh, most: i
     assert max(len(part.vertices) for part in parts) <= 64
 
 
-def test_inside_out_makes_no_difference(
-    torus: trimesh.Trimesh, torus_parts: list[trimesh.Trimesh]
-) -> None:
+def test_inside_out_makes_no_difference(torus, torus_parts):
     inverted = torus.copy()
     inverted.invert()
     assert inverted.volume < 0
@@ -139,7 +132,7 @@ def test_inside_out_makes_no_difference(
     assert excess_volume(parts, inverted) == excess_volume(torus_parts, torus)
 
 
-def test_bodies_apart_are_parts_apart() -> None:
+def test_bodies_apart_are_parts_apart():
     two = trimesh.util.concatenate([box((1, 1, 1), (0, 0, 0)), box((1, 1, 1), (5, 0, 0))])
     parts = convex_parts(two, 64, 0.06)
     assert len(parts) == 2
@@ -148,7 +141,7 @@ def test_bodies_apart_are_parts_apart() -> None:
         convex_parts(two, 1, 0.06)
 
 
-def broken() -> dict[str, trimesh.Trimesh]:
+def broken():
     cube = trimesh.creation.box((1, 1, 1))
     vertices = cube.vertices.copy()
     vertices[0] = np.nan
@@ -161,18 +154,18 @@ def broken() -> dict[str, trimesh.Trimesh]:
 
 
 @pytest.mark.parametrize("name", broken())
-def test_what_is_no_solid_is_rejected(name: str) -> None:
+def test_what_is_no_solid_is_rejected(name):
     with pytest.raises(RejectedError):
         convex_parts(broken()[name], 64, 0.06)
 
 
-def surface_distances(parts: list[trimesh.Trimesh], mesh: trimesh.Trimesh) -> np.ndarray:
+def surface_distances(parts, mesh):
     """How far random points of a surface lie outside the parts; negative within one."""
     points = trimesh.sample.sample_surface(mesh, 3000, seed=1)[0]
     return np.min([outside(part, points) for part in parts], axis=0)
 
 
-def dumbbell() -> trimesh.Trimesh:
+def dumbbell():
     """Balls of 15 mm that a neck joins smoothly: its surface is a saddle, 6 mm thick."""
     z = np.linspace(-0.04, 0.04, 81)
     radii = 0.003 + 0.012 * np.sin(np.pi * np.abs(z) / 0.08) ** 2
@@ -181,7 +174,7 @@ def dumbbell() -> trimesh.Trimesh:
     return trimesh.creation.revolve(closed, sections=48)
 
 
-def grooved() -> trimesh.Trimesh:
+def grooved():
     """A block with a groove that is 12 mm wide and 3 mm deep."""
     block = box((0.06, 0.04, 0.02), (0, 0, 0))
     groove = box((0.012, 0.05, 0.006), (-0.015, 0, 0.010))
@@ -196,7 +189,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_surface_lies_neither_deep_in_a_part_nor_far_from_all(name: str) -> None:
+def test_the_surface_lies_neither_deep_in_a_part_nor_far_from_all(name):
     mesh = SHAPES[name]()
     # of so large errors only the deviation keeps parts small
     parts = convex_parts(mesh, 256, 0.5, deviation=0.0005)
@@ -210,7 +203,7 @@ def test_the_surface_lies_neither_deep_in_a_part_nor_far_from_all(name: str) -> 
 
 
 @pytest.mark.parametrize("most", [12, 64])
-def test_no_part_has_more_vertices_than_allowed_and_a_ball_stays_round(most: int) -> None:
+def test_no_part_has_more_vertices_than_allowed_and_a_ball_stays_round(most):
     ball = trimesh.creation.icosphere(4, 0.03)
     parts = convex_parts(ball, 256, 0.06, max_vertices=most)
     assert max(len(part.vertices) for part in parts) <= most
@@ -220,14 +213,14 @@ def test_no_part_has_more_vertices_than_allowed_and_a_ball_stays_round(most: int
     assert distances.max() < 0.0006
 
 
-def test_parts_do_not_depend_on_what_was_made_before() -> None:
+def test_parts_do_not_depend_on_what_was_made_before():
     first = convex_parts(dumbbell(), 256, 0.06)
     convex_parts(grooved(), 256, 0.06)
     again = convex_parts(dumbbell(), 256, 0.06)
     assert [part.vertices.tobytes() for part in again] == [p.vertices.tobytes() for p in first]
 
 
-def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull() -> None:
+def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull():
     outer = trimesh.creation.cylinder(0.025, 0.06, sections=12)
     inner = trimesh.creation.cylinder(0.020, 0.06, sections=12).apply_translation([0, 0, 0.005])
     cup = trimesh.boolean.difference([outer, inner], engine="manifold")
@@ -236,7 +229,7 @@ def test_a_straight_cup_is_cut_although_its_rim_lies_deepest_in_its_hull() -> No
     assert excess_volume(parts, cup) <= 0.06
 
 
-def mug(wall: float, sections: int = 64) -> trimesh.Trimesh:
+def mug(wall, sections=64):
     """80 mm wide and 90 mm high, with a handle."""
     outer = trimesh.creation.cylinder(0.04, 0.09, sections=sections)
     inner = trimesh.creation.cylinder(0.04 - wall, 0.09, sections=sections)
@@ -254,7 +247,7 @@ def mug(wall: float, sections: int = 64) -> trimesh.Trimesh:
     ("wall", "sections", "deviation"),
     [(0.004, 64, 0.0005), (0.004, 256, 0.0005), (0.001, 64, 0.0005), (0.001, 64, 0.002)],
 )
-def test_the_cavity_of_a_mug_stays_open(wall: float, sections: int, deviation: float) -> None:
+def test_the_cavity_of_a_mug_stays_open(wall, sections, deviation):
     mesh = mug(wall, sections)
     found = decompose(mesh, 512, 0.06, deviation)
     assert len(found.parts) < 128
@@ -264,7 +257,7 @@ def test_the_cavity_of_a_mug_stays_open(wall: float, sections: int, deviation: f
     assert min(outside(part, cavity.vertices).min() for part in found.parts) > 0
 
 
-def test_bounds_are_loosened_and_kept_if_an_object_needs_more_parts() -> None:
+def test_bounds_are_loosened_and_kept_if_an_object_needs_more_parts():
     mesh = mug(0.004)
     few = [decompose(mesh, most, 0.06) for most in (24, 8, 1)]
     for found, most in zip(few, (24, 8, 1), strict=True):
@@ -282,7 +275,7 @@ def test_bounds_are_loosened_and_kept_if_an_object_needs_more_parts() -> None:
     assert len(again.parts) < 80
 
 
-def test_a_ring_is_cut_across_and_not_into_thinner_rings() -> None:
+def test_a_ring_is_cut_across_and_not_into_thinner_rings():
     ring = trimesh.creation.annulus(0.036, 0.04, 0.06, sections=64)
     parts = convex_parts(ring, 512, 0.06)
     assert len(parts) < 30
@@ -290,7 +283,7 @@ def test_a_ring_is_cut_across_and_not_into_thinner_rings() -> None:
 
 
 @pytest.mark.parametrize("depth", [0.001, 0.002])
-def test_parts_fitted_to_too_few_points_are_fitted_to_more(depth: float) -> None:
+def test_parts_fitted_to_too_few_points_are_fitted_to_more(depth):
     mesh = dumbbell()
     hulls = [hull_of(part.vertices) for part in convex_parts(mesh, 256, 0.5, deviation=depth)]
     wanted = Tolerances(0.0005, 0.06, 64, LOWERING * 0.0005)
@@ -304,7 +297,7 @@ def test_parts_fitted_to_too_few_points_are_fitted_to_more(depth: float) -> None
     assert (kept.deviation == wanted.deviation) == (depth == 0.001)
 
 
-def bowl() -> trimesh.Trimesh:
+def bowl():
     """Half a ball of 80 mm with a wall of 4 mm."""
     outer, inner = (trimesh.creation.icosphere(4, radius) for radius in (0.04, 0.036))
     hollow = trimesh.boolean.difference([outer, inner], engine="manifold")
@@ -312,7 +305,7 @@ def bowl() -> trimesh.Trimesh:
     return trimesh.boolean.intersection([hollow, lower], engine="manifold")
 
 
-def basket() -> trimesh.Trimesh:
+def basket():
     """An open cube of 60 mm of bars that are 3 mm thick."""
     steps, bar = np.linspace(-0.03, 0.03, 4), 0.003
     bars = [box((0.06 + bar, bar, bar), (0, y, 0)) for y in steps]
@@ -326,7 +319,7 @@ def basket() -> trimesh.Trimesh:
 
 
 @pytest.mark.parametrize("make", [bowl, basket])
-def test_what_is_hollow_stays_hollow_and_is_covered(make: Callable[[], trimesh.Trimesh]) -> None:
+def test_what_is_hollow_stays_hollow_and_is_covered(make):
     mesh = make()
     found = decompose(mesh, 512, 0.06)
     assert (found.deviation, found.volume_error) == (0.0005, 0.06)

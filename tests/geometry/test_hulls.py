@@ -6,7 +6,6 @@ import trimesh
 from scipy.spatial import ConvexHull
 
 from egad.geometry.hulls import (
-    Hull,
     fewer_vertices,
     hull_mesh,
     hull_of,
@@ -95,7 +94,7 @@ def test_the_cheapest_pairs_are_joined_as_a_slow_search_does(more):
     assert sorted(h.volume for h in found) == pytest.approx(sorted(h.volume for h in slow))
 
 
-def slowly(hulls: list[Hull], allowed: float) -> list[Hull]:
+def slowly(hulls, allowed):
     left = list(hulls)
     while True:
         numbers = range(len(left))
@@ -111,19 +110,19 @@ def slowly(hulls: list[Hull], allowed: float) -> list[Hull]:
         left = [h for k, h in enumerate(left) if k not in pairs[best]] + [joined[best]]
 
 
-def boxes_touch(first: Hull, second: Hull) -> bool:
+def boxes_touch(first, second):
     low = np.maximum(first.points.min(axis=0), second.points.min(axis=0))
     high = np.minimum(first.points.max(axis=0), second.points.max(axis=0))
     return bool((low <= high).all())
 
 
-def outside(points: np.ndarray, of: np.ndarray) -> float:
+def outside(points, of):
     planes = ConvexHull(of).equations
     return float((points @ planes[:, :3].T + planes[:, 3]).max())
 
 
 @pytest.mark.parametrize("most", [4, 10, 64])
-def test_corners_are_kept_up_to_the_number_allowed(most: int) -> None:
+def test_corners_are_kept_up_to_the_number_allowed(most):
     hull = hull_of(trimesh.creation.icosphere(3, 0.03).vertices)
     fewer, is_near = fewer_vertices(hull, most, 0.0, 0.0)
     assert len(fewer.points) == most
@@ -132,7 +131,7 @@ def test_corners_are_kept_up_to_the_number_allowed(most: int) -> None:
     assert fewer.volume == pytest.approx(ConvexHull(fewer.points).volume)
 
 
-def test_corners_are_left_out_within_the_distance_and_the_volume() -> None:
+def test_corners_are_left_out_within_the_distance_and_the_volume():
     hull = hull_of(trimesh.creation.icosphere(3, 0.03).vertices)
     by_distance, is_near = fewer_vertices(hull, 9999, 0.001, 1.0)
     assert is_near
@@ -143,14 +142,14 @@ def test_corners_are_left_out_within_the_distance_and_the_volume() -> None:
     assert 0.98 * hull.volume <= by_volume.volume < 0.99 * hull.volume
 
 
-def test_all_corners_of_a_box_with_points_on_its_faces_are_kept() -> None:
+def test_all_corners_of_a_box_with_points_on_its_faces_are_kept():
     box = trimesh.creation.box((1, 2, 3)).subdivide().subdivide()
     fewer, is_near = fewer_vertices(hull_of(np.asarray(box.vertices)), 8, 1e-9, 1e-9)
     assert is_near
     assert fewer.volume == pytest.approx(6)
 
 
-def test_a_lowered_face_takes_a_slice_off_and_nothing_is_left_of_a_plate() -> None:
+def test_a_lowered_face_takes_a_slice_off_and_nothing_is_left_of_a_plate():
     planes = hull_of(trimesh.creation.box((2, 2, 2)).vertices).planes
     by = np.where(planes[:, 2] > 0.9, 0.25, 0.0)
     corners = lower_planes(planes, by, np.zeros(3))

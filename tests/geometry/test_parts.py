@@ -1,7 +1,6 @@
 """Convex parts from the cache, and warnings for those beyond their bounds."""
 
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -14,7 +13,7 @@ from egad.geometry import Bundle, make_simulation_object, part_rows, read_parts,
 DENSITY = 400.0
 
 
-def ell() -> trimesh.Trimesh:
+def ell():
     parts = [
         trimesh.creation.box(bounds=[[0, 0, 0], [0.06, 0.02, 0.02]]),
         trimesh.creation.box(bounds=[[0, 0, 0], [0.02, 0.06, 0.02]]),
@@ -22,11 +21,11 @@ def ell() -> trimesh.Trimesh:
     return trimesh.boolean.union(parts, engine="manifold")
 
 
-def contents(parts: list[trimesh.Trimesh]) -> list[tuple[bytes, bytes]]:
+def contents(parts):
     return [(np.array(p.vertices).tobytes(), np.array(p.faces).tobytes()) for p in parts]
 
 
-def test_the_cache_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_cache_changes_nothing(tmp_path, monkeypatch):
     without = make_simulation_object(ell(), DENSITY, Bundle())
     monkeypatch.setenv("EGAD_CACHE_DIR", str(tmp_path))
     first = make_simulation_object(ell(), DENSITY, Bundle())
@@ -41,9 +40,7 @@ def test_the_cache_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert sorted(tmp_path.rglob("*.npz")) == files
 
 
-def test_other_settings_and_meshes_are_other_entries(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_other_settings_and_meshes_are_other_entries(tmp_path, monkeypatch):
     monkeypatch.setenv("EGAD_CACHE_DIR", str(tmp_path))
     larger = ell().apply_scale(1.5)
     assert len(egad.convex_parts(ell())) == 2
@@ -55,7 +52,7 @@ def test_other_settings_and_meshes_are_other_entries(
     assert first.volume < larger.volume
 
 
-def test_everyone_who_takes_parts_beyond_their_bounds_is_told() -> None:
+def test_everyone_who_takes_parts_beyond_their_bounds_is_told():
     one = Bundle(max_parts=1)
     text = "the convex parts of {} exceed the requested bounds: their volume error is "
     with pytest.warns(egad.PartsWarning, match=text.format("the mesh")):
@@ -71,7 +68,7 @@ def test_everyone_who_takes_parts_beyond_their_bounds_is_told() -> None:
         simulation_object(ell(), DENSITY, rows)
 
 
-def test_nobody_is_told_of_parts_within_their_bounds() -> None:
+def test_nobody_is_told_of_parts_within_their_bounds():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         egad.convex_parts(ell())

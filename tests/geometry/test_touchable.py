@@ -15,14 +15,14 @@ from egad.geometry.touchable import (
 )
 
 
-def plates() -> trimesh.Trimesh:
+def plates():
     """Two cubes of 30 mm, 8 mm apart."""
     cubes = [trimesh.creation.box((0.03, 0.03, 0.03)) for _ in range(2)]
     cubes[1].apply_translation([0.038, 0, 0])
     return trimesh.util.concatenate(cubes)
 
 
-def test_a_gap_that_is_narrower_than_a_finger_cannot_be_touched() -> None:
+def test_a_gap_that_is_narrower_than_a_finger_cannot_be_touched():
     points, normals = touchable_points(plates(), "test")
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1)
     faces_the_gap = (normals[:, 0] * (points[:, 0] - 0.019)) < 0
@@ -30,13 +30,13 @@ def test_a_gap_that_is_narrower_than_a_finger_cannot_be_touched() -> None:
     assert len(points) == pytest.approx(16000 * 10 / 12, abs=3)  # the other sides of the cubes
 
 
-def test_points_are_the_same_each_time_and_others_for_another_purpose() -> None:
+def test_points_are_the_same_each_time_and_others_for_another_purpose():
     first, again, other = (touchable_points(plates(), name).points for name in ("a", "a", "b"))
     np.testing.assert_array_equal(first, again)
     assert not np.isin(first, other).all(axis=1).any()
 
 
-def test_the_share_that_a_bigger_part_buries() -> None:
+def test_the_share_that_a_bigger_part_buries():
     cube = trimesh.creation.box((0.02, 0.02, 0.02))
     assert buried_share(cube, [cube], 1e-6) == 0
     taller = trimesh.creation.box((0.04, 0.04, 0.03))
@@ -45,7 +45,7 @@ def test_the_share_that_a_bigger_part_buries() -> None:
     assert buried_share(cube, [taller], 0.011) == 0
 
 
-def test_only_planes_that_face_the_finger_count() -> None:
+def test_only_planes_that_face_the_finger_count():
     top_and_side = np.array([[0.0, 0.0, 1.0, -0.010], [1.0, 0.0, 0.0, -0.001]])
     upwards = np.array([[0.0, 0.0, 1.0]] * 2)
     points = Touchable(np.array([[0.0, 0.0, 0.009], [0.0005, 0.0, 0.009]]), upwards)
@@ -54,7 +54,7 @@ def test_only_planes_that_face_the_finger_count() -> None:
     np.testing.assert_allclose(found, [[0.001, np.inf], [0.001, np.inf]])
 
 
-def test_deeper_points_are_those_whose_depths_are_larger() -> None:
+def test_deeper_points_are_those_whose_depths_are_larger():
     rng = np.random.default_rng(2)
     planes = hull_of(rng.normal(size=(40, 3))).planes
     points, normals = rng.normal(size=(2, 2000, 3))

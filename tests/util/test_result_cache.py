@@ -2,7 +2,6 @@
 
 import os
 from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,13 +12,13 @@ from egad.errors import UserError
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     monkeypatch.setenv("EGAD_CACHE_DIR", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
 
-def squared(number: float, code: str = "1", calls: list[float] | None = None) -> np.ndarray:
-    def make() -> dict[str, np.ndarray]:
+def squared(number, code="1", calls=None):
+    def make():
         if calls is not None:
             calls.append(number)
         return {"square": np.array([number**2])}
@@ -27,15 +26,15 @@ def squared(number: float, code: str = "1", calls: list[float] | None = None) ->
     return cached("squares", [number], code, make)["square"]
 
 
-def test_a_result_is_made_once_for_each_input_and_code(folder: Path) -> None:
-    calls: list[float] = []
+def test_a_result_is_made_once_for_each_input_and_code(folder):
+    calls = []
     for number, code in [(2.0, "1"), (2.0, "1"), (3.0, "1"), (3.0, "2"), (2.0, "1")]:
         assert squared(number, code, calls) == number**2
     assert calls == [2.0, 3.0, 3.0]
     assert len(list(folder.rglob("*.npz"))) == 3
 
 
-def test_inputs_that_look_alike_are_told_apart(folder: Path) -> None:
+def test_inputs_that_look_alike_are_told_apart(folder):
     zeros = np.zeros(4)
     inputs = [
         [zeros],
@@ -55,17 +54,17 @@ def test_inputs_that_look_alike_are_told_apart(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", [b"", b"PK\x03\x04 no more", b"nonsense"])
-def test_a_damaged_result_is_made_again(folder: Path, damage: bytes) -> None:
+def test_a_damaged_result_is_made_again(folder, damage):
     squared(2.0)
     (file,) = folder.rglob("*.npz")
     file.write_bytes(damage)
-    calls: list[float] = []
+    calls = []
     assert squared(2.0, calls=calls) == 4
     assert squared(2.0, calls=calls) == 4
     assert calls == [2.0]
 
 
-def test_a_truncated_result_is_made_again(folder: Path) -> None:
+def test_a_truncated_result_is_made_again(folder):
     squared(2.0)
     (file,) = folder.rglob("*.npz")
     whole = file.read_bytes()
@@ -74,9 +73,7 @@ def test_a_truncated_result_is_made_again(folder: Path) -> None:
         assert squared(2.0) == 4
 
 
-def test_nothing_is_kept_if_it_is_off_or_cannot_be_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_is_kept_if_it_is_off_or_cannot_be_written(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setenv("EGAD_CACHE_DIR", "off")
     assert squared(2.0) == 4
@@ -86,22 +83,20 @@ def test_nothing_is_kept_if_it_is_off_or_cannot_be_written(
     assert squared(2.0) == 4
 
 
-def test_the_cache_is_where_the_user_has_caches(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_cache_is_where_the_user_has_caches(tmp_path, monkeypatch):
     monkeypatch.delenv("EGAD_CACHE_DIR")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     squared(2.0)
     assert list((tmp_path / "egad/squares").glob("*.npz"))
 
 
-def test_a_relative_folder_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_relative_folder_is_refused(monkeypatch):
     monkeypatch.setenv("EGAD_CACHE_DIR", "cache")
     with pytest.raises(UserError, match="EGAD_CACHE_DIR is 'cache'; allowed: an absolute path"):
         squared(2.0)
 
 
-def test_the_oldest_results_are_removed(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_oldest_results_are_removed(folder, monkeypatch):
     for number in range(4):
         squared(float(number))
     files = sorted(folder.rglob("*.npz"), key=lambda file: float(np.load(file)["square"][0]))
@@ -114,7 +109,7 @@ def test_the_oldest_results_are_removed(folder: Path, monkeypatch: pytest.Monkey
     assert left == [0.0, 9.0, 16.0]
 
 
-def test_processes_may_write_the_same_result_at_once(folder: Path) -> None:
+def test_processes_may_write_the_same_result_at_once(folder):
     numbers = [1.0, 2.0] * 20
     with get_context("spawn").Pool(2) as pool:
         assert [float(each[0]) for each in pool.map(squared, numbers)] == [n**2 for n in numbers]
@@ -122,16 +117,14 @@ def test_processes_may_write_the_same_result_at_once(folder: Path) -> None:
     assert not list(folder.rglob("*.partial"))
 
 
-def test_any_change_of_the_code_or_a_library_is_another_version(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_any_change_of_the_code_or_a_library_is_another_version(tmp_path, monkeypatch):
     (tmp_path / "part").mkdir()
     (tmp_path / "part/a.py").write_text("A = 1")
     (tmp_path / "b.py").write_text("B = 1")
     (tmp_path / "c.py").write_text("C = 1")
     monkeypatch.setattr(result_cache, "PACKAGE", tmp_path)
 
-    def version() -> str:
+    def version():
         source_version.cache_clear()
         return source_version(("part", "b.py"), ("numpy", "no-such-library"))
 

@@ -27,7 +27,7 @@ def shapes():
     """Eight evolved shapes, metres, at most 2500 vertices."""
     with np.load(REFERENCE) as data:
         return [
-            trimesh.Trimesh(data[name], data[name.replace("vertices", "faces")], process=False)
+            raw(data[name], data[name.replace("vertices", "faces")])
             for name in data.files
             if name.startswith("vertices")
         ]
@@ -43,6 +43,10 @@ def published():
 @pytest.fixture(scope="module")
 def graphs(shapes):
     return [reeb.extract(mesh, Similarity()) for mesh in shapes]
+
+
+def raw(vertices, faces):
+    return trimesh.Trimesh(vertices, faces, process=False, validate=False)
 
 
 def fields(graph):
@@ -81,7 +85,7 @@ def test_order_place_size_and_orientation_do_not_matter(shapes, graphs):
         faces = rng.permutation(np.argsort(order)[mesh.faces])
         turn = trimesh.transformations.random_rotation_matrix(rng.random(3))[:3, :3]
         copies = [
-            trimesh.Trimesh(mesh.vertices[order], faces, process=False),
+            raw(mesh.vertices[order], faces),
             moved(mesh, lambda v, turn=turn: v @ turn.T),
             moved(mesh, lambda v: v + np.array([3, -1, 2])),
             moved(mesh, lambda v: v * 1000),
@@ -157,8 +161,8 @@ def test_bytes_with_a_right_checksum_that_name_what_is_not_there_are_refused(gra
 @pytest.mark.parametrize(
     "mesh",
     [
-        trimesh.Trimesh(BOX.vertices, BOX.faces[4:], process=False),
-        trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], process=False),
+        raw(BOX.vertices, BOX.faces[4:]),
+        raw([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
         BOX.subdivide(),
         trimesh.creation.torus(1, 0.4, major_sections=12, minor_sections=6),
         trimesh.creation.cylinder(0.001, 1),
@@ -173,9 +177,7 @@ def test_unusual_meshes_are_measured(mesh, bases):
 
 def test_useless_faces_and_vertices_do_not_matter():
     faces = np.concatenate((BOX.faces, [[3, 3, 5], [4, 4, 4]]))
-    untidy = trimesh.Trimesh(
-        np.concatenate((BOX.vertices, [[9, 9, 9]])), faces, process=False, validate=False
-    )
+    untidy = raw(np.concatenate((BOX.vertices, [[9, 9, 9]])), faces)
     assert reeb.pack(reeb.extract(untidy, QUICK)) == reeb.pack(reeb.extract(BOX, QUICK))
 
 
@@ -199,16 +201,10 @@ def cubes(*places):
 NOTHING = np.empty((0, 3))
 BAD = {
     "no mesh": (trimesh.Trimesh(), "no faces"),
-    "no faces": (trimesh.Trimesh([[0, 0, 0], [1, 0, 0]], NOTHING, process=False), "no faces"),
-    "line": (
-        trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False),
-        "area",
-    ),
-    "point": (trimesh.Trimesh(np.ones((3, 3)), [[0, 1, 2]], process=False), "extent"),
-    "nan": (
-        trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], process=False),
-        "finite",
-    ),
+    "no faces": (raw([[0, 0, 0], [1, 0, 0]], NOTHING), "no faces"),
+    "line": (raw([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]]), "area"),
+    "point": (raw(np.ones((3, 3)), [[0, 1, 2]]), "extent"),
+    "nan": (raw([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]]), "finite"),
     "two cubes": (cubes([0, 0, 0], [2, 0, 0]), "one connected piece"),
     "cube in a cube": (cubes([0, 0, 0], [0.1, 0, 0]), "one connected piece"),
 }
