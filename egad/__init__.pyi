@@ -32,8 +32,8 @@ from .geometry.stable_poses import StablePose as StablePose
 from .geometry.stable_poses import stable_poses as stable_poses
 from .grasps.grasps import Grasps as Grasps
 from .grasps.sampling import sample_grasps as sample_grasps
-from .grippers.cup import SuctionCup as SuctionCup
 from .grippers.parameters import Gripper as Gripper
+from .grippers.parameters import SuctionCup as SuctionCup
 from .grippers.rescaling import rescale as rescale
 from .grippers.table import gripper as gripper
 from .io.checked import read_mesh as read_mesh

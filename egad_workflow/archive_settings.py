@@ -40,10 +40,7 @@ def provenance(settings: Parameters) -> dict[str, Any]:
 def differences(
     path: Path, settings: Parameters, sections: Collection[str] | None = None
 ) -> list[str]:
-    """Lines of the settings, in some sections or all, that an archive has with other values.
-
-    Settings that either lacks are left out, as in archives of other programs or older versions.
-    """
+    """A line for each setting, in some sections or all, that an archive has with another value."""
     theirs, ours = archive_notes(path), dict(_flat(provenance(settings)))
     return [
         f"  {key}: {theirs[key]} in the archive, {ours[key]} in the configuration"

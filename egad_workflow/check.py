@@ -143,7 +143,14 @@ def _mend(config: dict[str, Any], error: Problem) -> None:
     """Replace what is wrong by something valid, to find other problems."""
     *path, last = error["loc"] or (None,)
     if path and path[0] in _SOUND_ENTRY:
-        _mend_table(config, [*map(str, path), str(last)])
+        kind, name = path[0], str(path[1] if path[1:] else last)
+        table = config.get(kind, {})
+        if last == "[key]":
+            del table[name]
+        elif name in table:
+            table[name] = _SOUND_ENTRY[kind]
+        if not table:
+            config.pop(kind, None)  # so that the default table takes its place
         return
     section: Any = config
     for key in path:
@@ -152,18 +159,6 @@ def _mend(config: dict[str, Any], error: Problem) -> None:
             break
         section = section[key]
     section.pop(last, None)
-
-
-def _mend_table(config: dict[str, Any], path: list[str]) -> None:
-    """Replace a wrong entry; an entry with a wrong name is dropped."""
-    kind, name, last = path[0], path[1], path[-1]
-    table = config.get(kind, {})
-    if last == "[key]":
-        del table[name]
-    elif name in table:
-        table[name] = _SOUND_ENTRY[kind]
-    if not table:
-        config.pop(kind, None)  # so that the default table takes its place
 
 
 @cache

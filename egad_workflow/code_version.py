@@ -15,7 +15,6 @@ from typing import NamedTuple
 HERE = Path(__file__).parent
 PACKAGES = (HERE.parent / "egad", HERE)
 EXCLUDED = {"egad_workflow.job"}  # how scripts run, and how their provenance is recorded
-SCRIPT = ".py"  # scripts are named by their paths, modules by dotted names
 _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -42,7 +41,8 @@ def code_version(module: str | Path, packages: tuple[Path, ...] = PACKAGES) -> s
     digest = hashlib.sha256()
     modules = imported_modules(str(module), packages)
     for name, each in sorted(modules.items()):
-        digest.update(f"{name.rpartition('/')[2]}\n{each.code}\n".encode())
+        stem = name.rpartition("/")[2].partition("@")[0]  # `@COMMIT` if from a repository
+        digest.update(f"{stem}\n{each.code}\n".encode())
     for path in sorted(_named_files(modules, packages)):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
@@ -70,7 +70,7 @@ def imported_modules(module: str, packages: tuple[Path, ...] = PACKAGES) -> Mapp
 
 def read_module(name: str, packages: tuple[Path, ...] = PACKAGES) -> Module:
     """A module of the packages or a script, or `ModuleNotFoundError`."""
-    path = Path(name) if name.endswith(SCRIPT) else _sources(packages).get(name)
+    path = Path(name) if _is_script(name) else _sources(packages).get(name)
     if path is None or not path.is_file():
         raise ModuleNotFoundError(f"{name} is not a module of {', '.join(map(str, packages))}")
     return _parsed(path.read_bytes(), name if path.name == "__init__.py" else _parent(name))
@@ -139,14 +139,19 @@ def _sources(packages: tuple[Path, ...]) -> Mapping[str, Path]:
     """The files of all modules of some packages, by their dotted names."""
     paths = {}
     for package in packages:
-        for path in sorted(package.rglob(f"*{SCRIPT}")):
+        for path in sorted(package.rglob("*.py")):
             parts = path.relative_to(package.parent).with_suffix("").parts
             paths[".".join(parts).removesuffix(".__init__")] = path
     return paths
 
 
+def _is_script(name: str) -> bool:
+    """Whether it is the path of a script, as modules have dotted names."""
+    return "/" in name or name.endswith(".py")
+
+
 def _parent(name: str) -> str:
-    return "" if name.endswith(SCRIPT) else name.rpartition(".")[0]
+    return "" if _is_script(name) else name.rpartition(".")[0]
 
 
 def _parents(name: str) -> Iterator[str]:

@@ -21,10 +21,7 @@ MAX_LINES = 10
 
 
 def check_input_files(settings: Settings) -> None:
-    """Open all that datasets and targets read; a `UserError` has a line for each problem.
-
-    Snakemake looks for files later, and not for those of results that an earlier run made.
-    """
+    """Open all that datasets and targets read; a `UserError` has a line for each problem."""
     problems: dict[str, None] = {}
     for where, check in _checks(settings):
         try:

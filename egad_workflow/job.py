@@ -30,11 +30,7 @@ FOLDERS = ("meshes", "bundle")  # params that are read: an input is a table in e
 
 
 def run_job(function: Callable[..., object]) -> None:
-    """Run the function of a script, where Snakemake puts the object `snakemake`, as a job.
-
-    Messages go to the log of the rule. The provenance of a table is written into it; that of other
-    files and folders is written next to them. A user error is reported in one sentence.
-    """
+    """Run the function of a script, where Snakemake puts the object `snakemake`, as a job."""
     job = vars(sys.modules["__main__"])["snakemake"]
     for log in job.log[:1]:
         _write_messages_to(Path(log))
@@ -43,6 +39,7 @@ def run_job(function: Callable[..., object]) -> None:
     params = dict(job.params.items())
     arguments = arguments_of(function, job)
     folders = [params[name] for name in FOLDERS if name in params]
+    # The provenance of a table is written into it; that of other files, next to them.
     with (
         readable_errors(),
         recorded(

@@ -121,10 +121,7 @@ def read_protocol(path: Path) -> tuple[Protocol, Settings]:
 
 
 def build(folder: Path, out: Path, checks: Checks) -> list[str]:
-    """Verify all tables of a leaderboard, and write its page and films into a folder.
-
-    A sentence is returned for each entry or table that is missing, broken or refused.
-    """
+    """Write the page and films; a sentence for each table that is missing, broken or refused."""
     problems: list[str] = []
     protocols = dict(_protocols(folder / PROTOCOLS, problems))
     entries = dict(_entries(folder / ENTRIES, problems))

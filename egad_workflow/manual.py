@@ -29,13 +29,17 @@ def manual() -> str:
     general = [name for name in single if not _is_table(name)]
     shown: set[str] = set()
     parts = ["\n", table(["setting", "default", "meaning", "allowed"], _rows((), general, known))]
+    before = ""
     for name in keys_of(node_at(()) or {}):
         path: tuple[str, ...] = (name, "any") if _is_table(name) else (name,)
         if name not in general:
+            keys = _keys(path, known.get(name, {}))
+            told = "The keys are those of the section above.\n" if keys == before else keys
+            before = keys
             parts += [
                 f"\n### `{name}`\n\n",
                 f"{_about(name)}\n\n",
-                _keys(path, known.get(name, {})),
+                told,
                 *_nested(path, known.get(name, {}), shown),
             ]
     return "".join(parts) + "\n"

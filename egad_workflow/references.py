@@ -66,15 +66,15 @@ def _not_for_trials(settings: Settings) -> list[str]:
 
 
 def _impossible_targets(settings: Settings) -> list[str]:
-    """A line for each target that a gripper with a suction cup, or its own sampler, cannot have."""
+    """A line for each target that a gripper without jaws, or with its own sampler, cannot have."""
     hands = {name: settings.grippers.get(name) for name in settings.targets.grippers}
-    cups = [name for name, hand in hands.items() if hand and hand.cup]
-    own = [name for name, hand in hands.items() if hand and not hand.cup and hand.sampler]
+    others = {name: hand.kind for name, hand in hands.items() if hand and not hand.kind.closes}
+    own = [name for name, hand in hands.items() if hand and hand.kind.closes and hand.sampler]
     problems = [
-        f"targets.{key}: {cup} of targets.grippers has a suction cup; this is for jaws"
+        f"targets.{key}: {name} of targets.grippers has {kind.noun}; this is for jaws"
         for key in ("simulated_labels", "agreement", "render", "scenes")
         if getattr(settings.targets, key)
-        for cup in cups
+        for name, kind in others.items()
     ]
     problems += [
         f"targets.render: {name} of targets.grippers has a sampler of its own; images need "

@@ -34,30 +34,12 @@ ByDetector = Mapping[str, pd.DataFrame]
 
 @dataclass(frozen=True)
 class DatasetReport:
-    """Tables and pictures of one dataset. What was not made for it is absent.
+    """Tables and pictures of one dataset; what was not made for it is absent."""
 
-    Attributes:
-        objects: Columns of `tables.objects.OBJECTS`.
-        rejected: Columns of `tables.objects.REJECTED`, as from `egad.report.summary.name_stages`.
-        pictures: PNG of each object, by its label; optional for each.
-        evalset: Columns of `tables.evaluation.EVAL49`.
-        evalset_pictures: Larger PNGs, by the label in the evaluation set; optional.
-        grasps: Columns of `tables.grasping.GRASPS`, by gripper.
-        scales: Columns of `tables.grasping.SCALES`, by gripper.
-        size_effects: Columns of `tables.grasping.SIZE_EFFECT`, by gripper.
-        manifests: Columns of `tables.evaluation.MANIFEST`, by gripper.
-        trials: Columns of `tables.evaluation.TRIALS`, by gripper and detector.
-        clutter: Columns of `tables.clutter.CLUTTER`, by gripper and detector.
-        clutter_pictures: PNGs of scenes that are cleared, by gripper and kind of scene.
-        agreement: Columns of `tables.evaluation.AGREEMENT`, by gripper.
-        scenes: Objects of the evaluation set with grasps of the first gripper.
-        history: Columns of `tables.evolution.HISTORY`; only of a dataset evolved here.
-    """
-
-    objects: pd.DataFrame
-    rejected: pd.DataFrame
-    pictures: Mapping[str, bytes] = field(default_factory=dict)
-    evalset: pd.DataFrame | None = None
+    objects: pd.DataFrame  # columns of `tables.objects.OBJECTS`
+    rejected: pd.DataFrame  # of REJECTED, with the names of stages
+    pictures: Mapping[str, bytes] = field(default_factory=dict)  # PNG by label
+    evalset: pd.DataFrame | None = None  # `tables.evaluation.EVAL49`
     evalset_pictures: Mapping[str, bytes] = field(default_factory=dict)
     grasps: ByGripper = field(default_factory=dict)
     scales: ByGripper = field(default_factory=dict)
@@ -82,10 +64,7 @@ class ReportData:
 
 
 def build(report: ReportData) -> str:
-    """Combine a run into one HTML page, the same for the same report, pictures inline.
-
-    What a dataset lacks is left out.
-    """
+    """Combine a run into one HTML page, pictures inline; what a dataset lacks is left out."""
     return report_page(_sections(report), alone=len(report.datasets) == 1)
 
 

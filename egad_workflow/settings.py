@@ -201,13 +201,13 @@ def select(
         chooses = "select_eval" in values
         own = _narrowest(settings) if chooses else settings.graspability.gripper
         values["gripper"] = settings.grippers[gripper or own]
-        cup = values["gripper"].cup is not None
+        lifts = values["gripper"].kind.lifts
         # settings that change nothing are left out: stages would run again for them
         robust = issubclass(stage, MeasureParameters) and settings.graspability.metric == "robust"
-        if issubclass(stage, MeasureParameters | SizeEffectParameters) and not (cup or robust):
+        if issubclass(stage, MeasureParameters | SizeEffectParameters) and not (lifts or robust):
             values["robust"] = None
         if "density" in stage.model_fields:
-            values["density"] = settings.material.density if cup else Material().density
+            values["density"] = settings.material.density if lifts else Material().density
         if "space" in stage.model_fields:
             # cells of an evaluation set are those of the map, whatever it is printed for
             values["space"] = (

@@ -9,7 +9,8 @@ import pandas as pd
 
 from egad.bench.cell_errors import SESSION, Deviation, draw
 from egad.bench.parameters import CellErrors, TrialParameters
-from egad.bench.trial_runner import Attempt, InitialPose, TrialRunner
+from egad.bench.runner import Attempt, InitialPose
+from egad.bench.trial_runner import TrialRunner
 from egad.detectors import Detector, Grasp, Labels
 from egad.errors import UserError
 from egad.random import entropy
@@ -29,17 +30,16 @@ END = tuple(f"end_{part}" for part in POSE_PARTS)
 def run_attempts(
     model: Model, label: str, object_id: str, detect: Detector | Labels, settings: TrialParameters
 ) -> pd.DataFrame:
-    """Try to grasp an object again and again, as in EGAD, section V: `tables.evaluation.TRIALS`.
+    """Attempts at an object as in EGAD, section V: rows of `tables.evaluation.TRIALS`.
 
-    The id determines all drops, with the seed of the settings. An error of the detector becomes the
-    outcome of the attempt.
+    The id determines all drops, with the seed of the settings.
     """
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}
     arm = ARMS[settings.trials.arm](settings.gripper)
     with open_world(settings.trials.engine, [model], arm.robot) as world:
-        bench = TrialRunner(world, arm, settings.trials)
-        attempts = list(_chain(bench, detect, seeds, settings.trials.errors))
+        runner = TrialRunner(world, arm, settings.trials)
+        attempts = list(_chain(runner, detect, seeds, settings.trials.errors))
     return _table(label, object_id, seeds, attempts, known | _protocol(settings))
 
 
@@ -98,12 +98,12 @@ def _seeds(object_id: str, settings: TrialParameters) -> list[_Seeds]:
 
 
 def _chain(
-    bench: TrialRunner, detect: Detector | Labels, seeds: list[_Seeds], errors: CellErrors
+    runner: TrialRunner, detect: Detector | Labels, seeds: list[_Seeds], errors: CellErrors
 ) -> Iterator[Attempt]:
     """Make attempts, each of which continues where the previous one ended."""
     before = None
     for seed, calibration in seeds:
-        before = bench.attempt(detect, seed, before, draw(errors, calibration, seed))
+        before = runner.attempt(detect, seed, before, draw(errors, calibration, seed))
         yield before
 
 
@@ -124,16 +124,13 @@ def columns_of(attempt: Attempt) -> dict[str, Any]:
     """The columns of `tables.evaluation.TRIALS` that an attempt determines."""
     grasp, start = attempt.grasp, attempt.start
     return {
-        "success": attempt.outcome == Outcome.SUCCESS,
-        "outcome": attempt.outcome.value if attempt.outcome else "",
+        **attempt.columns(),
         "initial_pose": start.kind if start else "",
         **dict(zip(INITIAL, _numbers(start.pose if start else None), strict=True)),
         **dict(zip(CENTER, grasp.center if grasp else (np.nan,) * 3, strict=True)),
         **{name: getattr(grasp, name) if grasp else np.nan for name in NUMBERS},
         "lifted": attempt.lifted,
         **dict(zip(END, _numbers(attempt.end), strict=True)),
-        "stopped": attempt.stopped,
-        "failure": attempt.failure,
     }
 
 

@@ -11,11 +11,12 @@ import trimesh
 
 from egad._util.display import table_html
 from egad._util.files import as_path
-from egad._util.parameters import SCALE_RULES, from_arguments
+from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.bench.clearing import SceneObject, check_detector, clear_rounds, prepare_objects
-from egad.bench.parameters import CellErrors, Clutter, ClutterParameters
+from egad.bench.clearing import check_detector, clear_rounds
+from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
+from egad.bench.preparation import SceneObject, prepare_objects
 from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
 from egad.bench.rounds import film_round, rounds_of
 from egad.bench.stats import (
@@ -33,14 +34,15 @@ from egad.detectors import (
     DetectorConfig,
     FailureMonitor,
     NoiseName,
+    as_detector,
     knows_scene,
     wanted_input,
 )
-from egad.errors import UserError, check_name
-from egad.grippers import Gripper, as_gripper
+from egad.errors import UserError
+from egad.grippers import Gripper
 from egad.io import check_ending
-from egad.objects import Dataset, named_meshes
-from egad.sim import ENDINGS, EngineName, Model, check_engine, write_film
+from egad.objects import Dataset, NamedMesh, named_meshes
+from egad.sim import ENDINGS, EngineName, Model, write_film
 from egad.tables.clutter import ROUND
 
 SHARDS = 4  # per job, so that no job waits long for the others
@@ -67,13 +69,7 @@ class Benchmark:
         planning_time: float = float("nan"),
         scenes: Scenes | None = None,
     ) -> None:
-        """Wrap a table.
-
-        Args:
-            table: Columns of `tables.clutter.CLUTTER`.
-            planning_time: Median, seconds.
-            scenes: Objects and settings of the rounds, needed to film them.
-        """
+        """Wrap a table of `tables.clutter.CLUTTER`; `scenes` are needed to film its rounds."""
         self.table = table.reset_index(drop=True)
         self.planning_time = planning_time
         self._scenes = scenes
@@ -193,9 +189,7 @@ def run_benchmark(
         UnitsWarning: The size of a mesh suggests a unit other than the metre.
         PartsWarning: An object needs more convex parts than are allowed.
     """
-    hand = as_gripper(gripper)
-    check_name("rule", rule, SCALE_RULES)
-    check_engine(engine)
+    hand = hand_of(gripper, rule, engine)
     clutter = from_arguments(
         Clutter,
         engine=engine,
@@ -211,19 +205,24 @@ def run_benchmark(
         rules = dict(clutter.protocol) | {"scale": scale, "packed_scale": None}
         clutter = clutter.model_copy(update={"protocol": ClutterProtocol(**rules)})
     settings = from_arguments(ClutterParameters, seed=seed, gripper=hand, clutter=clutter)
-    if isinstance(detect, str):
-        detect = DetectorConfig(
-            detector=check_name("detector", detect, (LABELS, *SHIPPED_NETWORKS, *IN_SCENES))
-        )
-    elif not callable(detect) and not isinstance(detect, DetectorConfig):
-        raise UserError(f"a detector is a function or the name of one, got {detect!r}")
-    if not isinstance(detect, DetectorConfig):
-        wanted_input(detect)
-    label_seed = seed if knows_scene(detect) else None
-    targets = named_meshes(objects)
+    known = as_detector(detect, (LABELS, *SHIPPED_NETWORKS, *IN_SCENES))
+    if not isinstance(known, DetectorConfig):
+        wanted_input(known)
+    return try_tables(known, named_meshes(objects), settings, rule, jobs)
+
+
+def try_tables(
+    detect: Detect,
+    targets: Sequence[NamedMesh],
+    settings: ClutterParameters,
+    rule: str,
+    jobs: int = 1,
+) -> Benchmark:
+    """Let a detector clear tables of objects; see `run_benchmark`, also for errors."""
     check_detector(detect, settings)
-    known = prepare_objects(targets, hand, rule, label_seed, jobs)
-    return clear_tables(detect, known, settings, jobs)
+    label_seed = settings.seed if knows_scene(detect) else None
+    objects = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
+    return clear_tables(detect, objects, settings, jobs)
 
 
 def clear_tables(

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.bench.parameters import CellErrors
-from egad.detectors import Grasp, PoseGrasp
+from egad.detectors import Grasp
 from egad.grippers import Gripper
 from egad.random import generator
 
@@ -26,22 +26,16 @@ class Deviation:
     mass: float = 1.0  # mass of an object / that of its model
     stopping_force: float = 1.0  # force that stops the hand / that of the settings
 
-    def grasp(self, planned: Grasp, gripper: Gripper) -> Grasp:
-        """A grasp from above as the hand executes it; the hand stays vertical."""
+    def apply(self, planned: Grasp, gripper: Gripper) -> Grasp:
+        """A grasp as the hand executes it; a hand that comes from above stays vertical."""
+        width = min(max(planned.width + self.opening, 0.0), gripper.opening)
+        if planned.free_pose is not None:
+            return replace(planned.moved(self.motion), width=width)
         x, y, z = (self.motion[:3, :3] @ planned.center + self.motion[:3, 3]).tolist()
         cosine, sine = math.cos(planned.angle), math.sin(planned.angle)
         along, across, _ = self.motion[:3, :3] @ [cosine, sine, 0.0]
         turn = math.atan2(cosine * across - sine * along, cosine * along + sine * across)
-        width = self._width(planned.width, gripper)
         return replace(planned, center=(x, y, z), angle=planned.angle + turn, width=width)
-
-    def pose(self, planned: PoseGrasp, gripper: Gripper) -> PoseGrasp:
-        """A grasp in any direction as the hand executes it."""
-        width = self._width(planned.width, gripper)
-        return PoseGrasp(self.motion @ planned.pose, width, planned.score)
-
-    def _width(self, planned: float, gripper: Gripper) -> float:
-        return min(max(planned + self.opening, 0.0), gripper.opening)
 
 
 EXACT: Deviation = Deviation()

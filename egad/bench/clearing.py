@@ -3,32 +3,24 @@
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import pandas as pd
 
-from egad._util.progress import progress
-from egad._util.workers import workers
-from egad.bench.clutter import Propose, proposed_by, timed
 from egad.bench.parameters import ClutterParameters
+from egad.bench.preparation import SceneObject
 from egad.bench.rounds import Round, run_round
+from egad.bench.runner import Propose, proposed_by, timed
 from egad.bench.scene_labels import SceneLabels
 from egad.detectors import (
     Detect,
     DetectorConfig,
     FailureMonitor,
     check_gripper,
-    grasps_if_any,
     knows_scene,
     opened,
 )
-from egad.errors import RejectedError, UserError
-from egad.grasps import GraspLabel, label_parameters
-from egad.grippers import Gripper
-from egad.objects import NamedMesh
 from egad.sim import Model
-from egad.sim.model import simulated
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
@@ -37,60 +29,10 @@ log = logging.getLogger(__name__)
 Cleared: TypeAlias = tuple[pd.DataFrame, list[float]]  # attempts; planning times in seconds
 
 
-class SceneObject(NamedTuple):
-    """An object as it is simulated, and its labelled grasps, none if they are not needed."""
-
-    id: str
-    model: Model
-    grasps: pd.DataFrame
-
-
 def check_detector(detect: Detect, settings: ClutterParameters) -> None:
-    """Start a detector and stop it again, before objects are prepared, which takes minutes.
-
-    Raises:
-        UserError: The detector cannot be found, made or started, or is for another kind of gripper.
-    """
+    """Start and stop a detector, before objects take minutes; UserError as from `open_table`."""
     with _proposer(detect, lambda _: empty(GRASPS), settings):
         pass
-
-
-def prepare_objects(
-    targets: Sequence[NamedMesh],
-    gripper: Gripper,
-    rule: str,
-    label_seed: int | None = None,
-    jobs: int = 1,
-) -> list[SceneObject]:
-    """Prepare objects for clearing tables; objects that cannot be simulated are left out.
-
-    They have labelled grasps if there is a seed for them.
-
-    Raises:
-        UserError: None of the objects can be simulated.
-    """
-    work = partial(_prepared, rule=rule, gripper=gripper, label_seed=label_seed)
-    with workers(jobs) as mapper:
-        made = list(progress(mapper(work, targets), "making models", len(targets)))
-    usable = [each for each in made if each is not None]
-    if not usable:
-        raise UserError("none of the objects can be simulated")
-    return usable
-
-
-def _prepared(
-    target: NamedMesh, rule: str, gripper: Gripper, label_seed: int | None
-) -> SceneObject | None:
-    """An object as it is simulated; None if that is impossible."""
-    try:
-        mesh, model = simulated(target, gripper, rule)
-    except RejectedError as reason:
-        log.warning("%s is left out: %s", target.label, reason)
-        return None
-    if label_seed is None:
-        return SceneObject(target.id, model, empty(GRASPS))
-    wanted = label_parameters(gripper, GraspLabel().grasps, label_seed)
-    return SceneObject(target.id, model, grasps_if_any(mesh, target.id, wanted))
 
 
 def clear_rounds(
@@ -119,10 +61,9 @@ def open_table(
     grasps: Callable[[str], pd.DataFrame],
     settings: ClutterParameters,
 ) -> Iterator[Callable[[Round], Cleared]]:
-    """A function that lets a detector clear one table, valid within the context.
+    """A function that lets a detector clear one table; UserError if the detector cannot be made.
 
-    Models and labelled grasps (columns of `tables.grasping.GRASPS`) are looked up by the id of an
-    object, grasps for `labels` only. UserError if the detector cannot be found or made.
+    Models, and grasps (`tables.grasping.GRASPS`) for `labels`, are looked up by id.
     """
     with _proposer(detect, grasps, settings) as proposer:
 

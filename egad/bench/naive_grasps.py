@@ -30,9 +30,8 @@ from egad.sim import (
     open_world,
 )
 from egad.sim.arms import TurningAxis
-from egad.sim.execution import execute
+from egad.sim.execution import STEEP, execute
 from egad.sim.labelled_trials import float_before_hand
-from egad.sim.pose_execution import STEEP
 from egad.tables.outcomes import Outcome
 
 SIDEWAYS = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -169,4 +168,4 @@ def try_on_table(world: World, rng: np.random.Generator, deepest: float = np.inf
     if pose is None:
         return Outcome.NO_GRASP
     put(world, present)
-    return execute_pose(world, pose, gripper.opening, ContactRules("fail")).outcome
+    return execute_pose(world, pose, gripper.opening, ContactRules("collided")).outcome

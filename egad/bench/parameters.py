@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.parameters import (
+    SCALE_RULES,
     Length,
     ParameterGroup,
     Parameters,
@@ -17,10 +18,18 @@ from egad._util.parameters import (
 )
 from egad.bench.protocols import NAMED_PROTOCOLS, SCENE_KINDS, Protocol, SceneKind
 from egad.detectors import DetectorConfig, NoiseName
+from egad.errors import check_name
 from egad.geometry import Material
 from egad.grasps import Quality
-from egad.grippers import Gripper
-from egad.sim import COLLISION_FORCE, ENGINES, EngineName, Lifting
+from egad.grippers import Gripper, as_gripper
+from egad.sim import (
+    COLLISION_FORCE,
+    ENGINES,
+    EngineName,
+    Lifting,
+    check_engine,
+    contacts_in_words,
+)
 
 Offset = Annotated[float, Field(ge=0, le=0.1)]
 PlanningTime = Annotated[
@@ -107,8 +116,8 @@ class ContactRule(Parameters):
 
     contact: Literal["collided", "close"] = Field(
         "collided",
-        description="what a contact on the way down means: collided: the attempt fails; close: the "
-        "fingers close where the hand was stopped, as on the robot of EGAD",
+        description="what a contact on the way down means: "
+        f"{contacts_in_words('collided', 'close')}, as on the robot of EGAD",
     )
     stopping_force: float = Field(
         COLLISION_FORCE,
@@ -122,7 +131,9 @@ class ContactRule(Parameters):
 class TrialProtocol(ContactRule, Lifting):
     """Attempts to grasp single objects in simulation."""
 
-    attempts: int = Field(10, ge=1, description="attempts per object")
+    attempts: int = Field(
+        10, ge=1, description="attempts per object; half of those in the paper, to end sooner"
+    )
     reset: Literal["continue", "redrop"] = Field(
         "continue",
         description="continue: after a success the hand tilts and drops the object, after a "
@@ -202,6 +213,14 @@ class Clutter(Parameters):
     def noises(self) -> tuple[NoiseName, ...]:
         """The kinds of noise: those given, or else those of the protocol."""
         return self.noise or self.protocol.noise
+
+
+def hand_of(gripper: Gripper | str, rule: str, engine: str) -> Gripper:
+    """The gripper of a run; UserError without such a gripper, scale rule or installed engine."""
+    hand = as_gripper(gripper)
+    check_name("rule", rule, SCALE_RULES)
+    check_engine(engine)
+    return hand
 
 
 class NaiveGrasp(Parameters):

@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.parameters import Length, Pixels, Range, UserParameters, by_name
 from egad.detectors import NOISES, NoiseName
-from egad.sim import COLLISION_FORCE
+from egad.sim import COLLISION_FORCE, Contact, contacts_in_words
 
 SceneKind = Literal["single", "packed", "pile"]
 SCENE_KINDS: tuple[SceneKind, ...] = get_args(SceneKind)
@@ -107,11 +107,11 @@ class ClutterProtocol(UserParameters):
     opening: Literal["predicted", "full"] = Field(
         "predicted", description="how far the hand opens: as the detector predicts, or fully"
     )
-    contact: Literal["close", "fail", "ignore"] = Field(
+    contact: Contact = Field(
         "close",
-        description="what a contact during the approach means: close: the hand stops and closes "
-        "there; fail: the attempt fails; ignore: the hand moves on. A contact before the approach "
-        "is always a failure",
+        description="what a contact during the approach means: "
+        f"{contacts_in_words('close', 'collided', 'ignore')}. A contact before the approach is "
+        "always a failure",
     )
     stopping_force: float = Field(
         COLLISION_FORCE,

@@ -11,7 +11,8 @@ from egad._util.progress import phase_if_slow
 from egad.bench.attempts import END, columns_of, read_attempt
 from egad.bench.parameters import ClutterParameters, TrialParameters
 from egad.bench.rounds import Models, film_round
-from egad.bench.trial_runner import Attempt, TrialRunner
+from egad.bench.runner import Attempt
+from egad.bench.trial_runner import TrialRunner
 from egad.errors import UserError
 from egad.sim import ARMS, Film, open_world, write_film
 from egad.tables import parquet
@@ -82,9 +83,5 @@ def _check(row: Mapping[str, Any], again: Mapping[str, Any]) -> None:
 def film_clearing(
     settings: ClutterParameters, table: Path, models: Models, name: tuple[str, str, int], out: Path
 ) -> None:
-    """Repeat a round without its detector, and film it (`.gif` or `.mp4`).
-
-    A kind of scene, the noise and a number name a round, `tables.clutter.CLUTTER`. Raises
-    `UserError` if there is no such round, or it ends differently.
-    """
+    """Repeat a round (kind of scene, noise, number) without its detector, and film it."""
     write_film(film_round(parquet.read(table, CLUTTER), *name, models, settings), out)

@@ -9,11 +9,12 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import RgbImage
 from egad._util.progress import phase_if_slow
-from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
+from egad.bench.clearing_runner import ClearingRunner
 from egad.bench.parameters import ClutterParameters
 from egad.bench.protocols import ClutterProtocol, SceneKind
+from egad.bench.runner import Attempt, Propose
 from egad.bench.scenes import BOX
-from egad.detectors import NoiseName, PoseGrasp
+from egad.detectors import Grasp, NoiseName
 from egad.errors import UserError
 from egad.geometry import nearest
 from egad.random import entropy, generator
@@ -28,16 +29,7 @@ ENDS = ["attempt", "n_present", "success", "stopped"]  # of attempts
 
 
 class Round(NamedTuple):
-    """One round: which objects, at which size, and how they lie.
-
-    Attributes:
-        scene: How the objects lie.
-        noise: Noise added to the depth images.
-        number: Number of the round.
-        seed: Seed of everything that happens in it.
-        ids: Names of the objects, in the order of their numbers.
-        factors: Their sizes relative to the models.
-    """
+    """One round: which objects, at which size, and how they lie; its seed decides all in it."""
 
     scene: SceneKind
     noise: NoiseName
@@ -109,7 +101,7 @@ def run_round(
     `proposer` returns what proposes grasps, given names and models of the objects in the scene.
     """
     with open_round(this, models, settings) as world:
-        runner = ClutterRunner(world, settings.clutter)
+        runner = ClearingRunner(world, settings.clutter)
         propose = proposer(this.ids, world.models)
         attempts = list(runner.clear(propose, this.scene, this.noise, this.seed))
     return _table(this, world.models, attempts, settings)
@@ -117,7 +109,7 @@ def run_round(
 
 def failed_round(this: Round, settings: ClutterParameters, outcome: Outcome) -> pd.DataFrame:
     """The table of a round that could not be simulated."""
-    return _table(this, [], [ClutterAttempt(outcome, ())], settings)
+    return _table(this, [], [Attempt(outcome, ())], settings)
 
 
 def repeat_round(
@@ -134,7 +126,7 @@ def repeat_round(
     this = _read_round(rows.iloc[0])
     with open_round(this, models, settings) as world:
         watch(world)
-        runner = ClutterRunner(world, settings.clutter)
+        runner = ClearingRunner(world, settings.clutter)
         grasps = [read_grasp(row) for row in parquet.records(rows)]
         attempts = list(runner.repeat(grasps, this.scene, this.seed))
     return _table(this, world.models, attempts, settings)
@@ -173,7 +165,7 @@ def film_round(
 def picture_of(this: Round, models: Models, settings: ClutterParameters) -> RgbImage:
     """Picture of the initial scene of a round, (height, width, 3); UnstableError as for `begin`."""
     with open_round(this, models, settings) as world:
-        ClutterRunner(world, settings.clutter).begin(this.scene, this.seed)
+        ClearingRunner(world, settings.clutter).begin(this.scene, this.seed)
         return Film(world).frame()
 
 
@@ -190,14 +182,14 @@ def _read_round(row: pd.Series) -> Round:
     )
 
 
-def read_grasp(row: Mapping[str, Any]) -> PoseGrasp | Outcome:
+def read_grasp(row: Mapping[str, Any]) -> Grasp | Outcome:
     """The grasp tried in an attempt of a table, or why there was none."""
     numbers = np.array([row[name] for name in GRASP_POSE], dtype=np.float64)
     if np.isnan(numbers).any():
         return Outcome(row["outcome"])
     pose = np.eye(4)
     pose[:3] = numbers.reshape(3, 4)
-    return PoseGrasp(pose, float(row["width"]), float(row["score"]))
+    return Grasp.of_pose(pose, float(row["width"]), float(row["score"]))
 
 
 def open_round(this: Round, models: Models, settings: ClutterParameters) -> World:
@@ -215,7 +207,7 @@ def open_round(this: Round, models: Models, settings: ClutterParameters) -> Worl
 def _table(
     this: Round,
     models: Sequence[Model],
-    attempts: Sequence[ClutterAttempt],
+    attempts: Sequence[Attempt],
     settings: ClutterParameters,
 ) -> pd.DataFrame:
     at_first = len(attempts[0].present) if attempts else 0
@@ -238,24 +230,21 @@ def _table(
     return pd.DataFrame(rows, columns=CLUTTER.names)
 
 
-def _columns_of(attempt: ClutterAttempt, this: Round, models: Sequence[Model]) -> dict[str, Any]:
+def _columns_of(attempt: Attempt, this: Round, models: Sequence[Model]) -> dict[str, Any]:
     grasp = attempt.grasp
     numbers = np.full(12, np.nan) if grasp is None else grasp.pose[:3].ravel()
     return {
         "n_present": len(attempt.present),
         "present": " ".join(this.ids[each.number] for each in attempt.present),
-        "success": attempt.outcome == Outcome.SUCCESS,
-        "outcome": attempt.outcome.value,
+        **attempt.columns(),
         "id": "" if grasp is None else this.ids[_target(attempt, grasp, models)],
         **dict(zip(GRASP_POSE, numbers.tolist(), strict=True)),
         "width": np.nan if grasp is None else grasp.width,
-        "score": np.nan if grasp is None else grasp.score,
-        "stopped": attempt.stopped,
-        "failure": attempt.failure,
+        "score": np.nan if grasp is None else grasp.quality,
     }
 
 
-def _target(attempt: ClutterAttempt, grasp: PoseGrasp, models: Sequence[Model]) -> int:
+def _target(attempt: Attempt, grasp: Grasp, models: Sequence[Model]) -> int:
     """Number of the object that was held, or of the one whose surface is nearest to the grasp."""
     if attempt.held is not None:
         return attempt.held

@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
 from egad.bench.scenes import WORKSPACE, RestingObject
-from egad.detectors import Observation, PoseGrasp
+from egad.detectors import Grasp, Observation
 from egad.geometry import RayCaster, joined
 from egad.grasps import blocked_turns, hand_poses, vectors
 from egad.grasps.suction import collision_free, loads_in_frames, resists, seal_cups
-from egad.grippers import BoxBody, Gripper, ModelBody, SuctionCup, body_of
+from egad.grippers import Gripper, HandBody, body_of, cup_of
+from egad.grippers.kinds import CupKind, JawKind
 from egad.sim import Model
-from egad.sim.pose_execution import STANDOFF
+from egad.sim.execution import STANDOFF
 from egad.sim.world import DOWN
 from egad.tables.outcomes import Outcome
 
@@ -44,7 +45,7 @@ class SceneLabels:
 
     def __call__(
         self, observation: Observation, present: Sequence[RestingObject], rng: np.random.Generator
-    ) -> PoseGrasp | Outcome:
+    ) -> Grasp | Outcome:
         """The grasp of the highest robust quality that the open hand can approach straight.
 
         The hand may approach from any of 16 directions around the closing axis. Of those without a
@@ -56,12 +57,15 @@ class SceneLabels:
         del observation, rng
         return next(self.possible(present), Outcome.NO_GRASP)
 
-    def possible(self, present: Sequence[RestingObject]) -> Iterator[PoseGrasp]:
+    def possible(self, present: Sequence[RestingObject]) -> Iterator[Grasp]:
         """The grasps that `__call__` chooses from, best first, computed lazily."""
-        frames, widths, quality = self._candidates(present)
-        if self._gripper.cup is not None:
-            yield from self._with_cup(self._gripper.cup, frames, quality, present)
-            return
+        by_kind = {JawKind.name: self._with_jaws, CupKind.name: self._with_cup}
+        return by_kind[self._gripper.kind.name](*self._candidates(present), present)
+
+    def _with_jaws(
+        self, frames: Floats, widths: Floats, quality: Floats, present: Sequence[RestingObject]
+    ) -> Iterator[Grasp]:
+        """The grasps of jaws in the scene, best first."""
         opening, body = self._gripper.opening, self._body
         hand = body.parts(STANDOFF)
         behind = body.reach(widths) - body.reach(np.array([opening]))
@@ -77,16 +81,17 @@ class SceneLabels:
             for number in np.flatnonzero(~blocked.all(axis=1)).tolist():
                 pose = _turned(chosen[number], blocked[number])
                 pose[:3, 3] -= back[number] * pose[:3, 2]  # where the open hand is
-                yield PoseGrasp(pose, opening, float(quality[numbers[number]]))
+                yield Grasp.of_pose(pose, opening, float(quality[numbers[number]]))
 
     @cached_property
-    def _body(self) -> BoxBody | ModelBody:
+    def _body(self) -> HandBody:
         return body_of(self._gripper)
 
     def _with_cup(
-        self, cup: SuctionCup, poses: Floats, quality: Floats, present: Sequence[RestingObject]
-    ) -> Iterator[PoseGrasp]:
+        self, poses: Floats, _widths: Floats, quality: Floats, present: Sequence[RestingObject]
+    ) -> Iterator[Grasp]:
         """The grasps of a cup in the scene, best first."""
+        cup = cup_of(self._gripper, "a suction grasp")
         best = np.argsort(-quality, kind="stable")
         best = best[quality[best] > 0][:MAX_TESTED]
         owners = np.repeat([each.number for each in present], self._counts(present))[best]
@@ -102,7 +107,7 @@ class SceneLabels:
         weights = np.array(masses)[:, None] * np.array(DOWN)
         loads = loads_in_frames(origins, frames, weights.reshape(-1, 3), centers)
         for number in best[good & resists(cup, loads)].tolist():
-            yield PoseGrasp(poses[number], 0.0, float(quality[number]))
+            yield Grasp.of_pose(poses[number], 0.0, float(quality[number]))
 
     def _counts(self, present: Sequence[RestingObject]) -> list[int]:
         return [len(self._grasps[each.number]) for each in present]

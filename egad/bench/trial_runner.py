@@ -1,21 +1,23 @@
 """One grasp trial: drop the object, take an image, plan, and carry out the grasp."""
 
 import logging
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
+from typing_extensions import override
 
 from egad._util.arrays import Floats
 from egad.bench.cell_errors import EXACT, Deviation
 from egad.bench.parameters import TrialProtocol
+from egad.bench.runner import Attempt, InitialPose, Proposal, Runner
+from egad.bench.scenes import RestingObject
 from egad.detectors import (
     DepthCamera,
     Detector,
-    Failure,
     Grasp,
     ImageNoise,
     Intrinsics,
@@ -27,8 +29,8 @@ from egad.detectors import (
     from_above,
     try_to_plan,
 )
-from egad.sim import TIME_STEP, Arm, Pose, UnstableError, World
-from egad.sim.execution import Stopping, execute
+from egad.sim import TIME_STEP, Arm, ContactRules, Execution, Pose, UnstableError, World
+from egad.sim.execution import execute
 from egad.tables.outcomes import Outcome
 
 log = logging.getLogger(__name__)
@@ -42,19 +44,6 @@ DROPS = 5
 # Released upright, nearly all objects lie as before, and the same grasp works 20 times.
 TILT = np.pi / 2
 MOVED = 0.01  # metres; if no point moved further, a detector would try the same again
-
-
-class InitialPose(NamedTuple):
-    """The object at rest in some pose, from which it falls.
-
-    Attributes:
-        kind: dropped: placed above the middle in a random orientation; from_hand: released there by
-            the hand that held it; left: where the previous attempt left it.
-        pose: Pose of the object.
-    """
-
-    kind: str
-    pose: Pose
 
 
 def initial_poses(
@@ -103,32 +92,6 @@ def _tilted(quaternion: Floats, rng: np.random.Generator) -> Floats:
     return tilted
 
 
-@dataclass(frozen=True)
-class Attempt:
-    """The result of an attempt.
-
-    Attributes:
-        outcome: As in `Execution`, or one of `egad.tables.outcomes.DETECTOR_FAILURES`; None if it
-            was repeated without a grasp, as it is not known why there was none.
-        start: Where the object fell from; None if it never came to rest.
-        rest: Where it lay when the camera image was taken.
-        grasp: The grasp that was tried, if any.
-        lifted: Height that the object's center of mass gained, metres.
-        end: Its final pose; None if the simulation broke down.
-        stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
-        failure: What the detector did wrong, if it failed.
-    """
-
-    outcome: Outcome | None
-    start: InitialPose | None = None
-    rest: Pose | None = None
-    grasp: Grasp | None = None
-    lifted: float = 0.0
-    end: Pose | None = None
-    stopped: float = 0.0
-    failure: str = ""
-
-
 class Ready(NamedTuple):
     """An object that lies still in the workspace."""
 
@@ -136,18 +99,16 @@ class Ready(NamedTuple):
     rest: Pose
 
 
-class TrialRunner:
-    """A table with an object, a camera and a hand, to try grasps on."""
+class TrialRunner(Runner):
+    """A table with an object, a camera above it and a hand on an arm."""
 
     def __init__(self, world: World, arm: Arm, trials: TrialProtocol) -> None:
         """Set up in a running simulation of the arm's robot."""
-        self.world = world
-        self.arm = arm
-        self.gripper = arm.robot.gripper
-        self.trials = trials
-        self.eye = DepthCamera(world.model.mesh)
+        super().__init__(world, arm.robot.gripper)
+        self.arm, self.trials = arm, trials
+        self._camera = DepthCamera(world.model.mesh)
         self.intrinsics = Intrinsics.spanning(*trials.image, trials.field_of_view)
-        self.camera = camera_above(trials.camera_height)
+        self.camera_pose = camera_above(trials.camera_height)
 
     def attempt(
         self,
@@ -161,17 +122,13 @@ class TrialRunner:
         The seed is that of the drops and, independently of these, of the detector and the camera.
         The attempt may continue from the one before.
         """
-        self._vary(deviation)
+        self.vary(deviation)
         drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
         ready = self.begin(drop_rng, before)
         if ready is None:
             return Attempt(Outcome.FAILED)
-        grasp = self._plan(detect, self.noisy_view(camera_rng), detector_rng)
-        if isinstance(grasp, Failure):
-            return Attempt(grasp.outcome, *ready, end=ready.rest, failure=grasp.text)
-        if isinstance(grasp, Outcome):
-            return Attempt(grasp, *ready, end=ready.rest)
-        return self._carried_out(grasp, ready, deviation)
+        proposal = self._plan(detect, self.noisy_view(camera_rng), detector_rng)
+        return self._finish(proposal, ready, deviation)
 
     def repeat(
         self, start: InitialPose, grasp: Grasp | None, deviation: Deviation = EXACT
@@ -180,24 +137,37 @@ class TrialRunner:
 
         It is the same, bit by bit, except that it does not say why there is no grasp.
         """
-        self._vary(deviation)
+        self.vary(deviation)
         rest = self._settled(start)
         if rest is None:
             return Attempt(Outcome.FAILED)
-        ready = Ready(start, rest)
         if grasp is None:
-            return Attempt(None, *ready, end=rest)
-        return self._carried_out(grasp, ready, deviation)
+            return Attempt(None, (RestingObject(0, rest),), start=start, end=rest)
+        return self._finish(grasp, Ready(start, rest), deviation)
 
-    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
-        """Try a grasp of an object that lies still, in a world that is reset first."""
+    @override
+    def drop(self, rng: np.random.Generator) -> Pose | None:
+        ready = self.begin(rng)
+        return None if ready is None else ready.rest
+
+    @override
+    def see(self, rest: Pose, rng: np.random.Generator) -> View:
+        self.place(rest)
+        return self.noisy_view(rng)
+
+    def place(self, rest: Pose) -> None:
+        """Place the object at rest in a world that is reset."""
         self.world.reset()
         self.world.place(rest)
-        return self._carried_out(grasp, Ready(InitialPose("left", rest), rest))
+
+    @override
+    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
+        self.place(rest)
+        return self._finish(grasp, Ready(InitialPose("left", rest), rest), EXACT)
 
     def render_view(self) -> View:
         """A depth image of the object at its current pose."""
-        return self.eye.render(self.world.pose().matrix, self.intrinsics, self.camera)
+        return self._camera.render(self.world.pose().matrix, self.intrinsics, self.camera_pose)
 
     def noisy_view(self, rng: np.random.Generator) -> View:
         """The same as the camera of the trials sees it, with its noise."""
@@ -208,35 +178,37 @@ class TrialRunner:
             view, ImageNoise(disparity=self.trials.depth_noise, holes=True), rng
         )
 
-    def _vary(self, deviation: Deviation) -> None:
-        self.world.mass_factor = deviation.mass
-        self.world.friction_factor = deviation.friction
+    def _finish(self, proposal: Proposal, ready: Ready, deviation: Deviation) -> Attempt:
+        """An attempt at an object that lies still."""
+        attempt = self.try_proposal(proposal, [RestingObject(0, ready.rest)], deviation)
+        end = ready.rest if attempt.grasp is None else attempt.end
+        return replace(attempt, start=ready.start, end=end)
 
-    def _carried_out(self, grasp: Grasp, ready: Ready, deviation: Deviation = EXACT) -> Attempt:
+    @override
+    def _execute(
+        self, grasp: Grasp, present: Sequence[RestingObject], deviation: Deviation
+    ) -> Execution:
         force = self.trials.stopping_force * deviation.stopping_force
-        result = execute(
+        return execute(
             self.world,
             self.arm,
             self.trials,
-            deviation.grasp(grasp, self.gripper),
-            stopping=Stopping(force, self.trials.contact == "close"),
-        )
-        return Attempt(
-            result.outcome, *ready, grasp, result.lifted, result.end, stopped=result.stopped
+            deviation.apply(grasp, self.gripper),
+            rules=ContactRules(self.trials.contact, force),
         )
 
-    def _plan(
-        self, detect: Detector | Labels, view: View, rng: np.random.Generator
-    ) -> Grasp | Outcome | Failure:
+    def _plan(self, detect: Detector | Labels, view: View, rng: np.random.Generator) -> Proposal:
         """The grasp to try, or the outcome if there is none; errors of the detector are caught."""
         place = self.world.pose().matrix @ self.world.model.to_principal
-        if isinstance(detect, Labels):
-            return try_to_plan(
-                lambda: best_grasp(detect.propose(place, view, self.gripper), self.gripper)
-            )
-        return try_to_plan(
-            lambda: best_grasp(from_above(detect(view, self.gripper, rng)), self.gripper)
-        )
+
+        def plan() -> Grasp | Outcome:
+            if isinstance(detect, Labels):
+                grasps = detect.propose(place, view, self.gripper)
+            else:
+                grasps = from_above(detect(view, self.gripper, rng))
+            return best_grasp(grasps, self.gripper)
+
+        return try_to_plan(plan)
 
     def begin(self, rng: np.random.Generator, before: Attempt | None = None) -> Ready | None:
         """Drop the object, or leave it, until it lies still in the workspace; None if never."""
@@ -251,8 +223,7 @@ class TrialRunner:
     def _left_by(self, before: Attempt) -> InitialPose | None:
         """Where an attempt left the object; None if it is dropped again.
 
-        It is dropped again if the simulation broke down, or if it did not move (`MOVED`): a
-        detector would then try the same grasp again.
+        It is if the simulation broke down, or if it did not move: a detector would try the same.
         """
         if before.end is None or before.rest is None:
             return None
@@ -282,5 +253,5 @@ class TrialRunner:
         """Whether the object is near the middle, and the camera sees all of it."""
         if np.linalg.norm(rest.position[:2]) > self.trials.workspace:
             return False
-        seen = (self.world.vertices() - self.camera[:3, 3]) @ self.camera[:3, :3]
+        seen = (self.world.vertices() - self.camera_pose[:3, 3]) @ self.camera_pose[:3, :3]
         return self.intrinsics.sees(seen)

@@ -31,14 +31,7 @@ PLAN_COLUMNS = ["objects", "factors", "seed"]
 
 
 class Difference(NamedTuple):
-    """A value of a table that the simulation does not reproduce.
-
-    Attributes:
-        place: Which row.
-        column: Its column.
-        said: Value in the table.
-        found: Value from the simulation.
-    """
+    """A value of a table that the simulation does not reproduce: `said` is that of the table."""
 
     place: str
     column: str
@@ -62,8 +55,7 @@ def verify_attempts(
 ) -> list[Difference]:
     """Run all attempts at an object, `tables.evaluation.TRIALS` in order, again from their seeds.
 
-    Number of attempts and engine are taken from the table. `tolerance`: by how much numbers may
-    differ; 0 on the same kind of processor.
+    Numbers may differ by `tolerance`: 0 on the same kind of processor.
     """
     rows = rows.reset_index(drop=True)
     given = {"attempts": len(rows), "engine": rows["engine"].iloc[0]}

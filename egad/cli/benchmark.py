@@ -1,8 +1,7 @@
 """The standard benchmark: a detector clears tables."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -17,20 +16,13 @@ from egad.cli.common import (
     Rule,
     Units,
     Weights,
-    detector_in,
-    gripper_in,
     gripper_option,
     out_option,
-    settings_in,
+    settings_to_try,
 )
 from egad.cli.repeat import run_trials
 
 FOLDER = Path("benchmark")
-
-if TYPE_CHECKING:
-    from egad.bench import ClearedTables
-    from egad.bench.benchmark import Benchmark
-    from egad.objects import NamedMesh
 
 
 def benchmark(
@@ -65,6 +57,7 @@ def benchmark(
 ) -> None:
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
     from egad.bench import ClearedTables
+    from egad.bench.benchmark import try_tables
     from egad.bench.stats import engine_names
     from egad.cli.terminal_tables import cleared, outcome_list
     from egad.io import check_ending
@@ -73,15 +66,13 @@ def benchmark(
     from egad_workflow.settings import select
 
     options = {
-        "--protocol": ("clutter.protocol", protocol),
-        "--rounds": ("clutter.rounds", rounds),
-        "--keep-going": ("clutter.keep_going", keep_going or None),
-        "--rule": ("rescale.rule", rule),
+        "clutter.protocol": protocol,
+        "clutter.rounds": rounds,
+        "clutter.keep_going": keep_going or None,
+        "rescale.rule": rule,
     }
-    settings = settings_in(config, options)
-    settings, gripper = gripper_in(settings, gripper)
+    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_engine(settings.clutter.engine)
-    settings, name = detector_in(settings, detector, weights, command)
     path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
     check_ending(out, (".parquet",))
     chosen = select(settings, ClearedTables, gripper, name)
@@ -89,7 +80,7 @@ def benchmark(
         films.mkdir(exist_ok=True)
     result = run_trials(
         "benchmark",
-        lambda targets: _clear(chosen, scaling, targets, jobs),
+        lambda targets: try_tables(chosen.detector, targets, chosen, scaling, jobs),
         *(chosen, scaling, gripper, (objects, units), (path, CLUTTER)),
     )
     cleared({name: result.rates()}, {name: engine_names(result.table)})
@@ -99,16 +90,3 @@ def benchmark(
     if films is not None:
         for kind in settings.clutter.scenes:
             result.film(kind, 0, films / f"{name}-{kind}.gif", settings.clutter.noises[0])
-
-
-def _clear(
-    settings: "ClearedTables", rule: str, targets: "Sequence[NamedMesh]", jobs: int
-) -> "Benchmark":
-    """Let a detector clear tables of objects."""
-    from egad.bench.benchmark import clear_tables
-    from egad.bench.clearing import check_detector, prepare_objects
-
-    label_seed = settings.seed if settings.detector.detector == "labels" else None
-    check_detector(settings.detector, settings)
-    known = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
-    return clear_tables(settings.detector, known, settings, jobs)

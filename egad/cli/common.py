@@ -171,6 +171,29 @@ def detector_in(
     return settings.model_copy(update={"detectors": {**settings.detectors, name: found}}), name
 
 
+def settings_to_try(
+    config: Path | None,
+    options: Mapping[str, object],
+    gripper: str,
+    detector: str,
+    weights: Path | None,
+    command: str | None,
+) -> tuple[Settings, str, str]:
+    """Settings of a command that tries a detector, and the names of its gripper and detector.
+
+    `options` are the values of options by key, such as `trials.attempts` for `--attempts`; None
+    keeps what the configuration says.
+    """
+    named = {
+        "--" + key.rpartition(".")[2].replace("_", "-"): (key, value)
+        for key, value in options.items()
+    }
+    settings = settings_in(config, named)
+    settings, hand = gripper_in(settings, gripper)
+    settings, name = detector_in(settings, detector, weights, command)
+    return settings, hand, name
+
+
 def with_packaged(settings: Settings, name: str | None) -> Settings:
     """Settings with a gripper from another package, if it is asked for by its name."""
     if name not in PACKAGED or name in settings.grippers:

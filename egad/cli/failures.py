@@ -14,11 +14,9 @@ from egad.cli.common import (
     Jobs,
     Rule,
     Weights,
-    detector_in,
-    gripper_in,
     gripper_option,
     out_option,
-    settings_in,
+    settings_to_try,
 )
 from egad.errors import UserError
 
@@ -95,21 +93,20 @@ def failures(
     """Search for objects at which a grasp detector fails although they can be grasped."""
     from egad.bench.failures import DetectorFailures, check_searchable, search_failures
     from egad.detectors import keep_failure
+    from egad.report.failure_atlas import write_page
     from egad_workflow.provenance import recorded
     from egad_workflow.settings import select
 
     options = {
-        "--attempts": ("failures.attempts", attempts),
-        "--strategy": ("failures.strategy", strategy),
-        "--approach": ("failures.approach", approach),
-        "--depth-noise": ("failures.depth_noise", depth_noise),
-        "--least-difference": ("failures.least_difference", least_difference),
-        "--engines": ("failures.engines", engines.split(",") if engines else None),
-        "--rule": ("rescale.rule", rule),
+        "failures.attempts": attempts,
+        "failures.strategy": strategy,
+        "failures.approach": approach,
+        "failures.depth_noise": depth_noise,
+        "failures.least_difference": least_difference,
+        "failures.engines": engines.split(",") if engines else None,
+        "rescale.rule": rule,
     }
-    settings = settings_in(config, options)
-    settings, gripper = gripper_in(settings, gripper)
-    settings, name = detector_in(settings, detector, weights, command)
+    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_searchable(settings.detectors[name], settings.grippers[gripper])
     chosen, files = _objects(objects)
     settings = settings.model_copy(update={"shape": chosen.shape})
@@ -123,7 +120,7 @@ def failures(
     ):
         atlas = search_failures(chosen.archive, found.detector, found, jobs, folder)
     if len(atlas):
-        atlas.page(folder / PAGE, films, objects=chosen, jobs=jobs)
+        write_page(atlas, folder / PAGE, films, objects=chosen, jobs=jobs)
     _tell(atlas, name, folder)
 
 

@@ -4,12 +4,15 @@ import re
 from collections.abc import Collection, Mapping
 from itertools import chain, count
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from egad.cli.common import Config, out_option, settings_in, with_packaged
 from egad.errors import UserError, check_name
+
+if TYPE_CHECKING:
+    from egad.grippers import Gripper
 
 gripper = typer.Typer(
     name="gripper", no_args_is_help=True, help="Grippers from URDF and MJCF files: inspect."
@@ -38,40 +41,45 @@ def inspect(
 
     Prints the entry for a configuration. Writes NAME.html, or the page given by --out.
     """
-    from egad.grippers import Gripper, model_of
+    from egad.grippers import Gripper
+    from egad.grippers.kinds import CupKind, JawKind
     from egad.io import check_ending
-    from egad.report.hand import (
-        cup_entry,
-        cup_facts,
-        cup_page,
-        hand_entry,
-        hand_facts,
-        hand_page,
-        jaw_table,
-    )
 
     check_ending(out, (".html",))
     if Path(hand).is_file():
         name = _name_of(Path(hand), settings_in(config).grippers)
-        found = Gripper.from_file(hand)
+        chosen = Gripper.from_file(hand)
     else:
         known = with_packaged(settings_in(config), hand).grippers
         name = check_name("gripper or file", hand, known)
-        found = known[name]
-        if found.cup is not None:
-            facts, entry = cup_facts(found.cup), cup_entry(name, found)
-            _write(out, name, facts, entry, cup_page(name, found, found.cup))
-            return
-        if found.file is None:
-            raise UserError(f"the gripper {name} has no `file`; its boxes are in the configuration")
-    model = model_of(found)
-    facts = hand_facts(found, model)
+        chosen = known[name]
+    describe = {JawKind.name: _describe_hand, CupKind.name: _describe_cup}[chosen.kind.name]
+    _write(out, name, *describe(name, chosen))
+
+
+def _describe_cup(name: str, hand: "Gripper") -> tuple[dict[str, str], str, str]:
+    """Facts about a cup, its entry in a configuration, and its page."""
+    from egad.grippers import cup_of
+    from egad.report.hand import cup_entry, cup_facts, cup_page
+
+    cup = cup_of(hand, "its page")
+    return cup_facts(cup), cup_entry(name, hand), cup_page(name, hand, cup)
+
+
+def _describe_hand(name: str, hand: "Gripper") -> tuple[dict[str, str], str, str]:
+    """The same for a hand from a file."""
+    from egad.grippers import model_of
+    from egad.report.hand import hand_entry, hand_facts, hand_page, jaw_table
+
+    if hand.file is None:
+        raise UserError(f"the gripper {name} has no `file`; its boxes are in the configuration")
+    model = model_of(hand)
+    facts = hand_facts(hand, model)
     for row in jaw_table(model):
         cells = (row[key] for key in ("opening", "angle", "friction", "gaps"))
         text = "opening {}, angle {}, friction {}; gaps {} mm".format(*cells)
         facts[f"joint at {row['joint']}"] = text
-    entry = hand_entry(name, found, model)
-    _write(out, name, facts, entry, hand_page(name, found, model))
+    return facts, hand_entry(name, hand, model), hand_page(name, hand, model)
 
 
 def _write(out: Path | None, name: str, facts: Mapping[str, str], entry: str, page: str) -> None:

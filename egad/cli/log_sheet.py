@@ -66,7 +66,7 @@ def log_sheet(
         if path.suffix.lower() == ".csv" and path.exists():
             raise UserError(f"--out {path} exists and may already be filled in; give another file")
     settings, hand = gripper_in(settings_in(config), gripper)
-    outcomes = observable(cup=settings.grippers[hand].cup is not None)
+    outcomes = observable(cup=not settings.grippers[hand].kind.closes)
     found = evaluation_objects(dataset, None if objects is None else _words(objects))
     planned = plan(found, attempts, _words(detectors), seed, blind=blind, rounds=rounds)
     tried = [

@@ -16,13 +16,10 @@ from egad.cli.common import (
     Rule,
     Units,
     Weights,
-    detector_in,
-    gripper_in,
     gripper_option,
     out_option,
-    settings_in,
+    settings_to_try,
 )
-from egad.cli.log_sheet import ATTEMPTS
 from egad.cli.repeat import run_trials
 
 FOLDER = Path("trials")
@@ -37,10 +34,7 @@ def run(
     gripper: Annotated[str, gripper_option()] = "egad_75mm",
     attempts: Annotated[
         int | None,
-        typer.Option(
-            min=1,
-            help=f"attempts at each object; default: trials.attempts of --config, else {ATTEMPTS}",
-        ),
+        typer.Option(min=1, help="attempts at each object; default: trials.attempts"),
     ] = None,
     seed: Annotated[
         int | None,
@@ -69,15 +63,13 @@ def run(
     from egad_workflow.settings import select
 
     options = {
-        "--attempts": ("trials.attempts", attempts or (None if config else ATTEMPTS)),
-        "--seed": ("seed", seed),
-        "--keep-going": ("trials.keep_going", keep_going or None),
-        "--rule": ("rescale.rule", rule),
+        "trials.attempts": attempts,
+        "seed": seed,
+        "trials.keep_going": keep_going or None,
+        "rescale.rule": rule,
     }
-    settings = settings_in(config, options)
-    settings, gripper = gripper_in(settings, gripper)
+    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_engine(settings.trials.engine)
-    settings, name = detector_in(settings, detector, weights, command)
     path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
     check_ending(out, (".parquet",))
     chosen = select(settings, SimulatedTrials, gripper, name)

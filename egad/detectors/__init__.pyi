@@ -1,3 +1,5 @@
+from .asking import Detector as Detector
+from .asking import best_grasp as best_grasp
 from .asking import check_views_will_do as check_views_will_do
 from .asking import choose as choose
 from .asking import from_above as from_above
@@ -6,8 +8,9 @@ from .asking import ranked as ranked
 from .asking import seen_by as seen_by
 from .asking import wanted_input as wanted_input
 from .base import SEARCH as SEARCH
+from .base import Answer as Answer
 from .base import Grasp as Grasp
-from .base import best_grasp as best_grasp
+from .base import GraspPoses as GraspPoses
 from .camera import DepthCamera as DepthCamera
 from .camera import Intrinsics as Intrinsics
 from .camera import View as View
@@ -41,10 +44,6 @@ from .parameters import ImageNoise as ImageNoise
 from .parameters import NoiseName as NoiseName
 from .parameters import check_gripper as check_gripper
 from .parameters import knows_scene as knows_scene
-from .poses import Detector as Detector
-from .poses import GraspPoses as GraspPoses
-from .poses import PoseGrasp as PoseGrasp
-from .poses import infeasibility as infeasibility
 from .registry import IN_SCENES as IN_SCENES
 from .registry import QUICK as QUICK
 from .registry import fingerprint as fingerprint
@@ -53,6 +52,7 @@ from .restoration import fill_missing as fill_missing
 from .restoration import restore as restore
 from .subprocess import STARTING_TIME as STARTING_TIME
 from .subprocess import Detect as Detect
+from .subprocess import as_detector as as_detector
 from .subprocess import asked_for as asked_for
 from .subprocess import opened as opened
 from .tsdf import Tsdf as Tsdf

@@ -2,17 +2,14 @@
 
 import inspect
 import math
-from collections.abc import Callable
-from itertools import islice
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Protocol
 
 import numpy as np
 
-from egad._util.arrays import Floats, Ints
-from egad.detectors.base import DetectorError, Grasp, first_possible
+from egad.detectors.base import Answer, DetectorError, Grasp, GraspPoses
 from egad.detectors.camera import View
 from egad.detectors.observation import Observation, PointCloud
-from egad.detectors.poses import GraspPoses, PoseGrasp, best_pose, by_score, infeasibility, pose_of
 from egad.detectors.tsdf import Tsdf
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
@@ -21,6 +18,29 @@ from egad.tables.outcomes import Outcome
 Seen = View | tuple[View, ...] | PointCloud | tuple[PointCloud, ...] | Tsdf | Observation
 
 INPUTS = ("view", "views", "cloud", "object_clouds", "tsdf", "observation")
+
+
+class Detector(Protocol):
+    """Proposes grasps for what depth cameras see."""
+
+    def __call__(
+        self,
+        seen: Any,  # noqa: ANN401 (what it asks for)
+        gripper: Gripper,
+        rng: np.random.Generator,
+        /,
+    ) -> Answer:
+        """Propose grasps, in any order; none if there is nothing to hold.
+
+        The answer may depend on these three alone, not on earlier calls: attempts are spread over
+        processes, and each can be repeated by itself.
+
+        Args:
+            seen: A view from above, with intrinsics and pose of the camera, or whatever it asks for
+                (`wanted_input`); the table is at height 0.
+            gripper: The hand that will try.
+            rng: The only source of randomness.
+        """
 
 
 def wanted_input(detect: Callable[..., Any]) -> str:
@@ -74,12 +94,12 @@ def seen_by(detect: Callable[..., Any], observation: Observation) -> Seen:
 
 
 def choose(
-    answer: list[Grasp] | GraspPoses,
+    answer: Answer,
     gripper: Gripper,
     threshold: float = -math.inf,
     shuffled: np.random.Generator | None = None,
-) -> PoseGrasp | Outcome:
-    """The grasp of an answer that is tried, as a pose; or why there is none.
+) -> Grasp | Outcome:
+    """The grasp of an answer that is tried, with its pose; or why there is none.
 
     Args:
         answer: The answer of a detector.
@@ -88,45 +108,58 @@ def choose(
         shuffled: Random number generator that picks any of the rest; None: the one of the highest
             score.
     """
-    if isinstance(answer, GraspPoses):
-        return best_pose(answer, gripper, _order(answer.scores, threshold, shuffled))
-    order = _order(np.array([each.quality for each in answer]), threshold, shuffled)
-    best = first_possible((answer[number] for number in order.tolist()), gripper)
-    return best if isinstance(best, Outcome) else pose_of(best, gripper)
+    best = _executable(_ordered(answer, threshold, shuffled), gripper, 1)
+    return best if isinstance(best, Outcome) else best[0].as_pose(gripper)
 
 
-def ranked(
-    answer: list[Grasp] | GraspPoses, gripper: Gripper, most: int
-) -> list[PoseGrasp] | Outcome:
-    """The grasps of an answer that the hand can execute, as poses, best first, at most `most`.
+def best_grasp(grasps: list[Grasp], gripper: Gripper) -> Grasp | Outcome:
+    """The grasp of the highest quality that the hand can execute, the first of equals.
 
-    If there is none, why, as for `best_pose`.
+    Returns:
+        The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
     """
-    if not isinstance(answer, GraspPoses):
-        chosen = [pose_of(each, gripper) for each in answer]
-        answer = GraspPoses(
-            np.array([each.pose for each in chosen]).reshape(-1, 4, 4),
-            np.array([each.width for each in chosen]),
-            np.array([each.score for each in chosen]),
-        )
-    first = best_pose(answer, gripper)
-    if isinstance(first, Outcome):
-        return first
-    order = by_score(answer.scores).tolist()
-    grasps = (
-        PoseGrasp(answer.poses[i], float(answer.widths[i]), float(answer.scores[i])) for i in order
-    )
-    return list(islice((each for each in grasps if infeasibility(each, gripper) is None), most))
+    best = _executable(_ordered(grasps), gripper, 1)
+    return best if isinstance(best, Outcome) else best[0]
 
 
-def _order(scores: Floats, threshold: float, shuffled: np.random.Generator | None) -> Ints:
-    """Indices of the grasps that may be tried, in the order in which they are tried."""
-    order = by_score(scores)
+def ranked(answer: Answer, gripper: Gripper, most: int) -> list[Grasp] | Outcome:
+    """The grasps that the hand can execute, with their poses, best first; or as `best_grasp`."""
+    return _executable((each.as_pose(gripper) for each in _ordered(answer)), gripper, most)
+
+
+def _ordered(
+    answer: Answer, threshold: float = -math.inf, shuffled: np.random.Generator | None = None
+) -> Iterator[Grasp]:
+    """The grasps of an answer that may be tried, in the order in which they are tried."""
+    if isinstance(answer, GraspPoses):
+        scores = answer.scores
+    else:
+        scores = np.array([each.quality for each in answer])
+    order = np.argsort(np.where(np.isfinite(scores), -scores, np.inf), kind="stable")
     order = order[~(scores[order] < threshold)]
-    return order if shuffled is None else shuffled.permutation(order)
+    for number in (order if shuffled is None else shuffled.permutation(order)).tolist():
+        if isinstance(answer, GraspPoses):
+            pose, width = answer.poses[number], float(answer.widths[number])
+            yield Grasp.of_pose(pose, width, float(scores[number]))
+        else:
+            yield answer[number]
 
 
-def from_above(answer: list[Grasp] | GraspPoses) -> list[Grasp]:
+def _executable(grasps: Iterable[Grasp], gripper: Gripper, most: int) -> list[Grasp] | Outcome:
+    """The first grasps that the hand can execute; if there is none, why not the first."""
+    kept: list[Grasp] = []
+    reason = None
+    for grasp in grasps:
+        flaw = grasp.infeasibility(gripper)
+        if flaw is None:
+            kept.append(grasp)
+        if len(kept) == most:
+            break
+        reason = reason or flaw
+    return kept or reason or Outcome.NO_GRASP
+
+
+def from_above(answer: Answer) -> list[Grasp]:
     """An answer of grasps from above; DetectorError if they are poses, which need a free hand."""
     if isinstance(answer, GraspPoses):
         raise DetectorError(

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from egad._util.arrays import Floats, Ints
+from egad.detectors.base import GraspPoses, best_poses
 from egad.detectors.collision import in_collision
 from egad.detectors.observation import PointCloud
-from egad.detectors.poses import GraspPoses, best_poses
 from egad.grasps import hand_poses, roomy
 from egad.grippers import Gripper, check_jaws
 

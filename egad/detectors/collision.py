@@ -10,19 +10,10 @@ APPROACH_LENGTH = 0.05  # metres; length of the straight approach, which must be
 
 
 def in_collision(poses: Floats, widths: Floats, points: Floats, gripper: Gripper) -> Flags:
-    """Whether the hand touches something at a grasp, or on the last 5 cm before it (ours).
+    """Whether the hand touches something at a grasp, or on the last 5 cm before it, (n,) (ours).
 
-    Args:
-        poses: (n, 4, 4) as in `GraspPoses`.
-        widths: (n,) how far the hand is open, metres.
-        points: (m, 3) metres; the table is at height 0.
-        gripper: The hand, whose palm and fingers are boxes.
-
-    Returns:
-        (n,) a flag for each grasp.
-
-    Raises:
-        UserError: The gripper has a suction cup.
+    Poses and widths are those of `GraspPoses`. It may touch points, (m, 3) metres, or the table at
+    height 0; its palm and fingers are boxes. UserError if the gripper has a suction cup.
     """
     check_jaws(gripper, "a check for collisions with a point cloud")
     base, tip = finger_span(gripper)

@@ -28,12 +28,7 @@ FAILURES = (Outcome.ERROR, Outcome.TIMEOUT)
 
 @dataclass(frozen=True)
 class Failure:
-    """A detector failed in an attempt.
-
-    Attributes:
-        outcome: `error` or `timeout`.
-        text: What went wrong, with the traceback if there is one.
-    """
+    """A detector failed in an attempt: with an error or by timeout; the text has the traceback."""
 
     outcome: Outcome
     text: str
@@ -49,13 +44,9 @@ class OnlyFailuresError(UserError):
 
 @contextmanager
 def keep_failure(out: Path) -> Iterator[None]:
-    """Write the failure that ends a run into a file beside the output, `OUT.failure.txt`.
+    """Write the failure that ends a run into a file beside its output, `OUT.failure.txt`.
 
-    Args:
-        out: What the run would write.
-
-    Raises:
-        UserError: The detector does nothing but fail; the text names the file.
+    The UserError that ends the run names the file.
     """
     path = out.with_name(f"{out.name}.failure.txt")
     path.unlink(missing_ok=True)
@@ -70,9 +61,7 @@ def keep_failure(out: Path) -> Iterator[None]:
 def try_to_plan(plan: Callable[[], T]) -> T | Failure:
     """The result of asking a detector, or how it failed.
 
-    Raises:
-        UserError: The detector cannot be used at all.
-        MemoryError: There is not enough memory.
+    UserError, if it cannot be used at all, and MemoryError are not caught.
     """
     try:
         return plan()
@@ -112,14 +101,9 @@ class FailureMonitor:
         quiet: bool = False,
         remedy: str = "; to continue anyway, set keep_going",
     ) -> None:
-        """Begin a run.
+        """Begin a run of `total` objects or rounds (`what`), if that is known.
 
-        Args:
-            total: Objects, or rounds, of the run, if that is known.
-            keep_going: Whether the run goes on in any case.
-            what: Objects or rounds, for messages.
-            quiet: Whether the first failure is reported elsewhere.
-            remedy: End of the sentence that ends the run.
+        If `quiet`, the first failure is told elsewhere; `remedy` is the end of the last message.
         """
         self._remedy = remedy
         self._left = math.inf if total is None else total
@@ -129,14 +113,9 @@ class FailureMonitor:
         self._first = ""
 
     def check(self, table: pd.DataFrame) -> None:
-        """Look at the attempts at the next object, or in the next round.
+        """Look at the attempts at the next object, or in the next round: outcomes and failures.
 
-        Args:
-            table: Columns `outcome` and `failure`.
-
-        Raises:
-            OnlyFailuresError: The detector has failed in all attempts at the first `FIRST` objects,
-                or at all if there are fewer.
+        OnlyFailuresError if the detector has failed in all attempts at the first three, or all.
         """
         texts = table.loc[table["failure"].fillna("") != "", "failure"]
         if not self._first and len(texts):

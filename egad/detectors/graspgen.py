@@ -7,10 +7,9 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad._util.extras import needed_for
-from egad.detectors.base import WHERE
+from egad.detectors.base import WHERE, GraspPoses, poses_of
 from egad.detectors.messages import packed, unpacked
 from egad.detectors.observation import PointCloud
-from egad.detectors.poses import GraspPoses, poses_of
 from egad.errors import UserError
 from egad.grippers import Gripper
 

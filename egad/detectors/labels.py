@@ -20,6 +20,7 @@ from egad.errors import RejectedError
 from egad.grasps import MIN_DEPTH, LabelParameters, roomy, vectors
 from egad.grasps.sampling import dataset_grasps
 from egad.grippers import Gripper, finger_span
+from egad.grippers.kinds import CupKind, JawKind
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
@@ -61,8 +62,11 @@ class Labels:
         Returns:
             At most 50 grasps, best first.
         """
-        if gripper.cup is not None:
-            return self._for_cup(matrix)
+        by_kind = {JawKind.name: self._for_jaws, CupKind.name: self._for_cup}
+        return by_kind[gripper.kind.name](matrix, view, gripper)
+
+    def _for_jaws(self, matrix: Floats, view: View, gripper: Gripper) -> list[Grasp]:
+        """The grasps of `propose` for jaws."""
         heightmap = heightmap_of(restore(view))
         axis = self._axis @ matrix[:3, :3].T
         level = np.flatnonzero(np.abs(axis[:, 2]) <= np.sin(TILT))
@@ -85,7 +89,7 @@ class Labels:
         columns = (center, flat, width, depth, self._quality[level])
         return rank_grasps(*(values[depth >= MIN_DEPTH] for values in columns))
 
-    def _for_cup(self, matrix: Floats) -> list[Grasp]:
+    def _for_cup(self, matrix: Floats, _view: View, _gripper: Gripper) -> list[Grasp]:
         """The grasps of `propose` for a suction cup."""
         cosine = -vectors(self._free, "approach") @ matrix[2, :3]
         down = np.flatnonzero((cosine >= np.cos(CUP_TILT)) & (self._quality > 0))

@@ -19,13 +19,7 @@ MAX_PEAKS = 10
 
 
 class Answer(NamedTuple):
-    """The maps of a network, read.
-
-    Attributes:
-        quality: Smoothed quality, (height, width).
-        angle: Angle of the closing axis, radians counterclockwise as seen, in [-pi/2, pi/2].
-        opening: Pixels.
-    """
+    """Maps of a network, (height, width): angles counterclockwise as seen, openings in pixels."""
 
     quality: Floats
     angle: Floats

@@ -8,10 +8,9 @@ from typing import Any
 import msgpack
 import numpy as np
 
-from egad.detectors.base import Grasp
+from egad.detectors.base import Answer, Grasp, poses_of
 from egad.detectors.camera import Intrinsics, View
 from egad.detectors.observation import Observation, PointCloud
-from egad.detectors.poses import GraspPoses, poses_of
 from egad.detectors.tsdf import Tsdf
 from egad.grippers import Gripper
 
@@ -94,7 +93,7 @@ def camera_matrix(intrinsics: Intrinsics) -> np.ndarray:
     return np.array([[focal, 0.0, u], [0.0, focal, v], [0.0, 0.0, 1.0]])
 
 
-def answered(message: Any) -> list[Grasp] | GraspPoses:  # noqa: ANN401 (whatever it sent)
+def answered(message: Any) -> Answer:  # noqa: ANN401 (whatever it sent)
     """The grasps of an answer; ValueError if it is none, or says what went wrong."""
     if not isinstance(message, dict):
         raise ValueError(f"the answer must be a map, got {type(message).__name__}")

@@ -25,12 +25,8 @@ DEX_RATE = 0.5  # as in GIGA: how often the second part is added
 def add_noise(noise: NoiseName, view: View, rng: np.random.Generator) -> View:
     """A view as a real camera takes it.
 
-    Args:
-        noise: none; stereo: `add_sensor_noise` of 0.1 pixels with holes; gamma, dex:
-            `add_gamma_noise`, dex with its second part in half of the images; points: none here,
-            the noise is added to the points of a cloud.
-        view: What an ideal camera sees.
-        rng: Random number generator.
+    stereo: `add_sensor_noise` of 0.1 pixels with holes; gamma, dex: `add_gamma_noise`, dex with its
+    second part in half of the images; points: none here, it is added to the points of a cloud.
     """
     if noise == "stereo":
         return add_sensor_noise(view, STEREO, rng)

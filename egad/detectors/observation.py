@@ -67,10 +67,7 @@ class Observation:
         """The object that each point of `cloud` belongs to, numbered from 1 as in masks, (n,).
 
         A point belongs to what the views see nearest to it, among all that they measure higher than
-        4 mm. That is 0 for the table, which only noise lifts that high.
-
-        Raises:
-            ValueError: It is not known which objects the views see.
+        4 mm; 0 is the table, which only noise lifts that high. ValueError for views without masks.
         """
         if not all(view.mask.size for view in self.views):
             raise ValueError("views without masks do not tell objects apart")
@@ -84,11 +81,7 @@ class Observation:
 
     @cached_property
     def object_clouds(self) -> tuple[PointCloud, ...]:
-        """The points of `cloud` that belong to each object, for all objects that have any.
-
-        Raises:
-            ValueError: It is not known which objects the views see.
-        """
+        """The points of `cloud` of each object that has any; ValueError for views without masks."""
         points, normals = self.cloud
         each = (self.point_objects == k for k in np.unique(self.point_objects) if k)
         return tuple(PointCloud(points[own], normals[own]) for own in each)
@@ -113,14 +106,10 @@ def look_at(eye: Floats, target: Floats) -> Floats:
 def cameras_around(
     target: Floats, count: int, distance: float, tilt: float, azimuth: float = 0.0
 ) -> list[Floats]:
-    """Poses of cameras that look at a point, evenly around it, (4, 4) each.
+    """Poses, (4, 4) each, of cameras that look at a point from all around it, evenly.
 
-    Args:
-        target: (3,) metres.
-        count: How many cameras.
-        distance: Metres.
-        tilt: Angle of their lines of sight against the vertical, radians.
-        azimuth: Direction of the first one from the point, counterclockwise from x, radians.
+    Their lines of sight are tilted against the vertical; the azimuth of the first one is
+    counterclockwise from x. Metres and radians.
     """
     angles = azimuth + 2 * np.pi * np.arange(count) / count
     ways = [np.array([np.cos(a), np.sin(a), 0.0]) * np.sin(tilt) for a in angles]

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from egad._util.parameters import Fraction, Parameters, UserPath
 from egad.errors import UserError
 from egad.grippers import Gripper
+from egad.grippers.kinds import CupKind, JawKind
 
 SIZE = 300  # pixels along each side of the image that goes in, and of those that come out
 NoiseName = Literal["none", "stereo", "gamma", "dex", "points"]
@@ -39,6 +40,10 @@ IN_ANY_DIRECTION = ("antipodal-cloud", "graspgen", "suction-cloud", "vgn", "vgn-
 LABELS = "labels"  # knows where the objects are
 GRASPGEN = "graspgen"  # shipped, but of no use without an address
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
+FOR_KIND = {  # of grippers
+    JawKind.name: tuple(name for name in (*SHIPPED, GRASPGEN) if name not in FOR_CUPS),
+    CupKind.name: (*FOR_CUPS, LABELS),
+}
 
 
 class DetectorConfig(Parameters):
@@ -124,15 +129,13 @@ def knows_scene(detect: object) -> bool:
 
 
 def check_gripper(detector: str, gripper: Gripper) -> None:
-    """Raise UserError if a built-in detector is for the other kind of gripper: jaws or cup."""
-    if detector in ("labels", *FOR_CUPS) and gripper.cup is not None:
-        return
-    if detector in FOR_CUPS:
-        raise UserError(f"the detector {detector} is for suction cups; the gripper has jaws")
-    if detector in (*SHIPPED, GRASPGEN) and gripper.cup is not None:
+    """Raise UserError if a built-in detector is for another kind of gripper."""
+    fitting = FOR_KIND[gripper.kind.name]
+    if detector in (*SHIPPED, GRASPGEN) and detector not in fitting:
+        other = "suction cups" if detector in FOR_CUPS else "jaws"
         raise UserError(
-            f"the detector {detector} is for jaws; the gripper has a suction cup; "
-            f"allowed: {', '.join(FOR_CUPS)}, labels"
+            f"the detector {detector} is for {other}; the gripper has {gripper.kind.noun}; "
+            f"allowed: {', '.join(fitting)}"
         )
 
 

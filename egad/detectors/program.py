@@ -19,11 +19,15 @@ import numpy as np
 
 from egad._util.child_process import kill_when_closed
 from egad.detectors.asking import INPUTS, more_than_a_view
-from egad.detectors.base import WHERE, DetectorError, DetectorTimeoutError, Grasp
+from egad.detectors.base import (
+    WHERE,
+    Answer,
+    DetectorError,
+    DetectorTimeoutError,
+)
 from egad.detectors.camera import View
 from egad.detectors.messages import PROTOCOL, answered, packed, question, unpacked
 from egad.detectors.observation import Observation
-from egad.detectors.poses import GraspPoses
 from egad.errors import UserError
 from egad.grippers import Gripper
 
@@ -53,7 +57,7 @@ class Program:
 
     def __call__(
         self, observation: Observation | View, gripper: Gripper, rng: np.random.Generator
-    ) -> list[Grasp] | GraspPoses:
+    ) -> Answer:
         """Ask the detector, which gets the part of an observation that it wants."""
         if self._process is None:
             self._start()

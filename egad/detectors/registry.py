@@ -10,12 +10,12 @@ import numpy as np
 
 from egad import plugins
 from egad.detectors.antipodal import antipodal_depth
-from egad.detectors.base import WHERE, DetectorError, Grasp
+from egad.detectors.asking import Detector
+from egad.detectors.base import WHERE, Answer, DetectorError, Grasp, poses_of
 from egad.detectors.cloud import antipodal_cloud
 from egad.detectors.ggcnn import GGCNN, check_ggcnn
 from egad.detectors.graspgen import GraspGen
 from egad.detectors.parameters import GRASPGEN, SHIPPED_NETWORKS, DetectorConfig
-from egad.detectors.poses import Detector, GraspPoses, poses_of
 from egad.detectors.random_detector import random_grasp
 from egad.detectors.suction import suction_cloud, suction_depth
 from egad.detectors.vgn import Vgn
@@ -38,15 +38,10 @@ IN_SCENES: dict[str, Detector] = {
 
 
 def make_detector(config: DetectorConfig) -> Detector:
-    """Make a detector.
+    """Make a detector; UserError if it cannot be found or made.
 
-    Args:
-        config: A shipped detector other than `labels`, or the user's own class, which is made
-            without arguments, or with the path of the weights if these are given. A function is
-            also accepted.
-
-    Raises:
-        UserError: It cannot be found or made.
+    The user's own class is made without arguments, or with the path of the weights if these are
+    given; a function is also accepted.
     """
     config = _with_shipped_weights(config)
     name = config.name
@@ -69,9 +64,7 @@ def with_checked_answers(detect: Callable[..., Any]) -> Detector:
     """The same detector, but with an error for an answer that is not grasps."""
 
     @functools.wraps(detect, updated=())
-    def ask(
-        seen: object, gripper: Gripper, rng: np.random.Generator, /
-    ) -> list[Grasp] | GraspPoses:
+    def ask(seen: object, gripper: Gripper, rng: np.random.Generator, /) -> Answer:
         answer = detect(seen, gripper, rng)
         try:
             return _grasps_of(answer)
@@ -84,7 +77,7 @@ def with_checked_answers(detect: Callable[..., Any]) -> Detector:
     return ask
 
 
-def _grasps_of(answer: Any) -> list[Grasp] | GraspPoses:  # noqa: ANN401 (whatever it gives)
+def _grasps_of(answer: Any) -> Answer:  # noqa: ANN401 (whatever it gives)
     """An answer as grasps from above, or as poses if it is a tuple of arrays."""
     if isinstance(answer, tuple) and answer and not any(hasattr(each, "center") for each in answer):
         return poses_of(answer)
@@ -124,11 +117,7 @@ def _own(config: DetectorConfig) -> Callable[..., Any]:
 
 
 def fingerprint(config: DetectorConfig) -> list[str]:
-    """What decides the answers besides the library and the settings; the detector is not run.
-
-    Raises:
-        UserError: A file is missing.
-    """
+    """What decides the answers besides the library and the settings; UserError without a file."""
     config = _with_shipped_weights(config)
     if config.detector == "ggcnn":
         check_ggcnn(config.weights)

@@ -83,13 +83,10 @@ def noise_of(heights: Floats) -> float:
 
 
 def fill_missing(depth: Depth) -> Depth:
-    """Fill each missing pixel with the larger of the nearest depths to its left and right.
+    """Fill each missing pixel, NaN, with the larger of the nearest depths to its left and right.
 
     The imagers of a stereo camera are side by side: what only one of them sees is behind something
-    that is nearer. A row without any depth is like the next row that has some.
-
-    Args:
-        depth: Metres, (height, width); NaN where it is missing, but not everywhere.
+    that is nearer. A row without any depth is like the next row that has some; one must have some.
     """
     gaps = ~np.isfinite(depth)
     if not gaps.any():

@@ -3,7 +3,7 @@
 There they can be stopped, and can break only their own process.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from typing import Any, Self, TypeAlias
@@ -11,16 +11,15 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
-from egad.detectors.asking import check_views_will_do, seen_by, wanted_input
-from egad.detectors.base import DetectorError, DetectorTimeoutError, Grasp
+from egad.detectors.asking import Detector, check_views_will_do, seen_by, wanted_input
+from egad.detectors.base import DetectorError, DetectorTimeoutError, Grasp, GraspPoses
 from egad.detectors.camera import View
 from egad.detectors.failures import failure_text
 from egad.detectors.observation import Observation
 from egad.detectors.parameters import DetectorConfig
-from egad.detectors.poses import Detector, GraspPoses
 from egad.detectors.program import Program
 from egad.detectors.registry import IN_SCENES, make_detector, with_checked_answers
-from egad.errors import UserError
+from egad.errors import UserError, check_name
 from egad.grippers import Gripper
 
 Detect: TypeAlias = Callable[..., Any] | DetectorConfig
@@ -83,18 +82,22 @@ class Child:
         self._was_ready = True
 
 
+def as_detector(detect: Detect | str, names: Iterable[str]) -> Detect:
+    """A detector, also by one of these names; UserError if it is none."""
+    if isinstance(detect, str):
+        return DetectorConfig(detector=check_name("detector", detect, names))
+    if not isinstance(detect, DetectorConfig) and not callable(detect):
+        raise UserError(f"a detector is a function or the name of one, got {detect!r}")
+    return detect
+
+
 @contextmanager
 def opened(detect: Detect, limit: float, *, at_once: bool = True) -> Iterator[Detector]:
     """A detector for as long as the block lasts, in a process of its own if it needs one.
 
-    Args:
-        detect: A function, or a detector of the settings; not `labels`.
-        limit: Seconds that an answer may take; a function has no limit.
-        at_once: Whether that process starts now, or with the first question. Until then, the
-            detector can be sent to other processes, which start one each.
-
-    Raises:
-        UserError: It cannot be found or made.
+    Answers may take `limit` seconds, except those of a function. The process starts now if
+    `at_once`, else with the first question: until then, the detector can be sent to other
+    processes, which start one each. UserError if it cannot be found or made.
     """
     if not isinstance(detect, DetectorConfig):
         yield with_checked_answers(detect)

@@ -10,15 +10,13 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from egad._util.arrays import Flags, Floats
-from egad.detectors.base import SEARCH, Grasp, rank_grasps
+from egad.detectors.base import SEARCH, Grasp, GraspPoses, best_poses, rank_grasps
 from egad.detectors.camera import View
 from egad.detectors.heightmap import heightmap_of
 from egad.detectors.observation import PointCloud
-from egad.detectors.poses import GraspPoses, best_poses
 from egad.detectors.restoration import restore
-from egad.errors import UserError
 from egad.grasps import TABLE_CLEARANCE, hand_poses
-from egad.grippers import Gripper, SuctionCup
+from egad.grippers import Gripper, SuctionCup, cup_of
 
 MAX_CANDIDATES = 500
 RIM = 1.1  # times the radius of the ring: how far out the surface must be flat
@@ -61,7 +59,7 @@ def suction_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> li
     Raises:
         UserError: The gripper has jaws.
     """
-    cup = _cup_of(gripper, "suction-depth")
+    cup = cup_of(gripper, "the detector suction-depth")
     view = restore(view)
     heightmap = heightmap_of(view)
     points = view.points().reshape(-1, 3)
@@ -98,7 +96,7 @@ def suction_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator)
     Raises:
         UserError: The gripper has jaws.
     """
-    cup = _cup_of(gripper, "suction-cloud")
+    cup = cup_of(gripper, "the detector suction-cloud")
     chosen = np.sort(rng.permutation(len(cloud.points))[:MAX_CANDIDATES])
     centers = cloud.points[chosen]
     discs = _fit_discs(cloud.points, centers, cup)
@@ -110,12 +108,6 @@ def suction_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator)
     good = good[[_is_free(cloud.points, centers[n], approaches[n], cup) for n in good]]
     poses = hand_poses(centers[good], _across(approaches[good]), approaches[good])
     return best_poses(GraspPoses(poses, np.zeros(len(good)), scores[good]))
-
-
-def _cup_of(gripper: Gripper, name: str) -> SuctionCup:
-    if gripper.cup is None:
-        raise UserError(f"the detector {name} is for suction cups; the gripper has jaws")
-    return gripper.cup
 
 
 def _fit_discs(

@@ -57,13 +57,8 @@ def fuse(views: Sequence[View], corner: Floats, side: float, resolution: int) ->
     """Fuse depth images (Curless and Levoy 1996, with equal weights and projected distances).
 
     A voxel's distance in an image is that from its center to the surface along the line of sight
-    of the nearest pixel. What lies more than the truncation behind the surface is not seen.
-
-    Args:
-        views: Depth images; missing pixels see nothing.
-        corner: Corner of the cube with the least coordinates, (3,), metres.
-        side: Side of the cube, metres.
-        resolution: Voxels along a side.
+    of the nearest pixel. What lies more than the truncation behind the surface is not seen. The
+    cube has its lowest corner, (3,), and side in metres, and `resolution` voxels along a side.
     """
     voxel = side / resolution
     distances = np.zeros((resolution,) * 3, dtype=np.float32)

@@ -12,10 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats, Singles
 from egad._util.extras import needed_for
-from egad.detectors.base import WHERE
+from egad.detectors.base import WHERE, GraspPoses, best_poses
 from egad.detectors.collision import in_collision
 from egad.detectors.observation import Observation
-from egad.detectors.poses import GraspPoses, best_poses
 from egad.detectors.tsdf import Tsdf
 from egad.errors import UserError
 from egad.grippers import Gripper, finger_span
@@ -42,16 +41,11 @@ class Vgn:
         threshold: float | None = None,
         avoid_collisions: bool = False,
     ) -> None:
-        """Load the network.
+        """Load weights, published or safetensors; UserError without PyTorch or fitting weights.
 
-        Args:
-            weights: File of weights, published or safetensors.
-            threshold: Least quality of proposals; None for that noted in the weights, or 0.9.
-            avoid_collisions: Whether to ask for the point cloud, too, and to multiply the quality
-                of a proposal by 0.1 if the hand would touch the cloud or the table.
-
-        Raises:
-            UserError: PyTorch is missing, or the weights are, or they are of another network.
+        The default threshold is that noted in the weights, or 0.9. If it avoids collisions, it asks
+        for the point cloud, too, and multiplies the quality of a proposal by 0.1 if the hand would
+        touch the cloud or the table.
         """
         if weights is None or not Path(weights).is_file():
             missing = "vgn needs `weights: FILE`" if weights is None else f"no such file: {weights}"

@@ -32,14 +32,10 @@ def write(network: nn.Module, path: Path, about: Mapping[str, Any]) -> None:
 
 
 def read(path: str | Path, name: str | None = None) -> Heads:
-    """Read GG-CNN or GG-CNN2.
+    """Read GG-CNN or GG-CNN2 from safetensors or a state dictionary of PyTorch.
 
-    Args:
-        path: A file of safetensors, known by its ending, or else a state dictionary of PyTorch.
-        name: `ggcnn` or `ggcnn2`; by default it is inferred from the names of the weights.
-
-    Raises:
-        WeightsError: The file is damaged, or holds something else.
+    By default, the names of the weights tell which. WeightsError if the file is damaged, or holds
+    something else.
     """
     state = state_in(path)
     likely = "ggcnn2" if any(key.startswith("features.") for key in state) else "ggcnn"

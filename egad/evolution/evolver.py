@@ -150,9 +150,11 @@ def evolve(
     """
     if not (measures is None or callable(measures)):
         raise UserError(f"measures is {measures!r}; allowed: a function from a mesh to two numbers")
-    settings = evolution_parameters(seed, population, ranges, cells, elites_per_cell)
-    size, threads = settings.evolution.population, check_count("jobs", jobs)
-    steps = -(-check_count("evaluations", evaluations) // size)
+    settings = evolution_parameters(
+        seed, population, ranges, cells, elites_per_cell, check_count("evaluations", evaluations)
+    )
+    steps, size = settings.evolution.steps, settings.evolution.population
+    threads = check_count("jobs", jobs)
     archive = Archive(settings.space, settings.similarity, threads)
     evaluate = None if measures is None else partial(_measure, measures=measures, settings=settings)
     with workers(threads) as mapper:
@@ -171,6 +173,7 @@ def evolution_parameters(
     ranges: tuple[Range, Range] = RANGES,
     cells: int = SPACE.cells,
     elites_per_cell: int = SPACE.elites_per_cell,
+    evaluations: int = Evolution().evaluations,
 ) -> EvolutionParameters:
     """The parameters of evolution, the default ones for all others; `UserError` for a wrong one."""
     first, second = _checked(ranges)
@@ -182,7 +185,7 @@ def evolution_parameters(
         elites_per_cell=elites_per_cell,
     )
     measures = dict(default_measures(gripper(Graspability().gripper), seed)) | {"space": space}
-    evolution = from_arguments(Evolution, population=population)
+    evolution = from_arguments(Evolution, population=population, evaluations=evaluations)
     return with_defaults(EvolutionParameters, **measures, evolution=evolution)
 
 

@@ -177,7 +177,7 @@ def evolve(
     run = Island(archive, settings, epoch, island, rules, mapper)
     rows: list[dict[str, Any]] = []
     accepted: list[dict[str, Any]] = []
-    steps, size = settings.evolution.steps_per_epoch, settings.evolution.population
+    steps, size = settings.evolution.steps, settings.evolution.population
     words = partial(_standing, rows)
     for number in progress(range(steps), "evaluations", steps, scale=size, state=words):
         done = run.advance()

@@ -161,7 +161,12 @@ ESTIMATE = frozenset(
 class Evolution(Parameters):
     """MAP-Elites over CPPN genomes; config/paper.yaml has the values of the paper."""
 
-    steps_per_epoch: int = Field(24, ge=1, description="steps of an island per epoch")
+    evaluations: int = Field(
+        2400,
+        ge=1,
+        description="evaluations of an island per epoch, rounded up to whole steps of "
+        "`population`: with one island and one epoch, all of them, as in `egad.evolve`",
+    )
     population: int = Field(100, ge=1, description="children that an island evaluates per step")
     crossover_probability: Fraction = Field(
         0.5,
@@ -189,6 +194,11 @@ class Evolution(Parameters):
         description="maximum number of candidate grasps per object (estimator: sequential)",
     )
     grasps: int = Field(100, ge=1, description="grasps per object (estimator: paper)")
+
+    @property
+    def steps(self) -> int:
+        """Steps of an island per epoch."""
+        return -(-self.evaluations // self.population)
 
 
 class EvolutionParameters(MeasureParameters):

@@ -22,7 +22,6 @@ from egad.exchange.registry import (
     OBJECTS,
     SURFACES,
     check_format,
-    for_cups,
     module_of,
     needs_run,
     writer_of,
@@ -178,7 +177,7 @@ def _writer(name: str, job: _Job) -> Callable[[Path, NamedMesh, trimesh.Trimesh]
     def write_grasps(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
         grasps = dataset_grasps(mesh, item.id, job.labels)
         made = make_simulation_object(mesh, density, bundle, item.label)
-        if not for_cups(name):
+        if job.hand.gripper.kind.closes:
             model = model_of(made.mesh, made.parts, made.physics, made.volume_error)
             grasps = simulate_labels(model, grasps, job.simulation)
         module_of(name).write(folder, item.label, made, grasps, job.hand)

@@ -10,9 +10,10 @@
   `write(folder, label, made, grasps, hand)`, if there is one, writes one object, `made` as above,
   with its simulated grasps for `egad.export`.
 
-A module with `FOR_CUPS` writes the grasps of suction cups, labelled but not simulated; the others
-are for jaws. A module may have `check(hand)`, which is called before any of these and raises an
-error if the format cannot be written. Surfaces are mesh files, which `egad.io` writes.
+A module in `grasps/` with `KIND = "cup"` writes the grasps of suction cups, labelled but not
+simulated; the others are for jaws. A module may have `check(hand)`, which is called before any of
+these and raises an error if the format cannot be written. Surfaces are mesh files, which `egad.io`
+writes.
 `egad.export`, the command `egad export`, `targets.exports` and the rule `export` know every format.
 """
 
@@ -28,6 +29,7 @@ from egad._util.extras import needed_for
 from egad._util.parameters import ParameterGroup
 from egad.errors import UserError
 from egad.exchange.parameters import NamedGripper
+from egad.grippers.kinds import JawKind
 
 ObjectSet = Literal["evaluation-set", "all"]
 EVALUATION_SET, ALL = get_args(ObjectSet)
@@ -82,21 +84,20 @@ def modules_of_format(name: str) -> list[str]:
 def check_format(name: str, hand: NamedGripper) -> None:
     """Raise UserError if a package is missing, or the gripper lacks what a format describes."""
     module = module_of(name)
-    has_cup = hand.gripper.cup is not None
-    if name in (*GRASPS, *IMAGES) and has_cup != for_cups(name):
-        fitting = [each for each in (*GRASPS, *IMAGES) if for_cups(each) == has_cup]
-        kind = "a suction cup" if has_cup else "jaws"
+    kind = hand.gripper.kind
+    if name in (*GRASPS, *IMAGES) and kind.name != kind_of_format(name):
+        fitting = [each for each in (*GRASPS, *IMAGES) if kind_of_format(each) == kind.name]
         raise UserError(
-            f"format {name!r} is not for {hand.name}, which has {kind}; allowed: "
+            f"format {name!r} is not for {hand.name}, which has {kind.noun}; allowed: "
             f"{', '.join(sorted([*OBJECT_FORMATS, *fitting]))}"
         )
     if check := getattr(module, "check", None):
         check(hand)
 
 
-def for_cups(name: str) -> bool:
-    """Whether a format is for the labelled grasps of suction cups; others have those of jaws."""
-    return name in GRASPS and getattr(module_of(name), "FOR_CUPS", False)
+def kind_of_format(name: str) -> str:
+    """The kind of grippers whose grasps a format holds: the module's `KIND`, or jaws."""
+    return getattr(module_of(name), "KIND", JawKind.name) if name in GRASPS else JawKind.name
 
 
 def needs_run(name: str) -> bool:

@@ -57,7 +57,7 @@ def rescale_files(
     warn_of_units(sides, units)
     rule = settings.rescale.rule
     log.info("%d meshes scaled by rule %s, %d rejected", len(scales), rule, len(left_out))
-    if scales and settings.gripper.cup is None:
+    if scales and settings.gripper.kind.closes:
         _log_fit(scales, settings.gripper.opening)
     return len(left_out)
 

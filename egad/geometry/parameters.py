@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 from pydantic import Field
 
 from egad._util.parameters import ParameterGroup, Parameters, PositiveFraction, ScaleRule
+from egad.geometry.surfaces import OBJECT
 
 OpenSurfaces = Literal["reject", "thicken"]
 SIDE_FRACTION = 0.8  # of a gripper's opening: the smallest side that scale rules aim at
@@ -76,7 +77,9 @@ class Bundle(Parameters):
     coacd_threshold: float = Field(
         0.05, ge=0.01, le=1, description="largest concavity of a part (method: coacd)"
     )
-    friction: float = Field(0.5, gt=0, le=2, description="sliding friction of the objects")
+    friction: float = Field(
+        OBJECT.friction, gt=0, le=2, description="sliding friction of the objects"
+    )
 
 
 class SimulationBundle(ParameterGroup):

@@ -20,7 +20,6 @@ from .labels import sample_for_labels as sample_for_labels
 from .labels import statistics_row as statistics_row
 from .opening import graspable_fraction as graspable_fraction
 from .opening import graspable_widths as graspable_widths
-from .parameters import FRICTION as FRICTION
 from .parameters import GraspLabel as GraspLabel
 from .parameters import LabelParameters as LabelParameters
 from .parameters import Quality as Quality

@@ -13,13 +13,13 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad.grasps.antipodal import ContactPairs
-from egad.grippers import HandBody, ModelBody
+from egad.grippers import HandBody, JawBody
 
 
 class JawFaces(NamedTuple):
     """The inner faces of a hand with one moving jaw, at n grasps."""
 
-    body: ModelBody
+    body: JawBody
     approaches: Floats  # (n, 3) unit vectors along which it points
     excess: Floats  # (n,) how much wider than the contacts it stays open, stopped before, metres
 
@@ -28,7 +28,7 @@ class JawFaces(NamedTuple):
         cls, body: HandBody, grasps: ContactPairs, approaches: Floats, needed: Floats
     ) -> Self | None:
         """The jaw faces at n grasps at the openings they need, metres; None for parallel jaws."""
-        if not isinstance(body, ModelBody) or body.model.lever is None:
+        if not isinstance(body, JawBody):
             return None
         excess = np.where(np.isfinite(needed), needed - grasps.widths, 0.0)
         return cls(body, approaches, excess)

@@ -10,6 +10,7 @@ from egad._util.arrays import Floats
 from egad._util.parameters import from_arguments
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, check_solid
+from egad.geometry.surfaces import FRICTION
 from egad.grasps.antipodal import ContactPairs, SamplingStatistics, sample_contacts
 from egad.grasps.approach import best_approaches
 from egad.grasps.jaws import JawFaces
@@ -17,7 +18,6 @@ from egad.grasps.opening import needed_openings
 from egad.grasps.parameters import (
     APPROACH_ANGLES,
     CONE,
-    FRICTION,
     GraspLabel,
     LabelParameters,
     Quality,

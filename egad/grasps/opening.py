@@ -1,5 +1,7 @@
 """The opening that a grasp needs for whole fingers, and the graspable part of a surface (ours)."""
 
+from collections.abc import Callable
+
 import numpy as np
 import trimesh
 
@@ -14,7 +16,9 @@ from egad.grippers import (
     FINGERS,
     FIRST_FINGER,
     SECOND_FINGER,
+    BoxBody,
     HandBody,
+    JawBody,
     ModelBody,
     finger_span,
 )
@@ -32,11 +36,19 @@ def needed_openings(
     least as far apart as the contacts. The fingers are whole boxes with width, length and
     thickness; both what they enclose and what is behind them count. The palm does not, nor does the
     opening of the hand, which the result may exceed. If the result is larger than the width of the
-    grasp, closing pads meet something else before they reach both contacts. For a maker's model,
-    see `needed_openings_of_model`.
+    grasp, closing pads meet something else before they reach both contacts.
+
+    The fingers of a maker's model close along their path; only openings that it tabulates are
+    tried, so the result is too large by at most the step between two of them. It is infinite if the
+    hand does not open that far.
     """
-    if isinstance(body, ModelBody):
-        return needed_openings_of_model(caster, grasps, approaches, body)
+    return _NEEDED[type(body)](caster, grasps, approaches, body)
+
+
+def _needed_by_boxes(
+    caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: BoxBody
+) -> Floats:
+    """The same for fingers that are boxes."""
     gripper = body.gripper
     triangles = caster.triangles
     around = spheres(triangles)
@@ -187,17 +199,10 @@ def graspable_fraction(widths: Floats, areas: Floats, opening: float) -> float:
     return float(areas[widths <= opening].sum() / areas.sum())
 
 
-def needed_openings_of_model(
+def _needed_by_fingers(
     caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: ModelBody
 ) -> Floats:
-    """The smallest opening, metres, at which both fingers of a model stand beside the object, (n,).
-
-    The hand stays where its pads will reach the contacts, and its fingers close along their path.
-    Only openings that the model tabulates are tried, so the result is too large by at most the step
-    between two of them; infinite if the hand does not open that far.
-    """
-    if body.model.lever is not None:
-        return _needed_by_jaw(caster, grasps, approaches, body)
+    """The same for two fingers of a model: the pads of the hand will reach the contacts."""
     frames = _frames(grasps, approaches)
     needed = np.full(len(grasps), np.inf)
     openings = body.model.openings
@@ -215,7 +220,7 @@ def needed_openings_of_model(
 
 
 def _needed_by_jaw(
-    caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: ModelBody
+    caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: JawBody
 ) -> Floats:
     """The same for a hand with one moving jaw, whose fixed jaw stands before the first contact.
 
@@ -237,11 +242,18 @@ def _needed_by_jaw(
     return needed
 
 
+_NEEDED: dict[type[HandBody], Callable[..., Floats]] = {
+    BoxBody: _needed_by_boxes,
+    ModelBody: _needed_by_fingers,
+    JawBody: _needed_by_jaw,
+}
+
+
 def _blocked(
     caster: RayCaster,
     grasps: ContactPairs,
     approaches: Floats,
-    body: ModelBody,
+    body: JawBody,
     rows: Ints,
     level: int,
     side: int,

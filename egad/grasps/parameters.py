@@ -6,9 +6,9 @@ from pydantic import Field
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Seed, Sigma
 from egad.geometry import Material
+from egad.geometry.surfaces import FRICTION
 from egad.grippers import Gripper
 
-FRICTION = 0.5  # of the contacts that grasps are rated for
 CONE = 0.75  # tangent of the widest angle between the axis of a grasp and its normals
 APPROACH_ANGLES = 16  # around the closing axis
 

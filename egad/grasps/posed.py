@@ -8,21 +8,21 @@ from egad.geometry import RayCaster
 from egad.grasps.antipodal import ContactPairs
 from egad.grasps.approach import touching_turns
 from egad.grasps.opening import needed_openings
+from egad.grasps.samplers import Sampled
 from egad.grasps.suction import collision_free, seal_cups
-from egad.grippers import HandBody, SuctionCup
+from egad.grippers import SUCTION, HandBody, cup_of
+from egad.grippers.kinds import CupKind, JawKind
 from egad.tables.columns import vector_names
 
 
-def label_poses(
-    caster: RayCaster, poses: Floats, widths: Floats, quality: Floats, body: HandBody, way: float
-) -> pd.DataFrame:
-    """Label grasps given as poses: columns of `tables.grasping.GRASPS` but `id` and `label`.
+def label_poses(caster: RayCaster, grasps: Sampled, body: HandBody, way: float) -> pd.DataFrame:
+    """Label grasps of jaws: columns of `tables.grasping.GRASPS` but `id` and `label`.
 
     The normals are those where rays from the open fingers along the closing axis meet the surface;
     they are missing if the rays meet none. The `way` in is straight, metres. The robust quality is
     the given one; its deviation and the success rate are missing.
     """
-    centers, frames = poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
+    widths, (centers, frames) = grasps.widths, _frames(grasps.poses)
     axes, approaches = frames[:, 0], frames[:, 2]
     opening = body.gripper.opening
     half = widths[:, None] / 2 * axes
@@ -39,7 +39,7 @@ def label_poses(
         frames,
         contacts=points,
         normals=pairs.normals,
-        quality=quality,
+        quality=grasps.quality,
         fits=~there,
         free=~(there | coming),
     ).assign(width=widths, needed_opening=needed_openings(caster, pairs, approaches, body))
@@ -90,16 +90,15 @@ def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float)
     return np.where(met[:, None], hits.normals, np.nan)
 
 
-def label_cups(
-    caster: RayCaster, cup: SuctionCup, poses: Floats, quality: Floats, *, is_rate: bool
-) -> pd.DataFrame:
-    """Label suction grasps that are given as poses, with columns as of `label_poses`.
+def label_cups(caster: RayCaster, grasps: Sampled, body: HandBody, _way: float) -> pd.DataFrame:
+    """Label suction grasps, with columns as of `label_poses`.
 
     Both contacts are the origin of the pose, both normals the opposite of the approach; the width
-    is 0. Deviation and success rate are missing if the quality is not a rate: the share of
-    perturbed copies that hold.
+    is 0. Deviation and success rate are missing unless the quality is the share of perturbed copies
+    that hold.
     """
-    origins, frames = poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
+    cup, quality = cup_of(body.gripper, "a suction grasp"), grasps.quality
+    origins, frames = _frames(grasps.poses)
     depths = seal_cups(caster, cup, origins, frames).depths
     standing = cup.model_copy(update={"approach": 0.0})
     fits, free = (collision_free(caster, each, origins, frames, depths) for each in (standing, cup))
@@ -112,7 +111,16 @@ def label_cups(
         fits=fits,
         free=free,
     )
-    if not is_rate:
+    if body.gripper.grasps_with != SUCTION:
         return table
     deviation = np.sqrt(quality * (1 - quality))
     return table.assign(robust_quality_std=deviation, robust_success_rate=quality)
+
+
+def _frames(poses: Floats) -> tuple[Floats, Floats]:
+    """Origins (n, 3) of poses, and their unit vectors in rows, (n, 3, 3)."""
+    return poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
+
+
+# how grasps of each kind of gripper are labelled that are not sampled here
+LABELS = {JawKind.name: label_poses, CupKind.name: label_cups}

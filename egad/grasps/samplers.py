@@ -26,7 +26,7 @@ from egad.geometry import Material
 from egad.grasps.grasps import RIGID
 from egad.grasps.parameters import Robust, RobustSuction
 from egad.grasps.suction import sample_suction, suction_poses
-from egad.grippers import ANTIPODAL, SUCTION, Gripper
+from egad.grippers import ANTIPODAL, SUCTION, Gripper, cup_of
 
 OwnSampler = Callable[[trimesh.Trimesh, Gripper, int, np.random.Generator], Any]
 WHERE = "sampler"
@@ -69,11 +69,10 @@ def draw_grasps(
     """
     if gripper.grasps_with != SUCTION:
         return _own(gripper, mesh, n, rng)
-    if gripper.cup is None:
-        raise UserError("the sampler `suction` is for a gripper with a cup")
+    cup = cup_of(gripper, "the sampler `suction`")
     table = sample_suction(
         mesh,
-        gripper.cup,
+        cup,
         n,
         seed=int(rng.integers(2**32)),
         density=density,
@@ -86,10 +85,9 @@ def draw_grasps(
 def check_sampler(gripper: Gripper) -> None:
     """Raise `UserError` if the sampler of a gripper does not exist or is not for its kind."""
     name = gripper.grasps_with
-    if name == ANTIPODAL and gripper.cup is not None:
-        raise UserError("the sampler `antipodal` is for jaws; the gripper has a cup")
-    if name == SUCTION and gripper.cup is None:
-        raise UserError("the sampler `suction` is for cups; the gripper has jaws")
+    if name in BUILT_IN and name != gripper.kind.sampler:
+        other = "jaws" if name == ANTIPODAL else "cups"
+        raise UserError(f"the sampler `{name}` is for {other}; the gripper has {gripper.kind.noun}")
     if name not in BUILT_IN:
         plugins.find(name, WHERE, "function")
 

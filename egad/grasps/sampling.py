@@ -13,13 +13,14 @@ from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, center_of_mass, check_solid, check_units
 from egad.geometry.mass import center_or_given
+from egad.geometry.surfaces import FRICTION
 from egad.grasps.antipodal import SamplingStatistics
 from egad.grasps.grasps import Grasps
 from egad.grasps.labels import label_parameters, rate_grasps, sample_for_labels
-from egad.grasps.parameters import APPROACH_ANGLES, CONE, FRICTION, LabelParameters
-from egad.grasps.posed import label_cups, label_poses
+from egad.grasps.parameters import APPROACH_ANGLES, CONE, LabelParameters
+from egad.grasps.posed import LABELS
 from egad.grasps.samplers import check_sampler, draw_grasps
-from egad.grippers import ANTIPODAL, SUCTION, Gripper, as_gripper, hand_body
+from egad.grippers import ANTIPODAL, Gripper, as_gripper, hand_body
 from egad.random import generator
 
 
@@ -37,7 +38,7 @@ class Labeller:
     def __init__(self, settings: LabelParameters) -> None:
         """Read the hand, or raise `UserError` if a file or its sampler cannot be used."""
         self.settings = settings
-        self._body = None if settings.gripper.cup else hand_body(settings.gripper)
+        self._body = hand_body(settings.gripper)
         check_sampler(settings.gripper)
 
     def __call__(
@@ -53,21 +54,17 @@ class Labeller:
         check_solid(mesh)
         settings, caster = self.settings, RayCaster(mesh)
         gripper, wanted = settings.gripper, settings.grasp_label
-        if self._body is not None and gripper.grasps_with == ANTIPODAL:
+        if gripper.grasps_with == ANTIPODAL:
             pairs, statistics = sample_for_labels(caster, settings, rng)
             if not len(pairs):
                 return LabelledGrasps(pd.DataFrame(), statistics, f"no grasp ({statistics})")
             return LabelledGrasps(
                 rate_grasps(caster, com, pairs, settings, rng, self._body), statistics
             )
-        poses, widths, quality = draw_grasps(
+        drawn = draw_grasps(
             mesh, com, gripper, wanted.grasps, rng, robust=settings.robust, density=settings.density
         )
-        if gripper.cup is not None:
-            is_rate = gripper.grasps_with == SUCTION
-            table = label_cups(caster, gripper.cup, poses, quality, is_rate=is_rate)
-        elif self._body is not None:
-            table = label_poses(caster, poses, widths, quality, self._body, wanted.approach_way)
+        table = LABELS[gripper.kind.name](caster, drawn, self._body, wanted.approach_way)
         return LabelledGrasps(table, SamplingStatistics(candidates=wanted.grasps))
 
 

@@ -1,16 +1,20 @@
-"""Hands described by a URDF or MJCF file: MuJoCo is loaded only if there is such a file."""
+"""A hand described by a URDF or MJCF file, and its sizes; MuJoCo is loaded only if there is one."""
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import manifold3d
+import numpy as np
+
+from egad._util.arrays import Floats
 from egad._util.extras import needed_for
-from egad.grippers.model import GripperModel
+from egad.grippers.model import PALM_BODY, SECOND_FINGER, HandModel
 
 FILE = "a gripper with a URDF or MJCF file"
 
 
-def read_described(path: Path, values: Mapping[str, Any]) -> GripperModel:
+def read_described(path: Path, values: Mapping[str, Any]) -> HandModel:
     """The hand that a file describes; settings that override what is found in the file count."""
     with needed_for(FILE):
         from egad.grippers.reading import choices_of, read_model  # noqa: PLC0415 (an extra)
@@ -26,3 +30,69 @@ def description_files(path: Path) -> list[Path]:
     with needed_for(FILE):
         from egad.grippers import description  # noqa: PLC0415 (an extra)
     return description.description_files(path)
+
+
+MIN_SIDE = 1e-3  # metres, of a box
+
+
+def sizes_of(model: HandModel) -> dict[str, Any]:
+    """Opening, and sizes of boxes for the fingers and the palm, as in `Gripper`.
+
+    A finger is measured at its pad. It begins where the fixed links end, at the opening where the
+    pads are nearest to these links: the pads of a linkage move forward while they close.
+    """
+    opening = float(model.openings[-1])
+    closed = model.points(float(model.openings[0]))
+    fixed = [
+        points
+        for link, shapes in zip(model.links, closed, strict=True)
+        for points in shapes
+        if link.body == PALM_BODY
+    ]
+    finger = [
+        points
+        for link, shapes in zip(model.links, closed, strict=True)
+        for points in shapes
+        if link.body == SECOND_FINGER
+    ]
+    tip = float(max(points[:, 2].max() for points in finger))
+    if model.lever is not None:
+        tip = _lowest_tip(model)
+    low, high = _around_the_pad(finger, float(model.pad[0, 2]))
+    behind = np.concatenate(fixed) if fixed else np.array([[0.0, 0.0, low[2] - MIN_SIDE]])
+    face = min(float(behind[:, 2].max()), float(model.pad[0, 2]))
+    palm = np.ptp(behind, axis=0)
+    return {
+        "opening": opening,
+        "finger_length": _positive(tip + float(model.reach.min()) - face),
+        "finger_width": _positive(high[1] - low[1]),
+        "finger_thickness": _positive(high[0]),
+        "fingertip": _positive(tip),
+        "palm": tuple(_positive(size) for size in palm),
+    }
+
+
+def _lowest_tip(model: HandModel) -> float:
+    """How far the jaws reach along the approach at most, over all openings, metres."""
+    return max(
+        float(points[:, 2].max())
+        for opening in model.openings
+        for link, shapes in zip(model.links, model.points(float(opening)), strict=True)
+        if link.body != PALM_BODY
+        for points in shapes
+    )
+
+
+def _around_the_pad(finger: list[Floats], lowest: float) -> tuple[Floats, Floats]:
+    """Corners of the box around those parts of a finger that are beyond the pad's lower edge."""
+    corners = []
+    for points in finger:
+        beyond = manifold3d.Manifold.hull_points(points).trim_by_plane((0.0, 0.0, 1.0), lowest)
+        if not beyond.is_empty():
+            corners.append(np.reshape(beyond.bounding_box(), (2, 3)))
+    both = np.array(corners)
+    return both[:, 0].min(axis=0), both[:, 1].max(axis=0)
+
+
+def _positive(size: float) -> float:
+    return max(round(float(size), 5), MIN_SIDE)

@@ -11,8 +11,8 @@ import numpy as np
 
 from egad._util.arrays import Floats, Ints
 from egad.errors import UserError
+from egad.grippers.mechanism import body_name
 from egad.grippers.shape_files import Packages, find_file, list_packages, read_shape
-from egad.grippers.tree import body_name
 from egad.grippers.urdf import read_urdf, without_faults
 
 log = logging.getLogger(__name__)

@@ -10,8 +10,7 @@ import numpy as np
 from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers.description import shapes_of
-from egad.grippers.mechanism import Mechanism
-from egad.grippers.tree import body_name, joint_name, subtree
+from egad.grippers.mechanism import Mechanism, body_name, joint_name, subtree
 
 SMALL_STEP = 1e-3  # of the stroke
 STANDING = 1e-7  # metres; fingers that move less in a small step stand still

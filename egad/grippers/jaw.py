@@ -14,11 +14,9 @@ from scipy.spatial import Delaunay, QhullError
 
 from egad._util.arrays import Flags, Floats
 from egad.errors import UserError
-from egad.grippers.jaw_faces import FACING
-from egad.grippers.jaw_solids import JawFrame, JawPads, JawSolids
-from egad.grippers.pads import UNEVEN
-from egad.grippers.stroke import LEVELS, MAX_OPENING, MIN_OPENING
-from egad.grippers.tree import body_name
+from egad.grippers.jaw_solids import FACING, JawFrame, JawPads, JawSolids
+from egad.grippers.mechanism import body_name
+from egad.grippers.pads import LEVELS, MAX_OPENING, MIN_OPENING, UNEVEN
 
 GRID = 5e-4  # metres, between points of a jaw's face
 MARGIN = 5  # grid points around those that were found on it

@@ -1,14 +1,25 @@
-"""The links of a described hand: their convex parts, and how they are connected."""
+"""The links of a described hand, with their convex parts, and the gaps along its jaws."""
 
 import mujoco
 import numpy as np
+import trimesh
 from scipy.spatial import ConvexHull, QhullError
 
-from egad.errors import UserError
+from egad._util.arrays import Floats
+from egad.errors import RejectedError, UserError
+from egad.geometry import decompose, is_solid, to_mesh, to_solid
 from egad.grippers.description import shapes_of
 from egad.grippers.fingers import Sides
+from egad.grippers.jaw import GRID, PAD_DEPTH, JawStroke
+from egad.grippers.jaw_solids import BREADTH, SKIN, JawFrame, JawSolids
+from egad.grippers.mechanism import body_name, joint_name
 from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandLink, LinkJoint
-from egad.grippers.tree import body_name, joint_name
+
+DEPTH_STEP = 0.01  # metres, between places along a jaw
+CONVEX = 0.02  # of a hull: with less excess a shape counts as convex
+# How much convex parts may add: depth in hollows, metres, and fraction of the volume
+JAW, PALM = (5e-4, 0.1), (2e-3, 0.5)
+MAX_PARTS = 64
 
 
 def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides) -> HandLink:
@@ -54,3 +65,146 @@ def joint_at(model: mujoco.MjModel, number: int) -> LinkJoint:
         np.array(model.jnt_pos[number]),
         float(model.qpos0[model.jnt_qposadr[number]]),
     )
+
+
+def gaps_along(
+    jaws: JawSolids, frame: JawFrame, stroke: JawStroke, root: float
+) -> tuple[Floats, Floats]:
+    """Depths (d,) beyond the pads, and gaps (k, d) of the inner faces there, metres.
+
+    They lie between what protrudes most near the middle of their breadth; NaN without a face.
+    """
+    length = float(stroke.pads.middle @ frame.approach) - root
+    depths = -DEPTH_STEP * np.arange(max(int(length / DEPTH_STEP), 0) + 1)
+    middles = stroke.pads.middle + SKIN * frame.closing + depths[:, None] * frame.approach
+    points = middles + stroke.pads.extent[0] * BREADTH[:, None, None] * frame.across
+    shape = points.shape[:2]
+    behind = jaws.fixed_face(points.reshape(-1, 3), frame).reshape(shape)
+    foremost = np.where(np.isfinite(behind), behind, np.inf).min(axis=0)
+    known = np.isfinite(foremost)
+    faces = (points - np.where(known, foremost, 0.0)[:, None] * frame.closing).reshape(-1, 3)
+    joint = jaws.mechanism.model.jnt_qposadr[jaws.mechanism.driven[0]]
+    gaps = np.array([jaws.gaps(faces, float(each[joint]), frame) for each in stroke.positions])
+    nearest = gaps.reshape(-1, *shape).min(axis=1)
+    return np.asarray(depths), np.where(known & np.isfinite(nearest), nearest, np.nan)
+
+
+def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
+    """Where the fixed jaw begins, along the approach: the palm protrudes from its face.
+
+    If nothing protrudes, the jaw begins where the hand begins.
+    """
+    surfaces = np.concatenate([np.asarray(solid.vertices) for solid in jaws.solids])
+    lowest = float((surfaces @ frame.approach).min())
+    start = float(stroke.pads.middle @ frame.approach)
+    depths = np.arange(0.0, start - lowest, GRID)
+    line = stroke.pads.middle + PAD_DEPTH * frame.closing - depths[:, None] * frame.approach
+    inside = np.isneginf(jaws.fixed_face(line, frame))
+    if not inside.any():
+        return lowest
+    ahead, behind = (float(depths[inside.argmax() - before]) for before in (1, 0))
+    while behind - ahead > SKIN / 10:
+        middle = (ahead + behind) / 2
+        point = stroke.pads.middle + PAD_DEPTH * frame.closing - middle * frame.approach
+        if np.isneginf(jaws.fixed_face(point[None], frame)[0]):
+            behind = middle
+        else:
+            ahead = middle
+    return start - ahead
+
+
+def jaw_links(
+    jaws: JawSolids, frame: JawFrame, root: float, static: list[int]
+) -> tuple[HandLink, HandLink, HandLink]:
+    """The palm, the fixed jaw and the moving one, with the convex parts of their shapes.
+
+    The fixed jaw begins at `root` along the approach; the first of the static links is the palm.
+    """
+    model = jaws.mechanism.model
+    palm: list[trimesh.Trimesh] = []
+    finger: list[trimesh.Trimesh] = []
+    for solid in jaws.solids:
+        for mesh, ahead in _cut(solid, frame.approach, root):
+            (finger if ahead else palm).append(mesh)
+    name = body_name(model, static[0])
+    return (
+        HandLink(
+            name=name,
+            body=PALM_BODY,
+            shapes=_parts(palm, *PALM),
+            mass=sum(float(model.body_mass[each]) for each in static),
+            carrier=-1,
+            place=np.eye(4),
+            joint=None,
+        ),
+        HandLink(
+            name=f"{name}-fixed-jaw",
+            body=FIRST_FINGER,
+            shapes=_parts(finger, *JAW),
+            mass=0.0,
+            carrier=0,
+            place=np.eye(4),
+            joint=None,
+        ),
+        _moving_link(jaws),
+    )
+
+
+def _moving_link(jaws: JawSolids) -> HandLink:
+    model, body = jaws.mechanism.model, jaws.body
+    joint = joint_at(model, int(model.body_jntadr[body]))
+    turns, places = jaws.mechanism.placement(jaws.positions(joint.zero))
+    place = np.eye(4)
+    place[:3, :3], place[:3, 3] = turns[body], places[body]
+    return HandLink(
+        name=body_name(model, body),
+        body=SECOND_FINGER,
+        shapes=_parts(jaws.moving_solids, *JAW),
+        mass=float(model.body_mass[body]),
+        carrier=0,
+        place=place,
+        joint=joint,
+    )
+
+
+def lever_of(jaws: JawSolids, stroke: JawStroke, frame: JawFrame) -> float:
+    """Torque of the joint for a newton along the closing axis at the pads: metres; 1 if it slides.
+
+    The pads stay at one depth, so it is the same at all openings.
+    """
+    contact = stroke.pads.middle + stroke.openings[-1] * frame.closing
+    velocities, _ = jaws.mechanism.velocities(stroke.positions[-1], jaws.body, contact[None])
+    return float(abs(velocities[0] @ frame.closing))
+
+
+def _cut(
+    mesh: trimesh.Trimesh, normal: Floats, height: float
+) -> list[tuple[trimesh.Trimesh, bool]]:
+    """The pieces ahead of a plane and behind it, each with whether it lies ahead."""
+    heights = np.asarray(mesh.vertices) @ normal
+    solid = to_solid(mesh.vertices, mesh.faces)
+    one_side = heights.min() >= height - SKIN or heights.max() <= height + SKIN
+    if one_side or not is_solid(solid):
+        return [(mesh, bool(heights.mean() >= height))]
+    halves = solid.split_by_plane(tuple(normal), height)
+    return [
+        (to_mesh(half), ahead)
+        for half, ahead in zip(halves, (True, False), strict=True)
+        if is_solid(half)
+    ]
+
+
+def _parts(meshes: list[trimesh.Trimesh], deviation: float, excess: float) -> tuple[Floats, ...]:
+    """Corners of convex parts of solids."""
+    return tuple(points for mesh in meshes for points in _convex(mesh, deviation, excess))
+
+
+def _convex(mesh: trimesh.Trimesh, deviation: float, excess: float) -> list[Floats]:
+    hull = trimesh.convex.convex_hull(mesh.vertices)
+    if hull.volume <= (1 + CONVEX) * abs(mesh.volume):
+        return [np.asarray(hull.vertices)]
+    try:
+        parts = decompose(mesh, MAX_PARTS, excess, deviation).parts
+    except RejectedError:
+        return [np.asarray(hull.vertices)]
+    return [np.asarray(part.vertices) for part in parts]

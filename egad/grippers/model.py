@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
+import trimesh
 
 from egad._util.arrays import Floats
 
@@ -43,7 +44,7 @@ class HandLink(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class GripperModel:
+class HandModel:
     """Shape and joints of a hand at every opening.
 
     The frame of the hand has its origin midway between the pads of the closed hand; x is the
@@ -125,6 +126,14 @@ class GripperModel:
         return [
             [shape @ turn.T + place for shape in link.shapes]
             for link, turn, place in zip(self.links, turns, places, strict=True)
+        ]
+
+    def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:
+        """The convex parts as meshes in the frame of the hand, each with its `HandLink.body`."""
+        return [
+            (trimesh.convex.convex_hull(points), link.body)
+            for link, shapes in zip(self.links, self.points(opening), strict=True)
+            for points in shapes
         ]
 
     def poses(self, opening: float) -> tuple[Floats, Floats]:

@@ -1,4 +1,4 @@
-"""Find the pads of a described hand: the faces of both fingers that meet first."""
+"""The pads of a hand with two moving fingers, and their way from open to closed."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -7,6 +7,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 import trimesh
+from scipy.optimize import brentq
 from scipy.spatial import ConvexHull, QhullError
 from trimesh.intersections import slice_faces_plane
 
@@ -15,9 +16,8 @@ from egad.errors import UserError
 from egad.geometry import RayCaster, joined, spread
 from egad.grippers.description import shapes_of
 from egad.grippers.fingers import Sides
-from egad.grippers.jaw_faces import solids_of
-from egad.grippers.mechanism import Mechanism, Placement
-from egad.grippers.tree import body_name, link_number
+from egad.grippers.jaw_solids import solids_of
+from egad.grippers.mechanism import Mechanism, Placement, body_name, link_number
 
 FACING = np.cos(np.radians(25.0))  # how far a face of a pad may turn away from the other finger
 # metres that the foremost and the rearmost corner of a pad's face may lie behind the link's
@@ -25,6 +25,8 @@ PAD_DEPTH, PAD_TILT = 1e-3, 1.3e-3
 MIN_OVERLAP = 5e-4  # metres of the pads
 SPACING = 2e-3  # metres between points of a pad
 UNEVEN = 5e-4  # metres by which the face of a pad may lie behind its foremost points
+LEVELS = 65  # openings that are tabulated
+MIN_OPENING, MAX_OPENING = 0.5e-3, 1.0  # metres
 
 
 class Pads(NamedTuple):
@@ -33,7 +35,7 @@ class Pads(NamedTuple):
     links: tuple[int, int]  # which link each is on
     centers: Floats  # (2, 3) their middles, in the frames of these links
     corners: tuple[Floats, Floats]  # of their faces, (n, 3) each, in these frames
-    recess: tuple[float, float]  # as in `GripperModel`
+    recess: tuple[float, float]  # as in `HandModel`
 
 
 def find_pads(
@@ -129,3 +131,75 @@ def _overlap(first: Floats, second: Floats, axis: Floats) -> bool:
     low = np.max([points.min(axis=0) for points in seen], axis=0)
     high = np.min([points.max(axis=0) for points in seen], axis=0)
     return bool(np.all(high - low > MIN_OVERLAP))
+
+
+class Stroke(NamedTuple):
+    """The way from closed to open."""
+
+    positions: Floats  # (k, q) positions of all joints
+    middles: Floats  # (k, 2, 3) middles of both pads, in the frame of the palm, metres
+    pads: Pads  # the faces that meet
+
+
+def find_stroke(mechanism: Mechanism, sides: Sides, links: Sequence[str] | None = None) -> Stroke:
+    """The part of the way on which the pads come together until they meet, or `UserError`."""
+    way = _follow(mechanism, sides, np.linspace(0, 1, LEVELS))
+    pads = find_pads(mechanism, way[-1], sides, links)
+
+    def gap(part: float) -> float:
+        """Distance between the pads at a fraction of the way."""
+        (middles,) = _middles(mechanism, _follow(mechanism, sides, np.array([part])), pads)
+        return float((middles[1] - middles[0]) @ sides.axis)
+
+    middles = _middles(mechanism, way, pads)
+    names = " and ".join(body_name(mechanism.model, link) for link in pads.links)
+    start, end = _useful((middles[:, 1] - middles[:, 0]) @ sides.axis, names)
+    closed = end if gap(end) >= 0 else brentq(gap, start, end, xtol=1e-9)
+    way = _follow(mechanism, sides, np.linspace(start, closed, LEVELS))[::-1]
+    return Stroke(np.array(way), _middles(mechanism, way, pads), pads)
+
+
+def _follow(mechanism: Mechanism, sides: Sides, parts: Floats) -> list[Floats]:
+    """Positions of all joints at fractions of the driven way, from the middle outwards."""
+    ranges = mechanism.ranges()
+    start = np.where(sides.signs > 0, ranges[:, 0], ranges[:, 1])
+    way = sides.signs * np.ptp(ranges, axis=1)
+    found: dict[int, Floats] = {}
+    half = int(np.abs(parts - 0.5).argmin())
+    for numbers in (range(half, len(parts)), range(half, -1, -1)):
+        near = mechanism.middle()
+        for number in numbers:
+            near = mechanism.follow(start + parts[number] * way, near)
+            mechanism.check(near)
+            found[number] = near
+    return [found[number] for number in range(len(parts))]
+
+
+def _middles(mechanism: Mechanism, way: Sequence[Floats], pads: Pads) -> Floats:
+    """The middles of both pads in the frame of the palm, (k, 2, 3)."""
+    pairs = list(zip(pads.links, pads.centers, strict=True))
+    return np.array(
+        [
+            [turns[link] @ center + places[link] for link, center in pairs]
+            for turns, places in map(mechanism.placement, way)
+        ]
+    )
+
+
+def _useful(gaps: Floats, names: str) -> tuple[float, float]:
+    """The fractions of the way between which the pads come together, up to where they meet.
+
+    Raises `UserError` if the gaps, metres, at even fractions do not close, or are those of no hand.
+    """
+    parts, widest = np.linspace(0, 1, len(gaps)), int(gaps.argmax())
+    opening = float(gaps[widest])
+    if opening < MIN_OPENING:
+        raise UserError(f"its links {names} are at most {1000 * max(opening, 0):.2g} mm apart")
+    if opening > MAX_OPENING:
+        raise UserError(
+            f"its links {names} open {opening:.3g} m; limits of sliding joints are in metres"
+        )
+    last = widest
+    while last + 1 < len(gaps) and gaps[last + 1] < gaps[last] and gaps[last] > 0:
+        last += 1
+    return float(parts[widest]), float(parts[last])

@@ -2,23 +2,74 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.display import facts_html
 from egad._util.parameters import Length, Place, UserParameters, UserPath
-from egad.grippers.cup import SuctionCup
+from egad.geometry.surfaces import CUP_RING, PADS, Surface
+from egad.grippers.kinds import CupKind, JawKind, Kind
 
 
-class Pad(NamedTuple):
-    """Finger pads on printed plastic (our own typical values)."""
+class SuctionCup(UserParameters):
+    """One suction cup on a straight stem: the model of Dex-Net 3.0.
 
-    friction: float  # sliding friction
-    radius: float  # radius of the contact patch on a round object, metres; it resists twisting
+    The cup is a pyramid of springs: a ring of `sides` vertices, and an apex on the approach axis.
 
+    Source: Mahler et al., Dex-Net 3.0, ICRA 2018, arXiv 1709.06670: strain, vacuum force, friction
+    and bending. GraspGen (NVlabs, `single_suction_cup_30mm.yaml`) has the same four values and
+    gives radius, height and sides, which the paper does not. The stem is the collision cylinder of
+    SuctionNet-1Billion. The tolerance is the residual that GraspGen's solver accepts.
+    """
 
-PADS = {"silicone": Pad(0.8, 0.005), "bare": Pad(0.4, 0.002)}
+    radius: Length = Field(0.015, description="radius of the ring, metres; a 30 mm cup")
+    height: Length = Field(
+        0.03,
+        description="distance from the ring to the apex, metres; twice the radius if not given",
+    )
+    sides: int = Field(15, ge=5, le=360, description="vertices of the ring")
+    max_strain: float = Field(
+        0.1, gt=0, lt=1, description="relative change of length that each spring allows"
+    )
+    vacuum_force: float = Field(
+        250.0, gt=0, description="force that presses cup and object together, newtons"
+    )
+    friction: float = Field(
+        CUP_RING.friction, gt=0, le=2, description="friction of the ring on the object"
+    )
+    bending: float = Field(
+        0.005,
+        gt=0,
+        description="kappa, newtons: the cup resists pi radius kappa / sqrt(2) of bending torque",
+    )
+    torque_tolerance: float = Field(
+        0.0316,
+        ge=0,
+        description="bending torque beyond the limit given by `bending` that still counts as "
+        "resisted, newton metres",
+    )
+    stem_radius: Length = Field(0.01, description="radius of the stem, metres")
+    stem_length: Length = Field(
+        0.09, description="length of the stem, starting at the apex, metres"
+    )
+    approach: Length = Field(
+        0.1, description="length of the straight approach to the object, metres"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _height_follows(cls, values: Any) -> Any:  # noqa: ANN401 (whatever was given)
+        if not isinstance(values, dict) or values.get("height") is not None:
+            return values
+        radius = values.get("radius")
+        if isinstance(radius, int | float) and radius > 0:
+            return {**values, "height": 2 * radius}
+        return values
+
+    def _repr_html_(self) -> str:
+        """All fields, for notebooks."""
+        return facts_html("SuctionCup (metres, newtons)", dict(self))
 
 
 def _as_text(path: object) -> object:
@@ -35,7 +86,6 @@ else:
 SIZES = {"opening", "finger_length", "finger_width", "finger_thickness", "fingertip", "palm"}
 
 
-ANTIPODAL, SUCTION = "antipodal", "suction"  # samplers
 # what a gripper with a suction cup can have besides it
 OF_CUP = {"cup", "opening", "sampler"}
 CUP_SCALE = 0.08  # metres
@@ -160,8 +210,10 @@ class Gripper(UserParameters):
         missing = SIZES - {name for name, value in values.items() if value is not None}
         if not missing:
             return values
-        from egad.grippers.described import read_described  # noqa: PLC0415 (it takes long)
-        from egad.grippers.sizes import sizes_of  # noqa: PLC0415
+        from egad.grippers.described import (  # noqa: PLC0415 (it takes long)
+            read_described,
+            sizes_of,
+        )
 
         found = sizes_of(read_described(Path(values["file"]).expanduser(), values))
         if isinstance(opening := values.get("opening"), int | float) and opening > found["opening"]:
@@ -172,9 +224,16 @@ class Gripper(UserParameters):
         return values | {name: found[name] for name in missing}
 
     @property
+    def kind(self) -> Kind:
+        """What it holds objects with, asked wherever kinds of grippers differ."""
+        if self.cup is not None:
+            return CupKind(self.cup.height)
+        return JawKind(self.finger_length, self.finger_width, self.fingertip)
+
+    @property
     def grasps_with(self) -> str:
         """The sampler that applies: `antipodal`, `suction`, or the name of a function."""
-        return self.sampler or (ANTIPODAL if self.cup is None else SUCTION)
+        return self.sampler or self.kind.sampler
 
     def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
         """What pydantic prints: the fields that differ from their defaults."""
@@ -191,7 +250,7 @@ class Gripper(UserParameters):
         return facts_html("Gripper (metres, newtons)", facts)
 
     @property
-    def pad(self) -> Pad:
+    def pad(self) -> Surface:
         """The pads with the friction that applies."""
         pad = PADS[self.pads]
         return pad if self.friction is None else pad._replace(friction=self.friction)

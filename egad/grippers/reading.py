@@ -23,13 +23,18 @@ from egad.grippers.description import (
 )
 from egad.grippers.fingers import Sides, find_driven, find_moving_jaw, find_sides, snapped
 from egad.grippers.jaw import find_jaw_stroke
-from egad.grippers.jaw_links import gaps_along, jaw_links, jaw_root, lever_of
 from egad.grippers.jaw_solids import JawFrame, JawSolids
-from egad.grippers.links import hand_link
-from egad.grippers.mechanism import Mechanism
-from egad.grippers.model import GripperModel
-from egad.grippers.stroke import Stroke, find_stroke
-from egad.grippers.tree import find_palm, hand_bodies, joint_name, moving_joints, subtree
+from egad.grippers.links import gaps_along, hand_link, jaw_links, jaw_root, lever_of
+from egad.grippers.mechanism import (
+    Mechanism,
+    find_palm,
+    hand_bodies,
+    joint_name,
+    moving_joints,
+    subtree,
+)
+from egad.grippers.model import HandModel
+from egad.grippers.pads import Stroke, find_stroke
 
 log = logging.getLogger(__name__)
 
@@ -59,7 +64,7 @@ class Choices(NamedTuple):
     approach_axis: Place | None = None
 
 
-def read_model(path: Path, choices: Choices = Choices()) -> GripperModel:  # noqa: B008 (a tuple)
+def read_model(path: Path, choices: Choices = Choices()) -> HandModel:  # noqa: B008 (a tuple)
     """The hand that a URDF or MJCF file describes; a `UserError` names the link or joint."""
     changed = path.stat().st_mtime_ns if path.is_file() else 0
     with name_file_in_messages(path):
@@ -77,7 +82,7 @@ def _description(path: Path, changed: int) -> mujoco.MjSpec:
 @cache
 def _read_model(
     path: Path, choices: Choices, changed: int, meshes: tuple[tuple[Path, int], ...]
-) -> GripperModel:
+) -> HandModel:
     """As `read_model`; files are read again when the file or one of its `meshes` has `changed`."""
     del meshes
     with name_file_in_messages(path):
@@ -98,7 +103,7 @@ def choices_of(values: Mapping[str, Any]) -> Choices:
     return parsed
 
 
-def _modelled(spec: mujoco.MjSpec, path: Path, choices: Choices) -> tuple[GripperModel, list[str]]:
+def _modelled(spec: mujoco.MjSpec, path: Path, choices: Choices) -> tuple[HandModel, list[str]]:
     """The model of a hand, and the joints that go beyond their own limits."""
     bare = compile_skeleton(spec)
     palm, chains = find_palm(bare, choices.finger_links)
@@ -120,7 +125,7 @@ def _modelled(spec: mujoco.MjSpec, path: Path, choices: Choices) -> tuple[Grippe
 
 def _tabulated(
     mechanism: Mechanism, sides: Sides, stroke: Stroke, palm_to_hand: Floats
-) -> GripperModel:
+) -> HandModel:
     """The model of a hand whose frame is known."""
     description, pads = mechanism.model, stroke.pads
     axes, origin = palm_to_hand[:3, :3].T, palm_to_hand[:3, 3]
@@ -132,7 +137,7 @@ def _tabulated(
     ]
     pad = (np.concatenate(corners) - origin) @ axes.T
     order = [*mechanism.driven, *mechanism.followers]
-    return GripperModel(
+    return HandModel(
         links=tuple(hand_link(description, body, bodies, sides) for body in bodies),
         openings=(stroke.middles[:, 1] - stroke.middles[:, 0]) @ sides.axis,
         reach=(stroke.middles - stroke.middles[0]).mean(axis=1) @ axes[2],
@@ -149,7 +154,7 @@ def _tabulated(
     )
 
 
-def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperModel:
+def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> HandModel:
     """The model of a hand of which one jaw is part of the palm."""
     description, palm = mechanism.model, mechanism.palm
     moving = subtree(description, body)
@@ -183,7 +188,7 @@ def _with_one_jaw(mechanism: Mechanism, body: int, choices: Choices) -> GripperM
     turns = np.array([[np.eye(3), np.eye(3), each.turns[body]] for each in poses])
     places = np.array([[np.zeros(3), np.zeros(3), each.places[body]] for each in poses])
     corner = np.array([half[0], *(stroke.pads.extent / 2)])
-    return GripperModel(
+    return HandModel(
         links=links,
         openings=stroke.openings,
         reach=np.zeros_like(half),

@@ -1,17 +1,19 @@
-"""Files, joints and base link of a gripper, for programs that load its description themselves."""
+"""Files, joints, base link and tool center point of a gripper, for other programs."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from egad._util.arrays import Floats
-from egad.errors import UserError
+from egad.errors import UserError, check_name
 from egad.grippers.described import description_files, read_described
-from egad.grippers.model import GripperModel
+from egad.grippers.model import HandModel
 from egad.grippers.parameters import Gripper
 
 
-def model_of(gripper: Gripper) -> GripperModel:
+def model_of(gripper: Gripper) -> HandModel:
     """The model of a gripper that has a file.
 
     Raises:
@@ -87,5 +89,77 @@ def base_pose(gripper: Gripper, opening: float) -> Floats | None:
     return np.asarray(pose)
 
 
-def _model(gripper: Gripper) -> GripperModel | None:
+def _model(gripper: Gripper) -> HandModel | None:
     return None if gripper.file is None else model_of(gripper)
+
+
+# x along the jaws, z from the fixed jaw to the moving one, seen from the frame of a grasp
+ALONG_JAWS = np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
+
+
+class LinkFrame(NamedTuple):
+    """A frame on the link that carries the jaws."""
+
+    origin: tuple[float, float, float]  # metres, in the frame of the link
+    axes: Floats  # (3, 3) its axes in columns
+
+
+_SO101_AXES = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+# Sites named `gripperframe` on the link `gripper` of an SO-101
+SO101_FRAMES = {
+    "gripperframe": LinkFrame((-0.0079, -0.000218121, -0.0981274), _SO101_AXES),
+    "menagerie": LinkFrame((0.012, -0.000218, -0.098127), _SO101_AXES),
+}
+CONVENTIONS = ("fixed_jaw", "midpoint", *SO101_FRAMES)
+
+
+def tcp_poses(gripper: Gripper, poses: ArrayLike, widths: ArrayLike, convention: str) -> Floats:
+    """Poses of the tool center point of a hand with one moving jaw at n grasps: (n, 4, 4).
+
+    `fixed_jaw` is on the face of the fixed jaw, at the pads; x points out along the jaws, z from
+    the fixed to the moving one. `gripperframe` is the same on an SO-101, as TheRobotStudio, LeRobot
+    and SO101-Nexus define it, and `menagerie` lies 20 mm in front of that face, as in MuJoCo
+    Menagerie. `midpoint` is midway between the pads at the width of the grasp, with the axes of the
+    link with the fixed jaw, as in ManiSkill.
+
+    Args:
+        gripper: The hand, with its file. For `gripperframe` and `menagerie`, an SO-101 whose palm
+            has the frame of the maker's link `gripper`.
+        poses: (n, 4, 4) of `egad.grasps.Grasps.poses`.
+        widths: (n,) distances of the contacts, metres.
+        convention: Name of the convention.
+
+    Raises:
+        UserError: There is no such convention, the shapes do not fit, or both jaws of the hand
+            move.
+    """
+    check_name("convention", convention, CONVENTIONS)
+    if model_of(gripper).lever is None:
+        raise UserError("both fingers of this gripper move: it has no fixed jaw")
+    given, apart = np.asarray(poses, float), np.asarray(widths, float)
+    if apart.ndim != 1 or given.shape != (len(apart), 4, 4):
+        raise UserError(
+            "poses must have the shape (n, 4, 4) and widths (n,); "
+            f"got {given.shape} and {apart.shape}"
+        )
+    frames = [
+        pose @ _frame(gripper, float(width), convention)
+        for pose, width in zip(given, apart, strict=True)
+    ]
+    return np.array(frames).reshape(-1, 4, 4)
+
+
+def _frame(gripper: Gripper, width: float, convention: str) -> Floats:
+    """Pose of the TCP in the frame of a grasp."""
+    pose = np.eye(4)
+    if convention == "fixed_jaw":
+        pose[:3, :3], pose[0, 3] = ALONG_JAWS, -width / 2
+        return pose
+    base = base_pose(gripper, width)
+    assert base is not None  # noqa: S101 (it has a model)
+    if convention == "midpoint":
+        pose[:3, :3] = base[:3, :3]
+        return pose
+    origin, axes = SO101_FRAMES[convention]
+    pose[:3, :3], pose[:3, 3] = axes, origin
+    return np.asarray(base @ pose)

@@ -26,11 +26,7 @@ log = logging.getLogger(__name__)
 def use_mesh(
     path: Path, units: str | None, use: Callable[[trimesh.Trimesh], T]
 ) -> tuple[T | str, float]:
-    """What is made from a mesh file, or the reason why nothing is; and its longest side, metres.
-
-    The side is NaN if the file cannot be read. The unit is as stated in the file if None; `use` may
-    raise `RejectedError`.
-    """
+    """What is made from a mesh file, or the reason why nothing is; its longest side, or NaN."""
     longest = np.nan
     try:
         mesh = read_mesh(path, units)

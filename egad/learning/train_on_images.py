@@ -12,9 +12,8 @@ from egad.errors import UserError
 from egad.io import checksum
 from egad.learning.dataset import ImageDataset, PositiveFilter
 from egad.learning.evaluation import Score, outline_score, score_table, total_score
-from egad.learning.images import files
 from egad.learning.model_card import TrainedNetwork, card
-from egad.learning.parameters import TrainNetwork
+from egad.learning.parameters import TrainNetwork, TrainOnScenes
 from egad.report.training import training_chart
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
@@ -70,7 +69,10 @@ def train(
         outline_score(shards, held),
         {"seed": seed, **start_notes(start), **plan.model_dump(mode="json")},
     )
-    tell(trained, out)
+    parquet.write(trained.history, HISTORY, out / TABLE)
+    parquet.write(score_table(trained.score), SCORE, out / REACHED)
+    write_text(out / CHART, training_chart(trained.history))
+    write_text(out / CARD, card(trained))
     (out / CHECKPOINT).unlink(missing_ok=True)
     return score
 
@@ -119,24 +121,22 @@ def start_notes(start: Path | None) -> dict[str, str]:
 
 
 def fingerprint(
-    settings: TrainNetwork, images: Sequence[Path], code: str, start: Path | None = None
+    settings: TrainNetwork | TrainOnScenes,
+    folders: Sequence[Path],
+    code: str,
+    start: Path | None = None,
+    device: str = "cpu",
 ) -> str:
     """Everything that the result of a training run depends on, as text."""
     import torch  # noqa: PLC0415 (an extra)
 
+    files = [path for folder in folders for path in sorted(folder.glob("*-*.parquet"))]
     known = {
         "settings": settings.model_dump(mode="json"),
+        "examples": [checksum(path) for path in files],
+        "device": device,
         **start_notes(start),
-        "images": [checksum(path) for folder in images for path in files(folder)],
         "torch": torch.__version__,
         "code": code,
     }
     return json.dumps(known, sort_keys=True)
-
-
-def tell(trained: TrainedNetwork, out: Path) -> None:
-    """Write the history, its chart, the score and the model card."""
-    parquet.write(trained.history, HISTORY, out / TABLE)
-    parquet.write(score_table(trained.score), SCORE, out / REACHED)
-    write_text(out / CHART, training_chart(trained.history))
-    write_text(out / CARD, card(trained))

@@ -1,6 +1,5 @@
 """Training of a grasp network on labelled scenes."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import pandas as pd
 from egad._util.extras import needed_for
 from egad._util.files import write_text
 from egad.errors import UserError
-from egad.io import checksum
 from egad.learning.parameters import TrainOnScenes
 from egad.learning.scene_model_card import TrainedOnScenes, scene_card
 from egad.learning.scene_scores import (
@@ -27,6 +25,7 @@ from egad.learning.train_on_images import (
     TABLE,
     WEIGHTS,
     check_folders,
+    fingerprint,
     start_notes,
 )
 from egad.report.training import scene_training_chart
@@ -70,7 +69,7 @@ def train_on_scenes(
     network = (vgn.new_vgn(seed) if start is None else weights.read_vgn(start)).to(device)
     task = scene_training.SceneTask(scenes, settings.gripper, plan, seed, device)
     kept = training.Checkpoint(
-        out / CHECKPOINT, fingerprint(settings, folders, device, code, start)
+        out / CHECKPOINT, fingerprint(settings, folders, code, start, device)
     )
     rows = training.learn(network, task, jobs, kept)
     _, answers = task.evaluate_split(network, "test", plan.test, jobs)
@@ -92,7 +91,10 @@ def train_on_scenes(
             **plan.model_dump(mode="json"),
         },
     )
-    tell(trained, out)
+    parquet.write(trained.history, SCENE_HISTORY, out / TABLE)
+    parquet.write(scene_score_table(trained.score), SCENE_SCORE, out / REACHED)
+    write_text(out / CHART, scene_training_chart(trained.history))
+    write_text(out / CARD, scene_card(trained))
     (out / CHECKPOINT).unlink(missing_ok=True)
     return score
 
@@ -116,33 +118,3 @@ def open_scenes(folders: Sequence[Path]) -> SceneDataset:
         if not scenes.index.loc[scenes.indices(split), "positive"].any():
             raise UserError(f"{scenes.source}: no grasp of the split {split} succeeded")
     return scenes
-
-
-def fingerprint(
-    settings: TrainOnScenes,
-    folders: Sequence[Path],
-    device: str,
-    code: str,
-    start: Path | None = None,
-) -> str:
-    """Everything that the result of a training run depends on, as text."""
-    import torch  # noqa: PLC0415 (an extra)
-
-    files = [path for folder in folders for path in sorted(folder.glob("*-*.parquet"))]
-    known = {
-        "settings": settings.model_dump(mode="json"),
-        "scenes": [checksum(path) for path in files],
-        "device": device,
-        **start_notes(start),
-        "torch": torch.__version__,
-        "code": code,
-    }
-    return json.dumps(known, sort_keys=True)
-
-
-def tell(trained: TrainedOnScenes, out: Path) -> None:
-    """Write the history, its chart, the score and the model card."""
-    parquet.write(trained.history, SCENE_HISTORY, out / TABLE)
-    parquet.write(scene_score_table(trained.score), SCENE_SCORE, out / REACHED)
-    write_text(out / CHART, scene_training_chart(trained.history))
-    write_text(out / CARD, scene_card(trained))

@@ -29,10 +29,7 @@ def repaired_body(mesh: trimesh.Trimesh, settings: MeasureMeshes) -> Body:
 def solid_row(
     mesh: trimesh.Trimesh, object_id: str, settings: MeasureMeshes, *, resample: bool = True
 ) -> dict[str, Any]:
-    """The row of `tables.objects.SOLIDS` of one object, or `RejectedError`.
-
-    Whether to resample, see `measure_repeatably`; not for evolved objects.
-    """
+    """The row of `tables.objects.SOLIDS` of one object, or `RejectedError`."""
     repaired, mass = repaired_body(mesh, settings)
     solid = repaired.mesh
     most = settings.postprocess.max_candidates

@@ -25,8 +25,8 @@ from egad.bench.failures import (
     shape_features,
     shares,
 )
-from egad.bench.failures.attempts import by_object, failed_drops
-from egad.bench.failures.search import scaled_surface
+from egad.bench.failures.evidence import by_object, failed_drops
+from egad.bench.failures.models import scaled_surface
 from egad.errors import UserError
 from egad.objects import Dataset, load
 from egad.random import generator
@@ -224,7 +224,7 @@ def _search_text(detector: str, settings: FailureParameters) -> SearchText:
     size = f"{1000 * hand.opening:g} mm"
     return SearchText(
         detector,
-        f"jaws that open {size}" if hand.cup is None else f"a suction cup, objects as for {size}",
+        hand.kind.described(size),
         search.approach or "",
         f"A contact of more than {force:g} N on the way: {contact}",
         search.engines,

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from egad._util.arrays import Floats
 from egad.grasps.suction import limits, ring_vertices
-from egad.grippers import Gripper, GripperModel, SuctionCup
-from egad.report.hand_shape import LINK_COLORS, Colored, hand_shapes, link_shapes, painted
+from egad.grippers import Gripper, HandModel, SuctionCup
+from egad.report.hand_shape import LINK_COLORS, Colored, colored, hand_shapes, painted
 from egad.report.page import render_template
 from egad.report.viewer import GraspScene, viewer_data
 from egad.tables.grasping import GRASPS
@@ -31,7 +31,7 @@ JAW_ROWS = 9  # of the table of a hand with one moving jaw
 CHOICES = ("joint", "finger_links", "pad_links", "tcp", "closing_axis", "approach_axis")
 
 
-def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
+def hand_facts(gripper: Gripper, model: HandModel) -> dict[str, str]:
     """What was found in the file of a hand, in words, with lengths in millimetres."""
     names = {side: _links(model, side) for side in LINK_COLORS}
     driven, followers = model.joints[: model.n_driven], model.joints[model.n_driven :]
@@ -64,7 +64,7 @@ def hand_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
     }
 
 
-def _recess(model: GripperModel) -> str:
+def _recess(model: HandModel) -> str:
     """Between which points the opening is, if the pads are not flat."""
     share, depth = model.recess
     if share < UNEVEN:
@@ -75,7 +75,7 @@ def _recess(model: GripperModel) -> str:
     return f"{begin} lie further back, the rearmost {1000 * depth:.1f} mm farther apart"
 
 
-def hand_doubts(gripper: Gripper, model: GripperModel) -> list[str]:
+def hand_doubts(gripper: Gripper, model: HandModel) -> list[str]:
     """Why what was found in the file of a hand may be wrong, in sentences."""
     closed, wide = 1000 * model.openings[[0, -1]]
     behind = 1000 * ((gripper.fingertip or 0.0) - float(np.ptp(model.pad[:, 2])) / 2)
@@ -115,7 +115,7 @@ def hand_doubts(gripper: Gripper, model: GripperModel) -> list[str]:
     return [text for doubtful, text in doubts if doubtful]
 
 
-def _jaw_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
+def _jaw_facts(gripper: Gripper, model: HandModel) -> dict[str, str]:
     """Facts specific to a hand with one moving jaw."""
     lever, low, high = model.lever or 1.0, *np.degrees(model.angles[[0, -1]])
     unit, slides = ("N m", False) if model.joint_kind == "revolute" else ("N", True)
@@ -134,7 +134,7 @@ def _jaw_facts(gripper: Gripper, model: GripperModel) -> dict[str, str]:
     }
 
 
-def jaw_table(model: GripperModel) -> list[dict[str, str]]:
+def jaw_table(model: HandModel) -> list[dict[str, str]]:
     """Openings of a hand with one moving jaw; empty for other hands.
 
     `friction` is that at which a round body is not squeezed out; `gaps` are in millimetres, at the
@@ -160,7 +160,7 @@ def jaw_table(model: GripperModel) -> list[dict[str, str]]:
     return rows
 
 
-def hand_entry(name: str, gripper: Gripper, model: GripperModel) -> str:
+def hand_entry(name: str, gripper: Gripper, model: HandModel) -> str:
     """The entry of a configuration for a gripper with a file, as YAML; a comment if doubtful."""
     settings = gripper.model_dump(mode="json", include={"file", *CHOICES, "force"})
     settings |= gripper.model_dump(mode="json", include={"pads"}, exclude_defaults=True)
@@ -171,7 +171,7 @@ def hand_entry(name: str, gripper: Gripper, model: GripperModel) -> str:
     return indent(f"Doubtful, as said above: check it, then remove these marks.\n{text}", "# ")
 
 
-def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
+def hand_page(name: str, gripper: Gripper, model: HandModel) -> str:
     """An HTML page about a hand that needs no other file."""
     openings = model.openings[[-1, len(model.openings) // 2, 0]]
     words = ("open", "half open", "closed")
@@ -186,17 +186,18 @@ def hand_page(name: str, gripper: Gripper, model: GripperModel) -> str:
     )
 
 
-def hand_scene(model: GripperModel, word: str, opening: float) -> GraspScene:
+def hand_scene(model: HandModel, word: str, opening: float) -> GraspScene:
     """A hand at an opening (m) for the viewer, with its pads; it points down, a fixed jaw stays."""
     middle = model.middle_at(np.array(opening))
     pads = [(pad, PAD_COLOR) for pad in _pads(model, opening, middle)]
-    mesh, paint = painted([*link_shapes(model, opening), *pads, (_arrow(middle), APPROACH_COLOR)])
+    links, arrow = colored(model.shapes(opening)), (_arrow(middle), APPROACH_COLOR)
+    mesh, paint = painted([*links, *pads, arrow])
     mesh.apply_transform(trimesh.transformations.rotation_matrix(np.pi, (1, 0, 0)))
     title = f"{1000 * opening:.1f} mm between the pads"
     return GraspScene(word, title, mesh, empty(GRASPS), paint=paint)
 
 
-def _pads(model: GripperModel, opening: float, middle: Floats) -> list[trimesh.Trimesh]:
+def _pads(model: HandModel, opening: float, middle: Floats) -> list[trimesh.Trimesh]:
     """Thin plates where the pads are; the plate of a jaw that turns tilts with it."""
     low, high = model.pad
     size = np.array([PAD_THICKNESS, *(high - low)[1:]])
@@ -217,7 +218,7 @@ def _arrow(middle: Floats) -> trimesh.Trimesh:
     return bar
 
 
-def _links(model: GripperModel, side: int) -> str:
+def _links(model: HandModel, side: int) -> str:
     return ", ".join(link.name for link in model.links if link.body == side and link.shapes)
 
 

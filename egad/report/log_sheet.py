@@ -23,20 +23,6 @@ from egad.tables.outcomes import DETECTOR_FAILURES, OBSERVABLE, Outcome
 PURPOSE = "log sheet"  # of the random numbers
 MAX_DETECTORS = len(string.ascii_uppercase)
 MAX_NAME = 60
-MEANINGS = {
-    Outcome.SUCCESS: "held to the end",
-    Outcome.COLLIDED: "the hand was stopped on its way, or could not get there",
-    Outcome.MISSED: "the fingers closed, but never both pressed on the object at once",
-    Outcome.SLIPPED_CLOSING: "lost between the fingers before the lift",
-    Outcome.SLIPPED_LIFTING: "lost during the lift",
-    Outcome.DROPPED: "lost while held up",
-    Outcome.NO_SEAL: "the suction cup did not seal",
-    Outcome.SLIPPED: "lost, but you did not see when",
-    Outcome.OTHER: "any other failure: say which in a note",
-    Outcome.NO_GRASP: "the detector proposed no grasp",
-    Outcome.ERROR: "the detector crashed or returned something other than a grasp",
-    Outcome.TIMEOUT: "the detector took too long",
-}
 REASONS = (
     "wrong object, pose or detector",
     "operator or robot stopped it for a reason other than the grasp",
@@ -196,7 +182,7 @@ def _outcome(outcome: Outcome) -> dict[str, Any]:
     return {
         "code": outcome.value,
         "name": outcome.value.replace("_", " "),
-        "meaning": MEANINGS[outcome],
+        "meaning": outcome.meaning,
         "of_detector": outcome in DETECTOR_FAILURES,
     }
 

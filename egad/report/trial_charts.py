@@ -16,32 +16,10 @@ from egad.report.axes import USUAL, AxisPair
 from egad.report.colors import FAINT, INK, SOFT, ink_on, line_color
 from egad.report.drawing import new_figure, show_percent
 from egad.report.page import DASH
+from egad.tables.outcomes import CHARTED
 
 GAP = 0.35
 MAX_BARS = 30
-OUTCOMES = {
-    "success": "#0072b2",
-    "slipped_closing": "#9bd5f5",
-    "slipped_lifting": "#56b4e9",
-    "slipped": "#2f8fc4",
-    "dropped": "#009e73",
-    "missed": "#e69f00",
-    "no_seal": "#f0b94d",
-    "collided": "#d55e00",
-    "no_grasp": "#cc79a7",
-    "not_finite": "#b0568a",
-    "too_wide": "#943f72",
-    "below_table": "#77295a",
-    "error": "#591443",
-    "timeout": "#3c002d",
-    "failed": "#a7adb8",
-    "crashed": "#5c6470",
-    "other": "#7d8591",
-}
-DARK = (
-    *("success", "slipped", "dropped", "collided", "too_wide", "below_table", "error", "timeout"),
-    "crashed",
-)
 
 
 def trial_heat_map(
@@ -174,9 +152,9 @@ def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
         axes.set(xlim=(0, 1), ylim=(-len(counts) + 0.45, 0.55))
         show_percent(axes.xaxis)
         axes.spines[["left"]].set_visible(False)
-        used = [name for name in OUTCOMES if any(name in row for row in counts.values())]
-        handles = [Rectangle((0, 0), 1, 1, facecolor=OUTCOMES[name]) for name in used]
-        names = [name.replace("_", " ") for name in used]
+        used = [each for each in CHARTED if any(each.value in row for row in counts.values())]
+        handles = [Rectangle((0, 0), 1, 1, facecolor=each.color) for each in used]
+        names = [each.value.replace("_", " ") for each in used]
         drawing.figure.legend(handles, names, loc="outside upper center", ncols=7, fontsize=9)
     return drawing.svg
 
@@ -206,11 +184,12 @@ def trial_chart(trials: pd.DataFrame) -> str:
 
 def _outcome_bar(axes: Axes, y: float, counts: Mapping[str, int]) -> None:
     total, start = sum(counts.values()), 0.0
-    for name, color in OUTCOMES.items():
-        share = counts.get(name, 0) / total
-        axes.barh(y, share, left=start, height=0.62, color=color, edgecolor="white", lw=0.6)
+    for outcome in CHARTED:
+        count = counts.get(outcome.value, 0)
+        share = count / total
+        axes.barh(y, share, left=start, height=0.62, color=outcome.color, edgecolor="white", lw=0.6)
         if share > 0.03:
-            ink = "white" if name in DARK else INK
+            ink = "white" if outcome.dark else INK
             middle = start + share / 2
-            axes.text(middle, y, str(counts[name]), ha="center", va="center", color=ink, size=9)
+            axes.text(middle, y, str(count), ha="center", va="center", color=ink, size=9)
         start += share

@@ -23,7 +23,7 @@ from egad._util.files import as_path, write_text
 from egad.errors import UserError
 from egad.geometry import check_mesh
 from egad.grasps import Grasps
-from egad.grippers import Gripper, as_gripper, finger_span
+from egad.grippers import Gripper, as_gripper
 from egad.io import read_mesh
 from egad.report.hand_shape import best_grasp
 from egad.report.page import render_template
@@ -68,7 +68,7 @@ def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any
     key, name, and the value that gets the last color, the same for all objects.
     """
     return {
-        "finger": gripper.cup.height if gripper.cup else -finger_span(gripper)[0],
+        "finger": -gripper.kind.span[0],
         "objects": [pack(scene) for scene in scenes],
         "metrics": [[key, name, _top(scenes, key)] for key, name in METRICS.items()],
     }

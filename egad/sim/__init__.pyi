@@ -2,6 +2,9 @@ from .arms import ARMS as ARMS
 from .arms import Arm as Arm
 from .arms import HandPose as HandPose
 from .engines import open_world as open_world
+from .execution import ContactRules as ContactRules
+from .execution import Execution as Execution
+from .execution import execute_pose as execute_pose
 from .film import ENDINGS as ENDINGS
 from .film import ROBOT_COLOR as ROBOT_COLOR
 from .film import Film as Film
@@ -17,6 +20,7 @@ from .model import model_of as model_of
 from .model import principal_frame as principal_frame
 from .parameters import COLLISION_FORCE as COLLISION_FORCE
 from .parameters import ENGINES as ENGINES
+from .parameters import Contact as Contact
 from .parameters import EngineName as EngineName
 from .parameters import LabelAgreement as LabelAgreement
 from .parameters import LabelTrialParameters as LabelTrialParameters
@@ -25,9 +29,7 @@ from .parameters import SimulatedLabel as SimulatedLabel
 from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import SimulatedLabels as SimulatedLabels
 from .parameters import check_engine as check_engine
-from .pose_execution import ContactRules as ContactRules
-from .pose_execution import PoseExecution as PoseExecution
-from .pose_execution import execute_pose as execute_pose
+from .parameters import contacts_in_words as contacts_in_words
 from .robots import free_hand as free_hand
 from .simulated_labels import SimulatedGrasp as SimulatedGrasp
 from .simulated_labels import chosen_grasps as chosen_grasps

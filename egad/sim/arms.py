@@ -121,9 +121,8 @@ class Panda(Arm):
     @override
     def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
         wanted = np.eye(4)
-        # A hand with two moving fingers is its own mirror image: take the angle that turns the
-        # last joint least.
-        angle = -((-hand_pose.angle) % (np.pi if self.robot.jaw is None else 2 * np.pi))
+        # Of a hand and its mirror image, take the angle that turns the last joint least.
+        angle = -((-hand_pose.angle) % (np.pi if self.robot.drive.mirrored else 2 * np.pi))
         wanted[:3, :3] = Rotation.from_euler("xz", (np.pi, angle)).as_matrix()
         wanted[:3, 3] = np.array([hand_pose.x, hand_pose.y, hand_pose.height]) - PANDA_BASE
         joints = np.array(PANDA_READY) if near is None else near

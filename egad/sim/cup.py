@@ -6,6 +6,7 @@ then held as long as the load stays within the limits of the cup (`World.attach`
 """
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from typing_extensions import override
@@ -13,8 +14,9 @@ from typing_extensions import override
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster, joined
 from egad.grasps.suction import Seals, ring_depths, seal_cups
-from egad.grippers import SuctionCup
-from egad.sim.gripper import Fingers, Hand
+from egad.grippers import SuctionCup, cup_of
+from egad.grippers.kinds import CupKind, JawKind
+from egad.sim.gripper import Fingers, FreeHand, Hand
 from egad.sim.world import TIME_STEP
 from egad.tables.outcomes import Outcome
 
@@ -27,12 +29,10 @@ class Cup(Fingers):
 
     _seeks = True
 
-    @property
+    @cached_property
     def cup(self) -> SuctionCup:
         """The cup."""
-        if self.gripper.cup is None:
-            raise ValueError("the robot of this world has no suction cup")
-        return self.gripper.cup
+        return cup_of(self.gripper, "a vacuum")
 
     @override
     def arrives(self) -> bool:
@@ -103,6 +103,20 @@ class CupHand(Cup, Hand):
     def _lift_from(self) -> float:
         # An arm that sags would jerk if the lift began at its actual height.
         return self._stance.height
+
+
+class FreeCup(Cup, FreeHand):
+    """A suction cup that moves along straight lines without turning."""
+
+    @override
+    def held(self, *, first: bool = False) -> int | None:
+        del first
+        return self.world.attached
+
+
+# Hands by the kind of gripper: carried by an arm, or without one
+ON_ARM = {JawKind.name: Hand, CupKind.name: CupHand}
+FREE = {JawKind.name: FreeHand, CupKind.name: FreeCup}
 
 
 def _frame_of(pose: Floats) -> tuple[Floats, Floats]:

@@ -1,20 +1,23 @@
-"""Executing one grasp: approach, close, lift, and hold until the object has come to rest.
+"""Executing one grasp: approach, close, and lift.
 
-For a suction cup, closing means switching the vacuum on.
+A hand on an arm comes from above and holds the object until it has come to rest. A hand without an
+arm moves along its approach to a grasp and away. For a suction cup, closing means switching the
+vacuum on.
 """
 
+import math
 from contextlib import nullcontext
 from typing import NamedTuple
 
 import numpy as np
 
 from egad._util.arrays import Floats
-from egad.detectors import Grasp
+from egad.detectors import SEARCH, Grasp
 from egad.grasps import FIXED_SIDE_CLEARANCE, expected_distance
 from egad.sim.arms import Arm, HandPose, UnreachableError
-from egad.sim.cup import CupHand
+from egad.sim.cup import FREE, ON_ARM
 from egad.sim.gripper import HEAVIEST, Hand
-from egad.sim.parameters import COLLISION_FORCE, Lifting
+from egad.sim.parameters import COLLISION_FORCE, Contact, Lifting
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 from egad.tables.outcomes import Outcome
 
@@ -28,19 +31,37 @@ STRIDE = 6  # steps from one check to the next
 CREEP = 0.001  # metres that it may still move until the end, at the rate of the window
 
 
-class Stopping(NamedTuple):
-    """What a contact on the way down means.
+# Of a hand without an arm, as in VGN's repository (Breyer et al. 2020), unless it says "ours".
+STANDOFF = 0.05  # metres before the grasp, where the approach begins
+RETREAT = 0.1  # metres
+STEEP = np.radians(60)  # off the vertical; hands with flatter approaches retreat upwards
+AT_REST = 0.001  # ours: metres; a hand that moved less is still where it was placed
+UP = np.array([0.0, 0.0, 1.0])
+APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # ours: mean, m/s
+
+
+class ContactRules(NamedTuple):
+    """What contacts during the approach mean, and when a hand without an arm holds an object.
 
     Attributes:
-        force: Contact force that stops the hand, newtons.
-        closes: Whether the fingers close there; otherwise the attempt has failed.
+        contact: What a contact means.
+        force: Contacts above this force count, newtons.
+        pinched: Whether both fingers must press on an object after they closed.
+        first: Whether the object that is held is the first one that the hand touches.
     """
 
+    contact: Contact
     force: float = COLLISION_FORCE
-    closes: bool = False
+    pinched: bool = True
+    first: bool = False
+
+    @property
+    def limit(self) -> float:
+        """Contact force that stops the hand, newtons."""
+        return math.inf if self.contact == "ignore" else self.force
 
 
-FAILS = Stopping()
+FAILS, CLOSES = ContactRules("collided"), ContactRules("close")
 
 
 class Execution(NamedTuple):
@@ -52,12 +73,15 @@ class Execution(NamedTuple):
         end: Final pose of the object; None if the simulation broke down. If the object lay still in
             the hand before the lift was complete, where it would be after the whole lift.
         stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
+        held: Number of the object in a hand without an arm; None without success. For such a hand,
+            `lifted` and `end` are not known.
     """
 
     outcome: Outcome
-    lifted: float
-    end: Pose | None
+    lifted: float = 0.0
+    end: Pose | None = None
     stopped: float = 0.0
+    held: int | None = None
 
 
 def execute(
@@ -68,7 +92,7 @@ def execute(
     *,
     afloat: bool = False,
     contact: float | None = None,
-    stopping: Stopping = FAILS,
+    rules: ContactRules = FAILS,
 ) -> Execution:
     """Approach from above, close, lift and hold.
 
@@ -78,18 +102,18 @@ def execute(
         world: World with the object where it is to be grasped.
         arm: Arm that carries the hand; its robot is that of the world.
         lifting: Settings of lift and hold.
-        grasp: A grasp that the hand can execute (`Grasp.flaw`).
+        grasp: A grasp that the hand can execute (`Grasp.infeasibility`).
         afloat: Whether the object floats in the air: it is held there until the hand has arrived,
             then free but weightless until the fingers have closed.
         contact: Distance of the pads at which they will meet the object, metres, if it is known;
             the height of the hand is then corrected for pads that move on arcs.
-        stopping: What a contact on the way down means.
+        rules: What a contact on the way down means.
     """
     try:
         before = world.pose().position[2]
-        outcome, end, stopped = _outcome(world, arm, lifting, grasp, afloat, contact, stopping)
+        outcome, end, stopped = _outcome(world, arm, lifting, grasp, afloat, contact, rules)
     except UnstableError:
-        return Execution(Outcome.FAILED, 0.0, None)
+        return Execution(Outcome.FAILED)
     return Execution(outcome, float(end.position[2] - before), end, stopped)
 
 
@@ -100,7 +124,7 @@ def _outcome(
     grasp: Grasp,
     afloat: bool,
     contact: float | None,
-    stopping: Stopping,
+    rules: ContactRules,
 ) -> tuple[Outcome, Pose, float]:
     start = max(float(world.vertices()[:, 2].max()) + START_ABOVE, grasp.tip)
     try:
@@ -109,9 +133,9 @@ def _outcome(
         return Outcome.COLLIDED, world.pose(), 0.0
     world.set_gravity(WEIGHTLESS if afloat else DOWN)
     with world.pinned() if afloat else nullcontext():
-        stopped = hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED, stopping.force)
+        stopped = hand.move(grasp.tip, (start - grasp.tip) / DESCENT_SPEED, rules.limit)
     if stopped is not None:
-        if not stopping.closes:
+        if rules.contact != "close":
             return Outcome.COLLIDED, world.pose(), stopped
         hand.yield_to_contact()
     touched = hand.close()
@@ -121,6 +145,64 @@ def _outcome(
     else:
         outcome, end = hand.loss(touched), world.pose()
     return outcome, end, stopped or 0.0
+
+
+def execute_pose(
+    world: World, pose: Floats, width: float, rules: ContactRules = CLOSES
+) -> Execution:
+    """Approach from 5 cm away, close, and retreat by 10 cm; `rules` say what a contact does.
+
+    A suction cup goes up to 1 cm further to find an object. For it, closing means switching the
+    vacuum on.
+
+    A hand that approaches from above, within 60 degrees, retreats along its approach; otherwise it
+    moves straight up. An object is held if the hand then touches it and is not closed.
+
+    The result depends only on the arguments, if the world was reset before the objects were placed.
+
+    Args:
+        world: World with the objects where they lie, and the robot `egad.sim.free_hand`.
+        pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
+        width: How far the hand opens, metres.
+        rules: What contacts mean.
+    """
+    try:
+        return _executed(world, pose, width, rules)
+    except UnstableError:
+        return Execution(Outcome.FAILED)
+
+
+def _executed(world: World, pose: Floats, width: float, rules: ContactRules) -> Execution:
+    approach = pose[:3, 2]
+    start = pose.copy()
+    start[:3, 3] -= STANDOFF * approach
+    kind = world.known_robot.gripper.kind
+    hand = FREE[kind.name](world, start, width)
+    way = STANDOFF + (0.0 if kind.closes else SEARCH)
+    try:
+        world.step()
+        if hand.touches():
+            return Execution(Outcome.COLLIDED, stopped=STANDOFF)
+        stopped = hand.move(way * approach, APPROACH_SPEED, rules.limit)
+    except UnstableError:
+        if rules.contact != "collided" or hand.moved() > AT_REST:
+            raise
+        # a hand placed inside an object throws it away at once
+        return Execution(Outcome.COLLIDED, stopped=STANDOFF)
+    if stopped and rules.contact == "collided":
+        return Execution(Outcome.COLLIDED, stopped=stopped)
+    touched, pinched = hand.close(), hand.pinches()
+    if pinched or not rules.pinched:
+        back = -approach if -approach[2] >= np.cos(STEEP) else UP
+        hand.move(RETREAT * back, RETREAT_SPEED)
+        held = hand.held(first=rules.first)
+        if held is not None:
+            return Execution(Outcome.SUCCESS, stopped=stopped, held=held)
+    if stopped:
+        return Execution(Outcome.COLLIDED, stopped=stopped)
+    if pinched:
+        return Execution(Outcome.SLIPPED_LIFTING)
+    return Execution(hand.loss(touched))
 
 
 def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
@@ -153,12 +235,12 @@ def place_hand_above(
     the middle.
     """
     hand_pose = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
-    if arm.robot.gripper.cup is not None:
-        return CupHand(world, arm, hand_pose, 0.0)
-    if contact is not None or arm.robot.jaw is None:
-        return Hand(world, arm, hand_pose, grasp.width, contact)
-    expected = expected_distance(grasp.width, arm.robot.gripper)
-    return Hand(world, arm, hand_pose, grasp.width, expected, FIXED_SIDE_CLEARANCE)
+    gripper = arm.robot.gripper
+    hand = ON_ARM[gripper.kind.name]
+    if contact is not None or arm.robot.drive.mirrored:
+        return hand(world, arm, hand_pose, grasp.width, contact)
+    expected = expected_distance(grasp.width, gripper)
+    return hand(world, arm, hand_pose, grasp.width, expected, FIXED_SIDE_CLEARANCE)
 
 
 class _Held(NamedTuple):

@@ -11,7 +11,7 @@ from egad._util.arrays import Floats, RgbImage
 from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.geometry import TriangleScene
-from egad.sim.robot import shape_mesh
+from egad.sim.shapes import shape_mesh
 from egad.sim.world import TIME_STEP, World
 
 ENDINGS = (".gif", ".mp4")
@@ -80,12 +80,10 @@ def draw(
     looking_at: Floats,
     camera: tuple[float, float, float] = FOLLOWED,
 ) -> RgbImage:
-    """Draw a picture of colored meshes with one light and its shadows, (height, width, 3).
+    """A picture of colored meshes with one light and its shadows, (height, width, 3).
 
-    Args:
-        bodies: Meshes in metres, z up, and their colors from 0 to 1.
-        looking_at: Point in the middle of the picture, (3,).
-        camera: Distance of the camera from that point, metres, and its yaw and pitch, degrees.
+    Colors are from 0 to 1; the camera looks at a point in the middle of the picture, (3,), from a
+    distance, metres, with yaw and pitch, degrees.
     """
     counts = [len(mesh.faces) for mesh, _ in bodies]
     colors = np.repeat([color for _, color in bodies], counts, axis=0)
@@ -129,14 +127,9 @@ def _table() -> trimesh.Trimesh:
 
 
 def write_film(frames: list[RgbImage], path: Path) -> None:
-    """Write a film in real time.
+    """Write a film of pictures of one size in real time: `.gif`, or `.mp4`.
 
-    Args:
-        frames: Pictures of one size.
-        path: `.gif`, or `.mp4` if ffmpeg is installed.
-
-    Raises:
-        UserError: The film is an MP4, and ffmpeg is not installed.
+    UserError for an MP4 without ffmpeg.
     """
     seconds = STEPS * TIME_STEP
     if path.suffix.lower() == ".gif":

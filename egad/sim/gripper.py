@@ -1,15 +1,17 @@
-"""A parallel-jaw hand: fingers that close with a force, and what they feel."""
+"""Hands with jaws in a world: they close with a force, feel contacts, and move."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.grippers import JAW_CLEARANCE
 from egad.sim.arms import Arm, HandPose
 from egad.sim.parameters import COLLISION_FORCE
 from egad.sim.robot import Robot
-from egad.sim.world import TIME_STEP, World
+from egad.sim.world import TIME_STEP, Pose, World
 from egad.tables.outcomes import Outcome
 
 CLOSING_TIME = 1.0
@@ -21,6 +23,7 @@ SAGGING = 0.02  # metres that a hand may hang too low and still count as lifted
 # Fraction of the time of a minimum-jerk path at which acceleration peaks: a lifted object never
 # bears a higher load afterwards.
 HEAVIEST = (3 - 3**0.5) / 6
+MIN_OPENING = 0.1  # of a free hand's opening; if closed further, the fingers hold nothing (VGN)
 Still = Callable[[], bool]
 
 
@@ -34,10 +37,8 @@ class Fingers:
 
     def __init__(self, world: World) -> None:
         """Take the robot of a world."""
-        if world.robot is None:
-            raise ValueError("there is no robot in this world")
         self.world = world
-        self.gripper = world.robot.gripper
+        self.gripper = world.known_robot.gripper
 
     def close(self) -> bool:
         """Close until the fingers stall, and press on; whether both pressed on an object."""
@@ -210,15 +211,82 @@ class Hand(Fingers):
         self.world.step()
 
 
+class FreeHand(Fingers):
+    """A hand that moves along straight lines without turning."""
+
+    def __init__(self, world: World, pose: Floats, width: float) -> None:
+        """Open a hand at a pose (`egad.grasps.Grasps.poses`), until the world is reset."""
+        super().__init__(world)
+        self._rotation = pose[:3, :3]
+        self._joints = np.zeros(3)
+        robot = world.known_robot
+        ahead = self.gripper.kind.span[1] - robot.reach(width)
+        tip = pose[:3, 3] - robot.drive.aside(width) * pose[:3, 0] + ahead * pose[:3, 2]
+        turn = Rotation.from_matrix(self._rotation).as_quat()
+        world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
+
+    def move(self, shift: Floats, speed: float, limit: float = math.inf) -> float:
+        """Move by (3,) metres on a minimum-jerk path; how far before the end it stopped, metres.
+
+        A suction cup stays where its ring lies on an object. A contact force above the limit, N,
+        stops any hand.
+        """
+        start, length = self._joints, float(np.linalg.norm(shift))
+        along = self._rotation.T @ shift / length
+        for way in minimum_jerk(0.0, length, length / speed):
+            joints = start + way * along
+            self.world.drive(joints.tolist(), ((joints - self._joints) / TIME_STEP).tolist())
+            self._joints = joints
+            self.world.step()
+            if limit < math.inf and self._force() > limit:
+                self._rest()
+                return length - way
+            if self.arrives():
+                self._rest()
+                break
+        return 0.0
+
+    def moved(self) -> float:
+        """How far the hand is from where it was placed, metres."""
+        return float(np.linalg.norm(self._joints))
+
+    def _rest(self) -> None:
+        """Stay here, instead of pushing further."""
+        self._joints = self.world.arm_joints().copy()
+        self.world.drive(self._joints.tolist(), [0.0, 0.0, 0.0])
+
+    def touches(self) -> bool:
+        """Whether the hand touches anything."""
+        return self._force() > 0
+
+    def _force(self) -> float:
+        forces = self.world.forces()
+        return forces.hand + forces.blocked
+
+    def held(self, *, first: bool = False) -> int | None:
+        """Number of the object that the hand presses on most; None if none, or if it is closed.
+
+        Args:
+            first: Whether to return the first object that the hand touches instead.
+        """
+        if not self.opening() > MIN_OPENING * self.gripper.opening:
+            return None
+        numbers = range(len(self.world.models))
+        pressed = np.array([self.world.forces(number).hand for number in numbers])
+        chosen = np.argmax(pressed > 0 if first else pressed)
+        return int(chosen) if pressed[chosen] > 0 else None
+
+
 def _aside(robot: Robot, width: float, contact: float | None, clearance: float) -> float:
     """How far the middle of the contacts lies beside TIP, along the closing axis, metres.
 
     If the contact is known, a fixed jaw stands a little before it; otherwise the open jaws are
     equally far from the middle.
     """
-    if robot.jaw is None or contact is None:
-        return robot.aside(width)
-    return robot.aside(contact) + clearance
+    drive = robot.drive
+    if drive.mirrored or contact is None:
+        return drive.aside(width)
+    return drive.aside(contact) + clearance
 
 
 def minimum_jerk(start: float, end: float, seconds: float) -> list[float]:

@@ -36,17 +36,10 @@ RATINGS = ("quality", "robust_quality", "robust_success_rate")
 def sample_labelled_grasps(
     grasps: pd.DataFrame, object_id: str, count: int, seed: int
 ) -> pd.DataFrame:
-    """A uniform sample of the labelled grasps of an object that the hand can reach.
+    """A uniform sample of at most `count` labelled grasps of an object that the hand can reach.
 
-    Args:
-        grasps: Columns of `tables.grasping.GRASPS`, of the object.
-        object_id: Determines the sample, with the seed.
-        count: How many, at most.
-        seed: Seed of the configuration.
-
-    Returns:
-        Rows of the table in their order, with the numbers that they were sampled from:
-        `n_labelled` and, among these, `n_collision_free`.
+    The id determines it, with the seed. The rows of `tables.grasping.GRASPS` keep their order, and
+    get the numbers that they were sampled from: `n_labelled` and, among these, `n_collision_free`.
     """
     free = grasps[grasps["collision_free"]]
     rng = generator(seed, "agreement", object_id)
@@ -57,17 +50,9 @@ def sample_labelled_grasps(
 def execute_labelled_grasps(
     model: Model, label: str, object_id: str, sample: pd.DataFrame, settings: LabelTrialParameters
 ) -> pd.DataFrame:
-    """Execute labelled grasps, each independently of the previous ones.
+    """Execute a sample of labelled grasps, each independently of the previous ones.
 
-    Args:
-        model: The object.
-        label: Name in the evaluation set.
-        object_id: Name of the object.
-        sample: From `sample_labelled_grasps`.
-        settings: Gripper, friction, lift and hold.
-
-    Returns:
-        One row per grasp, columns of `tables.evaluation.AGREEMENT`.
+    Returns one row per grasp, columns of `tables.evaluation.AGREEMENT`.
     """
     check_jaws(settings.gripper, "a labelled grasp of a floating object")
     found = []
@@ -100,11 +85,6 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
 
     The closing axis is the world's x. The hand is wide open, and the contacts are in the middle of
     its pads, as they were when the label was checked for collisions.
-
-    Args:
-        model: The object.
-        row: Center, axis and approach of the grasp, x, y and z each.
-        gripper: The hand.
     """
     center, axis, approach = (
         np.array([[row[name] for name in vector_names(part)]])
@@ -117,12 +97,9 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
 
 
 def float_before_hand(to_hand: Floats, size: float, gripper: Gripper) -> tuple[Pose, Grasp]:
-    """The same for a hand in any pose.
+    """The same for a hand in any pose: `to_hand`, (4, 4), from the principal frame of the object.
 
-    Args:
-        to_hand: (4, 4) from the principal frame of the object to the frame of the hand.
-        size: Length of the object, metres; it floats this high, and `CLEAR` above that.
-        gripper: The hand.
+    The object is `size` metres long; it floats this high, and `CLEAR` above that.
     """
     height = size + CLEAR
     above = hand_poses(

@@ -3,17 +3,19 @@
 from collections.abc import Sequence
 
 import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
+from egad.geometry import surfaces
+from egad.geometry.surfaces import Surface
+from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
-from egad.sim.robot import LEFT, PALM, RIGHT, HullShape, Link, Robot, to_urdf
+from egad.sim.robot import EFFORT, PALM, Joint, Link, Robot
+from egad.sim.shapes import Box, HullShape, wall_boxes
 from egad.sim.world import (
     CLOSING_SPEED,
-    OBJECT_FRICTION,
-    TABLE_FRICTION,
-    TABLE_ROLLING,
     TIME_STEP,
-    wall_boxes,
 )
 
 SUBSTEPS = 2  # of a time step
@@ -30,11 +32,16 @@ ARMATURE = 0.004  # s2/m or s2: inertia of what drives a joint, by its strength
 FOLLOWER_ARMATURE = 1e-5  # kg or kg m2
 PARKED = (0.0, 0.0, 100.0)  # where an unused robot waits
 ROBOT = "robot-"  # prefix of the names of its links and joints
+KINDS = {"prismatic": mujoco.mjtJoint.mjJNT_SLIDE, "revolute": mujoco.mjtJoint.mjJNT_HINGE}
 HOLD, CLOSE, ARM = range(3)  # groups of actuators: of the fingers, and of the arm
 OBJECT, WALL = "object", "wall"  # prefixes of their numbers
 # Collision bits: objects collide with everything, table and robot also with each other.
 OBJECT_BIT, TABLE_BIT = 1, 2
 CONTACT_DIMENSIONS, PAD_DIMENSIONS = 6, 4  # with torsion, that of the table with rolling, too
+ON_TABLE, ON_OBJECT = (
+    [each.friction, surfaces.TABLE.rolling, surfaces.TABLE.rolling]
+    for each in (surfaces.TABLE, surfaces.OBJECT)
+)
 _CONTACT = {
     "condim": CONTACT_DIMENSIONS,
     "solref": [CONTACT_TIME, 1.0],
@@ -51,6 +58,7 @@ def scene_spec(
     as many more hold them to the cup. `walls` is the inner side of the box around the middle.
     """
     spec = mujoco.MjSpec()
+    spec.compiler.degree = False
     option = spec.option
     option.timestep = TIME_STEP / SUBSTEPS
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
@@ -59,7 +67,7 @@ def scene_spec(
     spec.worldbody.add_geom(
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[1, 1, 1],
-        friction=[TABLE_FRICTION, TABLE_ROLLING, TABLE_ROLLING],
+        friction=ON_TABLE,
         priority=1,
         contype=TABLE_BIT,
         conaffinity=OBJECT_BIT,
@@ -71,7 +79,7 @@ def scene_spec(
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=[side / 2 for side in box.size],
             pos=box.center,
-            friction=[OBJECT_FRICTION, TABLE_ROLLING, TABLE_ROLLING],
+            friction=ON_OBJECT,
             contype=TABLE_BIT,
             conaffinity=OBJECT_BIT,
             **_CONTACT,
@@ -80,7 +88,7 @@ def scene_spec(
         _add_object(spec, model, number)
     if robot is not None:
         _add_robot(spec, robot)
-        if robot.gripper.cup is not None:
+        if robot.drive.welds:
             for number in range(len(models)):
                 _add_weld(spec, ROBOT + PALM, f"{OBJECT}{number}").solimp[:] = IMPEDANCE
     return spec
@@ -104,7 +112,7 @@ def _add_object(spec: mujoco.MjSpec, model: Model, order: int) -> None:
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=name,
             mass=0,
-            friction=[OBJECT_FRICTION, TABLE_ROLLING, TABLE_ROLLING],
+            friction=ON_OBJECT,
             contype=OBJECT_BIT,
             conaffinity=OBJECT_BIT,
             **_CONTACT,
@@ -129,45 +137,64 @@ def _add_weld(spec: mujoco.MjSpec, first: str, second: str) -> mujoco.MjsEqualit
 
 def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     base = spec.worldbody.add_body(name="base", mocap=True, pos=PARKED)
-    described = mujoco.MjSpec.from_string(to_urdf(robot, hulls=False))
-    described.compiler.fusestatic = False
-    described.compiler.boundmass = described.compiler.boundinertia = MIN_INERTIA
-    spec.attach(described, frame=base.add_frame(), prefix=ROBOT)
-    friction, torsion = robot.pad_friction
+    joints = {joint.child: joint for joint in robot.joints}
+    bodies: dict[str, mujoco.MjsBody] = {}
     for link in robot.links:
-        body = spec.body(ROBOT + link.name)
-        body.gravcomp = 1  # as the controllers of robots do
-        _add_hulls(spec, body, link)
-        for shape in body.geoms:
-            shape.friction = [friction, torsion, 0.0]
-            shape.priority = 1
-            shape.contype, shape.conaffinity = 0, OBJECT_BIT | TABLE_BIT
-            shape.condim = PAD_DIMENSIONS
-            shape.solref[:2], shape.solimp = _CONTACT["solref"], _CONTACT["solimp"]
+        joint = joints.get(link.name)
+        parent = base if joint is None else bodies[joint.parent]
+        bodies[link.name] = _add_link(parent, link, joint)
+        _add_shapes(spec, bodies[link.name], link, robot.gripper.pad)
     for follower in robot.followers:
         spec.joint(ROBOT + follower.joint).armature = FOLLOWER_ARMATURE
         _couple(spec, follower.joint, follower.side, follower.polynomial())
     for name, strength in robot.strength.items():
         spec.joint(ROBOT + name).armature = ARMATURE * strength
         _add_servo(spec, name, strength, strength / SLACK, DAMPING_TIME * strength / SLACK, ARM)
-    if not robot.fingers:
+    drive = robot.drive
+    if not drive.joints:
         return
-    force, factor = robot.finger_strength, abs(robot.closing)
+    force, factor = drive.strength, abs(drive.closing)
     stiffness, damping = force / (FINGER_SLACK * factor), force / (CLOSING_SPEED * factor)
-    for name in robot.fingers:
-        joint = spec.joint(ROBOT + name)
-        joint.armature = 2 * TIME_STEP / SUBSTEPS * force / (CLOSING_SPEED * factor)
-        joint.solref_limit[:2], joint.solimp_limit = _CONTACT["solref"], _CONTACT["solimp"]
+    for name in drive.joints:
+        driven = spec.joint(ROBOT + name)
+        driven.armature = 2 * TIME_STEP / SUBSTEPS * force / (CLOSING_SPEED * factor)
+        driven.solref_limit[:2], driven.solimp_limit = _CONTACT["solref"], _CONTACT["solimp"]
         _add_servo(spec, name, force, stiffness, damping, HOLD)
     # As with a motor, the force of a closing finger falls with its speed, to zero at full speed.
-    for name in robot.fingers:
+    for name in drive.joints:
         _add_servo(spec, name, force, 0.0, damping, CLOSE)
-    if robot.jaw is None:
+    if drive.mirrored:
         _couple(spec, LEFT, RIGHT, [0.0, 1.0])
 
 
-def _add_hulls(spec: mujoco.MjSpec, body: mujoco.MjsBody, link: Link) -> None:
-    """Add the shapes of a link that are not boxes."""
+def _add_link(parent: mujoco.MjsBody, link: Link, joint: Joint | None) -> mujoco.MjsBody:
+    """Add the body of a link without its shapes, and its joint on another one."""
+    body = parent.add_body(name=ROBOT + link.name, explicitinertial=True)
+    body.gravcomp = 1  # as the controllers of robots do
+    body.mass, body.ipos = max(link.mass, MIN_INERTIA), link.box.center
+    body.fullinertia[:3] = np.maximum(link.moments, MIN_INERTIA)
+    body.fullinertia[3:] = 0
+    if joint is None:
+        return body
+    angles = Rotation.from_rotvec(joint.turn).as_euler("xyz")
+    mujoco.mju_euler2Quat(turn := np.empty(4), angles, "XYZ")  # about fixed axes
+    body.pos, body.quat = joint.origin, turn
+    if joint.kind != "fixed":
+        body.add_joint(
+            name=ROBOT + joint.child,
+            type=KINDS[joint.kind],
+            axis=joint.axis,
+            range=joint.limits,
+            actfrcrange=[-EFFORT, EFFORT],
+        )
+    return body
+
+
+def _add_shapes(spec: mujoco.MjSpec, body: mujoco.MjsBody, link: Link, pad: Surface) -> None:
+    """Give a link its shapes, boxes first, with the friction of the pads."""
+    for box in (each for each in link.shapes if isinstance(each, Box)):
+        half = [side / 2 for side in box.size]
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=box.center, size=half)
     for number, shape in enumerate(link.shapes):
         if isinstance(shape, HullShape):
             name = f"{link.name}-{number}"
@@ -177,6 +204,12 @@ def _add_hulls(spec: mujoco.MjSpec, body: mujoco.MjsBody, link: Link) -> None:
                 inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
             )
             body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, mass=0)
+    for geom in body.geoms:
+        geom.friction = [pad.friction, pad.torsion, 0.0]
+        geom.priority = 1
+        geom.contype, geom.conaffinity = 0, OBJECT_BIT | TABLE_BIT
+        geom.condim = PAD_DIMENSIONS
+        geom.solref[:2], geom.solimp = _CONTACT["solref"], _CONTACT["solimp"]
 
 
 def _couple(

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
+from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
 from egad.sim.mujoco_model import (
     CLOSE,
@@ -24,7 +25,7 @@ from egad.sim.mujoco_model import (
     WALL,
     scene_spec,
 )
-from egad.sim.robot import LEFT, RIGHT, Robot
+from egad.sim.robot import Robot
 from egad.sim.world import CLOSING_SPEED, DOWN, Forces, Pose, UnstableError, World
 
 log = logging.getLogger(__name__)
@@ -60,9 +61,9 @@ class MujocoWorld(World):
             self._base = engine.body("base").mocapid[0]
             self._links = np.array([engine.body(ROBOT + link.name).id for link in robot.links])
             self._arm = _Joints(engine, robot.arm)
-            self._fingers = _Joints(engine, robot.fingers)
+            self._fingers = _Joints(engine, robot.drive.joints)
             self._followers = _Joints(engine, [each.joint for each in robot.followers])
-            count, fingers = len(robot.arm), len(robot.fingers)
+            count, fingers = len(robot.arm), len(robot.drive.joints)
             self._arm_control = slice(0, count)
             self._hold_control = slice(count, count + fingers)
             self._close_control = slice(count + fingers, count + 2 * fingers)
@@ -120,19 +121,19 @@ class MujocoWorld(World):
 
     @override
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
-        robot = self._known_robot()
+        robot = self.known_robot
         self.data.mocap_pos[self._base] = base.position
         self.data.mocap_quat[self._base] = _scalar_first(base.quaternion)
         self.data.qpos[self._arm.positions] = joints
         self.data.qvel[self._arm.speeds] = 0
-        self.data.qpos[self._fingers.positions] = robot.finger_position(opening)
+        self.data.qpos[self._fingers.positions] = robot.drive.position(opening)
         self.data.qvel[self._fingers.speeds] = 0
         followers = [each.at(opening / 2) for each in robot.followers]
         self.data.qpos[self._followers.positions] = followers
         self.data.qvel[self._followers.speeds] = 0
         self.data.qacc_warmstart[:] = 0
         self.drive(joints, [0.0] * len(joints))
-        self.data.ctrl[self._hold_control] = robot.finger_position(opening)
+        self.data.ctrl[self._hold_control] = robot.drive.position(opening)
         self.engine.opt.disableactuator = 1 << CLOSE
         self._here = True
 
@@ -142,7 +143,7 @@ class MujocoWorld(World):
 
     @override
     def close_fingers(self) -> None:
-        self.data.ctrl[self._close_control] = self._known_robot().closing * CLOSING_SPEED
+        self.data.ctrl[self._close_control] = self.known_robot.drive.closing * CLOSING_SPEED
         self.engine.opt.disableactuator = 1 << HOLD
 
     @override
@@ -153,7 +154,7 @@ class MujocoWorld(World):
     @override
     def fingers(self) -> tuple[Floats, Floats]:
         positions, speeds = self._fingers.positions, self._fingers.speeds
-        return self._known_robot().pads(self.data.qpos[positions], self.data.qvel[speeds])
+        return self.known_robot.drive.pads(self.data.qpos[positions], self.data.qvel[speeds])
 
     @override
     def forces(self, number: int | None = None) -> Forces:
@@ -197,9 +198,10 @@ class MujocoWorld(World):
             self.engine.body_mass[body] = self.mass_factor * model.mass
             self.engine.body_inertia[body] = self.mass_factor * model.inertia
         if self.robot is not None:
+            pad = self.robot.gripper.pad
             pads = np.isin(self._owners, (LEFT_FINGER, RIGHT_FINGER, OTHERS))
             self.engine.geom_friction[pads, :2] = self.friction_factor * np.array(
-                self.robot.pad_friction
+                [pad.friction, pad.torsion]
             )
         mujoco.mj_setConst(self.engine, self.data)
         self._factors = self.mass_factor, self.friction_factor

@@ -15,6 +15,18 @@ from egad.grippers import Gripper
 COLLISION_FORCE = 20.0
 EngineName = Literal["mujoco", "pybullet"]  # the default first
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
+Contact = Literal["collided", "close", "ignore"]
+"""What a contact during the approach means; a setting says which of these it allows."""
+CONTACTS: dict[Contact, str] = {
+    "collided": "the attempt fails",
+    "close": "the hand stops and closes there",
+    "ignore": "the hand moves on",
+}
+
+
+def contacts_in_words(*allowed: Contact) -> str:
+    """What a contact means in a setting that allows these, for its description."""
+    return "; ".join(f"{each}: {CONTACTS[each]}" for each in allowed)
 
 
 def check_engine(name: str) -> None:

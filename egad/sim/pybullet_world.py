@@ -1,9 +1,8 @@
 """The simulated world in PyBullet."""
 
-import functools
 import math
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Self
 
@@ -13,44 +12,32 @@ from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
-from egad.sim.model import Model
-from egad.sim.robot import LEFT, PALM, RIGHT, Box, hull_files, to_urdf
-from egad.sim.world import (
-    CLOSING_SPEED,
-    DOWN,
-    OBJECT_FRICTION,
-    TABLE_FRICTION,
-    TABLE_ROLLING,
-    TIME_STEP,
-    Forces,
-    Pose,
-    World,
-    wall_boxes,
+from egad.geometry.surfaces import OBJECT
+from egad.sim.drives import LEFT, RIGHT
+from egad.sim.pybullet_scene import (
+    Client,
+    Linkage,
+    add_gear,
+    add_object,
+    add_table,
+    add_wall,
+    wavefront,
 )
+from egad.sim.robot import PALM
+from egad.sim.shapes import wall_boxes
+from egad.sim.urdf import hull_files, to_urdf
+from egad.sim.world import CLOSING_SPEED, DOWN, TIME_STEP, Forces, Pose, World
 
 # Enough for light, thin objects in a strong hand; figures are in studies/engines/README.md.
 SOLVER_ITERATIONS = 150
-# The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
-COLLISION_MARGIN = 1e-4
 URDF_MARGIN = 1e-3  # metres that it also adds around meshes in URDF
 WELD_STRENGTH = 1e5  # newtons, and newton metres
 PIN_STRENGTH = 1000.0  # newtons, and newton metres
 POSITION_GAIN = 0.3  # fraction of an error that is corrected in one step
 # The gear must be stronger than the fingers, or an object off the middle holds one of them up.
 GEAR_STRENGTH = 10
-LINKAGE_GAIN, LINKAGE_STRENGTH = 0.9, 1e5  # newtons or newton metres
 FREE = (-1, -1, -1)
 NORMAL_FORCE, LINK = 9, 3  # positions in the engine's tuple of a contact
-
-
-class Client:
-    """One connection to the engine; its methods are the functions of `pybullet`."""
-
-    def __init__(self) -> None:
-        self._number = pybullet.connect(pybullet.DIRECT)
-
-    def __getattr__(self, name: str) -> functools.partial[Any]:
-        return functools.partial(getattr(pybullet, name), physicsClientId=self._number)
 
 
 class PyBulletWorld(World):
@@ -66,7 +53,7 @@ class PyBulletWorld(World):
         # The engine reads compound shapes and robots only from files.
         self._folder = tempfile.TemporaryDirectory()
         for number, model in enumerate(self.models):
-            self._shape(number).write_text(_wavefront(model), encoding="ascii")
+            self._shape(number).write_text(wavefront(model), encoding="ascii")
         self._description = Path(self._folder.name) / "robot.urdf"
         if self.robot is not None:
             self._description.write_text(to_urdf(self.robot), encoding="utf-8")
@@ -90,10 +77,16 @@ class PyBulletWorld(World):
             deterministicOverlappingPairs=1,
         )
         # The engine multiplies the friction of two bodies; with 1 for an object, the other decides.
-        self._friction = 1.0 if len(self.models) == 1 else math.sqrt(OBJECT_FRICTION)
-        self.table = self._add_table()
-        self._walls = [self._add_wall(box) for box in wall_boxes(self.walls)] if self.walls else []
-        self.objects = [self._add_object(number) for number in range(len(self.models))]
+        self._friction = 1.0 if len(self.models) == 1 else math.sqrt(OBJECT.friction)
+        self.table = add_table(self.client, self._friction)
+        self._walls = [
+            add_wall(self.client, box, self._friction)
+            for box in (wall_boxes(self.walls) if self.walls else [])
+        ]
+        self.objects = [
+            add_object(self.client, model, self._shape(number), self._friction, self.mass_factor)
+            for number, model in enumerate(self.models)
+        ]
         self._constraints: dict[int, int] = {}
         self._robot: int | None = None
         self.attached = None
@@ -127,26 +120,26 @@ class PyBulletWorld(World):
 
     @override
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
-        robot = self._known_robot()
+        robot = self.known_robot
         place = base.position.tolist(), base.quaternion.tolist()
         self._robot = self.client.loadURDF(str(self._description), *place, useFixedBase=1)
         count = self.client.getNumJoints(self._robot)
         names = [self.client.getJointInfo(self._robot, joint)[1].decode() for joint in range(count)]
         self._arm = [names.index(name) for name in robot.arm]
         self._names = names
-        self._fingers = tuple(names.index(name) for name in robot.fingers)
+        self._fingers = tuple(names.index(name) for name in robot.drive.joints)
         self._sides = {names.index(link): side for link, side in robot.sides.items()}
-        self._gears = {
-            names.index(each.joint): (each, self._fingers[each.side == RIGHT])
-            for each in robot.followers
-        }
         for joint, position in zip(self._arm, joints, strict=True):
             self.client.resetJointState(self._robot, joint, position, 0)
         self.drive(joints, [0.0] * len(self._arm))
         self._set_friction(count)
         if self._fingers:
-            self._hold_fingers(opening)
-        self._couple_followers(opening)
+            self._hold_fingers(self._robot, opening)
+        couplings = [
+            (each, names.index(each.joint), self._fingers[each.side == RIGHT])
+            for each in robot.followers
+        ]
+        self._linkage = Linkage(self.client, self._robot, couplings, opening)
 
     @override
     def drive(self, joints: Sequence[float], speeds: Sequence[float]) -> None:
@@ -157,19 +150,19 @@ class PyBulletWorld(World):
             targetPositions=list(joints),
             targetVelocities=list(speeds),
             positionGains=[POSITION_GAIN] * len(self._arm),
-            forces=list(self._known_robot().strength.values()),
+            forces=list(self.known_robot.strength.values()),
         )
 
     @override
     def close_fingers(self) -> None:
-        robot = self._known_robot()
+        drive = self.known_robot.drive
         for finger in self._fingers:
             self.client.setJointMotorControl2(
                 self._robot,
                 finger,
                 pybullet.VELOCITY_CONTROL,
-                targetVelocity=robot.closing * CLOSING_SPEED,
-                force=robot.finger_strength,
+                targetVelocity=drive.closing * CLOSING_SPEED,
+                force=drive.strength,
             )
 
     @override
@@ -181,7 +174,7 @@ class PyBulletWorld(World):
     def fingers(self) -> tuple[Floats, Floats]:
         states = self.client.getJointStates(self._robot, self._fingers) if self._fingers else ()
         positions, speeds = (np.array([state[each] for state in states]) for each in (0, 1))
-        return self._known_robot().pads(positions, speeds)
+        return self.known_robot.drive.pads(positions, speeds)
 
     @override
     def forces(self, number: int | None = None) -> Forces:
@@ -194,18 +187,10 @@ class PyBulletWorld(World):
             for body in chosen
             for contact in self.client.getContactPoints(self._robot, body)
         ]
-        left, right = (
-            float(
-                sum(
-                    contact[NORMAL_FORCE]
-                    for contact in contacts
-                    if self._sides.get(contact[LINK]) == side
-                )
-            )
-            for side in (LEFT, RIGHT)
+        left, right, rest = (
+            _normal_force(each for each in contacts if self._sides.get(each[LINK]) == side)
+            for side in (LEFT, RIGHT, None)
         )
-        others = [contact for contact in contacts if contact[LINK] not in self._sides]
-        rest = float(sum(contact[NORMAL_FORCE] for contact in others))
         return Forces(left, right, rest, support, self._force(self.table, self._robot))
 
     @override
@@ -230,7 +215,7 @@ class PyBulletWorld(World):
 
     def _advance(self) -> float:
         if self._robot is not None:
-            self._turn_gears()
+            self._linkage.turn()
         self.client.stepSimulation()
         return self.speeds()[0]
 
@@ -286,116 +271,32 @@ class PyBulletWorld(World):
         return Path(self._folder.name) / f"parts{number}.obj"
 
     def _force(self, first: int, second: int) -> float:
-        contacts = self.client.getContactPoints(first, second)
-        return float(sum(contact[NORMAL_FORCE] for contact in contacts))
+        return _normal_force(self.client.getContactPoints(first, second))
 
     def _set_friction(self, joints: int) -> None:
-        sliding, torsional = self._known_robot().pad_friction
+        pad = self.known_robot.gripper.pad
         for link in range(joints):
             self.client.changeDynamics(
                 self._robot,
                 link,
-                lateralFriction=self.friction_factor * sliding / self._friction,
-                spinningFriction=self.friction_factor * torsional / self._friction,
+                lateralFriction=self.friction_factor * pad.friction / self._friction,
+                spinningFriction=self.friction_factor * pad.torsion / self._friction,
             )
 
-    def _hold_fingers(self, opening: float) -> None:
+    def _hold_fingers(self, body: int, opening: float) -> None:
         """Hold the fingers where they are; a gear keeps two from drifting sideways together."""
-        robot = self._known_robot()
-        force, position = robot.finger_strength, robot.finger_position(opening)
+        drive = self.known_robot.drive
+        force, position = drive.strength, drive.position(opening)
         for finger in self._fingers:
-            self.client.resetJointState(self._robot, finger, position, 0)
+            self.client.resetJointState(body, finger, position, 0)
             self.client.setJointMotorControl2(
-                self._robot, finger, pybullet.POSITION_CONTROL, position, force=force
+                body, finger, pybullet.POSITION_CONTROL, position, force=force
             )
-        if robot.jaw is not None:
+        if not drive.mirrored:
             return
-        gear = self._gear(*self._fingers)
+        gear = add_gear(self.client, body, *self._fingers)
         self.client.changeConstraint(gear, gearRatio=-1, maxForce=GEAR_STRENGTH * force)
 
-    def _couple_followers(self, opening: float) -> None:
-        """Set the joints of a linkage to their positions, and couple each to its finger."""
-        self._constrained = []
-        for joint, (follower, finger) in self._gears.items():
-            self.client.resetJointState(self._robot, joint, follower.at(opening / 2), 0)
-            self.client.setJointMotorControl2(
-                self._robot, joint, pybullet.VELOCITY_CONTROL, force=0
-            )
-            self._constrained.append((self._gear(joint, finger), follower, finger))
-        self._turn_gears()
 
-    def _turn_gears(self) -> None:
-        """Give each gear, which is linear, the slope of its curve at the current position."""
-        for gear, follower, finger in self._constrained:
-            distance = self.client.getJointState(self._robot, finger)[0]
-            slope = follower.slope(distance)
-            self.client.changeConstraint(
-                gear,
-                gearRatio=-slope,
-                relativePositionTarget=follower.at(distance) - slope * distance,
-                erp=LINKAGE_GAIN,
-                maxForce=LINKAGE_STRENGTH,
-            )
-
-    def _gear(self, first: int, second: int) -> int:
-        """A constraint between two joints of the robot."""
-        gear: int = self.client.createConstraint(
-            self._robot,
-            first,
-            self._robot,
-            second,
-            pybullet.JOINT_GEAR,
-            (1, 0, 0),
-            (0, 0, 0),
-            (0, 0, 0),
-        )
-        return gear
-
-    def _add_table(self) -> int:
-        plane = self.client.createCollisionShape(pybullet.GEOM_PLANE)
-        table: int = self.client.createMultiBody(0, plane)
-        self.client.changeDynamics(
-            table,
-            -1,
-            lateralFriction=TABLE_FRICTION / self._friction,
-            rollingFriction=TABLE_ROLLING / self._friction,
-            spinningFriction=TABLE_ROLLING / self._friction,
-        )
-        return table
-
-    def _add_wall(self, box: Box) -> int:
-        half = [side / 2 for side in box.size]
-        shape = self.client.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
-        wall: int = self.client.createMultiBody(0, shape, basePosition=box.center)
-        self.client.changeDynamics(wall, -1, lateralFriction=OBJECT_FRICTION / self._friction)
-        return wall
-
-    def _add_object(self, number: int) -> int:
-        file, model = str(self._shape(number)), self.models[number]
-        shape = self.client.createCollisionShape(pybullet.GEOM_MESH, fileName=file)
-        above = (0, 0, float(model.mesh.scale))
-        body: int = self.client.createMultiBody(
-            self.mass_factor * model.mass, shape, basePosition=above
-        )
-        self.client.changeDynamics(
-            body,
-            -1,
-            lateralFriction=self._friction,
-            # Contacts remember where they stuck; otherwise held objects creep and turn. The
-            # friction cone still limits the force.
-            frictionAnchor=1,
-            localInertiaDiagonal=(self.mass_factor * model.inertia).tolist(),
-            collisionMargin=COLLISION_MARGIN,
-        )
-        return body
-
-
-def _wavefront(model: Model) -> str:
-    """The parts as objects of one OBJ file; the engine uses the hull of each."""
-    lines, first = [], 1
-    for number, part in enumerate(model.parts):
-        lines.append(f"o part{number}")
-        lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in part.vertices]
-        lines += [f"f {a} {b} {c}" for a, b, c in part.faces + first]
-        first += len(part.vertices)
-    return "\n".join([*lines, ""])
+def _normal_force(contacts: Iterable[Sequence[Any]]) -> float:
+    return float(sum(contact[NORMAL_FORCE] for contact in contacts))

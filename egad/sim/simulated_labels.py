@@ -61,13 +61,7 @@ def simulate_labels(
 ) -> pd.DataFrame:
     """Simulate collision-free grasps of an object, each independently of the others.
 
-    Args:
-        model: The object.
-        grasps: Columns of `tables.grasping.GRASPS`, of the object.
-        settings: Gripper, friction of the labels, engine, lift, how many grasps.
-
-    Returns:
-        The grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
+    Returns the grasps (`tables.grasping.GRASPS`) with the columns of `SIMULATED_GRASPS`.
     """
     chosen = chosen_grasps(grasps, settings)
     found = simulate_grasps(model, grasps.iloc[chosen], settings)
@@ -77,14 +71,7 @@ def simulate_labels(
 def simulate_grasps(
     model: Model, grasps: pd.DataFrame, settings: SimulatedLabelParameters
 ) -> list[SimulatedGrasp]:
-    """Simulate grasps of an object.
-
-    Args:
-        model: The object.
-        grasps: Columns center, axis and approach (each x, y and z) and width, in the frame that
-            the model was made in.
-        settings: Gripper, friction of the labels, engine, lift.
-    """
+    """Simulate grasps: columns center, axis and approach (x, y and z each) and width, metres."""
     check_jaws(settings.gripper, "a simulated label")
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     arm = TurningAxis(gripper)
@@ -108,14 +95,7 @@ def with_simulated_labels(
     found: Sequence[SimulatedGrasp],
     settings: SimulatedLabelParameters,
 ) -> pd.DataFrame:
-    """Grasps with the columns of `tables.grasping.SIMULATED_GRASPS`.
-
-    Args:
-        grasps: Columns of `tables.grasping.GRASPS`.
-        chosen: Numbers of the rows that were simulated; in all others the columns are missing.
-        found: Results of these.
-        settings: Settings of the simulation.
-    """
+    """Grasps with the columns of `SIMULATED_GRASPS`, from the results of the chosen rows."""
     rows = [(each.outcome.value, each.success, *each.closing, *each.shaking) for each in found]
     names = ["simulated_outcome", "simulated_success", *MOTIONS]
     labels = pd.DataFrame(rows, index=chosen, columns=names, dtype=object)
@@ -126,15 +106,9 @@ def with_simulated_labels(
 def simulate_grasp(
     world: World, arm: Arm, start: Pose, hand_pose: HandPose, contact: float, lifting: Lifting
 ) -> SimulatedGrasp:
-    """Close the open hand on a floating object, shake it and lift it, in a world that is reset.
+    """Close the open hand on an object that floats at `start`, shake it and lift it.
 
-    Args:
-        world: A world of the arm's robot.
-        arm: The arm that carries the hand; it can turn.
-        start: Where the object floats.
-        hand_pose: Where the hand is.
-        contact: Distance of the contacts, metres.
-        lifting: Settings of lift and hold.
+    The world is reset first; the contacts are `contact` metres apart; the arm can turn.
     """
     world.reset()
     world.place(start)

@@ -10,9 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster
-from egad.grasps.suction import resists
 from egad.sim.model import Model
-from egad.sim.robot import PALM, TIP, Box, Robot
+from egad.sim.robot import PALM, TIP, Robot
 
 GRAVITY = 9.81
 DOWN = (0.0, 0.0, -GRAVITY)
@@ -20,27 +19,11 @@ WEIGHTLESS = (0.0, 0.0, 0.0)
 TIME_STEP = 1 / 240  # seconds between control inputs; an engine may take shorter steps in between
 HANGING_STEPS = 12  # time steps off the table before the load on a suction cup counts
 CLOSING_SPEED = 0.1  # m/s, each finger
-TABLE_FRICTION = 0.5  # plastic on wood or paper
-# Without it a ball rolls or spins forever. As a length: how far ahead of it the ground pushes.
-TABLE_ROLLING = 0.001
-OBJECT_FRICTION = 0.5  # of objects against each other and against walls
-WALL_HEIGHT, WALL_THICKNESS = 0.4, 0.05  # metres
 PARKED = 10.0  # metres from the table; unused objects are this far apart
 REACH = 5.0  # metres; anything further away did not get there by physics
 SUNK = 0.05
 # m/s; a fall from 40 cm ends at 3. Only a penetration that is undone at once causes more than this.
 MAX_SPEED = 10.0
-
-
-def wall_boxes(inside: float) -> list[Box]:
-    """Four boxes around a square of the table with the given side, metres."""
-    along, off = inside + 2 * WALL_THICKNESS, (inside + WALL_THICKNESS) / 2
-    across = [
-        Box((WALL_THICKNESS, along, WALL_HEIGHT), (x, 0.0, WALL_HEIGHT / 2)) for x in (-off, off)
-    ]
-    return across + [
-        Box((along, WALL_THICKNESS, WALL_HEIGHT), (0.0, y, WALL_HEIGHT / 2)) for y in (-off, off)
-    ]
 
 
 class UnstableError(Exception):
@@ -119,7 +102,9 @@ class World(ABC):
         self._contact, self._hanging = 0.0, 0
         self._casters: dict[int, RayCaster] = {}
 
-    def _known_robot(self) -> Robot:
+    @property
+    def known_robot(self) -> Robot:
+        """The robot; ValueError without one."""
         if self.robot is None:
             raise ValueError("there is no robot in this world")
         return self.robot
@@ -222,15 +207,10 @@ class World(ABC):
     def attach(self, number: int, depth: float = 0.0) -> None:
         """Let the suction cup of the robot hold an object where it is now.
 
-        The object is held only as long as the cup resists its load, which is checked after every
-        time step (`egad.grasps.suction.resists`; the friction is that of the cup times
-        `friction_factor`). A real cup gives way, but this one is rigid: so the load does not count
-        before the object has been off the table for 0.05 s.
-
-        Args:
-            number: The object.
-            depth: Depth of the ring in the frame of the cup, metres; the load is taken about the
-                middle of the ring.
+        The object is held as long as the cup resists its load (`Drive.resists`), which is checked
+        after every time step. A real cup gives way, but this one is rigid: so the load does not
+        count before the object has been off the table for 0.05 s. It is taken about the middle of
+        the ring, whose depth in the frame of the cup is given, metres.
         """
         self._contact, self._hanging = depth, 0
         palm = self._link_pose(PALM)
@@ -244,10 +224,7 @@ class World(ABC):
             self.attached = None
 
     def load(self) -> Floats:
-        """Force and torque, (6,), of the object on the suction cup that holds it, N and N m.
-
-        For the last step, in the frame of the cup, about the middle of its ring.
-        """
+        """Force and torque of an object on the cup that holds it, in its frame, (6,), N and N m."""
         number = self.attached
         if number is None:
             return np.zeros(6)
@@ -276,14 +253,9 @@ class World(ABC):
     def _check_load(self, number: int) -> None:
         """Release an object that the cup cannot hold, unless it still stands on the table."""
         self._hanging = 0 if self.forces(number).support > 0 else self._hanging + 1
-        if self._hanging > HANGING_STEPS and not self._resists():
+        resists = self.known_robot.drive.resists
+        if self._hanging > HANGING_STEPS and not resists(self.load(), self.friction_factor):
             self.detach()
-
-    def _resists(self) -> bool:
-        cup = self.robot.gripper.cup if self.robot else None
-        if cup is None:
-            return False
-        return bool(resists(cup, self.load()[None], self.friction_factor * cup.friction)[0])
 
     @contextmanager
     def pinned(self) -> Iterator[None]:

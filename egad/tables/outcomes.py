@@ -1,53 +1,68 @@
-"""Outcomes of grasp attempts, in simulation and on a real robot."""
+"""Outcomes of grasp attempts, in simulation and on a real robot: a new one is added here alone."""
 
 from collections.abc import Iterable
 from enum import StrEnum
+from typing import Self
 
 
 class Outcome(StrEnum):
     """The outcome of an attempt; its value is what the column `outcome` of tables holds.
 
     Attributes:
-        SUCCESS: Held up to the end.
-        COLLIDED: The hand was stopped on its way, or the grasp is out of the arm's reach.
-        MISSED: The fingers closed, but never both pressed on the object at the same time.
-        NO_SEAL: The suction cup did not seal.
-        SLIPPED_CLOSING: Lost between the fingers before it was lifted.
-        SLIPPED_SHAKING: Lost while it was shaken.
-        SLIPPED_LIFTING: Lost while it was lifted.
-        DROPPED: Lost while it was held up.
-        FAILED: The simulation became unstable, or the object never came to rest.
-        CRASHED: The physics engine crashed or hung, twice.
-        NO_GRASP: The detector proposed no grasp.
-        NOT_FINITE: A number of the proposed grasp is NaN or infinite.
-        NOT_RIGID: The proposed pose is not a rotation and translation.
-        TOO_WIDE: The hand cannot open as wide as the proposed grasp is.
-        BELOW_TABLE: The fingertips would be under the table.
-        ERROR: The detector raised an error or returned something other than grasps.
-        TIMEOUT: The detector took too long.
-        SLIPPED: Lost at any time; noted by people who watch a robot.
-        OTHER: Any other failure; noted by people who watch a robot.
+        meaning: What has happened, in words.
+        color: Color in charts, `#rrggbb`; empty for outcomes that no chart of attempts shows.
+        dark: Whether text on this color is white.
     """
 
-    SUCCESS = "success"
-    COLLIDED = "collided"
-    MISSED = "missed"
-    NO_SEAL = "no_seal"
-    SLIPPED_CLOSING = "slipped_closing"
-    SLIPPED_SHAKING = "slipped_shaking"
-    SLIPPED_LIFTING = "slipped_lifting"
-    DROPPED = "dropped"
-    FAILED = "failed"
-    CRASHED = "crashed"
-    NO_GRASP = "no_grasp"
-    NOT_FINITE = "not_finite"
-    NOT_RIGID = "not_rigid"
-    TOO_WIDE = "too_wide"
-    BELOW_TABLE = "below_table"
-    ERROR = "error"
-    TIMEOUT = "timeout"
-    SLIPPED = "slipped"
-    OTHER = "other"
+    meaning: str
+    color: str
+    dark: bool
+
+    def __new__(cls, value: str, meaning: str = "", color: str = "", dark: bool = False) -> Self:
+        """A member with its attributes."""
+        member = str.__new__(cls, value)
+        member._value_ = value
+        member.meaning, member.color, member.dark = meaning, color, dark
+        return member
+
+    SUCCESS = "success", "held to the end", "#0072b2", True
+    COLLIDED = (
+        "collided",
+        "the hand was stopped on its way, or could not get there",
+        "#d55e00",
+        True,
+    )
+    MISSED = (
+        "missed",
+        "the fingers closed, but never both pressed on the object at once",
+        "#e69f00",
+    )
+    NO_SEAL = "no_seal", "the suction cup did not seal", "#f0b94d"
+    SLIPPED_CLOSING = "slipped_closing", "lost between the fingers before the lift", "#9bd5f5"
+    SLIPPED_SHAKING = "slipped_shaking", "lost while it was shaken"
+    SLIPPED_LIFTING = "slipped_lifting", "lost during the lift", "#56b4e9"
+    DROPPED = "dropped", "lost while held up", "#009e73", True
+    FAILED = (
+        "failed",
+        "the simulation became unstable, or the object never came to rest",
+        "#a7adb8",
+    )
+    CRASHED = "crashed", "the physics engine crashed or hung, twice", "#5c6470", True
+    NO_GRASP = "no_grasp", "the detector proposed no grasp", "#cc79a7"
+    NOT_FINITE = "not_finite", "a number of the proposed grasp is NaN or infinite", "#b0568a"
+    NOT_RIGID = "not_rigid", "the proposed pose is not a rotation and translation"
+    TOO_WIDE = "too_wide", "the hand cannot open as wide as the proposed grasp is", "#943f72", True
+    BELOW_TABLE = "below_table", "the fingertips would be under the table", "#77295a", True
+    ERROR = (
+        "error",
+        "the detector crashed or returned something other than a grasp",
+        "#591443",
+        True,
+    )
+    TIMEOUT = "timeout", "the detector took too long", "#3c002d", True
+    # only noted by people who watch a robot
+    SLIPPED = "slipped", "lost, but you did not see when", "#2f8fc4", True
+    OTHER = "other", "any other failure: say which in a note", "#7d8591"
 
 
 EXECUTION = (
@@ -97,6 +112,21 @@ OBSERVABLE = (
     Outcome.TIMEOUT,
 )
 """The outcomes that a person beside a robot can tell apart."""
+
+CHARTED = (
+    Outcome.SUCCESS,
+    Outcome.SLIPPED_CLOSING,
+    Outcome.SLIPPED_LIFTING,
+    Outcome.SLIPPED,
+    Outcome.DROPPED,
+    Outcome.MISSED,
+    Outcome.NO_SEAL,
+    Outcome.COLLIDED,
+    *DETECTOR_FAILURES,
+    *SIMULATION_FAILURES,
+    Outcome.OTHER,
+)
+"""The outcomes of trials in the order of bars of charts."""
 
 
 def observable(*, cup: bool) -> tuple[Outcome, ...]:

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from egad._util.progress import Status, duration, rate_text
-from egad_workflow.display.jobs import Job, Jobs
+from egad_workflow.display.jobs import Job, Run
 
 REFRESH = 2  # times a second
 WIDTH = 20  # columns of a bar
@@ -21,9 +21,9 @@ MARGIN = 4  # rows of the terminal left free
 class Bars:
     """Draws two rows for each job and one for the whole run."""
 
-    def __init__(self, jobs: Jobs, stream: TextIO) -> None:
+    def __init__(self, run: Run, stream: TextIO) -> None:
         """Start a thread that draws on the terminal of the stream."""
-        self._jobs, self._start = jobs, time.monotonic()
+        self._run, self._start = run, time.monotonic()
         self._console = Console(file=stream, force_terminal=True)
         self.stream = cast("TextIO", FileProxy(self._console, stream))
         self._live = Live(
@@ -45,10 +45,10 @@ class Bars:
         self._live.stop()
 
     def _rows(self) -> RenderableType:
-        running, now = self._jobs.running(), time.monotonic()
+        running, now = self._run.running(), time.monotonic()
         fitting = max((self._console.height - MARGIN) // 2, 1)
         rows = [row for job in running[:fitting] for row in _job_rows(job, now)]
-        done, total = self._jobs.steps
+        done, total = self._run.steps
         words = [f"{done} of {total} steps", f"{len(running)} running", duration(now - self._start)]
         return Group(*rows, _row(ProgressBar(total, done, WIDTH), words))
 

@@ -1,7 +1,6 @@
 """The running jobs, and the progress of each according to its log."""
 
 import os
-import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -45,36 +44,20 @@ class Job:
         return (status.st_mtime_ns, status.st_size) if status else None
 
 
-class Jobs:
-    """The running jobs, by their numbers in Snakemake. Several threads may use it at once."""
+@dataclass
+class Run:
+    """The steps of a run, done and in all, and its running jobs by their numbers in Snakemake."""
 
-    def __init__(self, steps: int) -> None:
-        """Start with no job running or done, of `steps`."""
-        self.steps = 0, steps
-        self._jobs: dict[int, Job] = {}
-        self._lock = threading.Lock()
-
-    def add(self, number: int, job: Job) -> None:
-        """Add a job."""
-        with self._lock:
-            self._jobs[number] = job
-
-    def remove(self, number: int) -> Job | None:
-        """Remove a job, if it is there."""
-        with self._lock:
-            return self._jobs.pop(number, None)
+    steps: tuple[int, int]
+    jobs: dict[int, Job] = field(default_factory=dict)
 
     def running(self) -> list[Job]:
-        """All jobs in the order in which they were added."""
-        with self._lock:
-            return list(self._jobs.values())
+        """All jobs in the order in which they started; another thread may add to them."""
+        return list(self.jobs.values())
 
 
 def last_progress(lines: list[str]) -> tuple[Status | None, str]:
-    """The last progress in the lines of a log, and the phase that started after it.
-
-    Completed progress counts only until the next phase starts.
-    """
+    """The last progress in a log, unless it is complete, and the phase that started after it."""
     doing = ""
     for line in reversed(lines):
         if status := Status.parse(line):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TextIO
 
 from egad._util.progress import PEOPLE, duration
-from egad_workflow.display.jobs import Job, Jobs
+from egad_workflow.display.jobs import Job, Run
 
 TICK = 0.5
 MAX_LINES = 10  # jobs with their own lines; further jobs are only counted
@@ -15,9 +15,9 @@ MAX_LINES = 10  # jobs with their own lines; further jobs are only counted
 class Lines:
     """Prints a line for each job, now and then."""
 
-    def __init__(self, jobs: Jobs, stream: TextIO) -> None:
+    def __init__(self, run: Run, stream: TextIO) -> None:
         """Start a thread that prints to the stream."""
-        self.stream, self._jobs = stream, jobs
+        self.stream, self._run = stream, run
         self._last: dict[Job, float] = {}  # when a line was printed
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
@@ -39,7 +39,7 @@ class Lines:
                 self.print("\n".join(lines))
 
     def _lines(self, now: float) -> Iterator[str]:
-        running = self._jobs.running()
+        running = self._run.running()
         self._last = {job: self._last.get(job, job.start) for job in running}
         due = [
             job

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from egad._util.progress import duration, parse_marked
-from egad_workflow.display.jobs import Job, Jobs, last_lines
+from egad_workflow.display.jobs import Job, Run, last_lines
 from egad_workflow.display.lines import Lines, clock
 
 if TYPE_CHECKING:
@@ -30,11 +30,7 @@ FAILURE, CAUTION = "bold red", "yellow"
 
 
 def start_display(steps: int, whole_logs: Collection[str] = ()) -> None:
-    """Show the jobs of this run of Snakemake until it closes its log handlers.
-
-    Nothing changes with `--quiet`, or where a logger plugin writes to the terminal. The logs of
-    some rules are printed whole when their jobs are done.
-    """
+    """Show the jobs of this run until Snakemake closes its log handlers, unless it is quiet."""
     for handler in [each for each in LOGGER.handlers if isinstance(each, Display)]:
         LOGGER.removeHandler(handler)
         handler.close()
@@ -59,10 +55,10 @@ class Display(logging.Handler):
     ) -> None:
         """Start to show jobs in place of `terminal`; the rest as in `start_display`."""
         super().__init__()
-        self._jobs = Jobs(steps)
+        self._run = Run((0, steps))
         self._done: list[Job] = []  # done, but not printed yet
         self._terminal, self._stream, self._whole_logs = terminal, terminal.stream, whole_logs
-        self._view = _view(self._jobs, terminal.stream)
+        self._view = _view(self._run, terminal.stream)
         terminal.setStream(self._view.stream)
         terminal.addFilter(_is_kept)
 
@@ -94,16 +90,16 @@ class Display(logging.Handler):
             return  # a target that only asks for files
         log = Path(message["log"][0])
         job = Job(message["rule_name"], message["rule_msg"] or "", log)
-        self._jobs.add(message["jobid"], job)
+        self._run.jobs[message["jobid"]] = job
         self._view.print(f"{clock()} start {job.rule}: {job.message}")
 
     def _finish(self, message: dict[str, Any]) -> None:
-        if job := self._jobs.remove(message["job_id"]):
+        if job := self._run.jobs.pop(message["job_id"], None):
             self._done.append(job)
 
     def _count(self, message: dict[str, Any]) -> None:
         """Print which jobs are done; this message comes after those of the jobs."""
-        self._jobs.steps = message["done"], message["total"]
+        self._run.steps = message["done"], message["total"]
         steps = f"({message['done']} of {message['total']} steps)"
         for job in self._done:
             taken = duration(time.monotonic() - job.start)
@@ -119,7 +115,7 @@ class Display(logging.Handler):
 
     def _fail(self, message: dict[str, Any]) -> None:
         number, rule = message["jobid"], message["rule_name"]
-        job = self._jobs.remove(number)
+        job = self._run.jobs.pop(number, None)
         title = f" {job.title}" if job else ""
         lines = [f"{clock()} Error in rule {rule}:{title} (job {number})"]
         lines += [f"    {name}: {value}" for name, value in message["aux"].items()]
@@ -131,7 +127,7 @@ class Display(logging.Handler):
 
     def _fail_group(self, message: dict[str, Any]) -> None:
         for job in message["job_error_info"]:
-            self._jobs.remove(job["jobid"])
+            self._run.jobs.pop(job["jobid"], None)
 
     def _explain(self, message: dict[str, Any]) -> None:
         """Print why a job failed, without its long command line."""
@@ -146,10 +142,10 @@ def _is_kept(record: logging.LogRecord) -> bool:
     return not (event in REPLACED or explained or record.msg == SELECTING)
 
 
-def _view(jobs: Jobs, stream: TextIO) -> "Lines | Bars":
+def _view(run: Run, stream: TextIO) -> "Lines | Bars":
     """Bars on a terminal that can move its cursor, otherwise lines."""
     if not stream.isatty() or os.environ.get("TERM") == "dumb":
-        return Lines(jobs, stream)
+        return Lines(run, stream)
     from egad_workflow.display.bars import Bars  # noqa: PLC0415 (it imports rich)
 
-    return Bars(jobs, stream)
+    return Bars(run, stream)

@@ -32,7 +32,7 @@ from egad.bench import (
     rounds_of,
 )
 from egad.bench.benchmark import clear_tables
-from egad.bench.clearing import prepare_objects
+from egad.bench.preparation import prepare_objects
 from egad.bench.stats import Clearing, by_difficulty, clearing_rates
 from egad.detectors import DetectorConfig, NoiseName
 from egad.geometry import joined_primitives

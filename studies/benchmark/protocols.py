@@ -33,7 +33,8 @@ from egad.bench import (
     SceneCameras,
     rounds_of,
 )
-from egad.bench.clearing import SceneObject, clear_rounds, prepare_objects
+from egad.bench.clearing import clear_rounds
+from egad.bench.preparation import SceneObject, prepare_objects
 from egad.bench.stats import Mean, clearing_rates
 from egad.detectors import GraspPoses, Observation, Tsdf
 from egad.detectors.vgn import THRESHOLD, Vgn

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad.bench.clearing import SceneObject
+from egad.bench.preparation import SceneObject
 from egad.geometry import Bundle
 from egad.sim import build
 

@@ -23,8 +23,8 @@ from failures import detectors
 
 from egad._util.files import atomic_output
 from egad.bench.failures import Examination, FailureAtlas, FailureParameters
-from egad.bench.failures.attempts import pairs_of
-from egad.bench.failures.search import scaled_surface
+from egad.bench.failures.evidence import pairs_of
+from egad.bench.failures.models import scaled_surface
 from egad.bench.stats import Rate
 from egad.detectors import DetectorConfig, opened
 from egad.errors import RejectedError

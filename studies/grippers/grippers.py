@@ -45,7 +45,7 @@ from egad.grippers import (
     SIZES,
     BoxBody,
     Gripper,
-    GripperModel,
+    HandModel,
     ModelBody,
     finger_span,
     model_of,
@@ -67,7 +67,7 @@ ENGINES = ("mujoco", "pybullet")
 FORCE = 40.0  # newtons, of hands that egad does not know by name
 
 
-def picture(model: GripperModel, opening: float) -> RgbImage:
+def picture(model: HandModel, opening: float) -> RgbImage:
     """A hand at an opening, pointing down."""
     bodies = []
     for link, shapes in zip(model.links, model.points(opening), strict=True):

@@ -24,7 +24,8 @@ from egad._util.markdown import table
 from egad.evalset import cell_of_label
 from egad.report.colors import ink_on
 from egad.report.drawing import new_figure
-from egad.report.trial_charts import OUTCOMES, outcome_counts, rate_color
+from egad.report.trial_charts import outcome_counts, rate_color
+from egad.tables.outcomes import CHARTED
 
 CONFIG = Path(__file__).with_name("study.yaml")
 FOLDER = Path(__file__).parent
@@ -61,7 +62,7 @@ def main(results: Path, config: Path = CONFIG, docs: Path = FOLDER) -> None:
 def print_outcomes(title: str, found: Attempts) -> None:
     """How attempts at single objects ended, percent."""
     counts = {name: outcome_counts(each) for name, each in found.items()}
-    kinds = [kind for kind in OUTCOMES if any(kind in each for each in counts.values())]
+    kinds = [kind.value for kind in CHARTED if any(kind.value in each for each in counts.values())]
     rows = [
         [f"`{name}`", *(f"{100 * each.get(kind, 0) / sum(each.values()):.1f}" for kind in kinds)]
         for name, each in counts.items()

@@ -1,5 +1,7 @@
 """Tables of attempts: complete, the same every time, each row enough to repeat its attempt."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -18,8 +20,8 @@ from egad.bench import (
     run_attempts,
 )
 from egad.detectors import View
+from egad.detectors.asking import Detector
 from egad.detectors.base import Grasp
-from egad.detectors.poses import Detector
 from egad.detectors.registry import QUICK
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS, Gripper
@@ -86,7 +88,7 @@ def clumsy(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Gr
     along, aside = rng.choice([0.0, 0.015]), rng.choice([0.0, 0.025])
     cosine, sine = np.cos(found[0].angle), np.sin(found[0].angle)
     x, y = x + along * cosine - aside * sine, y + along * sine + aside * cosine
-    return [Grasp((x, y, z), *list(vars(found[0]).values())[1:])]
+    return [replace(found[0], center=(x, y, z))]
 
 
 @EACH_ENGINE

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from egad.bench import NAMED_ERRORS, CellErrors
 from egad.bench.cell_errors import EXACT, Deviation, draw
-from egad.detectors import Grasp, PoseGrasp
+from egad.detectors import Grasp
 from egad.grippers import GRIPPERS
 
 HAND = GRIPPERS["panda"]
@@ -24,9 +24,9 @@ def test_without_errors_everything_is_as_planned() -> None:
     np.testing.assert_array_equal(drawn.motion, np.eye(4))
     assert (drawn.opening, drawn.friction, drawn.mass, drawn.stopping_force) == (0, 1, 1, 1)
     for deviation in (drawn, EXACT):
-        assert deviation.grasp(GRASP, HAND) == GRASP
-        planned = PoseGrasp(np.eye(4), 0.05, 0.5)
-        np.testing.assert_array_equal(deviation.pose(planned, HAND).pose, planned.pose)
+        assert deviation.apply(GRASP, HAND) == GRASP
+        planned = Grasp.of_pose(np.eye(4), 0.05, 0.5)
+        np.testing.assert_array_equal(deviation.apply(planned, HAND).pose, planned.pose)
 
 
 def test_errors_are_as_large_as_their_settings_say() -> None:
@@ -79,17 +79,17 @@ def test_an_error_alone_is_drawn_as_among_the_others() -> None:
 def test_a_turn_of_the_calibration_moves_what_is_off_the_middle_of_the_table() -> None:
     drawn = draw(CellErrors(calibration_turn=5), 1, 1)
     matrix = Rotation.from_rotvec(np.radians(turn_of(drawn))).as_matrix()
-    moved = drawn.grasp(GRASP, HAND)
+    moved = drawn.apply(GRASP, HAND)
     np.testing.assert_allclose(moved.center, matrix @ GRASP.center, atol=1e-12)
-    middle = drawn.grasp(Grasp((0.0, 0.0, 0.0), 0.0, 0.05, 0.0, 1.0), HAND)
+    middle = drawn.apply(Grasp((0.0, 0.0, 0.0), 0.0, 0.05, 0.0, 1.0), HAND)
     assert middle.center == (0, 0, 0)
     # The closing axis turns as it does seen from above.
     axis = matrix @ [np.cos(GRASP.angle), np.sin(GRASP.angle), 0]
     assert moved.angle == pytest.approx(np.arctan2(axis[1], axis[0]), abs=1e-12)
-    posed = drawn.pose(PoseGrasp(np.diag([1.0, -1, -1, 1]), 0.05, 1.0), HAND)
+    posed = drawn.apply(Grasp.of_pose(np.diag([1.0, -1, -1, 1]), 0.05, 1.0), HAND)
     np.testing.assert_allclose(posed.pose[:3, :3], matrix @ np.diag([1.0, -1, -1]), atol=1e-12)
 
 
 def test_a_hand_opens_neither_wider_than_it_can_nor_less_than_not_at_all() -> None:
     for opening, width in ((1.0, HAND.opening), (-1.0, 0.0), (0.01, 0.06)):
-        assert Deviation(opening=opening).grasp(GRASP, HAND).width == pytest.approx(width)
+        assert Deviation(opening=opening).apply(GRASP, HAND).width == pytest.approx(width)

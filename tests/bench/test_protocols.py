@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from standing_cube import CUBE, DOWN, SIDE, UPRIGHT, grasp, stand
-from test_clutter import MODELS, from_above, in_turn, knowing, nowhere
+from test_clearing_runner import MODELS, from_above, in_turn, knowing, nowhere
 from worlds import EACH_ENGINE, HAND
 
 from egad.bench import (
@@ -25,16 +25,17 @@ from egad.bench import (
     proposed_by,
     rounds_of,
 )
-from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
-from egad.detectors import GraspPoses, Observation, PoseGrasp
+from egad.bench.clearing_runner import ClearingRunner
+from egad.bench.runner import Attempt, Propose
+from egad.detectors import Grasp, GraspPoses, Observation
 from egad.errors import UserError
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.random import generator
 from egad.sim.engines import open_world
+from egad.sim.execution import ContactRules, execute_pose
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
-from egad.sim.pose_execution import ContactRules, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.world import Pose
 from egad.tables.outcomes import Outcome
@@ -43,9 +44,9 @@ PANDA = GRIPPERS["panda"]
 PLATE = build(trimesh.creation.box((0.13, 0.13, 0.02)), 600.0, Bundle())
 
 
-def clear(propose: Propose, protocol: ClutterProtocol, noise: str = "none") -> list[ClutterAttempt]:
+def clear(propose: Propose, protocol: ClutterProtocol, noise: str = "none") -> list[Attempt]:
     with open_world("mujoco", MODELS, free_hand(HAND)) as world:
-        runner = ClutterRunner(world, Clutter(protocol=protocol))
+        runner = ClearingRunner(world, Clutter(protocol=protocol))
         return list(runner.clear(propose, "packed", noise, 3))  # type: ignore[arg-type]
 
 
@@ -108,13 +109,13 @@ def test_a_contact_on_the_way_closes_fails_or_is_ignored(engine: EngineName) -> 
     """
     results = {}
     with open_world(engine, [CUBE], free_hand(HAND)) as world:
-        for contact in ("close", "fail", "ignore"):
+        for contact in ("close", "collided", "ignore"):
             world.reset()
             stand(world, SIDE)
             pose = grasp([0.045, 0, 0.02], [1, 0, 0], DOWN)
             results[contact] = execute_pose(world, pose, 0.07, ContactRules(contact))
-    assert results["close"].stopped == results["fail"].stopped > 0
-    assert results["close"].outcome == results["fail"].outcome == Outcome.COLLIDED
+    assert results["close"].stopped == results["collided"].stopped > 0
+    assert results["close"].outcome == results["collided"].outcome == Outcome.COLLIDED
     assert results["ignore"].stopped == 0
     assert results["ignore"].outcome != Outcome.COLLIDED
 
@@ -124,12 +125,12 @@ def test_a_stop_may_end_in_success_unless_a_contact_fails() -> None:
     tall = build(trimesh.creation.box((SIDE, SIDE, 0.2)), 500.0, Bundle())
     found = {}
     with open_world("mujoco", [tall], free_hand(HAND)) as world:
-        for contact in ("close", "fail"):
+        for contact in ("close", "collided"):
             world.reset()
             stand(world, 0.2)
             pose = grasp([0, 0, 0.15], [1, 0, 0], DOWN)
             found[contact] = execute_pose(world, pose, HAND.opening, ContactRules(contact)).outcome
-    assert found == {"close": Outcome.SUCCESS, "fail": Outcome.COLLIDED}
+    assert found == {"close": Outcome.SUCCESS, "collided": Outcome.COLLIDED}
 
 
 def test_any_contact_stops_the_hand_if_no_force_is_needed() -> None:
@@ -145,7 +146,7 @@ def test_any_contact_stops_the_hand_if_no_force_is_needed() -> None:
         p.setattr(world, "forces", forces)
         for force in (0.0, 4.9, 5.1, 20.0):
             pose = grasp([0, 0, 0.2], [1, 0, 0], DOWN)
-            stopped[force] = execute_pose(world, pose, 0.07, ContactRules(force=force)).stopped
+            stopped[force] = execute_pose(world, pose, 0.07, ContactRules("close", force)).stopped
     assert stopped[0.0] == stopped[4.9] == pytest.approx(0.03, abs=0.004)
     assert stopped[5.1] == stopped[20.0] == 0
 
@@ -180,8 +181,8 @@ def test_a_touch_suffices_under_the_rules_of_vgn() -> None:
 def test_the_hand_opens_fully_if_the_protocol_says_so() -> None:
     """A narrow opening comes down on the block; the full one goes around it."""
 
-    def narrow(_: Observation, present: Sequence[RestingObject], __: object) -> PoseGrasp:
-        return knowing(_, present, __)._replace(width=0.01)  # type: ignore[arg-type]
+    def narrow(_: Observation, present: Sequence[RestingObject], __: object) -> Grasp:
+        return replace(knowing(_, present, __), width=0.01)  # type: ignore[arg-type]
 
     first = {
         opening: clear(narrow, ClutterProtocol(opening=opening))[0]  # type: ignore[arg-type]
@@ -217,9 +218,9 @@ def test_skips_look_again_and_are_no_failures() -> None:
 
 
 def test_a_round_with_skips_is_repeated() -> None:
-    rules = ClutterProtocol(skips=2, opening="full", contact="fail")
+    rules = ClutterProtocol(skips=2, opening="full", contact="collided")
     with open_world("mujoco", MODELS, free_hand(HAND)) as world:
-        runner = ClutterRunner(world, Clutter(protocol=rules))
+        runner = ClearingRunner(world, Clutter(protocol=rules))
         propose = in_turn(lambda *_: Outcome.NO_GRASP, knowing, nowhere, nowhere)
         attempts = list(runner.clear(propose, "packed", "none", 3))
         tried = [each.grasp or each.outcome for each in attempts]
@@ -241,7 +242,7 @@ def chosen_scores(protocol: ClutterProtocol, scores: list[float], draws: int = 3
     propose = proposed_by(detect, HAND, protocol)
     seen = Observation(None, (), 0.3)  # type: ignore[arg-type]
     found = [propose(seen, [], generator(number, "test")) for number in range(draws)]
-    return [each.score if isinstance(each, PoseGrasp) else 0.0 for each in found]
+    return [each.quality if isinstance(each, Grasp) else 0.0 for each in found]
 
 
 def test_the_chosen_grasp_is_the_highest_or_a_random_one_above_the_threshold() -> None:
@@ -359,4 +360,4 @@ def test_the_hand_has_the_force_and_the_pads_of_the_protocol(engine: EngineName)
         with open_round(this, {"cube": CUBE}, settings) as world:
             assert world.robot is not None
             assert world.robot.gripper.force == force
-            assert world.robot.pad_friction[0] == friction
+            assert world.robot.gripper.pad.friction == friction

@@ -9,13 +9,13 @@ from worlds import HAND
 
 from egad.bench import RestingObject
 from egad.bench.scene_labels import SceneLabels
-from egad.detectors import Observation, PoseGrasp
+from egad.detectors import Grasp, Observation
 from egad.geometry import Bundle
 from egad.grasps import label_parameters
 from egad.grasps.sampling import dataset_grasps
 from egad.grippers import BoxBody
+from egad.sim.execution import STANDOFF
 from egad.sim.model import Model, build
-from egad.sim.pose_execution import STANDOFF
 from egad.sim.world import Pose
 from egad.tables.outcomes import Outcome
 
@@ -32,7 +32,7 @@ def placed(number: int, x: float, y: float, z: float, turn: Rotation) -> Resting
 
 def propose(
     present: list[RestingObject], models: list[Model], tables: list[pd.DataFrame]
-) -> PoseGrasp | Outcome:
+) -> Grasp | Outcome:
     labels = SceneLabels(tables, models, HAND)
     nothing = Observation(None, (), 0.3)  # type: ignore[arg-type]
     return labels(nothing, present, np.random.default_rng(0))
@@ -59,7 +59,7 @@ def test_the_hand_is_free_and_closes_on_the_object(factor: float, turn: int) -> 
     random = Rotation.random(2, rng=np.random.default_rng(turn))
     present = [placed(0, 0, 0, 0.05, random[0]), placed(1, 0.07, 0.02, 0.05, random[1])]
     best = propose(present, models, [GRASPS] * 2)
-    assert isinstance(best, PoseGrasp)
+    assert isinstance(best, Grasp)
     assert not touched(best.pose, present, models)
     assert best.width == HAND.opening
     nearest = min(
@@ -75,7 +75,7 @@ def test_the_table_blocks_what_is_below() -> None:
     """A plate flat on the table can only be had at its rim from above."""
     lying = [placed(0, 0, 0, 0.015, Rotation.from_euler("y", np.pi / 2))]
     best = propose(lying, [MODEL], [GRASPS])
-    assert isinstance(best, PoseGrasp)
+    assert isinstance(best, Grasp)
     assert best.pose[2, 2] < -0.5
     assert not touched(best.pose, lying, [MODEL])
 
@@ -87,7 +87,7 @@ def test_without_a_free_grasp_there_is_none() -> None:
     plate, grasps = build(mesh, 600.0, Bundle()), dataset_grasps(mesh, "plate", WANTED)
     flat = Rotation.from_matrix(plate.to_principal[:3, :3].T).as_quat()
     in_the_air, lying = ([RestingObject(0, Pose(np.array([0, 0, z]), flat))] for z in (0.3, 0.01))
-    assert isinstance(propose(in_the_air, [plate], [grasps]), PoseGrasp)
+    assert isinstance(propose(in_the_air, [plate], [grasps]), Grasp)
     assert propose(lying, [plate], [grasps]) == Outcome.NO_GRASP
     blocked = GRASPS.assign(collision_free=False)
     upright = [placed(0, 0, 0, 0.04, Rotation.identity())]
@@ -97,6 +97,6 @@ def test_without_a_free_grasp_there_is_none() -> None:
 def test_the_grasp_of_the_highest_quality_is_taken() -> None:
     upright = [placed(0, 0, 0, 0.2, Rotation.identity())]  # in the air: all are free
     best = propose(upright, [MODEL], [GRASPS])
-    assert isinstance(best, PoseGrasp)
+    assert isinstance(best, Grasp)
     free = GRASPS[GRASPS["collision_free"]]
-    assert best.score == free["robust_quality"].max()
+    assert best.quality == free["robust_quality"].max()

@@ -5,10 +5,10 @@ import pytest
 import trimesh
 from worlds import EACH_ENGINE, HAND, start
 
-from egad.bench import Attempt, InitialPose, TrialProtocol, TrialRunner
+from egad.bench import Attempt, InitialPose, RestingObject, TrialProtocol, TrialRunner
 from egad.detectors import View
+from egad.detectors.asking import Detector
 from egad.detectors.base import Grasp
-from egad.detectors.poses import Detector
 from egad.detectors.subprocess import DetectorTimeoutError
 from egad.geometry import Bundle
 from egad.grippers import Gripper
@@ -51,7 +51,7 @@ def outcome(
 def test_the_drop_does_not_depend_on_the_detector() -> None:
     places = []
     with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
-        bench = TrialRunner(world, AXIS, TrialProtocol())
+        runner = TrialRunner(world, AXIS, TrialProtocol())
 
         def thirsty(view: View, _gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
             rng.random(len(places) * 10)
@@ -59,7 +59,7 @@ def test_the_drop_does_not_depend_on_the_detector() -> None:
             return []
 
         for _ in range(2):
-            assert bench.attempt(thirsty, 3).outcome == "no_grasp"
+            assert runner.attempt(thirsty, 3).outcome == "no_grasp"
     np.testing.assert_array_equal(*places)
 
 
@@ -159,11 +159,16 @@ def test_how_an_attempt_begins(
     upright = [0.0, 0.0, 0.0, 1.0]
     rest = Pose.of([0.0, 0.0, 0.02, *upright])
     last = Pose.of([*end, *upright]) if end else None
-    before = Attempt(Outcome(outcome), InitialPose("dropped", rest), rest, None, 0.0, last)
+    before = Attempt(
+        Outcome(outcome),
+        (RestingObject(0, rest),),
+        start=InitialPose("dropped", rest),
+        end=last,
+    )
     with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
         trials = TrialProtocol()
-        bench = TrialRunner(world, AXIS, trials)
-        after = bench.attempt(always((0, 0, -0.03)), 3, before)
+        runner = TrialRunner(world, AXIS, trials)
+        after = runner.attempt(always((0, 0, -0.03)), 3, before)
     assert after.start is not None
     assert after.rest is not None
     assert after.start.kind == begun
@@ -212,11 +217,11 @@ def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
             world.place(world.pose(), velocity)
 
     with start(engine, build(CUBE, 400.0, BUNDLE)) as world:
-        bench = TrialRunner(world, AXIS, TrialProtocol(drop_height=0.05))
+        runner = TrialRunner(world, AXIS, TrialProtocol(drop_height=0.05))
         world.watch = explode
-        first = bench.attempt(always((0, 0, -0.03)), 3)
+        first = runner.attempt(always((0, 0, -0.03)), 3)
         world.watch = None
-        second = bench.attempt(always((0, 0, -0.03)), 4, first)
+        second = runner.attempt(always((0, 0, -0.03)), 4, first)
     assert (first.outcome, first.end, first.lifted) == ("failed", None, 0.0)
     assert second.outcome == "success"
     assert second.start is not None

@@ -54,7 +54,7 @@ STEPS = {
 
 
 def settings(steps):
-    evolution = {"population": 100, "steps_per_epoch": steps}
+    evolution = {"population": 100, "evaluations": 100 * steps}
     return select(Settings.model_validate({"evolution": evolution}), EvolutionParameters)
 
 

@@ -54,7 +54,7 @@ def rate(what, unit, work, amount=1):
 
 @pytest.fixture(scope="module")
 def elites():
-    few = {"evolution": {"population": 20, "steps_per_epoch": 15}}
+    few = {"evolution": {"population": 20, "evaluations": 300}}
     archive = Archive(SETTINGS.space, SETTINGS.similarity)
     evolve(archive, select(Settings.model_validate(few), EvolutionParameters), 0, 0)
     return archive.elites

@@ -68,11 +68,9 @@ def main(arguments: list[str]) -> None:
     """Print a table."""
     steps = int(arguments[0]) if arguments[0].isdigit() else 1
     settings = select(
-        Settings.model_validate({"evolution": {"steps_per_epoch": steps}}), EvolutionParameters
+        Settings.model_validate({"evolution": {"evaluations": 100 * steps}}), EvolutionParameters
     )
-    few = select(
-        Settings.model_validate({"evolution": {"steps_per_epoch": 1}}), EvolutionParameters
-    )
+    few = select(Settings.model_validate({"evolution": {"evaluations": 100}}), EvolutionParameters)
     merge([island(few, None, 9, 0), island(few, None, 9, 1)], few.space, few.similarity)  # compiles
     print("| islands | s an island | s the merge | objects | kept |")
     print("| --- | --- | --- | --- | --- |")

@@ -24,7 +24,7 @@ from egad_workflow.settings import Settings, select
 
 SETTINGS = Settings.model_validate(
     {
-        "evolution": {"population": 15, "steps_per_epoch": 2, "max_candidates": 128},
+        "evolution": {"population": 15, "evaluations": 30, "max_candidates": 128},
         "shape": {"resolution": 16},
         "graspability": {"candidates": 64},
         "similarity": {"vertices": 500, "base_count": 12},

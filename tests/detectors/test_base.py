@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from egad.detectors.base import MAX_GRASPS, Grasp, best_grasp, rank_grasps
+from egad.detectors import Grasp, best_grasp
+from egad.detectors.base import MAX_GRASPS, rank_grasps
 from egad.grippers import GRIPPERS
 
 HAND = GRIPPERS["egad_75mm"]

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from egad.detectors import GraspPoses, PoseGrasp
-from egad.detectors.base import Grasp
-from egad.detectors.poses import best_pose, best_poses, infeasibility, pose_of, poses_of
+from egad.detectors import Grasp, GraspPoses, choose
+from egad.detectors.base import best_poses, poses_of
 from egad.grippers import GRIPPERS, finger_span
 from egad.tables.outcomes import Outcome
 
@@ -42,22 +41,22 @@ def changed(row, column, value):
     ],
 )
 def test_what_the_hand_cannot_do_has_a_name(pose, width, score, outcome):
-    assert infeasibility(PoseGrasp(pose, width, score), HAND) == outcome
+    assert Grasp.of_pose(pose, width, score).infeasibility(HAND) == outcome
 
 
 def test_the_best_grasp_that_can_be_done_is_tried():
     poses = np.stack([raised(), raised(0.2), raised(-1), raised(0.3)])
     grasps = GraspPoses(poses, np.array([1.0, 0.05, 0.05, 0.05]), np.array([4.0, 2, 3, 2]))
-    best = best_pose(grasps, HAND)
-    assert isinstance(best, PoseGrasp)
-    assert (best.pose[2, 3], best.score) == (0.2, 2.0)
+    best = choose(grasps, HAND)
+    assert isinstance(best, Grasp)
+    assert (best.pose[2, 3], best.quality) == (0.2, 2.0)
 
 
 def test_without_any_the_flaw_of_the_most_promising_is_told():
     poses = np.stack([raised(-1), raised(), raised()])
     grasps = GraspPoses(poses, np.array([0.05, 1.0, 0.05]), np.array([1.0, 2.0, np.nan]))
-    assert best_pose(grasps, HAND) == Outcome.TOO_WIDE
-    assert best_pose(poses_of(([], [], [])), HAND) == Outcome.NO_GRASP
+    assert choose(grasps, HAND) == Outcome.TOO_WIDE
+    assert choose(poses_of(([], [], [])), HAND) == Outcome.NO_GRASP
 
 
 def test_the_best_come_first():
@@ -83,11 +82,14 @@ def test_arrays_of_other_shapes_are_refused(answer):
 
 def test_a_grasp_from_above_is_a_pose_with_the_same_fingertips():
     grasp = Grasp((0.1, 0.2, 0.05), 0.7, 0.04, 0.02, 0.9)
-    pose, width, score = pose_of(grasp, HAND)
+    posed = grasp.as_pose(HAND)
+    pose = posed.pose
     np.testing.assert_allclose(pose[:3, :3].T @ pose[:3, :3], np.eye(3), atol=1e-12)
     np.testing.assert_allclose(pose[:3, 0], [np.cos(0.7), np.sin(0.7), 0])
     np.testing.assert_allclose(pose[:3, 2], [0, 0, -1])
     tip = pose[:3, 3] + finger_span(HAND)[1] * pose[:3, 2]
     np.testing.assert_allclose(tip, [0.1, 0.2, grasp.tip])
-    assert (width, score) == (0.04, 0.9)
-    assert infeasibility(PoseGrasp(pose, width, score), HAND) is None
+    assert (posed.width, posed.quality) == (0.04, 0.9)
+    assert posed.infeasibility(HAND) is None
+    back = posed.from_above(HAND)
+    assert (back.tip, back.angle) == pytest.approx((grasp.tip, grasp.angle))

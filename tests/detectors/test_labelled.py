@@ -128,6 +128,6 @@ def test_a_bench_tells_where_the_object_is():
     ]
     arm = ARMS["axis"](HAND)
     with open_world("mujoco", [build(BOX, 400.0, BUNDLE)], arm.robot) as world:
-        bench = TrialRunner(world, arm, TrialProtocol())
-        outcomes = [bench.attempt(labelled(rows), seed).outcome for seed in range(6)]
+        runner = TrialRunner(world, arm, TrialProtocol())
+        outcomes = [runner.attempt(labelled(rows), seed).outcome for seed in range(6)]
     assert outcomes.count("success") >= 5

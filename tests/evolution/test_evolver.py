@@ -32,7 +32,7 @@ def archive():
 
 
 def test_evolution_is_that_of_an_island_of_the_pipeline():
-    evolution = {"steps_per_epoch": 2, "population": 8}
+    evolution = {"evaluations": 16, "population": 8}
     settings = select(
         Settings.model_validate({"seed": 3, "evolution": evolution}), EvolutionParameters
     )

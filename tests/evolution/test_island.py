@@ -28,7 +28,7 @@ from egad_workflow.settings import Settings, select
 
 SETTINGS = select(
     Settings(
-        evolution=Evolution(steps_per_epoch=2, population=12, max_candidates=256),
+        evolution=Evolution(evaluations=24, population=12, max_candidates=256),
         shape=Shape(resolution=16),
         graspability=Graspability(candidates=64),
         similarity=Similarity(vertices=300, ranges=16, base_count=8),
@@ -104,7 +104,7 @@ def test_islands_that_evolve_apart_and_merge_can_be_repeated(count):
     def evolved_again(elites, epoch, number):
         archive = Archive(SETTINGS.space, SETTINGS.similarity)
         archive.add(elites)
-        evolve(archive, with_search(population=4, steps_per_epoch=1), epoch, number)
+        evolve(archive, with_search(population=4, evaluations=4), epoch, number)
         return archive.to_frame()
 
     pd.testing.assert_frame_equal(run(), run())

@@ -10,7 +10,7 @@ from egad.grasps import ContactPairs
 from egad.grasps.approach import best_approaches
 from egad.grasps.jaws import JawFaces, face_normals
 from egad.grasps.labels import label_grasps, label_parameters
-from egad.grasps.opening import needed_openings_of_model
+from egad.grasps.opening import needed_openings
 from egad.grasps.quality import ferrari_canny
 from egad.grippers import JAW_CLEARANCE, Gripper, ModelBody, hand_body
 
@@ -104,9 +104,7 @@ def test_the_fixed_jaw_fits_where_the_moving_one_does_not(body):
     """Another plate stands 15 mm beside a thin one: more than the fixed jaw is thick."""
     pair_of_plates = trimesh.util.concatenate([plate(0.006), plate(0.006, -0.018)])
     caster = RayCaster(pair_of_plates)
-    needed = [
-        float(needed_openings_of_model(caster, pair(0.006, way), DOWN, body)[0]) for way in (1, -1)
-    ]
+    needed = [float(needed_openings(caster, pair(0.006, way), DOWN, body)[0]) for way in (1, -1)]
     assert needed[0] == pytest.approx(0.006, abs=0.004)
     assert needed[1] > 0.024  # it stops at the other plate
     assert best_approaches(caster, pair(0.006), body, angles=1, way=0.1).free.all()
@@ -115,14 +113,14 @@ def test_the_fixed_jaw_fits_where_the_moving_one_does_not(body):
 def test_what_the_moving_jaw_meets_on_its_way_stops_it(body):
     """A post between the open jaw and a plate: the jaw comes to 25 mm before the plate."""
     width, post = 0.006, plate(0.002, 0.027)
-    alone = needed_openings_of_model(RayCaster(plate(width)), pair(width), DOWN, body)
+    alone = needed_openings(RayCaster(plate(width)), pair(width), DOWN, body)
     assert alone[0] == pytest.approx(width, abs=0.004)
     both = RayCaster(trimesh.util.concatenate([plate(width), post]))
     assert best_approaches(both, pair(width), body, angles=1, way=0.1).free.all()
-    stopped = needed_openings_of_model(both, pair(width), DOWN, body)
+    stopped = needed_openings(both, pair(width), DOWN, body)
     assert width / 2 + 0.028 < stopped[0] < width / 2 + 0.028 + 0.012
 
 
 def test_a_hand_whose_fixed_jaw_does_not_fit_needs_more_than_it_has(body):
     blocked = RayCaster(trimesh.util.concatenate([plate(0.006), plate(0.006, -0.008)]))
-    assert needed_openings_of_model(blocked, pair(0.006), DOWN, body)[0] == np.inf
+    assert needed_openings(blocked, pair(0.006), DOWN, body)[0] == np.inf

@@ -21,7 +21,8 @@ from egad.learning import TrainOnScenes, VgnTraining
 from egad.learning.images import pose_values
 from egad.learning.scenes import SceneDataset, write_shard
 from egad.learning.scenes.making import MadeScene, view_columns
-from egad.learning.train_on_scenes import check_device, fingerprint, open_scenes, train_on_scenes
+from egad.learning.train_on_images import fingerprint
+from egad.learning.train_on_scenes import check_device, open_scenes, train_on_scenes
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
 from egad.tables.scenes import SCENE_GRASPS
@@ -269,17 +270,15 @@ def test_what_decides_a_training_is_in_its_fingerprint(scenes, made, tmp_path):
     for path in files:
         path.write_text(path.name)
     found = [
-        fingerprint(SETTINGS, [scenes], "cpu", ""),
-        fingerprint(SETTINGS, [scenes], "cuda", ""),
-        fingerprint(SETTINGS, [other], "cpu", ""),
-        fingerprint(SETTINGS.model_copy(update={"seed": 4}), [scenes], "cpu", ""),
-        fingerprint(
-            SETTINGS.model_copy(update={"gripper": GRIPPERS["egad_75mm"]}), [scenes], "cpu", ""
-        ),
-        *(fingerprint(SETTINGS, [scenes], "cpu", "", weights) for weights in files),
+        fingerprint(SETTINGS, [scenes], ""),
+        fingerprint(SETTINGS, [scenes], "", device="cuda"),
+        fingerprint(SETTINGS, [other], ""),
+        fingerprint(SETTINGS.model_copy(update={"seed": 4}), [scenes], ""),
+        fingerprint(SETTINGS.model_copy(update={"gripper": GRIPPERS["egad_75mm"]}), [scenes], ""),
+        *(fingerprint(SETTINGS, [scenes], "", weights) for weights in files),
     ]
     assert len(set(found)) == 7
-    assert fingerprint(SETTINGS, [scenes], "cpu", "") == found[0]
+    assert fingerprint(SETTINGS, [scenes], "") == found[0]
 
 
 CHANGED = [
@@ -314,7 +313,7 @@ def test_code_that_decides_a_training_is_in_its_fingerprint(tmp_path, file, old,
 
 def test_the_fingerprint_has_the_version_of_the_code(scenes):
     pytest.importorskip("torch")
-    found = json.loads(fingerprint(SETTINGS, [scenes], "cpu", "1f2e"))
+    found = json.loads(fingerprint(SETTINGS, [scenes], "1f2e"))
     assert found["code"] == "1f2e"
 
 

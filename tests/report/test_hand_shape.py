@@ -7,7 +7,7 @@ from described_hands import box_urdf, linkage_mjcf
 
 import egad
 from egad.grippers import Gripper
-from egad.report.hand_shape import BOX_COLORS, OBJECT_COLOR, best_grasp
+from egad.report.hand_shape import LINK_COLORS, OBJECT_COLOR, best_grasp
 
 BAR = trimesh.creation.box((0.03, 0.12, 0.12))  # only its first sides fit
 
@@ -27,7 +27,7 @@ def test_fingers_are_on_both_sides_of_the_object_and_touch_it(hand):
     mesh, paint = best_grasp(BAR, grasps, hand)
     corners = [mesh.vertices[mesh.faces[paint == color]].reshape(-1, 3) for color in range(6)]
     np.testing.assert_allclose(np.ptp(corners[OBJECT_COLOR], axis=0), BAR.extents)
-    first, second, palm = (corners[color] for color in BOX_COLORS)
+    first, second, palm = (corners[color] for color in map(LINK_COLORS.get, (-1, 1, 0)))
     best = grasps[grasps["collision_free"]].nlargest(1, "quality")
     start, end, approach = (
         best[[f"{name}_{axis}" for axis in "xyz"]].to_numpy()[0]

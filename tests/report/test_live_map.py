@@ -14,7 +14,7 @@ from egad.report.live_map import EpochOfIsland, LiveMap
 from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(), EvolutionParameters)
-STEPS = SETTINGS.evolution.steps_per_epoch
+STEPS = SETTINGS.evolution.steps
 SPACE = SETTINGS.space
 
 

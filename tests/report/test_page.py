@@ -199,8 +199,8 @@ def test_settings_are_folded_except_those_that_were_changed(html):
     assert "<code>seed</code>" in before
     assert "<code>datasets.mine</code>" in before
     assert "source: primitives, objects: 12" in before
-    assert "steps_per_epoch" not in before
-    assert "steps_per_epoch" in folded.partition("</details>")[0]
+    assert "crossover_probability" not in before
+    assert "crossover_probability" in folded.partition("</details>")[0]
 
 
 def test_results_come_first_and_the_map_once(page):

@@ -9,7 +9,6 @@ from svg_text import SVG, texts
 
 from egad.bench.stats import Trend, object_positions, reliability, trial_grid
 from egad.report.trial_charts import (
-    OUTCOMES,
     outcome_chart,
     outcome_counts,
     rate_bars,
@@ -18,7 +17,7 @@ from egad.report.trial_charts import (
 )
 from egad.report.trials import reliability_chart, trend_chart
 from egad.tables.evaluation import RESULTS, TRIALS
-from egad.tables.outcomes import Outcome
+from egad.tables.outcomes import CHARTED, Outcome
 
 ROBOT = {"slipped", "other"}  # what people note of a robot
 
@@ -73,9 +72,9 @@ ELSEWHERE = {Outcome.SLIPPED_SHAKING, Outcome.NOT_RIGID}  # of labels, and of cl
 
 
 def test_every_outcome_of_the_schema_has_its_own_color():
-    assert set(OUTCOMES) == named(TRIALS) | ROBOT == set(Outcome) - ELSEWHERE
+    assert set(CHARTED) == named(TRIALS) | ROBOT == set(Outcome) - ELSEWHERE
     assert named(RESULTS) >= ROBOT
-    assert len(set(OUTCOMES.values())) == len(OUTCOMES)
+    assert len({each.color for each in CHARTED} - {""}) == len(CHARTED)
 
 
 def drawn_charts(trials):

@@ -8,12 +8,13 @@ from described_hands import box_urdf, linkage_mjcf
 from egad.geometry import Bundle
 from egad.grippers import Gripper, model_of
 from egad.sim.arms import ARMS, HandPose
+from egad.sim.drives import LEFT, RIGHT
 from egad.sim.engines import open_world
+from egad.sim.execution import execute_pose
 from egad.sim.gripper import Hand
 from egad.sim.model import build
-from egad.sim.pose_execution import execute_pose
-from egad.sim.robot import LEFT, RIGHT, to_urdf
 from egad.sim.robots import free_hand, on_axis
+from egad.sim.urdf import to_urdf
 from egad.sim.world import Pose
 
 SIDE, TIP = 0.04, 0.012

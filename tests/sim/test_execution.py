@@ -13,7 +13,7 @@ from egad.detectors.base import Grasp
 from egad.detectors.registry import QUICK
 from egad.geometry import Bundle
 from egad.sim.arms import ARMS
-from egad.sim.execution import Execution, Stillness, Stopping, execute
+from egad.sim.execution import ContactRules, Execution, Stillness, execute
 from egad.sim.model import Model, build
 from egad.sim.parameters import EngineName
 from egad.sim.world import TIME_STEP, Pose, World
@@ -112,10 +112,8 @@ def test_a_hand_that_meets_the_table_closes_there_if_the_protocol_says_so(
     for closes in (False, True):
         with start(engine, model, arm=arm) as world:
             world.place(Pose(np.array([0.0, 0.0, SIDE / 2]), UPRIGHT))
-            stopping = Stopping(10.0, closes)
-            found[closes] = execute(
-                world, ARMS[arm](HAND), TrialProtocol(), grasp, stopping=stopping
-            )
+            stopping = ContactRules("close" if closes else "collided", 10.0)
+            found[closes] = execute(world, ARMS[arm](HAND), TrialProtocol(), grasp, rules=stopping)
     assert found[False].outcome == Outcome.COLLIDED
     assert found[True].outcome == Outcome.SUCCESS
     for each in found.values():
@@ -131,8 +129,8 @@ def test_a_hand_that_was_stopped_and_closes_on_nothing_has_missed(
     with start(engine, model) as world:
         world.place(Pose(np.array([0.0, 0.0, 0.015]), UPRIGHT))
         grasp = Grasp((0.0, 0.0, 0.02), 0.0, 0.065, 0.01, 1.0)
-        arm, closing = ARMS["axis"](HAND), Stopping(10.0, closes=True)
-        found = execute(world, arm, TrialProtocol(), grasp, stopping=closing)
+        arm, closing = ARMS["axis"](HAND), ContactRules("close", 10.0)
+        found = execute(world, arm, TrialProtocol(), grasp, rules=closing)
     assert found.outcome == Outcome.MISSED
     assert found.stopped == pytest.approx(0.02, abs=0.004)
 
@@ -215,8 +213,8 @@ def test_grasps_near_an_edge_end_as_if_simulated_in_full(
 def attempts(engine: EngineName, model: Model, count: int) -> list[Attempt]:
     gripper = HAND.model_copy(update={"force": 8.0})
     with start(engine, model, gripper) as world:
-        bench = TrialRunner(world, ARMS["axis"](gripper), TrialProtocol())
-        return [bench.attempt(QUICK["random"], seed) for seed in range(count)]
+        runner = TrialRunner(world, ARMS["axis"](gripper), TrialProtocol())
+        return [runner.attempt(QUICK["random"], seed) for seed in range(count)]
 
 
 @EACH_ENGINE

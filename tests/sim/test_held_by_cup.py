@@ -15,10 +15,9 @@ from egad.geometry import Bundle
 from egad.grippers import Gripper
 from egad.sim.arms import ARMS
 from egad.sim.engines import open_world
-from egad.sim.execution import LIFT_SPEED, Execution, execute
+from egad.sim.execution import LIFT_SPEED, RETREAT, RETREAT_SPEED, Execution, execute, execute_pose
 from egad.sim.model import Model, build
 from egad.sim.parameters import EngineName
-from egad.sim.pose_execution import RETREAT, RETREAT_SPEED, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.world import GRAVITY, TIME_STEP, Pose, World
 from egad.tables.outcomes import Outcome

@@ -13,6 +13,7 @@ from worlds import EACH_ARM, EACH_ENGINE, HAND, hand_at, start
 
 from egad.errors import UserError
 from egad.geometry import Bundle
+from egad.geometry.surfaces import TABLE
 from egad.sim import mujoco_world
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
@@ -20,7 +21,7 @@ from egad.sim.gripper import Hand
 from egad.sim.model import Model, build
 from egad.sim.mujoco_model import scene_spec
 from egad.sim.parameters import EngineName, check_engine
-from egad.sim.world import GRAVITY, TABLE_FRICTION, TIME_STEP, Pose, UnstableError, World
+from egad.sim.world import GRAVITY, TIME_STEP, Pose, UnstableError, World
 
 BUNDLE = Bundle()
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
@@ -87,7 +88,7 @@ def test_a_cube_slides_only_on_a_slope_beyond_the_friction_angle(
     engine: EngineName, degrees: float
 ) -> None:
     slope = np.radians(degrees)
-    pull = max(np.sin(slope) - TABLE_FRICTION * np.cos(slope), 0.0) * GRAVITY
+    pull = max(np.sin(slope) - TABLE.friction * np.cos(slope), 0.0) * GRAVITY
     with start(engine, CUBE) as world:
         world.place(at(0, 0, SIDE / 2))
         world.step(60)

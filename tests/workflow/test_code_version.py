@@ -166,7 +166,8 @@ def test_it_does_not_matter_where_a_script_and_the_package_are(make, tmp_path, m
     elsewhere = shutil.copy(script(package, "evolve"), tmp_path / "evolve.py")
     monkeypatch.chdir(tmp_path)
     expected = code_version(script(package, "evolve"), (package,))
-    for path in (elsewhere, str(elsewhere), "evolve.py"):
+    fetched = shutil.copy(elsewhere, tmp_path / "evolve.py@1f2e3d")  # from a repository
+    for path in (elsewhere, str(elsewhere), "evolve.py", fetched):
         assert code_version(path, (package,)) == expected
 
 

@@ -22,7 +22,7 @@ def test_nothing_said_is_the_default():
 def test_what_is_not_named_keeps_its_default():
     settings = check({"evolution": {"population": 7}})
     assert settings.evolution.population == 7
-    assert settings.evolution.steps_per_epoch == Settings().evolution.steps_per_epoch
+    assert settings.evolution.evaluations == Settings().evolution.evaluations
 
 
 def test_whole_numbers_serve_as_numbers():

@@ -124,7 +124,7 @@ def test_a_dataset_of_others_stands_alone_or_beside_the_evolved_one(name):
 
 def test_paper_is_table_two():
     paper = check(load("paper.yaml"))
-    steps = paper.schedule.epochs * paper.evolution.steps_per_epoch
+    steps = paper.schedule.epochs * paper.evolution.steps
     assert (steps, steps * paper.evolution.population) == (2000, 200_000)
     assert paper.schedule.islands == 1
     assert (paper.space.cells, paper.space.elites_per_cell, paper.space.neighbors) == (25, 4, 10)
@@ -145,9 +145,9 @@ def test_the_first_edition_is_the_paper_with_another_way_to_draw_parents():
 
 def test_full_is_the_default_search_with_the_evaluations_of_the_paper():
     full, usual = check(load("full.yaml")), Settings()
-    steps = full.schedule.epochs * full.evolution.steps_per_epoch * full.schedule.islands
+    steps = full.schedule.epochs * full.evolution.steps * full.schedule.islands
     assert steps * full.evolution.population == 200_000
-    changed = full.evolution.model_copy(update={"steps_per_epoch": usual.evolution.steps_per_epoch})
+    changed = full.evolution.model_copy(update={"evaluations": usual.evolution.evaluations})
     assert changed == usual.evolution
     assert (full.graspability, full.space) == (usual.graspability, usual.space)
 

@@ -179,7 +179,7 @@ def test_an_edited_measure_or_mesh_of_ones_own_evolves_again(clean):
         "measures": {"complexity": "mine.py:size"},
         "keep_solid": {"kind": "mesh", "mesh": "part.stl", "size": [0.3, 0.3, 0.3]},
         "schedule": {"islands": 1, "epochs": 1},
-        "evolution": {"steps_per_epoch": 1, "population": 2},
+        "evolution": {"evaluations": 2, "population": 2},
     }
     configs = ["config/test.yaml", clean.overlay("own.yaml", own)]
     target = "results/egad/archive.parquet"

@@ -38,12 +38,7 @@ def run(
     shard: tuple[int, int],
     out: Path,
 ) -> None:
-    """Execute labelled grasps of the evaluation objects of a shard in simulation.
-
-    As in `simulate`, everything runs in a separate process. If an object crashes it twice, the
-    grasps of that object are marked as crashed. Grasps of objects that the bundle does not contain
-    count as failed.
-    """
+    """Execute labelled grasps of the evaluation objects of a shard in simulation."""
     objects = parquet.read(evaluation, EVAL49)
     share = dict(zip(objects["id"], evenly(settings.agreement.grasps, len(objects)), strict=True))
     chosen = parquet.records(rows_in_shard(objects, *shard))

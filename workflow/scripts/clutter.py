@@ -32,11 +32,7 @@ def run(
     grasps: Path | None = None,
     keep_going: bool = False,
 ) -> None:
-    """Let a grasp detector clear tables of several objects of the evaluation set.
-
-    As in `simulate`, everything runs in a separate process. A round that crashes it twice is marked
-    as crashed.
-    """
+    """Let a grasp detector clear tables of several objects of the evaluation set."""
     number, shards = shard
     todo = rounds_of(list(rows_by_id(bundle)), settings)[number::shards]
     tables = [parquet.empty(CLUTTER)]

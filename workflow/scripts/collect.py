@@ -29,11 +29,7 @@ def run(
     meshes: Path,
     jobs: int = 1,
 ) -> None:
-    """Combine the shards of a dataset: cells, labels, diversities, meshes.
-
-    Sources `evolved` and `archive` get labels from their cells, `meshes` and `primitives` keep the
-    names of their meshes.
-    """
+    """Combine the shards of a dataset; only objects from an archive are named after their cells."""
     name = objects.parent.name
     found, left_out = join(solids, SOLIDS, ["id"]), join(rejects, REJECTED, ["id", "stage"])
     if found.empty:

@@ -25,10 +25,7 @@ from egad_workflow.job import run_job
 def run(
     settings: MeasureParameters, datasets: list[str], objects: list[Path], out: Path, figure: Path
 ) -> str:
-    """Write coverage and diversity of datasets, and a map of each, on a common scale.
-
-    The text is the table for a terminal, with the published numbers below.
-    """
+    """Write coverage and diversity of datasets and their maps; return the table as text."""
     tables = {
         name: parquet.read(path, OBJECTS) for name, path in zip(datasets, objects, strict=True)
     }

@@ -21,10 +21,7 @@ log = logging.getLogger(__name__)
 def run(
     settings: SimulationBundle, objects: Path, meshes: Path, shard: tuple[int, int], out: Path
 ) -> None:
-    """Make the convex parts of the objects of a shard, which represent them in simulators.
-
-    An object without any is missing, and the log says why.
-    """
+    """Make the convex parts of the objects of a shard; the log names objects without any."""
     frame = rows_in_shard(parquet.read(objects, OBJECTS), *shard)
     made = []
     names = zip(frame["id"], frame["label"], strict=True)

@@ -61,7 +61,7 @@ def watch_of(
     live_map = importlib.import_module("egad.report.live_map")
     record = importlib.import_module("egad_workflow.provenance")
     axes = importlib.import_module("egad.report.axes")
-    evaluations = settings.evolution.steps_per_epoch * settings.evolution.population
+    evaluations = settings.evolution.steps * settings.evolution.population
     run = record.settings_hash(settings)
     about = live_map.EpochOfIsland(run, epoch, island, evaluations, islands)
     names = axes.axis_pair(settings.measures)

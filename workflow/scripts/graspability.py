@@ -20,10 +20,7 @@ from egad_workflow.job import run_job
 def run(
     settings: GraspabilityOfGripper, objects: Path, meshes: Path, out: Path, jobs: int = 1
 ) -> None:
-    """Measure the graspability of every object for a gripper, in the same way as for its cell.
-
-    Each is scaled until its smallest side is `graspability.side_fraction` of the opening.
-    """
+    """Measure the graspability of every object for a gripper, in the same way as for its cell."""
     labels = parquet.read(objects, OBJECTS)["label"].tolist()
     with workers(jobs) as mapper:
         rows = mapper(partial(_row, meshes=meshes, settings=settings), labels)

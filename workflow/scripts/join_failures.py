@@ -18,10 +18,7 @@ def run(
     failures: Path,
     jobs: int,
 ) -> None:
-    """Join the failures of a grasp detector, and ask it again why it failed.
-
-    The examined objects and the attempts are written next to the failures.
-    """
+    """Join the failures of a grasp detector, and ask it again why it failed."""
     shards = [
         Found(parquet.read(each, EXAMINED), parquet.read(other, FAILURE_ATTEMPTS))
         for each, other in zip(examined, attempts, strict=True)

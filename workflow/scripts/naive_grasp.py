@@ -25,11 +25,7 @@ GRASP_TIME = 5.0  # seconds; a grasp takes a tenth of that
 
 
 def run(settings: NaiveGrasps, convex_parts: Path, meshes: Path, out: Path) -> None:
-    """Try naive grasps of the objects of a shard that have convex parts.
-
-    Everything runs in a separate process. If an object crashes it twice, its grasps are marked as
-    crashed.
-    """
+    """Try naive grasps of the objects of a shard that have convex parts."""
     names = parquet.read(convex_parts, CONVEX_PARTS)[["label", "id"]].drop_duplicates()
     count = settings.naive_grasp.grasps
     crashed = [Outcome.CRASHED] * count

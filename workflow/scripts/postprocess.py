@@ -82,11 +82,7 @@ def measure_objects(
 def from_archive(
     path: Path, settings: PostprocessSolids, shard: int, shards: int
 ) -> tuple[Sources, pd.Series]:
-    """The evolved objects of a shard, and the graspability that each was selected by.
-
-    Graspability is omitted if it was measured with different settings; settings of shapes must not
-    differ.
-    """
+    """The evolved objects of a shard, and the graspability by which each was selected."""
     check_provenance(path, settings, ("shape",))
     archive = parquet.read(path, ARCHIVE).set_index("id")
     if archive_notes(path).get("evolution.estimator") == "paper":
@@ -121,10 +117,7 @@ def from_folder(
 def from_primitives(
     count: int, settings: PostprocessSolids, shard: int, shards: int
 ) -> tuple[Sources, pd.Series]:
-    """The random objects of a shard, without a graspability used for selection.
-
-    An object depends on its number, the seed and its size, not on the number of objects.
-    """
+    """The random objects of a shard; one depends on its number, the seed and its size alone."""
     names = {f"p{number:05d}": number for number in range(count)}
     sources: Sources = {
         name: partial(_primitives, settings.seed, number, settings.shape.longest_side)

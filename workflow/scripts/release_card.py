@@ -43,11 +43,7 @@ PROGRAM = f"egad {__version__}"
 def run(
     settings: ReleaseCard, pieces: list[Path], archives: list[Path], gallery: list[Path], out: Path
 ) -> None:
-    """Write the card of a release, its licence, citation, provenance and checksums.
-
-    The rule `release` makes the folder: see `docs/released.md`. Archives of an earlier release in
-    it are an error.
-    """
+    """Write the card of a release, its licence, citation, provenance and checksums."""
     _check_archives(out, archives)
     with atomic_output(out / "networks") as folder:
         shutil.copytree(NETWORKS, folder)

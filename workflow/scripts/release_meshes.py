@@ -15,10 +15,7 @@ from egad_workflow.job import run_job
 
 
 def run(objects: Path, meshes: Path, out: Path, jobs: int = 1) -> None:
-    """Write the mesh of each object as GLB, in metres, not scaled.
-
-    glTF is Y up: the z axis of the tables is y in these files, and most programs turn it back.
-    """
+    """Write the mesh of each object as GLB, in metres, not scaled; glTF is Y up."""
     stems = file_stems(parquet.read(objects, OBJECTS)["label"])
     with workers(jobs) as mapper, atomic_output(out) as folder:
         folder.mkdir()

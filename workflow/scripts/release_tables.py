@@ -39,11 +39,7 @@ def run(
     out: Path,
     ancestry: Path | None = None,
 ) -> None:
-    """Write the objects, the grasps with simulated labels, and the evaluation set of a release.
-
-    Grasps are in the frame of the object, scaled to the gripper of the release. Without ancestry,
-    each object is a family of its own.
-    """
+    """Write the objects, the grasps with simulated labels, and the evaluation set of a release."""
     known = parquet.read(objects, OBJECTS)
     chosen = parquet.read(evaluation, EVAL49)
     found, simulated = _grasps(grasps, settings.release.grasps)

@@ -74,11 +74,7 @@ def run(
     evaluation: Path | None = None,
     convex_parts: Path | None = None,
 ) -> None:
-    """Render the depth images of a shard, with their reachable grasps.
-
-    A shard contains all images of the objects and scenes whose first image is in it. Scenes of
-    several objects and simulated grasps need convex parts.
-    """
+    """Render the depth images of a shard, with their reachable grasps."""
     number, total = shard
     chosen = [
         share

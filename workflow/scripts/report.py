@@ -6,7 +6,6 @@ from contextlib import suppress
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -32,23 +31,14 @@ from egad.tables.evolution import HISTORY
 from egad.tables.grasping import GRASPS, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED
 from egad_workflow.job import run_job
-from egad_workflow.report_page import DatasetReport, ReportData, build, is_listed
+from egad_workflow.report_page import ByDetector, DatasetReport, ReportData, build, is_listed
 from egad_workflow.settings import Settings, select
 
 log = logging.getLogger(__name__)
-PACKAGES = [
-    *(
-        "egad",
-        "snakemake",
-        "numpy",
-        "numba",
-        "trimesh",
-        "scikit-image",
-        "manifold3d",
-        "neat-python",
-    ),
-    *("embreex", "pybullet", "mujoco", "pandas", "pyarrow"),
-]
+PACKAGES = (
+    *("egad", "snakemake", "numpy", "numba", "trimesh", "scikit-image", "manifold3d"),
+    *("neat-python", "embreex", "pybullet", "mujoco", "pandas", "pyarrow"),
+)
 THUMBNAIL, PORTRAIT = 96, 192
 SHOWN = 4  # scenes of clutter of each kind
 
@@ -85,8 +75,18 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
     evalset = parquet.read(folder / "eval49.parquet", EVAL49)
     names = {} if listed else dict(zip(evalset["label"], evalset["object_label"], strict=True))
     portraits = _pictures(folder / "meshes", list(names.values()), PORTRAIT, mapper)
-    grippers = settings.targets.grippers
-    grasps = _each(grippers, folder / "grasps", "{}.parquet", GRASPS)
+    targets, grippers = settings.targets, settings.targets.grippers
+
+    def each(pattern: str, schema: pa.Schema, wanted: bool = True) -> dict[str, pd.DataFrame]:
+        chosen = grippers if wanted else []
+        return {name: parquet.read(folder / pattern.format(name), schema) for name in chosen}
+
+    def tried(gripper: str, kind: str, schema: pa.Schema, detectors: list[str]) -> ByDetector:
+        tables = {name: folder / kind / gripper / f"{name}.parquet" for name in detectors}
+        return {name: parquet.read(path, schema) for name, path in tables.items()}
+
+    grasps = each("grasps/{}.parquet", GRASPS)
+    cleared = grippers if targets.clutter else []
     return DatasetReport(
         objects,
         rejected,
@@ -95,46 +95,24 @@ def _dataset(settings: Settings, name: str, folder: Path, mapper: Mapper) -> Dat
         evalset=evalset,
         evalset_pictures={name: portraits[label] for name, label in names.items()},
         grasps=grasps,
-        scales=_each(grippers, folder / "rescaled", "{}/scales.parquet", SCALES),
-        size_effects=_each(grippers, folder / "size_effect", "{}.parquet", SIZE_EFFECT),
+        scales=each("rescaled/{}/scales.parquet", SCALES),
+        size_effects=each("size_effect/{}.parquet", SIZE_EFFECT),
         scenes=scenes(folder, grippers[0], evalset, grasps[grippers[0]]),
-        manifests=_each(grippers, folder / "print", "{}/manifest.parquet", MANIFEST),
+        manifests=each("print/{}/manifest.parquet", MANIFEST),
         trials={
-            (gripper, detector): parquet.read(
-                folder / "trials" / gripper / f"{detector}.parquet", TRIALS
-            )
+            (gripper, detector): table
             for gripper in grippers
-            for detector in settings.targets.detectors
+            for detector, table in tried(gripper, "trials", TRIALS, targets.detectors).items()
         },
-        **_clutter(settings, folder),
-        agreement=_each(
-            grippers if settings.targets.agreement else [],
-            folder / "agreement",
-            "{}.parquet",
-            AGREEMENT,
-        ),
+        clutter={name: tried(name, "clutter", CLUTTER, targets.clutter) for name in cleared},
+        clutter_pictures={
+            name: scene_pictures(
+                select(settings, ClutterParameters, name), folder / "bundle" / name
+            )
+            for name in cleared
+        },
+        agreement=each("agreement/{}.parquet", AGREEMENT, targets.agreement),
     )
-
-
-def _clutter(settings: Settings, folder: Path) -> dict[str, Any]:
-    """Cleared tables by gripper and detector, and pictures of their scenes, if there are any."""
-    detectors = settings.targets.clutter
-    grippers = settings.targets.grippers if detectors else []
-    return {
-        "clutter": {
-            gripper: {
-                name: parquet.read(folder / "clutter" / gripper / f"{name}.parquet", CLUTTER)
-                for name in detectors
-            }
-            for gripper in grippers
-        },
-        "clutter_pictures": {
-            gripper: scene_pictures(
-                select(settings, ClutterParameters, gripper), folder / "bundle" / gripper
-            )
-            for gripper in grippers
-        },
-    }
 
 
 def scene_pictures(settings: ClutterParameters, bundle: Path) -> dict[str, list[bytes]]:
@@ -201,13 +179,6 @@ def _pictures(meshes: Path, labels: list[str], size: int, mapper: Mapper) -> dic
 
 def _picture(path: Path, size: int) -> bytes:
     return png_bytes(render(read_mesh(path, "m"), size))
-
-
-def _each(
-    grippers: list[str], folder: Path, pattern: str, schema: pa.Schema
-) -> dict[str, pd.DataFrame]:
-    """One table per gripper."""
-    return {gripper: parquet.read(folder / pattern.format(gripper), schema) for gripper in grippers}
 
 
 if __name__ == "__main__":

@@ -40,10 +40,7 @@ def run(
     evaluation: Path | None = None,
     ancestry: Path | None = None,
 ) -> None:
-    """Make the scenes of a shard, with their images and labelled grasps.
-
-    Without ancestry, each object is a family of its own.
-    """
+    """Make the scenes of a shard, with their images and labelled grasps."""
     number, total = shard
     plan = read_plan(settings, objects, scales, convex_parts, evaluation, ancestry)
     mine = scenes_of_shard(plan.scenes, number, total, settings.scenes.scenes)

@@ -31,11 +31,7 @@ log = logging.getLogger(__name__)
 def run(
     settings: SimulatedLabels, grasps: Path, convex_parts: Path, meshes: Path, out: Path
 ) -> None:
-    """Simulate the grasps of the objects of a shard: closed in free space, shaken and lifted.
-
-    Everything runs in a separate process. If an object crashes it twice, its grasps are marked as
-    crashed.
-    """
+    """Simulate the grasps of the objects of a shard: closed in free space, shaken and lifted."""
     labelled = parquet.read(grasps, GRASPS)
     found = []
     phase("starting the simulator")

@@ -1,4 +1,5 @@
 from .atlas import FailureAtlas as FailureAtlas
+from .evidence import ObjectVerdict as ObjectVerdict
 from .examine import Examination as Examination
 from .features import SHAPE_FEATURES as SHAPE_FEATURES
 from .features import shape_features as shape_features
@@ -14,6 +15,5 @@ from .parameters import FailureParameters as FailureParameters
 from .parameters import FailureSearch as FailureSearch
 from .parameters import check_searchable as check_searchable
 from .replay import film_attempts as film_attempts
-from .search import Found as Found
 from .search import attempts_of as attempts_of
-from .verdict import ObjectVerdict as ObjectVerdict
+from .store import Found as Found

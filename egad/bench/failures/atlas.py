@@ -1,15 +1,15 @@
 """An atlas: the failures of a detector in a map of complexity and graspability."""
 
-import importlib
 from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
 from egad._util.display import Picture, draw, facts_html
+from egad.bench.failures.evidence import ObjectVerdict
 from egad.bench.failures.parameters import FailureParameters
-from egad.bench.failures.search import Found, elite_of, empty_archive
-from egad.bench.failures.verdict import ObjectVerdict
+from egad.bench.failures.search import elite_of, empty_archive
+from egad.bench.failures.store import Found
 from egad.bench.stats import Rate
 from egad.errors import UserError
 from egad.evolution import Shape
@@ -85,11 +85,7 @@ class FailureAtlas:
 
     @property
     def objects(self) -> Dataset:
-        """The failures as a dataset, with meshes, voxels and genomes.
-
-        Raises:
-            UserError: There are none.
-        """
+        """The failures as a dataset with voxels and genomes; UserError if there are none."""
         return dataset_of(self.table, self.shape)
 
     def plot(self) -> Picture:
@@ -105,30 +101,10 @@ class FailureAtlas:
         return draw("failure_map", "failure_map", self.table, self.examined, space)
 
     def searched_with(self) -> FailureParameters:
-        """The settings of the search.
-
-        Raises:
-            UserError: The settings are not known: the atlas was not made by a search.
-        """
+        """The settings of the search; UserError if the atlas was not made by one."""
         if self.settings is None:
             raise UserError("the settings of the search are not known: the atlas has only tables")
         return self.settings
-
-    def page(
-        self,
-        path: str | Path,
-        films: int = 20,
-        *,
-        objects: Dataset | None = None,
-        jobs: int = 1,
-    ) -> None:
-        """Write an HTML page that explains the failures; it needs no other file.
-
-        See `egad.report.failure_atlas.write_page`.
-        """
-        # Imported by name: the page does not affect results, so its changes must not re-run jobs.
-        write = importlib.import_module("egad.report.failure_atlas").write_page
-        write(self, path, films, objects=objects, jobs=jobs)
 
     def save(self, place: str | Path) -> None:
         """Write the three tables; `egad.load("FOLDER/failures.parquet")` reads the failures.

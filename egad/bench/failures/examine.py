@@ -6,7 +6,6 @@ than the detector from the same poses. Both must hold with 95 % confidence, in e
 on drops that were not used to choose anything. These are the default settings.
 """
 
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Literal
@@ -14,25 +13,21 @@ from typing import Literal
 import pandas as pd
 import trimesh
 
-from egad.bench.failures.attempts import failed_drops
-from egad.bench.failures.evidence import Claim, PairedDrop
+from egad.bench.failures.evidence import Claim, Examined, ObjectVerdict, PairedDrop, failed_drops
+from egad.bench.failures.models import model_of_attempts
+from egad.bench.failures.object_runner import ObjectRunner, open_runner
 from egad.bench.failures.parameters import FailureParameters, FailureSearch
 from egad.bench.failures.recorder import Drop, Recorder
 from egad.bench.failures.reference import ReferencePolicy
-from egad.bench.failures.table import Bench, open_bench
-from egad.bench.failures.verdict import Examined, ObjectVerdict
 from egad.detectors import Detector, asked_for
 from egad.errors import RejectedError, UserError
 from egad.evalset import print_problems
-from egad.geometry import PartsWarning
 from egad.grasps.sampling import dataset_grasps
-from egad.sim import Model, build
+from egad.sim import Model
 from egad.tables.grasping import GRASPS
 from egad.tables.outcomes import Outcome
 from egad.tables.parquet import empty
 
-ON_ROUGH = ("screen", "choose")  # purposes of attempts on few convex parts
-ROUGH = 0.002  # metres: deviation of convex parts while it is uncertain whether they matter
 SOLVED = 0.5  # of the success rate that a failure may have: above this, examination ends
 TRIES = 3  # grasps of the reference per drop, while it is chosen
 HOPELESS = 0.3  # fraction of the drops without a grasp that holds, above which the choice ends
@@ -53,19 +48,6 @@ def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "an
     return search.approach or ("above" if sees == "view" else "any")
 
 
-def model_of_attempts(
-    mesh: trimesh.Trimesh, purpose: str, settings: FailureParameters, name: str = "the mesh"
-) -> Model:
-    """A scaled object as simulated for a purpose: few convex parts until it may be a failure."""
-    bundle = settings.bundle
-    if purpose not in ON_ROUGH:
-        return build(mesh, settings.material.density, bundle, name)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", PartsWarning)
-        rough = bundle.model_copy(update={"deviation": ROUGH})
-        return build(mesh, settings.material.density, rough, name)
-
-
 class Examination:
     """Examines one object with one detector."""
 
@@ -77,10 +59,9 @@ class Examination:
         settings: FailureParameters,
         report: Callable[[int], object] = int,
     ) -> None:
-        """Prepare; nothing is simulated yet.
+        """Prepare to examine a closed mesh, scaled to the gripper, metres.
 
-        The mesh is closed, wound outwards, scaled to the gripper, metres; `object_id` determines
-        all drops, with the seed of the settings; `report` is called with 1 after every attempt.
+        Its id determines all drops, with the seed; `report` is called with 1 after every attempt.
         """
         self._mesh, self._id = mesh, object_id
         self._settings, self._search = settings, settings.failures
@@ -99,18 +80,18 @@ class Examination:
 
     def _verdict(self) -> tuple[ObjectVerdict, str]:
         rough = model_of_attempts(self._mesh, "screen", self._settings, self._id)
-        with self._benches(rough, empty(GRASPS)) as benches:
-            if (found := self._screen(benches)) is not None:
+        with self._runners(rough, empty(GRASPS)) as runners:
+            if (found := self._screen(runners)) is not None:
                 return found
         grasps = self._labelled()
-        with self._benches(rough, grasps) as benches:
-            if (verdict := self._choose(benches)) is not None:
+        with self._runners(rough, grasps) as runners:
+            if (verdict := self._choose(runners)) is not None:
                 return verdict, ""
         if problems := print_problems(self._mesh, self._settings.print_check):
             return ObjectVerdict.NOT_PRINTABLE, ", ".join(problems)
         exact = model_of_attempts(self._mesh, "confirm", self._settings, self._id)
-        with self._benches(exact, grasps) as benches:
-            is_failure = self._confirm(benches)
+        with self._runners(exact, grasps) as runners:
+            is_failure = self._confirm(runners)
         return ObjectVerdict.FAILURE if is_failure else ObjectVerdict.NOT_CONFIRMED, ""
 
     def explain(self, attempts: pd.DataFrame) -> pd.DataFrame:
@@ -121,9 +102,9 @@ class Examination:
         recorder, engine = self._recorder, self._search.engines[0]
         exact = model_of_attempts(self._mesh, "explain", self._settings, self._id)
         failed = failed_drops(attempts, engine)[: self._search.explain]
-        with self._benches(exact, empty(GRASPS)) as (bench, *_):
+        with self._runners(exact, empty(GRASPS)) as (runner, *_):
             for number in failed:
-                drop = recorder.drop(bench, "confirm", number)
+                drop = recorder.drop(runner, "confirm", number)
                 if drop is None:
                     continue
                 proposed = recorder.propose(drop)
@@ -136,21 +117,13 @@ class Examination:
     def paired(
         self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
     ) -> pd.DataFrame:
-        """Try detector and reference from a fixed number of drops in each engine.
+        """Try detector and reference from `count` drops with a new purpose in each engine.
 
-        The reference keeps what it learned before. If its choice was cut short, it is completed
-        first.
-
-        Args:
-            purpose: Purpose of the drops, which determines them; must be new for this object.
-            count: Drops in each engine.
-            before: All attempts at this object so far, in their order, columns of
-                `tables.failures.FAILURE_ATTEMPTS`.
-            least: Both must succeed this often in each engine; once one cannot, trying stops. By
-                default all drops are tried, whatever the results.
+        The reference knows the attempts `before`, in their order. If its choice was cut short, it
+        is completed first. Trying stops once one cannot succeed `least` times in an engine.
 
         Returns:
-            The further attempts, with the same columns.
+            The further attempts, columns of `tables.failures.FAILURE_ATTEMPTS`.
 
         Raises:
             RejectedError: The object cannot be simulated, or does not come to rest.
@@ -161,21 +134,21 @@ class Examination:
         left = range(int(chosen.max()) + 1 if len(chosen) else 0, self._search.choose)
         if left:
             rough = model_of_attempts(self._mesh, "choose", self._settings, self._id)
-            with self._benches(rough, grasps) as benches:
+            with self._runners(rough, grasps) as runners:
                 for number in left:
-                    self._choose_at(benches, number)
+                    self._choose_at(runners, number)
         exact = model_of_attempts(self._mesh, purpose, self._settings, self._id)
-        with self._benches(exact, grasps) as benches:
-            for bench in benches:
-                if not self._try_pairs(bench, purpose, count, least):
+        with self._runners(exact, grasps) as runners:
+            for runner in runners:
+                if not self._try_pairs(runner, purpose, count, least):
                     break
         return self._recorder.table()
 
-    def _try_pairs(self, bench: Bench, purpose: str, count: int, least: int) -> bool:
+    def _try_pairs(self, runner: ObjectRunner, purpose: str, count: int, least: int) -> bool:
         """Try both from `count` drops; return False once one cannot succeed often enough."""
         pairs: list[PairedDrop] = []
         for number in range(PATIENCE * count):
-            pair = self._paired(bench, purpose, number)
+            pair = self._paired(runner, purpose, number)
             if pair is None:
                 continue
             pairs.append(pair)
@@ -187,12 +160,12 @@ class Examination:
         raise RejectedError(f"it comes to rest in {len(pairs)} of {PATIENCE * count} drops")
 
     @contextmanager
-    def _benches(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[Bench]]:
-        """A bench in each engine, for the duration of the `with` block."""
+    def _runners(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[ObjectRunner]]:
+        """A runner in each engine, for the duration of the `with` block."""
         with ExitStack() as stack:
             yield [
                 stack.enter_context(
-                    open_bench(
+                    open_runner(
                         engine,
                         model,
                         grasps,
@@ -211,12 +184,12 @@ class Examination:
         except RejectedError:
             return empty(GRASPS)
 
-    def _screen(self, benches: Sequence[Bench]) -> tuple[ObjectVerdict, str] | None:
+    def _screen(self, runners: Sequence[ObjectRunner]) -> tuple[ObjectVerdict, str] | None:
         """Make a few attempts with the detector alone; None if the object is worth examining."""
         drops = 0
         for number in range(self._search.screen):
-            bench = benches[number % len(benches)]
-            drop = self._recorder.drop(bench, "screen", number)
+            runner = runners[number % len(runners)]
+            drop = self._recorder.drop(runner, "screen", number)
             if drop is None:
                 continue
             drops += 1
@@ -229,21 +202,21 @@ class Examination:
         """Whether the detector succeeds too often for a failure, given the planned attempts."""
         return self._solved > SOLVED * (1 - self._search.least_difference) * planned
 
-    def _choose(self, benches: Sequence[Bench]) -> ObjectVerdict | None:
+    def _choose(self, runners: Sequence[ObjectRunner]) -> ObjectVerdict | None:
         """Let the reference try grasps, then the detector; None if there is no verdict yet."""
         lost, planned = 0, self._search.screen + self._search.choose
         for number in range(self._search.choose):
-            lost += not self._choose_at(benches, number)
+            lost += not self._choose_at(runners, number)
             if lost > HOPELESS * self._search.choose:
                 return ObjectVerdict.NOT_GRASPABLE
             if self._is_solved(planned):
                 return ObjectVerdict.DETECTOR_SUCCEEDS
         return None
 
-    def _choose_at(self, benches: Sequence[Bench], number: int) -> bool:
+    def _choose_at(self, runners: Sequence[ObjectRunner], number: int) -> bool:
         """Whether the reference holds the object at a drop; if so, the detector also tries."""
-        bench = benches[number % len(benches)]
-        drop = self._recorder.drop(bench, "choose", number)
+        runner = runners[number % len(runners)]
+        drop = self._recorder.drop(runner, "choose", number)
         if drop is None or not self._try_reference(drop):
             return False
         self._solved += self._recorder.ask(drop, self._reference)
@@ -252,7 +225,7 @@ class Examination:
     def _try_reference(self, drop: Drop) -> bool:
         """Whether one of the best grasps of the reference holds; it learns from all of them."""
         for rank in range(TRIES):
-            known = self._reference.ranked(drop.bench, drop.rest)
+            known = self._reference.ranked(drop.runner, drop.rest)
             if not known:
                 return False
             success = self._recorder.execute(drop, "reference", known[0], rank)
@@ -261,32 +234,32 @@ class Examination:
                 return True
         return False
 
-    def _confirm(self, benches: Sequence[Bench]) -> bool:
+    def _confirm(self, runners: Sequence[ObjectRunner]) -> bool:
         """Try both from fresh drops until it is clear whether the object is a failure.
 
         The engines take turns, so that the test ends early if it is not a failure in one of them.
         """
         search = self._search
         claim = Claim(search.least_reference, search.least_difference, search.confidence)
-        open_ones = {bench: list[PairedDrop]() for bench in benches}
+        open_ones = {runner: list[PairedDrop]() for runner in runners}
         for number in range(search.confirm):
-            for bench, pairs in list(open_ones.items()):
-                pair = self._paired(bench, "confirm", number)
+            for runner, pairs in list(open_ones.items()):
+                pair = self._paired(runner, "confirm", number)
                 if pair is None:
                     return False
                 pairs.append(pair)
                 if claim.is_shown(pairs):
-                    del open_ones[bench]
+                    del open_ones[runner]
                 elif claim.is_hopeless(pairs, search.confirm):
                     return False
         return not open_ones
 
-    def _paired(self, bench: Bench, purpose: str, number: int) -> PairedDrop | None:
+    def _paired(self, runner: ObjectRunner, purpose: str, number: int) -> PairedDrop | None:
         """Try both at a fresh drop; None if the object does not come to rest."""
-        drop = self._recorder.drop(bench, purpose, number)
+        drop = self._recorder.drop(runner, purpose, number)
         if drop is None:
             return None
-        known = self._reference.ranked(bench, drop.rest)
+        known = self._reference.ranked(runner, drop.rest)
         if known:
             won = self._recorder.execute(drop, "reference", known[0])
         else:

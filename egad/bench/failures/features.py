@@ -15,9 +15,10 @@ import trimesh
 from egad._util.arrays import Floats, Ints
 from egad.bench.failures.reference import read_attempt
 from egad.bench.stats import Interval, bootstrap, wilson
-from egad.detectors import PoseGrasp
+from egad.detectors import Grasp
 from egad.geometry import Material, RayCaster, mass_properties
-from egad.grippers import Gripper, tip_reach
+from egad.grippers import Gripper
+from egad.grippers.kinds import CupKind, JawKind
 from egad.random import generator
 from egad.sim import principal_frame
 from egad.tables import parquet
@@ -111,38 +112,45 @@ def shape_features(
     }
 
 
-def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[PoseGrasp]:
+def held_grasps(mesh: trimesh.Trimesh, attempts: pd.DataFrame) -> list[Grasp]:
     """The first grasps that held an object, in the frame of its mesh."""
     to_mesh = np.linalg.inv(principal_frame(mass_properties(mesh, Material().density))[1])
     found = []
     for row in parquet.records(attempts[attempts["success"]].head(MAX_GRASPS)):
         rest, grasp = read_attempt(row)
-        pose = to_mesh @ np.linalg.inv(rest.matrix) @ grasp.pose
-        found.append(grasp._replace(pose=pose))
+        found.append(grasp.moved(to_mesh @ np.linalg.inv(rest.matrix)))
     return found
 
 
-def contact_points(caster: RayCaster, grasp: PoseGrasp, gripper: Gripper) -> Floats:
+def contact_points(caster: RayCaster, grasp: Grasp, gripper: Gripper) -> Floats:
     """Where fingers, (2, 3), or cup, (1, 3), first meet an object, metres; (0, 3) if one misses."""
-    if gripper.cup is not None:
-        starts = np.array([[0.0, 0.0, -ABOVE]])
-        sides = [_first_contact(caster, grasp.pose, starts, np.array([0.0, 0.0, 1.0]))]
-    else:
-        half, reach = gripper.finger_width / 2, tip_reach(gripper)
-        across = np.linspace(-half, half, LINES)
-        along = np.linspace(-reach, reach, LINES)
-        y, z = (grid.ravel() for grid in np.meshgrid(across, along))
-        sides = [
-            _first_contact(
-                caster,
-                grasp.pose,
-                np.stack([np.full_like(y, side * grasp.width / 2), y, z], axis=1),
-                np.array([-side, 0.0, 0.0]),
-            )
-            for side in (-1.0, 1.0)
-        ]
+    rays = RAYS[gripper.kind.name](gripper, grasp.width)
+    sides = [_first_contact(caster, grasp.pose, *each) for each in rays]
     met = [side for side in sides if side is not None]
     return np.array(met if len(met) == len(sides) else []).reshape(-1, 3)
+
+
+def _rays_of_jaws(gripper: Gripper, width: float) -> list[tuple[Floats, Floats]]:
+    """Where rays from both pads start, and their direction, in the frame of the hand."""
+    half, reach = gripper.finger_width / 2, gripper.kind.span[1]
+    across = np.linspace(-half, half, LINES)
+    along = np.linspace(-reach, reach, LINES)
+    y, z = (grid.ravel() for grid in np.meshgrid(across, along))
+    return [
+        (
+            np.stack([np.full_like(y, side * width / 2), y, z], axis=1),
+            np.array([-side, 0.0, 0.0]),
+        )
+        for side in (-1.0, 1.0)
+    ]
+
+
+def _ray_of_cup(_gripper: Gripper, _width: float) -> list[tuple[Floats, Floats]]:
+    """The same for the axis of a cup."""
+    return [(np.array([[0.0, 0.0, -ABOVE]]), np.array([0.0, 0.0, 1.0]))]
+
+
+RAYS = {JawKind.name: _rays_of_jaws, CupKind.name: _ray_of_cup}
 
 
 def _first_contact(

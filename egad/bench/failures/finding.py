@@ -15,19 +15,20 @@ from egad._util.parameters import from_arguments
 from egad._util.progress import count_done, progress, shared_progress
 from egad._util.workers import workers
 from egad.bench.failures.atlas import FailureAtlas, merge
-from egad.bench.failures.attempts import by_object, explanation
+from egad.bench.failures.evidence import by_object, explanation
 from egad.bench.failures.examine import Examination, approach_of
+from egad.bench.failures.models import scaled_surface
 from egad.bench.failures.parameters import (
     FailureParameters,
     FailureSearch,
     Strategy,
     check_searchable,
 )
-from egad.bench.failures.search import NOTHING, Found, Search, joined, scaled_surface
-from egad.bench.failures.store import Store
+from egad.bench.failures.search import Search
+from egad.bench.failures.store import NOTHING, Found, Store, joined
 from egad.bench.parameters import ContactRule
-from egad.detectors import IN_SCENES, SHIPPED_NETWORKS, Detect, DetectorConfig, opened
-from egad.errors import UserError, check_name
+from egad.detectors import IN_SCENES, SHIPPED_NETWORKS, Detect, DetectorConfig, as_detector, opened
+from egad.errors import UserError
 from egad.evalset import PrintCheck
 from egad.evolution import Shape, evolution_parameters
 from egad.geometry import Bundle, Material, Rescale
@@ -103,7 +104,9 @@ def find_failures(
     """
     hand = as_gripper(gripper)
     used = tuple(filter(find_spec, ENGINES)) if engines is None else tuple(engines)
-    detect = _found(detector, hand)
+    detect = as_detector(detector, (*SHIPPED_NETWORKS, *IN_SCENES))
+    if isinstance(detect, DetectorConfig):
+        check_searchable(detect, hand)
     search = from_arguments(
         FailureSearch,
         attempts=attempts,
@@ -192,19 +195,10 @@ def run_shard(
     store: Store | None = None,
     done: Path | None = None,
 ) -> Found:
-    """Run one shard of a search, from where it was interrupted.
+    """Run one shard of a search, from where `store` says that it was interrupted.
 
-    Args:
-        shard: Its number.
-        archive: Objects to begin with, columns of `tables.evolution.ARCHIVE`.
-        detect: The detector.
-        settings: Everything else.
-        store: Where its state is written from time to time.
-        done: File of `shared_progress`, which counts the attempts.
-
-    Raises:
-        UserError: The detector fails in every attempt at the first three objects, or cannot be
-            made.
+    It begins with objects of `tables.evolution.ARCHIVE`; `done` is a file of `shared_progress`.
+    UserError if the detector cannot be made, or fails in all attempts at the first three objects.
     """
     found = [NOTHING if store is None else store.read(shard)]
     report = int if done is None else partial(count_done, done)
@@ -265,15 +259,3 @@ def name_of(detect: Detect) -> str:
     if isinstance(detect, DetectorConfig):
         return detect.name
     return str(getattr(detect, "__name__", type(detect).__name__))
-
-
-def _found(detector: Detect | str, gripper: Gripper) -> Detect:
-    """The detector; checks that it is one, and that it suits the gripper."""
-    if isinstance(detector, str):
-        name = check_name("detector", detector, (*SHIPPED_NETWORKS, *IN_SCENES))
-        detector = DetectorConfig(detector=name)
-    if isinstance(detector, DetectorConfig):
-        check_searchable(detector, gripper)
-    elif not callable(detector):
-        raise UserError(f"a detector is a function or the name of one, got {detector!r}")
-    return detector

@@ -16,11 +16,12 @@ from egad._util.parameters import check_count
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.failures.atlas import FailureAtlas
-from egad.bench.failures.attempts import counts_of
+from egad.bench.failures.evidence import counts_of
 from egad.bench.failures.examine import Examination
 from egad.bench.failures.matching import Matching, PartnerRules, Row
+from egad.bench.failures.models import scaled_surface
 from egad.bench.failures.parameters import FailureParameters
-from egad.bench.failures.search import elite_of, scaled_surface
+from egad.bench.failures.search import elite_of
 from egad.bench.stats import Rate
 from egad.detectors import Detect, opened
 from egad.errors import UserError
@@ -93,13 +94,7 @@ class MatchedSet:
         failures: bool,
         who: Literal["detector", "reference"] = "detector",
     ) -> Rate:
-        """How often objects were held on the drops that were not used to choose anything.
-
-        Args:
-            engine: The physics engine.
-            failures: Whether at the failures, or at their partners.
-            who: Whose grasps.
-        """
+        """How often objects, the failures or their partners, were held on the fresh drops."""
         rows = self.table[self.table["is_failure"] == failures]
         successes, attempts = rows[f"{who}_successes_{engine}"], rows[f"n_pairs_{engine}"]
         return Rate(int(successes.sum()), int(attempts.sum()))
@@ -124,11 +119,7 @@ class MatchedSet:
 
     @classmethod
     def load(cls, folder: str | Path) -> "MatchedSet":
-        """Read a set written by `save`.
-
-        Raises:
-            TableError: A table is missing or damaged.
-        """
+        """Read a set written by `save`; TableError if a table is missing or damaged."""
         path = Path(folder)
         notes = parquet.notes(path / "pairs.parquet")
         return cls(

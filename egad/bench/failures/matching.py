@@ -14,11 +14,10 @@ from egad._util.arrays import Flags, Floats
 from egad._util.progress import progress
 from egad._util.workers import Mapper
 from egad.bench.failures.atlas import CELL, FailureAtlas
-from egad.bench.failures.attempts import by_object, pairs_of
+from egad.bench.failures.evidence import ObjectVerdict, by_object, pairs_of
 from egad.bench.failures.examine import Examination
+from egad.bench.failures.models import scaled_surface, surface_of
 from egad.bench.failures.parameters import FailureParameters
-from egad.bench.failures.search import scaled_surface, surface_of
-from egad.bench.failures.verdict import ObjectVerdict
 from egad.detectors import Detect, FailureMonitor, opened
 from egad.errors import RejectedError, UserError, most_common
 from egad.evalset import print_problems
@@ -78,13 +77,7 @@ def assign(similarity: Floats, allowed: Flags) -> list[int]:
 
 
 class Matching:
-    """Looks for pairs, and keeps what it has computed and tried.
-
-    Attributes:
-        rows: What is known of each failure and of each candidate, by id.
-        graphs: Reeb graphs of those that were compared, by id.
-        unmatched: How many failures have no partner.
-    """
+    """Looks for pairs, and keeps what it has computed and tried, by id of an object."""
 
     def __init__(
         self,

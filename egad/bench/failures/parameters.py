@@ -90,20 +90,7 @@ class FailureSearch(Parameters):
 
 
 class FailureParameters(ParameterGroup):
-    """The settings that a search for failures depends on.
-
-    Attributes:
-        seed: Decides all that is random.
-        gripper: What objects are scaled to and grasped with.
-        rescale: How they are scaled.
-        failures: The search.
-        trials: What a contact on the way down means, for grasps from above.
-        material: Of the objects.
-        bundle: Their convex parts in the simulation.
-        print_check: A failure can be printed.
-        labels: Grasps that the reference begins with.
-        breeding: How genomes are bred and measured, and the cells.
-    """
+    """The settings that a search for failures depends on; `labels` are those of the reference."""
 
     seed: Seed
     gripper: Gripper
@@ -118,11 +105,7 @@ class FailureParameters(ParameterGroup):
 
 
 def check_searchable(detector: DetectorConfig, gripper: Gripper) -> None:
-    """Make sure that failures of a detector can be searched for.
-
-    Raises:
-        UserError: It is for another kind of gripper, or knows where objects lie.
-    """
+    """Raise UserError if a detector knows where objects lie, or is for another kind of gripper."""
     if detector.detector == "labels":
         raise UserError(
             "the detector labels knows where objects lie, as the reference does; search for "

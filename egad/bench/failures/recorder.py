@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from egad.bench.failures.object_runner import ObjectRunner
 from egad.bench.failures.reference import REST, ReferencePolicy
-from egad.bench.failures.table import Bench
-from egad.detectors import Detector, Failure, PoseGrasp
+from egad.detectors import Detector, Failure, Grasp
 from egad.random import generator
 from egad.sim import Pose
 from egad.tables.failures import FAILURE_ATTEMPTS
@@ -18,7 +18,7 @@ from egad.tables.outcomes import Outcome
 class Drop(NamedTuple):
     """An object that has come to rest."""
 
-    bench: Bench
+    runner: ObjectRunner
     rest: Pose
     purpose: str  # as in `tables.failures.FAILURE_ATTEMPTS`
     number: int  # number of the drop for this purpose
@@ -42,15 +42,15 @@ class Recorder:
         """One row per attempt so far, columns of `tables.failures.FAILURE_ATTEMPTS`."""
         return pd.DataFrame(self._rows, columns=FAILURE_ATTEMPTS.names)
 
-    def drop(self, bench: Bench, purpose: str, number: int) -> Drop | None:
+    def drop(self, runner: ObjectRunner, purpose: str, number: int) -> Drop | None:
         """Drop the object in the orientation of a number; None if it does not come to rest."""
-        rest = bench.drop(self._rng("drop", purpose, number))
-        return None if rest is None else Drop(bench, rest, purpose, number)
+        rest = runner.drop(self._rng("drop", purpose, number))
+        return None if rest is None else Drop(runner, rest, purpose, number)
 
-    def propose(self, drop: Drop) -> list[PoseGrasp] | Outcome | Failure:
-        """Proposals of the detector; see `Bench.propose`."""
-        rng = self._rng(f"detector {drop.bench.engine}", drop.purpose, drop.number)
-        return drop.bench.propose(self._detect, drop.rest, rng)
+    def propose(self, drop: Drop) -> list[Grasp] | Outcome | Failure:
+        """Proposals of the detector; see `ObjectRunner.propose`."""
+        rng = self._rng(f"detector {drop.runner.engine}", drop.purpose, drop.number)
+        return drop.runner.propose(self._detect, drop.rest, rng)
 
     def ask(self, drop: Drop, learner: ReferencePolicy | None = None) -> bool:
         """Whether the first proposal of the detector holds; a learner, if given, remembers it."""
@@ -64,16 +64,16 @@ class Recorder:
             learner.remember(drop.rest, proposed[0], success)
         return success
 
-    def execute(self, drop: Drop, who: str, grasp: PoseGrasp, rank: int = 0) -> bool:
+    def execute(self, drop: Drop, who: str, grasp: Grasp, rank: int = 0) -> bool:
         """Execute a grasp proposed by `who`, with its rank; return whether it holds."""
-        return self.note(drop, who, drop.bench.execute(drop.rest, grasp), grasp, rank)
+        return self.note(drop, who, drop.runner.execute(drop.rest, grasp), grasp, rank)
 
     def note(
         self,
         drop: Drop,
         who: str,
         outcome: Outcome,
-        grasp: PoseGrasp | None = None,
+        grasp: Grasp | None = None,
         rank: int = 0,
         failure: str = "",
     ) -> bool:
@@ -82,7 +82,7 @@ class Recorder:
         self._rows.append(
             {
                 "id": self._id,
-                "engine": drop.bench.engine,
+                "engine": drop.runner.engine,
                 "purpose": drop.purpose,
                 "drop": drop.number,
                 "who": who,
@@ -92,7 +92,7 @@ class Recorder:
                 **dict(zip(REST, lies, strict=True)),
                 "pose": [] if grasp is None else grasp.pose[:3].ravel().tolist(),
                 "width": np.nan if grasp is None else grasp.width,
-                "score": np.nan if grasp is None else grasp.score,
+                "score": np.nan if grasp is None else grasp.quality,
                 "failure": failure,
             }
         )

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
-from egad.bench.failures.table import Bench
-from egad.detectors import PoseGrasp
+from egad.bench.failures.object_runner import ObjectRunner
+from egad.detectors import Grasp
 from egad.sim import Pose
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
@@ -27,7 +27,7 @@ BEST, WORST = 0.9, 0.5  # expected success of the first and the last labelled gr
 class Tried(NamedTuple):
     """A grasp that was executed."""
 
-    grasp: PoseGrasp  # its pose, from the frame of the hand to that of the object
+    grasp: Grasp  # its pose, from the frame of the hand to that of the object
     success: bool
 
 
@@ -47,24 +47,19 @@ class ReferencePolicy:
             policy.remember(*read_attempt(row), row["success"])
         return policy
 
-    def remember(self, rest: Pose, grasp: PoseGrasp, success: bool) -> None:
+    def remember(self, rest: Pose, grasp: Grasp, success: bool) -> None:
         """Learn whether a grasp, in the world frame, held an object at rest."""
-        local = np.linalg.inv(rest.matrix) @ grasp.pose
-        self._tried.append(Tried(grasp._replace(pose=local), success))
+        self._tried.append(Tried(grasp.moved(np.linalg.inv(rest.matrix)), success))
 
-    def ranked(self, bench: Bench, rest: Pose) -> list[PoseGrasp]:
+    def ranked(self, runner: ObjectRunner, rest: Pose) -> list[Grasp]:
         """Grasps of an object where it lies, highest expected success first.
 
         The expectation is the mean success of all similar grasps that were tried and of a prior,
         which counts as one more: from 0.9 for the best labelled grasp to 0.5 for the last.
         """
-        labelled = bench.labelled(rest)
-        known = [
-            each.grasp._replace(pose=rest.matrix @ each.grasp.pose)
-            for each in self._tried
-            if each.success
-        ]
-        known = [grasp for grasp in known if bench.can_do(grasp)]
+        labelled = runner.labelled(rest)
+        known = [each.grasp.moved(rest.matrix) for each in self._tried if each.success]
+        known = [grasp for grasp in known if runner.can_do(grasp)]
         grasps = [*labelled, *known]
         if not grasps:
             return []
@@ -88,9 +83,9 @@ class ReferencePolicy:
         return expected
 
 
-def read_attempt(row: Mapping[str, Any]) -> tuple[Pose, PoseGrasp]:
+def read_attempt(row: Mapping[str, Any]) -> tuple[Pose, Grasp]:
     """Where the object lay, and the grasp, of a row of `tables.failures.FAILURE_ATTEMPTS`."""
     pose = np.eye(4)
     pose[:3] = np.reshape(row["pose"], (3, 4))
     rest = Pose.of([row[name] for name in REST])
-    return rest, PoseGrasp(pose, row["width"], row["score"])
+    return rest, Grasp.of_pose(pose, row["width"], row["score"])

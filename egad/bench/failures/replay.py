@@ -7,10 +7,10 @@ import pandas as pd
 import trimesh
 
 from egad._util.arrays import RgbImage
-from egad.bench.failures.examine import ON_ROUGH, model_of_attempts
+from egad.bench.failures.models import ON_ROUGH, model_of_attempts
+from egad.bench.failures.object_runner import ObjectRunner, open_runner
 from egad.bench.failures.parameters import FailureParameters
 from egad.bench.failures.reference import read_attempt
-from egad.bench.failures.table import Bench, open_bench
 from egad.errors import UserError
 from egad.sim import EngineName, Film
 from egad.tables.grasping import GRASPS
@@ -22,12 +22,12 @@ def repeat_attempts(
     mesh: trimesh.Trimesh,
     attempts: pd.DataFrame,
     settings: FailureParameters,
-    watch: Callable[[int, Bench], object] = lambda *_: None,
+    watch: Callable[[int, ObjectRunner], object] = lambda *_: None,
 ) -> list[Outcome]:
     """Outcomes, in order, of `tables.failures.FAILURE_ATTEMPTS` of an object, executed again.
 
     The mesh is scaled as in the search. Before each attempt, `watch` is called with its number and
-    its bench. UserError if an attempt has no grasp.
+    its runner. UserError if an attempt has no grasp.
     """
     if (attempts["pose"].map(len) == 0).any():
         raise UserError("there is no grasp to repeat: the detector proposed nothing")
@@ -40,7 +40,7 @@ def repeat_attempts(
     }
     outcomes, tried = {}, list(map(read_attempt, records(attempts)))
     for (purpose, engine), numbers in groups.items():
-        with open_bench(
+        with open_runner(
             engine,
             models[purpose],
             empty(GRASPS),
@@ -48,10 +48,10 @@ def repeat_attempts(
             from_above=settings.failures.approach == "above",
             depth_noise=settings.failures.depth_noise,
             contact=settings.trials,
-        ) as bench:
+        ) as runner:
             for number in numbers:
-                watch(number, bench)
-                outcomes[number] = bench.execute(*tried[number])
+                watch(number, runner)
+                outcomes[number] = runner.execute(*tried[number])
     return [outcomes[number] for number in range(len(attempts))]
 
 
@@ -64,7 +64,7 @@ def film_attempts(
     """
     films: dict[int, Film] = {}
     again = repeat_attempts(
-        mesh, attempts, settings, lambda number, bench: films.update({number: Film(bench.world)})
+        mesh, attempts, settings, lambda number, runner: films.update({number: Film(runner.world)})
     )
     for row, outcome in zip(attempts.to_dict("records"), again, strict=True):
         if row["outcome"] != outcome:

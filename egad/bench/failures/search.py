@@ -12,27 +12,26 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 import trimesh
 
-from egad.bench.failures.attempts import counts_of
+from egad.bench.failures.evidence import Examined, ObjectVerdict, counts_of
 from egad.bench.failures.examine import Examination
+from egad.bench.failures.models import scaled_to, surface_of
 from egad.bench.failures.parameters import FailureParameters, FailureSearch
-from egad.bench.failures.verdict import Examined, ObjectVerdict
+from egad.bench.failures.store import NOTHING, Found
 from egad.detectors import Detector, FailureMonitor
 from egad.errors import RejectedError
-from egad.evolution import UNBOUND, Archive, Elite, Row, breed, express, packed_surface
-from egad.geometry import rescale
-from egad.geometry.repair import repair_for_files
+from egad.evolution import UNBOUND, Archive, Elite, Row, breed, express
 from egad.measures import Cell, cell_of, measure_mesh
 from egad.measures.graspability import graspability
 from egad.measures.reeb import graph as reeb
 from egad.random import generator
 from egad.tables import parquet
 from egad.tables.evolution import GENOME
-from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
+from egad.tables.failures import EXAMINED
 
 log = logging.getLogger(__name__)
 
@@ -56,26 +55,6 @@ class Target:
     parents: tuple[str, ...]
     complexity: float = math.nan  # NaN if it was not measured
     graspability: float = math.nan  # NaN if it was not measured
-
-
-class Found(NamedTuple):
-    """What a search has found so far.
-
-    Attributes:
-        examined: One row per object, columns of `tables.failures.EXAMINED`.
-        attempts: Their attempts, columns of `tables.failures.FAILURE_ATTEMPTS`.
-    """
-
-    examined: pd.DataFrame
-    attempts: pd.DataFrame
-
-
-NOTHING = Found(parquet.empty(EXAMINED), parquet.empty(FAILURE_ATTEMPTS))
-
-
-def joined(found: Sequence[Found]) -> Found:
-    """The tables of several steps or shards as one."""
-    return Found(*(pd.concat(tables, ignore_index=True) for tables in zip(*found, strict=True)))
 
 
 class Search:
@@ -285,22 +264,6 @@ def empty_archive(settings: FailureParameters) -> Archive:
     update = {"elites_per_cell": settings.failures.elites_per_cell}
     space = settings.breeding.space.model_copy(update=update)
     return Archive(space, settings.breeding.similarity)
-
-
-def surface_of(voxels: bytes, settings: FailureParameters) -> trimesh.Trimesh:
-    """The closed surface of an object before it is scaled, metres; RejectedError if none."""
-    return repair_for_files(packed_surface(voxels, settings.breeding.shape)).mesh
-
-
-def scaled_surface(voxels: bytes, settings: FailureParameters) -> trimesh.Trimesh:
-    """The surface of an object as the search tries it, metres; see `surface_of`."""
-    return scaled_to(surface_of(voxels, settings), settings)
-
-
-def scaled_to(mesh: trimesh.Trimesh, settings: FailureParameters) -> trimesh.Trimesh:
-    """A mesh scaled to the gripper."""
-    rule, opening = settings.rescale, settings.gripper.opening
-    return rescale(mesh, rule.rule, opening, rule.side_fraction)[0]
 
 
 def elite_of(row: dict[str, Any]) -> Elite:

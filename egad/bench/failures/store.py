@@ -2,18 +2,33 @@
 
 import hashlib
 import inspect
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 
 from egad.bench.failures.parameters import FailureParameters
-from egad.bench.failures.search import NOTHING, Found
 from egad.detectors import Detect, DetectorConfig, fingerprint
 from egad.errors import UserError
 from egad.tables import parquet
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
+
+
+class Found(NamedTuple):
+    """What a search has found: tables of `tables.failures.EXAMINED` and `FAILURE_ATTEMPTS`."""
+
+    examined: pd.DataFrame
+    attempts: pd.DataFrame
+
+
+NOTHING = Found(parquet.empty(EXAMINED), parquet.empty(FAILURE_ATTEMPTS))
+
+
+def joined(found: Sequence[Found]) -> Found:
+    """The tables of several steps or shards as one."""
+    return Found(*(pd.concat(tables, ignore_index=True) for tables in zip(*found, strict=True)))
 
 
 class Store:

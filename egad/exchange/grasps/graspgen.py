@@ -19,7 +19,7 @@ from egad.exchange.hdf5 import check_key
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.geometry import SimulationObject, joined
 from egad.grasps import Grasps, held_when_shaken, with_outcome
-from egad.grippers import Gripper, ModelBody, base_pose, finger_span, hand_body
+from egad.grippers import Gripper, JawBody, ModelBody, base_pose, finger_span, hand_body
 from egad.io import write_obj
 
 log = logging.getLogger(__name__)
@@ -147,7 +147,7 @@ def start_graspgen(folder: Path, hand: GraspGenHand) -> None:
         "width": hand.gripper.opening,
         "depth": hand.depth,
         "transform_offset_from_asset_to_graspgen_convention": [[0.0] * 3, [0.0] * 3 + [1.0]],
-        "symmetric_antipodal": not _has_one_jaw(hand.gripper),
+        "symmetric_antipodal": not isinstance(hand_body(hand.gripper), JawBody),
     }
     program = DESCRIPTION.format(kind="hand", points="CORNERS") + OF_HAND
     start_dataset(folder, hand.name, about, program, _mesh(hand))
@@ -180,11 +180,6 @@ def add_object(
     (folder / "grasp_data" / name / f"{label}.json").write_text(json.dumps(written) + "\n")
     listed = folder / "splits" / name / f"{split or default_split(label)}.txt"
     listed.write_text(f"{listed.read_text()}{label}.obj\n")
-
-
-def _has_one_jaw(gripper: Gripper) -> bool:
-    body = hand_body(gripper)
-    return isinstance(body, ModelBody) and body.model.lever is not None
 
 
 def _mesh(hand: GraspGenHand) -> trimesh.Trimesh:

@@ -18,12 +18,12 @@ from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.geometry import RayCaster, SimulationObject
 from egad.grasps import Grasps
 from egad.grasps.suction import HOLE_POINTS, seal_cups
-from egad.grippers import SuctionCup
+from egad.grippers import SuctionCup, cup_of
 from egad.io import read_mesh, write_obj
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 
-FOR_CUPS = True
+KIND = "cup"
 STANDOFF = 0.001  # metres that GraspGen's cup stays above the surface
 OUTWARDS = np.diag([1.0, -1.0, -1.0, 1.0])  # our z is the approach, theirs the outward normal
 COLUMNS = [name for name in GRASPS.names if name not in ("id", "label")]
@@ -103,8 +103,7 @@ def write(
     folder: Path, label: str, made: SimulationObject, grasps: pd.DataFrame, hand: NamedGripper
 ) -> None:
     """Add an object to a dataset of GraspGen: see `egad.exchange.registry`."""
-    if (cup := hand.gripper.cup) is None:
-        raise ValueError("the gripper has no cup")
+    cup = cup_of(hand.gripper, "graspgen_suction")
     if not (folder / "objects").exists():
         start_suction(folder, hand.name, cup)
     write_obj(made.mesh, folder / "objects" / f"{label}.obj")
@@ -113,8 +112,7 @@ def write(
 
 def run(settings: GripperFormat, gripper: str, meshes: Path, grasps: Path, out: Path) -> None:
     """Write a dataset of GraspGen: grasps, meshes, lists of objects and the cup."""
-    if (cup := settings.gripper.cup) is None:
-        raise ValueError("the gripper has no cup")
+    cup = cup_of(settings.gripper, "graspgen_suction")
     name = check_key(gripper, "gripper")
     with new_folder(out) as folder:
         start_suction(folder, name, cup)

@@ -21,6 +21,7 @@ from egad.exchange.object_files import (
     xml_document,
 )
 from egad.geometry import SimulationObject
+from egad.geometry.surfaces import MJCF_SPIN
 
 
 class GeomGroups(NamedTuple):
@@ -97,7 +98,7 @@ def add_solid(
     look |= {"mass": number_text(physics.mass), "rgba": number_text(*GREY, 1)}
     _geom(assets, body, f"{name}-visual", files.visual, kind, look)
     sticks = {"contype": "1", "conaffinity": "1", "group": groups.collision, "mass": "0"}
-    sticks |= {"friction": number_text(friction, 0.005, 0.0001), "rgba": "0.5 0.5 0.5 1"}
+    sticks |= {"friction": number_text(friction, *MJCF_SPIN), "rgba": "0.5 0.5 0.5 1"}
     for part in files.parts:
         # As a shell, a mesh may be arbitrarily thin; its inertia is not used.
         _geom(assets, body, f"{name}-{Path(part).stem}", part, "shell", sticks)

@@ -19,11 +19,10 @@ from egad.grasps.poses import hand_poses
 from egad.grasps.suction.robust import robust_suction_quality
 from egad.grasps.suction.seal import Seals, seal_cups
 from egad.grasps.suction.wrench import loads_in_frames, resists
-from egad.grippers import Part, SuctionCup
+from egad.grippers import SuctionCup, cup_parts
 from egad.random import generator
 
 GRAVITY = 9.81  # m/s2
-STEM_SIDES = 16
 DENSITY = Material().density
 CUP, ROBUST = SuctionCup(), RobustSuction()
 
@@ -136,11 +135,8 @@ def collision_free(
         depths: (n,) mean depths of the rings, metres. A depth larger than the height of the cup
             counts as 0: the ring misses the object, or meets it elsewhere.
     """
-    top = -cup.height
-    way = _prism(cup.radius, top - cup.approach, top)
-    stem = _prism(cup.stem_radius, top - cup.stem_length - cup.approach, top)
     behind = -np.where(np.abs(depths) <= cup.height, depths, 0.0)
-    touching = touching_turns(caster, [way, stem], origins, frames, behind=behind)
+    touching = touching_turns(caster, cup_parts(cup, cup.approach), origins, frames, behind=behind)
     return np.asarray(~touching[:, 0])
 
 
@@ -183,16 +179,6 @@ def _why_none_seals(mesh: trimesh.Trimesh, cup: SuctionCup, seals: Seals) -> str
         return f"the cup, {width:.3g} mm across, is larger than the object of {size}"
     reasons = most_common(Counter(map(str, seals.failures)))
     return f"no cup seals (of {len(seals.failures)} candidates: {reasons})"
-
-
-def _prism(radius: float, low: float, high: float) -> Part:
-    """A prism around a cylinder along the z axis."""
-    angles = 2 * np.pi * np.arange(STEM_SIDES) / STEM_SIDES
-    around = np.stack([np.cos(angles), np.sin(angles), 0 * angles, 0 * angles - radius], axis=1)
-    planes = np.vstack([around, [0, 0, 1, -high], [0, 0, -1, low]])
-    corner = radius / np.cos(np.pi / STEM_SIDES)
-    box = np.array([[-corner, -corner, low], [corner, corner, high]])
-    return Part(box, planes, box.mean(axis=0))
 
 
 def _vector(name: str, given: ArrayLike) -> Floats:

@@ -25,7 +25,7 @@ from egad.learning.images import coded, png, pose_values
 from egad.learning.scenes.parameters import DEPTHS, SceneParameters
 from egad.learning.scenes.planning import PlannedScene
 from egad.random import generator
-from egad.sim import ContactRules, Fingers, Model, PoseExecution, UnstableError, World, execute_pose
+from egad.sim import ContactRules, Execution, Fingers, Model, UnstableError, World, execute_pose
 from egad.tables.columns import POSE_PARTS
 from egad.tables.outcomes import Outcome
 from egad.tables.scenes import SCENE_GRASPS
@@ -165,7 +165,7 @@ def try_yaws(
 
 def try_grasp(
     world: World, present: Sequence[RestingObject], pose: Floats, settings: SceneParameters
-) -> tuple[PoseExecution, float]:
+) -> tuple[Execution, float]:
     """The result of a grasp of the fully open hand, and how far it is open in the end, metres.
 
     A contact on the way above the stopping force is a failure; in VGN's data, any contact is.
@@ -173,7 +173,7 @@ def try_grasp(
     put(world, present)
     rules = settings.scenes.protocol
     contacts = ContactRules(
-        "fail", rules.stopping_force, rules.success == "pinched", rules.removed == "first"
+        "collided", rules.stopping_force, rules.success == "pinched", rules.removed == "first"
     )
     result = execute_pose(world, pose, settings.gripper.opening, contacts)
     return result, Fingers(world).opening()

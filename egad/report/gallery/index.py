@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from egad.grippers import Gripper, finger_span
+from egad.grippers import Gripper
 from egad.measures import MeasureSpace
 from egad.report.axes import AxisPair, MeasureAxis
 from egad.report.gallery.files import FOLDER, SHEETS, cell_ranks, file_link, rounded
@@ -66,7 +66,7 @@ def index_data(
 def _finger(gripper: Gripper | None) -> float:
     if gripper is None:
         return 0.0
-    return gripper.cup.height if gripper.cup else -finger_span(gripper)[0]
+    return -gripper.kind.span[0]
 
 
 def sheet_file(rank: int) -> str:

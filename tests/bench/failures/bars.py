@@ -7,9 +7,9 @@ import pandas as pd
 from partial_tables import fill_columns
 
 from egad.bench.failures import Examination, FailureAtlas, FailureSearch
-from egad.bench.failures.attempts import counts_of
+from egad.bench.failures.evidence import counts_of
 from egad.bench.failures.finding import failure_parameters
-from egad.bench.failures.search import scaled_to
+from egad.bench.failures.models import scaled_to
 from egad.detectors import Grasp, opened
 from egad.evalset import PrintCheck
 from egad.evolution import packed_surface

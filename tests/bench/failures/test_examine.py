@@ -7,7 +7,7 @@ from failing import CUBE, beside, both, broken, nothing, parameters
 
 import egad
 from egad.bench.failures import Examination, ObjectVerdict
-from egad.bench.failures.attempts import explanation, failed_drops, pairs_of
+from egad.bench.failures.evidence import explanation, failed_drops, pairs_of
 from egad.detectors.antipodal import antipodal_depth
 from egad.evalset import PrintCheck
 from egad.tables.outcomes import Outcome

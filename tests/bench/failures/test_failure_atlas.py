@@ -12,7 +12,7 @@ from PIL import Image
 import egad
 from egad.bench.failures import Examination, FailureAtlas, FailureSearch, Found, features, join
 from egad.bench.failures.finding import failure_parameters, name_of
-from egad.bench.failures.search import scaled_surface
+from egad.bench.failures.models import scaled_surface
 from egad.detectors import DetectorConfig, Grasp
 from egad.errors import UserError
 from egad.evolution import evolution_parameters
@@ -89,7 +89,7 @@ def test_a_page_needs_no_other_file(atlas, tmp_path, monkeypatch):
     drawn = np.random.default_rng(0).integers(0, 255, (48, 64, 3), np.uint8)
     monkeypatch.setattr("egad.sim.film.draw", lambda *_: drawn)
     path = tmp_path / "page.html"
-    atlas.page(path, films=1)
+    write_page(atlas, path, films=1)
     text = path.read_text(encoding="utf-8")
     addresses = re.findall(r'(?:src|href)="([^"]{1,30})', text)
     assert len(addresses) >= 6
@@ -113,7 +113,7 @@ def test_films_that_end_differently_are_left_out_with_a_note(atlas, tmp_path, mo
     lost = (broken["who"] == "reference") & broken["success"]
     broken.loc[lost, "outcome"] = "dropped"
     other = FailureAtlas(atlas.table, atlas.examined, broken, atlas.shape, atlas.settings)
-    other.page(tmp_path / "page.html", films=1)
+    write_page(other, tmp_path / "page.html", films=1)
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert "dropped became success" in text
     assert "data:image/webp" not in text
@@ -122,14 +122,14 @@ def test_films_that_end_differently_are_left_out_with_a_note(atlas, tmp_path, mo
 @pytest.mark.parametrize("films", [-1, 1.5, "all"])
 def test_numbers_of_films_are_checked(atlas, tmp_path, films):
     with pytest.raises(UserError, match="films"):
-        atlas.page(tmp_path / "page.html", films)
+        write_page(atlas, tmp_path / "page.html", films)
 
 
 def test_an_atlas_without_settings_has_a_map_but_no_page(atlas, tmp_path):
     bare = FailureAtlas(atlas.table, atlas.examined, atlas.attempts)
     assert bare.plot().svg == atlas.plot().svg
     with pytest.raises(UserError, match="gripper"):
-        bare.page(tmp_path / "page.html")
+        write_page(bare, tmp_path / "page.html")
 
 
 def test_solved_objects_are_a_sample_of_those_with_voxels():

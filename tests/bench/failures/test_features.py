@@ -19,7 +19,7 @@ from egad.bench.failures.features import (
     patch_curvature,
     wall_thickness,
 )
-from egad.detectors import PoseGrasp
+from egad.detectors import Grasp
 from egad.geometry import Material, RayCaster
 from egad.sim import build
 from egad.tables.failures import FAILURE_ATTEMPTS
@@ -37,7 +37,7 @@ def grasp_along(axis, approach, center=(0, 0, 0), width=0.08):
     pose = np.eye(4)
     pose[:3, 0], pose[:3, 2], pose[:3, 3] = axis, approach, center
     pose[:3, 1] = np.cross(approach, axis)
-    return PoseGrasp(pose, width, 1.0)
+    return Grasp.of_pose(pose, width, 1.0)
 
 
 def attempts_of(mesh, grasps, success=True):

@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 
 import egad
 from egad.bench.failures import Examination, FailureAtlas, MatchedSet, match_failures
-from egad.bench.failures.attempts import pairs_of
+from egad.bench.failures.evidence import pairs_of
 from egad.bench.failures.matching import assign, spread
 from egad.bench.failures.reference import REST, ReferencePolicy
-from egad.detectors import PoseGrasp, opened
+from egad.detectors import Grasp, opened
 from egad.detectors.failures import OnlyFailuresError
 from egad.errors import RejectedError, UserError
 from egad.evolution import Shape
@@ -81,13 +81,13 @@ def tuple_of(value):
 
 
 class Shelf:
-    """What a reference asks of a bench."""
+    """What a reference asks of a runner."""
 
     def __init__(self, labelled):
         self._labelled = labelled
 
     def labelled(self, rest):
-        return [grasp._replace(pose=rest.matrix @ grasp.pose) for grasp in self._labelled]
+        return [grasp.moved(rest.matrix) for grasp in self._labelled]
 
     def can_do(self, _):
         return True
@@ -101,7 +101,7 @@ def test_a_reference_made_of_attempts_expects_the_same_of_all_grasps(seed):
     def grasp(score):
         pose = np.eye(4)
         pose[:3, :3] = Rotation.random(random_state=rng).as_matrix()
-        return PoseGrasp(pose, 0.05, score)
+        return Grasp.of_pose(pose, 0.05, score)
 
     def rest():
         return Pose(rng.normal(size=3), Rotation.random(random_state=rng).as_quat())
@@ -111,19 +111,19 @@ def test_a_reference_made_of_attempts_expects_the_same_of_all_grasps(seed):
     for number in range(12):
         where = rest()
         chosen = labelled[rng.integers(3)] if rng.random() < 0.6 else grasp(0.1)
-        tried = chosen._replace(pose=where.matrix @ chosen.pose)
+        tried = chosen.moved(where.matrix)
         success, purpose = bool(rng.random() < 0.5), ["screen", "choose", "confirm"][number % 3]
         if purpose != "confirm":
             learnt.remember(where, tried, success)
         lies = dict(zip(REST, [*where.position, *where.quaternion], strict=True))
         rows.append({"purpose": purpose, "success": success, "pose": tried.pose[:3].ravel()} | lies)
-        rows[-1] |= {"width": tried.width, "score": tried.score}
+        rows[-1] |= {"width": tried.width, "score": tried.quality}
     rows.append({"purpose": "screen", "pose": [], "success": False})  # nothing was proposed
     again = ReferencePolicy.of(fill_columns(FAILURE_ATTEMPTS, rows))
     where, shelf = rest(), Shelf(labelled)
     first, second = (policy.ranked(shelf, where) for policy in (learnt, again))
-    assert [(each.width, each.score) for each in first] == [
-        (each.width, each.score) for each in second
+    assert [(each.width, each.quality) for each in first] == [
+        (each.width, each.quality) for each in second
     ]
     np.testing.assert_array_equal([each.pose for each in first], [each.pose for each in second])
     assert len(first) > len(labelled)
@@ -151,7 +151,7 @@ def test_trials_that_cannot_come_to_enough_successes_end_early(thin):
 
 
 def test_an_object_that_never_comes_to_rest_is_rejected(thin, monkeypatch):
-    monkeypatch.setattr("egad.bench.failures.table.BenchFromAbove.drop", lambda *_: None)
+    monkeypatch.setattr("egad.bench.trial_runner.TrialRunner.drop", lambda *_: None)
     with pytest.raises(RejectedError, match="it comes to rest in 0 of 6 drops"):
         again("thin", "matched", 3, thin)
 

@@ -8,7 +8,8 @@ from failure_searches import coarse_objects, settings_of
 import egad
 from egad.bench.failures import ObjectVerdict, attempts_of
 from egad.bench.failures import search as stepwise
-from egad.bench.failures.search import Search, elite_of, joined
+from egad.bench.failures.search import Search, elite_of
+from egad.bench.failures.store import joined
 from egad.tables import parquet
 from egad.tables.evolution import GENOME
 

@@ -104,7 +104,7 @@ def test_a_labelled_grasp_has_the_same_outcome_when_it_is_tried_alone(made, plan
             walls = 0.26 if planned.round.scene == "pile" else None
             with open_world("mujoco", sized, free_hand(PANDA), walls) as world:
                 put(world, present)
-                found = execute_pose(world, pose, PANDA.opening, ContactRules("fail"))
+                found = execute_pose(world, pose, PANDA.opening, ContactRules("collided"))
                 assert found.outcome == grasp["outcome"]
                 assert (found.outcome == "success") == grasp["success"]
                 if grasp["success"]:
@@ -114,7 +114,9 @@ def test_a_labelled_grasp_has_the_same_outcome_when_it_is_tried_alone(made, plan
                 for k in (1, 2):
                     turn = trimesh.transformations.rotation_matrix(np.pi * k / 3, [0, 0, 1])
                     put(world, present)
-                    other = execute_pose(world, pose @ turn, PANDA.opening, ContactRules("fail"))
+                    other = execute_pose(
+                        world, pose @ turn, PANDA.opening, ContactRules("collided")
+                    )
                     assert (other.outcome == "success") == grasp["yaws"][k]
             checked += 1
     assert checked == 16
@@ -224,7 +226,7 @@ def test_an_instability_is_a_collision_only_where_the_hand_was_put(
     monkeypatch.setattr(type(world), "step", unstable)
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[2, 3] = 0.2
-    found = execute_pose(world, pose, PANDA.opening, ContactRules("fail"))
+    found = execute_pose(world, pose, PANDA.opening, ContactRules("collided"))
     assert found.outcome == outcome
 
 

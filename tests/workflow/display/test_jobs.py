@@ -4,7 +4,7 @@ import pytest
 
 from egad._util.progress import Status
 from egad_workflow.display import jobs as module
-from egad_workflow.display.jobs import Job, Jobs, last_lines, last_progress
+from egad_workflow.display.jobs import Job, last_lines, last_progress
 
 
 @pytest.fixture
@@ -51,13 +51,3 @@ def test_of_a_long_log_only_the_end_is_read(log):
 def test_words_in_parentheses_are_for_the_first_time_alone():
     assert Job("evolve", "Evolving egad (map: a.html)", None).title == "Evolving egad"
     assert Job("evolve", "", None).title == "evolve"
-
-
-def test_jobs_come_and_go_by_their_numbers():
-    jobs, one, other = Jobs(3), Job("a", "", None), Job("b", "", None)
-    jobs.add(1, one)
-    jobs.add(2, other)
-    assert jobs.running() == [one, other]
-    assert jobs.remove(1) is one
-    assert jobs.remove(1) is None
-    assert jobs.running() == [other]

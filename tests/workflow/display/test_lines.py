@@ -5,7 +5,7 @@ import pytest
 
 from egad._util.progress import Pace
 from egad_workflow.display import lines as module
-from egad_workflow.display.jobs import Job, Jobs
+from egad_workflow.display.jobs import Job, Run
 from egad_workflow.display.lines import Lines, job_line
 
 
@@ -58,9 +58,8 @@ def test_many_jobs_are_counted(start_run):
 
 
 def test_a_short_job_has_no_line_and_a_long_one_fewer_and_fewer():
-    jobs, job = Jobs(1), Job("evolve", "Evolving", None, start=0.0)
-    jobs.add(1, job)
-    view = Lines(jobs, None)
+    run = Run((0, 1), {1: Job("evolve", "Evolving", None, start=0.0)})
+    view = Lines(run, None)
     view.close()
     told = [now / 2 for now in range(2 * 3600) if list(view._lines(now / 2))]
     assert told[:5] == [15, 30, 60, 120, 180]

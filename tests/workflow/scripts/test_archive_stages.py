@@ -71,7 +71,7 @@ def test_an_evolution_that_keeps_nothing_says_why(tmp_path):
     (tmp_path / "mine.py").write_text("def area(mesh): return mesh.aera\n")
     nothing = settings(
         measures={"complexity": f"{tmp_path}/mine.py:area"},
-        evolution={"steps_per_epoch": 1, "population": 20},
+        evolution={"evaluations": 20, "population": 20},
     )
     with pytest.raises(UserError, match=r"20 offspring was accepted: .*area failed .*AttributeErr"):
         evolve.run(nothing, 0, 0, tmp_path / "out", tmp_path / "h", tmp_path / "l")

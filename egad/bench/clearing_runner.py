@@ -1,75 +1,68 @@
 """Rounds of clearing a table, one object after the other (Breyer et al. 2020, section V)."""
 
-import math
-import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from dataclasses import replace
 
 import numpy as np
+from typing_extensions import override
 
 from egad._util.arrays import Floats
 from egad.bench.cell_errors import EXACT, Deviation, draw
 from egad.bench.parameters import Clutter
-from egad.bench.protocols import ClutterProtocol, SceneCameras, SceneKind
-from egad.bench.scenes import EGAD, WORKSPACE, RestingObject, make_scene, put, settle_from
+from egad.bench.protocols import SceneCameras, SceneKind
+from egad.bench.runner import Attempt, Generator, Proposal, Propose, Runner
+from egad.bench.scenes import WORKSPACE, RestingObject, make_scene, put, settle_from
 from egad.detectors import (
     DepthCamera,
-    Detector,
-    Failure,
+    Grasp,
     Intrinsics,
     NoiseName,
     Observation,
-    PoseGrasp,
     View,
     add_noise,
     camera_above,
     cameras_around,
-    choose,
     render_scene,
-    seen_by,
-    try_to_plan,
 )
-from egad.grippers import Gripper
 from egad.random import entropy, generator
-from egad.sim import ContactRules, Fingers, UnstableError, World, execute_pose
+from egad.sim import ContactRules, Execution, Fingers, Pose, UnstableError, World, execute_pose
 from egad.tables.outcomes import Outcome
-
-Generator = np.random.Generator
-Proposal: TypeAlias = PoseGrasp | Outcome | Failure
-Propose = Callable[[Observation, Sequence[RestingObject], Generator], Proposal]
 
 OVERHEAD = Intrinsics.spanning(640, 480, 75.0)
 OVERHEAD_HEIGHT = 0.6
 POINT_SIGMA = 0.0008  # metres, of the noise `points`
 
 
-@dataclass(frozen=True)
-class ClutterAttempt:
-    """The result of an attempt."""
-
-    outcome: Outcome  # as in `PoseExecution`, or one of `egad.tables.outcomes.POSE_FAILURES`
-    present: tuple[RestingObject, ...]  # the objects on the table before it
-    grasp: PoseGrasp | None = None
-    held: int | None = None
-    stopped: float = 0.0  # how far before the grasp the hand was stopped, metres
-    failure: str = ""  # what the detector did wrong, if it failed
-
-
-class ClutterRunner:
-    """A table with objects, cameras all around it and a hand that clears it."""
+class ClearingRunner(Runner):
+    """A table with objects, cameras all around it and a hand without an arm that clears it."""
 
     def __init__(self, world: World, settings: Clutter) -> None:
         """Set up; for a pile, the world has walls, and its robot is `egad.sim.robots.free_hand`."""
-        self.world = world
+        super().__init__(world, Fingers(world).gripper)
         self._errors = settings.errors
         self._protocol = settings.protocol
-        self._gripper = Fingers(world).gripper
+        self._noise = settings.noises[0]
         self._rendered = [DepthCamera(model.mesh) for model in world.models]
+
+    @override
+    def drop(self, rng: Generator) -> Pose | None:
+        try:
+            return make_scene(self.world, "single", rng, self._protocol)[0].pose
+        except UnstableError:
+            return None
+
+    @override
+    def see(self, rest: Pose, rng: Generator) -> Observation:
+        cameras = camera_poses(self._protocol.cameras, rng)
+        return self.observe([RestingObject(0, rest)], self._noise, cameras, rng)
+
+    @override
+    def carry_out(self, rest: Pose, grasp: Grasp) -> Attempt:
+        return self.try_proposal(grasp, [RestingObject(0, rest)])
 
     def clear(
         self, propose: Propose, kind: SceneKind, noise: NoiseName, seed: int
-    ) -> Iterator[ClutterAttempt]:
+    ) -> Iterator[Attempt]:
         """Grasp one object after the other, until none is left or the round ends.
 
         A round ends after two failures in a row, when nothing is proposed (other protocols have
@@ -79,7 +72,7 @@ class ClutterRunner:
         try:
             present = self.begin(kind, seed)
         except UnstableError:
-            yield ClutterAttempt(Outcome.FAILED, ())
+            yield Attempt(Outcome.FAILED, ())
             return
 
         def ask(number: int, present: Sequence[RestingObject]) -> Proposal:
@@ -94,12 +87,12 @@ class ClutterRunner:
         ask: Callable[[int, Sequence[RestingObject]], Proposal],
         present: Sequence[RestingObject],
         seed: int,
-    ) -> Iterator[ClutterAttempt]:
+    ) -> Iterator[Attempt]:
         """The attempts of a round that began: `ask` returns the grasp for each number."""
         number = failures = skips = 0
         while present and failures < self._protocol.failures and skips < self._protocol.skips:
             grasp = ask(number, present)
-            attempt, present = self.carry_out(grasp, present, self._deviation(seed, number))
+            attempt, present = self.clear_one(grasp, present, self._deviation(seed, number))
             yield attempt
             number += 1
             if attempt.outcome == Outcome.FAILED:
@@ -114,8 +107,8 @@ class ClutterRunner:
         return make_scene(self.world, kind, generator(seed, "scene", kind), self._protocol)
 
     def repeat(
-        self, grasps: Sequence[PoseGrasp | Outcome], kind: SceneKind, seed: int
-    ) -> Iterator[ClutterAttempt]:
+        self, grasps: Sequence[Grasp | Outcome], kind: SceneKind, seed: int
+    ) -> Iterator[Attempt]:
         """Repeat a round that began, without its detector: the same, bit by bit.
 
         `grasps` are those tried, or why there was none. The round ends by its rules, not with the
@@ -152,38 +145,39 @@ class ClutterRunner:
         """The deviation of an attempt; the camera is calibrated once per round."""
         return draw(self._errors, seed, entropy(seed, "attempt", number))
 
-    def carry_out(
-        self,
-        grasp: Proposal,
-        present: Sequence[RestingObject],
-        deviation: Deviation = EXACT,
-    ) -> tuple[ClutterAttempt, list[RestingObject]]:
+    def clear_one(
+        self, proposal: Proposal, present: Sequence[RestingObject], deviation: Deviation = EXACT
+    ) -> tuple[Attempt, list[RestingObject]]:
         """Try a grasp, if there is one; return the result and the objects left at rest.
 
         If the simulation goes wrong while the objects settle, none are left.
         """
-        if isinstance(grasp, Failure):
-            failed = ClutterAttempt(grasp.outcome, tuple(present), failure=grasp.text)
-            return failed, list(present)
-        if isinstance(grasp, Outcome):
-            return ClutterAttempt(grasp, tuple(present)), list(present)
-        self.world.mass_factor, self.world.friction_factor = deviation.mass, deviation.friction
-        put(self.world, present)
-        rules = self._protocol
-        asked = grasp._replace(width=self._gripper.opening) if rules.opening == "full" else grasp
-        done = deviation.pose(asked, self._gripper)
-        force = rules.stopping_force * deviation.stopping_force
-        contacts = ContactRules(
-            rules.contact, force, rules.success == "pinched", rules.removed == "first"
-        )
-        result = execute_pose(self.world, done.pose, done.width, contacts)
-        attempt = ClutterAttempt(result.outcome, tuple(present), grasp, result.held, result.stopped)
+        attempt = self.try_proposal(proposal, present, deviation)
+        if attempt.grasp is None:
+            return attempt, list(present)
         try:
-            numbers = [each.number for each in present if each.number != result.held]
+            numbers = [each.number for each in present if each.number != attempt.held]
             moved = [RestingObject(number, self.world.pose(number)) for number in numbers]
             return attempt, settle_from(self.world, moved)
         except UnstableError:
             return attempt, []
+
+    @override
+    def _execute(
+        self, grasp: Grasp, present: Sequence[RestingObject], deviation: Deviation
+    ) -> Execution:
+        put(self.world, present)
+        rules = self._protocol
+        if rules.opening == "full":
+            grasp = replace(grasp, width=self.gripper.opening)
+        done = deviation.apply(grasp, self.gripper)
+        contacts = ContactRules(
+            rules.contact,
+            rules.stopping_force * deviation.stopping_force,
+            rules.success == "pinched",
+            rules.removed == "first",
+        )
+        return execute_pose(self.world, done.pose, done.width, contacts)
 
 
 def camera_poses(cameras: SceneCameras, rng: Generator) -> list[Floats]:
@@ -204,30 +198,3 @@ def intrinsics_of(cameras: SceneCameras) -> Intrinsics:
     width, height = cameras.image
     focal = np.float64(cameras.focal)  # keeps the noise in double precision
     return Intrinsics(width, height, focal, ((width - 1) / 2, (height - 1) / 2))
-
-
-def proposed_by(detect: Detector, gripper: Gripper, protocol: ClutterProtocol = EGAD) -> Propose:
-    """A proposer that shows a detector its input and tries the grasp that the protocol says."""
-    least = -math.inf if protocol.threshold is None else protocol.threshold
-
-    def propose(observation: Observation, _: Sequence[RestingObject], rng: Generator) -> Proposal:
-        order = rng.spawn(1)[0] if protocol.choice == "random" else None
-        return try_to_plan(
-            lambda: choose(
-                detect(seen_by(detect, observation), gripper, rng), gripper, least, order
-            )
-        )
-
-    return propose
-
-
-def timed(propose: Propose, seconds: list[float]) -> Propose:
-    """The same, but record how long each proposal took, from the depth images to the grasp."""
-
-    def ask(observation: Observation, present: Sequence[RestingObject], rng: Generator) -> Proposal:
-        begin = time.perf_counter()
-        grasp = propose(observation, present, rng)
-        seconds.append(time.perf_counter() - begin)
-        return grasp
-
-    return ask

@@ -1,13 +1,14 @@
 """A table with one object: what happens there depends on the arguments alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
 
 from egad.bench import ContactRule, TrialProtocol, TrialRunner
-from egad.bench.failures.table import BenchFromAbove, open_bench
+from egad.bench.failures.object_runner import ObjectRunner, open_runner
 from egad.detectors import Failure, Grasp, GraspPoses
-from egad.detectors.poses import pose_of
 from egad.geometry import Bundle, Material
 from egad.grasps import label_parameters
 from egad.grasps.sampling import dataset_grasps
@@ -19,8 +20,8 @@ LABELLED = dataset_grasps(CUBE, "cube", label_parameters(PANDA, 50, 0))
 EACH_WAY = pytest.mark.parametrize("from_above", [True, False])
 
 
-def bench(engine, from_above, contact=None):
-    return open_bench(
+def runner(engine, from_above, contact=None):
+    return open_runner(
         engine,
         MODEL,
         LABELLED,
@@ -34,7 +35,7 @@ def bench(engine, from_above, contact=None):
 @EACH_WAY
 @EACH_ENGINE
 def test_labelled_grasps_hold_and_can_be_repeated(engine, from_above):
-    with bench(engine, from_above) as table:
+    with runner(engine, from_above) as table:
         assert table.engine == engine
         rest = table.drop(rng())
         grasps = table.labelled(rest)
@@ -54,10 +55,10 @@ def test_proposals_are_ranked_and_feasible(from_above):
         wide = Grasp((0.0, 0.0, 0.03), 0.3, 0.5, 0.01, 0.9)
         return [good, wide, Grasp((0.01, 0.0, 0.03), 0.3, 0.06, 0.01, 0.7)]
 
-    with bench("mujoco", from_above) as table:
+    with runner("mujoco", from_above) as table:
         rest = table.drop(rng())
         found = table.propose(three, rest, rng())
-        assert [each.score for each in found] == [0.7, 0.5]
+        assert [each.quality for each in found] == [0.7, 0.5]
         assert table.propose(nothing, rest, rng()) == Outcome.NO_GRASP
         failure = table.propose(broken, rest, rng())
     assert isinstance(failure, Failure)
@@ -71,7 +72,7 @@ def test_the_noise_and_the_chance_of_a_detector_come_from_its_generator():
         seen.append((view.depth.copy(), rng.random()))
         return []
 
-    with bench("mujoco", True) as table:
+    with runner("mujoco", True) as table:
         rest = table.drop(rng())
         for seed in (0, 0, 1):
             table.propose(watching, rest, np.random.default_rng(seed))
@@ -85,10 +86,10 @@ def test_the_noise_and_the_chance_of_a_detector_come_from_its_generator():
 def test_a_contact_on_the_way_down_means_what_the_rule_says(engine):
     outcomes = {}
     for contact in ("collided", "close"):
-        with bench(engine, True, ContactRule(contact=contact)) as table:
+        with runner(engine, True, ContactRule(contact=contact)) as table:
             rest = table.drop(rng())
             grasp = table.labelled(rest)[0]
-            narrow = grasp._replace(width=grasp.width / 2)  # both fingers land on the cube
+            narrow = replace(grasp, width=grasp.width / 2)  # both fingers land on the cube
             outcomes[contact] = table.execute(rest, narrow)
     assert outcomes["collided"] == Outcome.COLLIDED
     assert outcomes["close"] in set(EXECUTION) - {Outcome.COLLIDED}
@@ -99,13 +100,13 @@ def test_a_grasp_from_above_is_carried_out_as_in_trials(engine):
     arm = ARMS["axis"](PANDA)
     with open_world(engine, [MODEL], arm.robot) as world:
         runner = TrialRunner(world, arm, TrialProtocol(engine=engine))
-        table = BenchFromAbove(runner, LABELLED)
+        table = ObjectRunner(engine, runner, lambda _: [])
         rest = table.drop(rng())
         x, y, z = rest.position.tolist()
         for shift in (0.0, 0.02, 0.2):
             grasp = Grasp((x + shift, y, z), 0.4, 0.08, 0.015, 1.0)
             expected = runner.carry_out(rest, grasp).outcome
-            assert table.execute(rest, pose_of(grasp, PANDA)) == expected
+            assert table.execute(rest, grasp.as_pose(PANDA)) == expected
 
 
 def test_poses_are_tried_in_any_direction_only():
@@ -114,16 +115,16 @@ def test_poses_are_tried_in_any_direction_only():
         return GraspPoses(pose[None], np.array([0.08]), np.array([1.0]))
 
     sideways.observes = "cloud"
-    with bench("mujoco", False) as table:
+    with runner("mujoco", False) as table:
         assert isinstance(table.propose(sideways, table.drop(rng()), rng()), list)
     sideways.observes = "view"
-    with bench("mujoco", True) as table:
+    with runner("mujoco", True) as table:
         refused = table.propose(sideways, table.drop(rng()), rng())
         assert refused.outcome == Outcome.ERROR
 
 
 def test_a_grasp_beside_the_object_misses_it():
-    with bench("mujoco", True) as table:
+    with runner("mujoco", True) as table:
         rest = table.drop(rng())
         (grasp,) = table.propose(beside, rest, rng())
         assert table.execute(rest, grasp) == Outcome.MISSED

@@ -2,13 +2,12 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from postprocess import solid_row
 
 from egad.cli.measure import incomparable, measure_files, warn_of_measures
 from egad.evolution import PostprocessSolids
 from egad.evolution.surface import surface
 from egad.io import read_mesh, write_obj
-from egad.measures import MeasureMeshes
+from egad.measures import MeasureMeshes, solid_row
 from egad.tables.objects import MEASURED
 from egad_workflow.settings import Settings, select
 

@@ -10,9 +10,10 @@ from worlds import EACH_ENGINE, HAND
 from egad.geometry import Bundle
 from egad.grippers import finger_span
 from egad.sim.engines import open_world
+from egad.sim.execution import RETREAT, STANDOFF, ContactRules, execute_pose
+from egad.sim.gripper import FreeHand
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
-from egad.sim.pose_execution import RETREAT, STANDOFF, ContactRules, FreeHand, execute_pose
 from egad.sim.robots import free_hand
 from egad.sim.world import Pose
 from egad.tables.outcomes import Outcome
@@ -75,7 +76,7 @@ def test_the_number_of_the_held_object_is_told(engine: EngineName) -> None:
 
 
 @EACH_ENGINE
-@pytest.mark.parametrize("contact", ["close", "fail"])
+@pytest.mark.parametrize("contact", ["close", "collided"])
 def test_a_hand_that_the_table_stops_closes_only_if_it_may(
     engine: EngineName, contact: str
 ) -> None:

@@ -9,9 +9,10 @@ from scipy.spatial.transform import Rotation
 from worlds import EACH_ENGINE, HAND
 
 from egad.bench import Clutter, RestingObject, proposed_by
-from egad.bench.clutter import ClutterAttempt, ClutterRunner, Propose
+from egad.bench.clearing_runner import ClearingRunner
+from egad.bench.runner import Attempt, Propose
 from egad.bench.scenes import BOX
-from egad.detectors import GraspPoses, Observation, PoseGrasp, cameras_around
+from egad.detectors import Grasp, GraspPoses, Observation, cameras_around
 from egad.geometry import Bundle
 from egad.grasps import hand_poses
 from egad.sim.engines import open_world
@@ -26,12 +27,12 @@ MODELS = [BLOCK, BLOCK, BLOCK]
 Generator = np.random.Generator
 
 
-def from_above(center: np.ndarray, axis: np.ndarray) -> PoseGrasp:
+def from_above(center: np.ndarray, axis: np.ndarray) -> Grasp:
     pose = hand_poses(center[None], axis[None], np.array([[0, 0, -1.0]]))[0]
-    return PoseGrasp(pose, 0.055, 1.0)
+    return Grasp.of_pose(pose, 0.055, 1.0)
 
 
-def knowing(_: Observation, present: Sequence[RestingObject], __: Generator) -> PoseGrasp:
+def knowing(_: Observation, present: Sequence[RestingObject], __: Generator) -> Grasp:
     """The block that is furthest from others, across its narrowest level side."""
 
     def clearance(each: RestingObject) -> float:
@@ -47,7 +48,7 @@ def knowing(_: Observation, present: Sequence[RestingObject], __: Generator) -> 
     return from_above(block.position, axis / np.linalg.norm(axis))
 
 
-def nowhere(*_: object) -> PoseGrasp:
+def nowhere(*_: object) -> Grasp:
     return from_above(np.array([0.0, 0.0, 0.3]), np.array([1.0, 0, 0]))
 
 
@@ -57,15 +58,15 @@ def in_turn(*proposals: Propose) -> Propose:
 
     def propose(
         observation: Observation, present: Sequence[RestingObject], rng: Generator
-    ) -> PoseGrasp | Outcome:
+    ) -> Grasp | Outcome:
         return next(left)(observation, present, rng)
 
     return propose
 
 
-def clear(propose: Propose, engine: EngineName = "mujoco") -> list[ClutterAttempt]:
+def clear(propose: Propose, engine: EngineName = "mujoco") -> list[Attempt]:
     with open_world(engine, MODELS, free_hand(HAND)) as world:
-        runner = ClutterRunner(world, Clutter())
+        runner = ClearingRunner(world, Clutter())
         return list(runner.clear(propose, "packed", "none", 3))
 
 
@@ -130,7 +131,7 @@ def test_a_thousand_grasps_are_as_good_as_the_best_of_them() -> None:
 def test_each_cloud_of_a_pile_lies_on_its_own_block(views: int) -> None:
     """Distances are those from boxes, in closed form; blocks touch, so a few points are at both."""
     with open_world("mujoco", MODELS, free_hand(HAND), BOX) as world:
-        runner = ClutterRunner(world, Clutter())
+        runner = ClearingRunner(world, Clutter())
         present = runner.begin("pile", 2)
         poses = cameras_around(np.zeros(3), views, 0.6, np.radians(30))
         observation = runner.observe(present, "none", poses, np.random.default_rng(0))
@@ -158,7 +159,7 @@ def _outside(points: np.ndarray, block: RestingObject) -> np.ndarray:
 def test_a_round_is_repeated_bit_by_bit(engine: EngineName) -> None:
     propose = in_turn(nowhere, knowing, lambda *_: Outcome.TOO_WIDE, nowhere)
     with open_world(engine, MODELS, free_hand(HAND)) as world:
-        runner = ClutterRunner(world, Clutter())
+        runner = ClearingRunner(world, Clutter())
         attempts = list(runner.clear(propose, "packed", "stereo", 3))
         tried = [each.grasp or each.outcome for each in attempts]
         again = list(runner.repeat(tried, "packed", 3))
@@ -176,7 +177,7 @@ def test_noise_changes_what_is_seen_but_not_the_scene() -> None:
         return Outcome.NO_GRASP
 
     with open_world("mujoco", MODELS, free_hand(HAND)) as world:
-        runner = ClutterRunner(world, Clutter())
+        runner = ClearingRunner(world, Clutter())
         for noise in ("none", "stereo", "gamma"):
             list(runner.clear(look, "packed", noise, 3))
     for other in ("stereo", "gamma"):

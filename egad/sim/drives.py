@@ -1,0 +1,148 @@
+"""What closes a hand in an engine: two fingers, one jaw or a vacuum, and joints that follow."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from typing_extensions import override
+
+from egad._util.arrays import Floats
+from egad.grasps.suction import resists
+from egad.grippers import SuctionCup
+
+LEFT, RIGHT = "left", "right"  # fingers
+DEGREE = 4  # of the polynomials between joints, as in MuJoCo
+
+
+class Drive:
+    """What closes a hand. This one has no joints.
+
+    Attributes:
+        joints: Names of the joints that close it.
+        strength: Force or torque of each, N or N m.
+        closing: How far each moves per metre that its pad moves inwards; the sign is the direction.
+        mirrored: Whether the hand is its own mirror image; both fingers move, if it has any.
+        welds: Whether it can hold an object without pressing on it: see `World.attach`.
+    """
+
+    joints: tuple[str, ...] = ()
+    strength = 0.0
+    closing = -1.0
+    mirrored = True
+    welds = False
+
+    def position(self, opening: float) -> float:
+        """Position of each joint at an opening: the distance of its pad from the middle, metres."""
+        return opening / 2
+
+    def pads(self, positions: Floats, speeds: Floats) -> tuple[Floats, Floats]:
+        """Distances of both pads from their middle, and their speeds: (2,) each, m and m/s."""
+        return positions, speeds
+
+    def aside(self, opening: float) -> float:
+        """How far the middle between the pads is beside TIP at an opening, along x, metres."""
+        del opening
+        return 0.0
+
+    def resists(self, load: Floats, friction_factor: float) -> bool:
+        """Whether it holds a load (`World.load`), with its friction times a factor."""
+        del load, friction_factor
+        return False
+
+
+class FingerDrive(Drive):
+    """Two fingers that mirror each other."""
+
+    joints = (LEFT, RIGHT)
+
+    def __init__(self, force: float) -> None:
+        """Take the closing force, newtons."""
+        self.strength = force
+
+
+@dataclass(eq=False)
+class JawDrive(Drive):
+    """One moving jaw.
+
+    Attributes:
+        joint: Name of its joint.
+        openings: (k,) distances of the pads, ascending, metres.
+        positions: (k,) its positions there, metres or radians.
+        lever: Its torque per newton between the pads, metres; 1 if it slides.
+        force: Closing force, newtons.
+    """
+
+    joint: str
+    openings: Floats
+    positions: Floats
+    lever: float
+    force: float
+    mirrored = False
+
+    def __post_init__(self) -> None:
+        self.joints, self.strength = (self.joint,), self.force * self.lever
+        self.closing = float(np.sign(self.positions[0] - self.positions[-1])) / self.lever
+
+    @override
+    def position(self, opening: float) -> float:
+        return float(np.interp(opening, self.openings, self.positions))
+
+    @override
+    def pads(self, positions: Floats, speeds: Floats) -> tuple[Floats, Floats]:
+        order = slice(None, None, 1 if self.positions[-1] > self.positions[0] else -1)
+        known, openings = self.positions[order], self.openings[order]
+        slopes, position = np.gradient(openings, known), float(positions[0])
+        opening = float(np.interp(position, known, openings))
+        speed = float(speeds[0]) * float(np.interp(position, known, slopes))
+        return np.full(2, opening / 2), np.full(2, speed / 2)
+
+    @override
+    def aside(self, opening: float) -> float:
+        return (opening - float(self.openings[0])) / 2
+
+
+class CupDrive(Drive):
+    """A suction cup, which a vacuum holds to an object."""
+
+    welds = True
+
+    def __init__(self, cup: SuctionCup) -> None:
+        """Take the cup."""
+        self._cup = cup
+
+    @override
+    def resists(self, load: Floats, friction_factor: float) -> bool:
+        return bool(resists(self._cup, load[None], friction_factor * self._cup.friction)[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Follower:
+    """A joint of a linkage, whose position follows from that of a finger.
+
+    Attributes:
+        joint: Its name.
+        side: The finger.
+        distances: (k,) distances of that finger's pad from the middle, ascending, metres.
+        positions: (k,) positions of the joint, metres or radians.
+    """
+
+    joint: str
+    side: str
+    distances: Floats
+    positions: Floats
+
+    def at(self, distance: float) -> float:
+        """Its position when the pad is this far from the middle."""
+        return float(np.interp(distance, self.distances, self.positions))
+
+    def slope(self, distance: float) -> float:
+        """Derivative of its position with respect to the distance of the pad."""
+        step = float(np.diff(self.distances).mean())
+        return (self.at(distance + step) - self.at(distance - step)) / (
+            min(distance + step, float(self.distances[-1]))
+            - max(distance - step, float(self.distances[0]))
+        )
+
+    def polynomial(self) -> Floats:
+        """Coefficients of its position as a polynomial of the distance, constant term first."""
+        fitted = np.polynomial.Polynomial.fit(self.distances, self.positions, DEGREE).convert()
+        return np.pad(fitted.coef, (0, DEGREE + 1 - len(fitted.coef)))
