@@ -10,6 +10,7 @@ import pandas as pd
 import trimesh
 from numpy.typing import NDArray
 
+from egad._util.arrays import Flags
 from egad._util.display import facts_html, table_html
 from egad._util.files import as_path
 from egad.data import evaluation_set, released, released_ancestry, released_simulated
@@ -111,7 +112,7 @@ class EvolvedObject:
         return repair_for_files(genome_mesh(self.genome, resolution, shape=self.shape)).mesh
 
     @cached_property
-    def voxels(self) -> NDArray[np.bool_]:
+    def voxels(self) -> Flags:
         """Which cells of the cube are solid, (r, r, r); `UserError` if it comes from a mesh."""
         return unpack(self._evolved["voxels"], self.shape.resolution)
 
@@ -245,7 +246,7 @@ class Dataset:
             )
         return Lineage(parquet.read(self._ancestry, LINEAGE))
 
-    def _mask(self, given: pd.Series) -> NDArray[np.bool_]:
+    def _mask(self, given: pd.Series) -> Flags:
         """Booleans, (n,); UserError if too many or few, some missing, or of other rows."""
         rows = self.table.index
         if len(given) != len(rows):

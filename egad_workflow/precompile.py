@@ -14,7 +14,7 @@ from egad._util.kernel_cache import compiled_marker
 from egad._util.workers import workers
 from egad.detectors import Intrinsics, View, camera_above, fuse
 from egad.evolution import Shape
-from egad.evolution.surface import surface
+from egad.evolution.growth import surface
 from egad.geometry import decompose
 from egad.geometry.repair import repair
 from egad.grasps import LabelParameters, label_grasps

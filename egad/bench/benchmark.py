@@ -180,10 +180,8 @@ def run_benchmark(
         keep_going: Whether to go on with a detector that fails in every attempt of three rounds.
 
     Raises:
-        UserError: The detector fails in every attempt of three rounds. There is no such gripper,
-            detector, scene, noise or rule, the detector is for jaws and the gripper has a suction
-            cup or the other way round, the engine is not installed, a number is out of bounds, or
-            there are no objects that can be simulated.
+        UserError: The detector fails in every attempt of three rounds, there is no such scene or
+            noise, no object can be simulated, or as `egad.run_trials`.
 
     Warns:
         UnitsWarning: The size of a mesh suggests a unit other than the metre.

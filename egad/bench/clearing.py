@@ -1,6 +1,5 @@
 """Preparation of objects and detectors for clearing tables, and the rounds themselves."""
 
-import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeAlias
@@ -23,8 +22,6 @@ from egad.detectors import (
 from egad.sim import Model
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
-
-log = logging.getLogger(__name__)
 
 Cleared: TypeAlias = tuple[pd.DataFrame, list[float]]  # attempts; planning times in seconds
 

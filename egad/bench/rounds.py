@@ -29,7 +29,7 @@ ENDS = ["attempt", "n_present", "success", "stopped"]  # of attempts
 
 
 class Round(NamedTuple):
-    """One round: which objects, at which size, and how they lie; its seed decides all in it."""
+    """One round: which objects, their sizes relative to the models, and how they lie."""
 
     scene: SceneKind
     noise: NoiseName

@@ -97,14 +97,21 @@ def put(world: World, objects: Sequence[RestingObject]) -> None:
         world.place(each.pose, number=each.number)
 
 
-def settle(world: World) -> None:
-    """Let all objects come to rest, for at most two seconds."""
+def settle(
+    world: World,
+    seconds: float = SETTLING_TIME,
+    speed: float = REST_SPEED,
+    turning: float = REST_SPEED,
+) -> bool:
+    """Whether all objects come to rest in some time: slower than that, m/s and rad/s."""
     still, pause = 0, round(REST_TIME / TIME_STEP)
-    for _ in range(round(SETTLING_TIME / TIME_STEP)):
+    for _ in range(round(seconds / TIME_STEP)):
         world.step()
-        still = still + 1 if max(world.speeds()) < REST_SPEED else 0
+        now = world.speeds()
+        still = still + 1 if now[0] < speed and now[1] < turning else 0
         if still == pause:
-            return
+            return True
+    return False
 
 
 def in_workspace(position: Floats) -> bool:

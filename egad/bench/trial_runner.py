@@ -14,7 +14,7 @@ from egad._util.arrays import Floats
 from egad.bench.cell_errors import EXACT, Deviation
 from egad.bench.parameters import TrialProtocol
 from egad.bench.runner import Attempt, InitialPose, Proposal, Runner
-from egad.bench.scenes import RestingObject
+from egad.bench.scenes import RestingObject, settle
 from egad.detectors import (
     DepthCamera,
     Detector,
@@ -29,7 +29,7 @@ from egad.detectors import (
     from_above,
     try_to_plan,
 )
-from egad.sim import TIME_STEP, Arm, ContactRules, Execution, Pose, UnstableError, World
+from egad.sim import Arm, ContactRules, Execution, Pose, UnstableError, World
 from egad.sim.execution import execute
 from egad.tables.outcomes import Outcome
 
@@ -38,7 +38,6 @@ log = logging.getLogger(__name__)
 SETTLING_TIME = 4.0  # seconds, at most
 REST_SPEED = 0.003  # m/s
 REST_TURNING = 0.05  # rad/s
-REST_TIME = 0.1  # seconds that the object must be slower than that
 DROP_SPREAD = 0.03  # the center of mass is dropped at most this far from the middle, both ways
 DROPS = 5
 # Released upright, nearly all objects lie as before, and the same grasp works 20 times.
@@ -236,15 +235,9 @@ class TrialRunner(Runner):
         """Let the object fall in an empty world until it lies still; None if it never does."""
         self.world.reset()
         self.world.place(start.pose)
-        pause = round(REST_TIME / TIME_STEP)
-        still = 0
         try:
-            for _ in range(round(SETTLING_TIME / TIME_STEP)):
-                self.world.step()
-                speed, turning = self.world.speeds()
-                still = still + 1 if speed < REST_SPEED and turning < REST_TURNING else 0
-                if still == pause:
-                    return self.world.pose()
+            if settle(self.world, SETTLING_TIME, REST_SPEED, REST_TURNING):
+                return self.world.pose()
         except UnstableError as error:
             log.warning("the object did not come to rest: %s", error)
         return None

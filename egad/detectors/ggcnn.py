@@ -70,25 +70,15 @@ class NetworkInput(NamedTuple):
 
 
 class _Spots(NamedTuple):
-    """Pixels of the network, each as a grasp from above.
+    """Pixels of the network, each as a grasp from above."""
 
-    Attributes:
-        row: (n,) in the maps of the network.
-        column: (n,)
-        top: (n,) height of the surface seen, metres.
-        middle: (n, 2) where the contacts should be, world frame, metres.
-        axis: (n, 2) unit vectors of the closing axis.
-        width: (n,) how far the hand opens, metres.
-        quality: (n,) that of the network.
-    """
-
-    row: Ints
+    row: Ints  # (n,) in the maps of the network
     column: Ints
-    top: Floats
-    middle: Floats
-    axis: Floats
-    width: Floats
-    quality: Floats
+    top: Floats  # (n,) height of the surface seen, metres
+    middle: Floats  # (n, 2) where the contacts should be, world frame, metres
+    axis: Floats  # (n, 2) unit vectors of the closing axis
+    width: Floats  # (n,) how far the hand opens, metres
+    quality: Floats  # (n,) that of the network
 
 
 class MapDetector:

@@ -39,6 +39,7 @@ FOR_CUPS = ("suction-cloud", "suction-depth")
 IN_ANY_DIRECTION = ("antipodal-cloud", "graspgen", "suction-cloud", "vgn", "vgn-evolved")
 LABELS = "labels"  # knows where the objects are
 GRASPGEN = "graspgen"  # shipped, but of no use without an address
+ONLY_FOR = {"execution": "ggcnn", "threshold": "vgn", "avoid_collisions": "vgn"}
 KNOWN = f"{', '.join(SHIPPED)}, {GRASPGEN}"
 FOR_KIND = {  # of grippers
     JawKind.name: tuple(name for name in (*SHIPPED, GRASPGEN) if name not in FOR_CUPS),
@@ -96,12 +97,10 @@ class DetectorConfig(Parameters):
             raise ValueError(
                 "the detector graspgen needs `address`; other detectors do not take it"
             )
-        if self.execution != "deepest" and self.detector != "ggcnn":
-            raise ValueError(f"the detector {self.name} takes no `execution`: only ggcnn does")
-        if self.threshold is not None and self.detector != "vgn":
-            raise ValueError(f"the detector {self.name} takes no `threshold`: only vgn does")
-        if self.avoid_collisions and self.detector != "vgn":
-            raise ValueError(f"the detector {self.name} takes no `avoid_collisions`: only vgn does")
+        for key, owner in ONLY_FOR.items():
+            changed = getattr(self, key) != type(self).model_fields[key].default
+            if changed and self.detector != owner:
+                raise ValueError(f"the detector {self.name} takes no `{key}`: only {owner} does")
         if self.detector is None:
             if self.weights:
                 raise ValueError(
@@ -114,11 +113,7 @@ class DetectorConfig(Parameters):
                 f"detector is {self.detector!r}; allowed: {KNOWN}, "
                 "FILE.py:CLASS or package.module:CLASS"
             )
-        if (
-            self.weights
-            and self.detector in (*SHIPPED, GRASPGEN)
-            and self.detector not in ("ggcnn", "vgn")
-        ):
+        if self.weights and self.detector in {*SHIPPED, GRASPGEN} - {"ggcnn", "vgn"}:
             raise ValueError(f"the detector {self.detector} takes no `weights`")
         return self
 

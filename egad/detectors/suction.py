@@ -30,18 +30,13 @@ UPWARD = 0.2  # the approach may point up by this sine
 
 
 class _Discs(NamedTuple):
-    """The surface around n points.
+    """The surface around n points."""
 
-    Attributes:
-        normals: (n, 3) unit normals of the planes that fit best, of either sign.
-        deviations: (n,) standard deviation of the distances from a plane within 1.1 times the ring,
-            metres; infinite where little is seen.
-        whole: (n,) whether there are points all over the ring and inside it.
-    """
-
-    normals: Floats
+    normals: Floats  # (n, 3) unit normals of the planes that fit best, of either sign
+    # (n,) standard deviation, metres, of the distances from a plane within 1.1 times the ring;
+    # infinite where little is seen
     deviations: Floats
-    whole: Flags
+    whole: Flags  # (n,) whether there are points all over the ring and inside it
 
 
 def suction_depth(view: View, gripper: Gripper, _rng: np.random.Generator) -> list[Grasp]:

@@ -17,6 +17,8 @@ from .parameters import PrintCheck as PrintCheck
 from .parameters import PrintExport as PrintExport
 from .parameters import PrintFiles as PrintFiles
 from .parameters import SelectEval as SelectEval
+from .plate_files import PlacedMesh as PlacedMesh
+from .plate_files import write_3mf as write_3mf
 from .plates import PrintItem as PrintItem
 from .plates import plan_prints as plan_prints
 from .print_files import write_print_files as write_print_files

@@ -16,10 +16,11 @@ from egad.errors import RejectedError
 from egad.evalset.engraving import engrave
 from egad.evalset.filament import print_settings
 from egad.evalset.parameters import PrintExport, PrintFiles
+from egad.evalset.plate_files import PlacedMesh, write_3mf
 from egad.evalset.plates import PrintItem, plan_prints
 from egad.evalset.printability import print_problems
 from egad.geometry import scale_suffix
-from egad.io import PlacedMesh, read_mesh, write_3mf, write_stl_mm
+from egad.io import read_mesh, write_stl_mm
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.grasping import SCALES

@@ -18,6 +18,7 @@ from .genome import Row as Row
 from .growth import check_regrown as check_regrown
 from .growth import check_resolution as check_resolution
 from .growth import genome_mesh as genome_mesh
+from .growth import packed_surface as packed_surface
 from .island import Watch as Watch
 from .island import evolve as evolve
 from .parameters import COARSEST as COARSEST
@@ -32,6 +33,5 @@ from .parameters import Neat as Neat
 from .parameters import PostprocessSolids as PostprocessSolids
 from .parameters import Shape as Shape
 from .parameters import Symmetry as Symmetry
-from .surface import packed_surface as packed_surface
 from .variation import breed as breed
 from .voxels import unpack as unpack

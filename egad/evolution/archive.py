@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from egad._util.arrays import Ints
 from egad._util.display import Picture, draw, facts_html
 from egad.errors import UserError
 from egad.evolution.genome import Row
@@ -138,7 +138,7 @@ class Archive:
         """The sum of the diversities of all elites (as pyribs; the objective is diversity)."""
         return sum(self._neighborhood.diversities(list(self._elites)))
 
-    def counts(self) -> NDArray[np.int64]:
+    def counts(self) -> Ints:
         """How many elites each cell holds: (cells, cells), by difficulty, then complexity."""
         counts = np.zeros((self.space.cells, self.space.cells), np.int64)
         for complexity_cell, difficulty_cell in self._cells.values():

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy import ndimage
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Flags, Floats, Ints, Singles
 from egad.errors import RejectedError, UserError
 from egad.evolution import voxels
 from egad.evolution.parameters import EvolutionParameters, Limits, Region, Symmetry
@@ -17,8 +16,8 @@ from egad.geometry import RayCaster
 from egad.geometry.repair import repair
 from egad.io import read_mesh
 
-Points = NDArray[np.float32]
-Voxels = NDArray[np.bool_]
+Points = Singles
+Voxels = Flags
 AXES = "xyz"
 EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
 
@@ -168,7 +167,7 @@ def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
     return solid
 
 
-def solid(output: NDArray[np.float32], threshold: float, rules: Rules) -> Solid:
+def solid(output: Singles, threshold: float, rules: Rules) -> Solid:
     """The one solid body that the output of a network describes within the rules.
 
     Voxels above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
@@ -214,7 +213,7 @@ def _check_limits(body: Solid, limits: Limits) -> None:
             raise RejectedError(f"{name} outside its limits ({value:.3g})")
 
 
-def box_sides(body: Solid) -> NDArray[np.int64]:
+def box_sides(body: Solid) -> Ints:
     """Sides of the axis-aligned box of a body, in voxels, (3,)."""
     return np.asarray(np.ptp(np.argwhere(body), axis=0) + 1)
 

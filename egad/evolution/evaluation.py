@@ -9,9 +9,8 @@ from egad.evolution import voxels
 from egad.evolution.archive import Elite
 from egad.evolution.constraints import Rules
 from egad.evolution.genome import Row
-from egad.evolution.growth import grow
+from egad.evolution.growth import grow, packed_surface
 from egad.evolution.parameters import EvolutionParameters
-from egad.evolution.surface import packed_surface
 from egad.measures import Estimate, measure_mesh, rough_graspability, spaced_graspability
 from egad.measures.graspability import graspability
 from egad.measures.reeb import graph as reeb

@@ -15,9 +15,9 @@ from egad._util.workers import workers
 from egad.errors import RejectedError, UserError, most_common
 from egad.evolution.archive import Archive
 from egad.evolution.evaluation import GenomeVoxels, Measured
+from egad.evolution.growth import packed_surface
 from egad.evolution.island import Candidate, Island
 from egad.evolution.parameters import Evolution, EvolutionParameters
-from egad.evolution.surface import packed_surface
 from egad.grippers import gripper
 from egad.measures import Graspability, MeasureSpace, default_measures
 from egad.measures.reeb import Similarity

@@ -1,18 +1,17 @@
-"""Genome -> solid and mesh, at any resolution."""
+"""Genomes -> solids -> smooth meshes, at any resolution."""
 
 import numpy as np
 import trimesh
 
 from egad._util.parameters import check_count
-from egad.errors import UserError
+from egad.errors import RejectedError, UserError
 from egad.evolution import constraints
 from egad.evolution.constraints import UNBOUND, Rules
 from egad.evolution.genome import Row
 from egad.evolution.parameters import COARSEST, FINEST, Shape
 from egad.evolution.query import query
-from egad.evolution.surface import surface
-from egad.evolution.voxels import Solid
-from egad.geometry import in_single_precision
+from egad.evolution.voxels import Solid, unpack
+from egad.geometry import Smoothing, in_single_precision, voxel_surface
 
 SAME = 0.95  # least overlap of regrown voxels with those of an archive
 
@@ -66,3 +65,20 @@ def check_regrown(genome: Row, voxels: Solid, threshold: float, rules: Rules = U
             "its genome does not describe its voxels, so it was evolved under constraints; give "
             "the configuration with them: egad export-meshes ARCHIVE --resolution N --config FILE"
         )
+
+
+def packed_surface(packed: bytes, shape: Shape) -> trimesh.Trimesh:
+    """The surface of voxels as archives keep them; `RejectedError` if none is solid."""
+    voxels = unpack(packed, shape.resolution)
+    if not voxels.any():
+        raise RejectedError("no solid voxel")
+    return surface(voxels, shape)
+
+
+def surface(voxels: Solid, shape: Shape) -> trimesh.Trimesh:
+    """The smoothed surface of voxels (EGAD, III-B), in metres, its box centered on the origin."""
+    smoothing = Smoothing(shape.smoothing_iterations, shape.smoothing_alpha, shape.smoothing_beta)
+    _, mesh = voxel_surface(voxels, smoothing)
+    low, high = mesh.bounds
+    mesh.vertices = (mesh.vertices - (low + high) / 2) * (shape.longest_side / (high - low).max())
+    return mesh

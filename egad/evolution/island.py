@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Flags
 from egad._util.display import facts_html
 from egad._util.progress import progress
 from egad._util.workers import Mapper
@@ -20,8 +20,8 @@ from egad.evolution import voxels
 from egad.evolution.archive import Archive, Elite, Refine
 from egad.evolution.constraints import UNBOUND, Rules
 from egad.evolution.evaluation import Evaluate, GenomeVoxels, Measured, express, measure, refine
+from egad.evolution.growth import packed_surface
 from egad.evolution.parameters import EvolutionParameters, Shape
-from egad.evolution.surface import packed_surface
 from egad.evolution.variation import Offspring, breed
 from egad.measures import coverage_of, filled_part
 from egad.tables.evolution import HISTORY, LINEAGE
@@ -55,7 +55,7 @@ class Candidate:
         return self.solid.id
 
     @property
-    def voxels(self) -> NDArray[np.bool_]:
+    def voxels(self) -> Flags:
         """Which cells of the cube are solid, (r, r, r)."""
         return voxels.unpack(self.solid.packed, self.shape.resolution)
 

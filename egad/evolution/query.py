@@ -6,14 +6,14 @@ from graphlib import TopologicalSorter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import expit
 
+from egad._util.arrays import Singles
 from egad.evolution.constraints import folded
 from egad.evolution.genome import INPUTS, OUTPUT, connections
 from egad.evolution.parameters import Symmetry
 
-Field = NDArray[np.float32]
+Field = Singles
 NO_SYMMETRY = Symmetry()
 
 

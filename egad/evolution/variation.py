@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import convolve
 
+from egad._util.arrays import Floats
 from egad.evolution.genome import Row, child, neat_config, random_genome
 from egad.evolution.parameters import EvolutionParameters
 from egad.measures import MeasureSpace, complexity_cells, difficulty_cells
@@ -86,20 +86,20 @@ def _parents(
     return drawn[: evolution.population]
 
 
-def _running(odds: NDArray[np.float64]) -> NDArray[np.float64]:
+def _running(odds: Floats) -> Floats:
     """Running sums of probabilities, the last one 1."""
     sums = np.cumsum(odds)
     return np.asarray(sums / sums[-1])
 
 
-def _draw(rng: np.random.Generator, count: int, chances: NDArray[np.float64] | None) -> int:
+def _draw(rng: np.random.Generator, count: int, chances: Floats | None) -> int:
     """A random index below `count`: uniform, or by the running sums of the probabilities."""
     if chances is None:
         return int(rng.integers(count))
     return int(np.searchsorted(chances, rng.random(), side="right"))
 
 
-def parent_odds(elites: Sequence[Parent], space: MeasureSpace) -> NDArray[np.float64]:
+def parent_odds(elites: Sequence[Parent], space: MeasureSpace) -> Floats:
     """The probability of each of n elites to be a parent, (n,), by the empty slots near it."""
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.graspability for elite in elites], space)

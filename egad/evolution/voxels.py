@@ -3,12 +3,12 @@
 import hashlib
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from egad._util.arrays import Flags
 from egad.errors import UserError
 
-Solid = NDArray[np.bool_]
+Solid = Flags
 
 
 def fill_orthographic(voxels: Solid) -> Solid:

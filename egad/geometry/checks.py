@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from egad._util.arrays import Flags, Floats, Ints
 from egad.errors import RejectedError, UserError
 
 PACKAGE = Path(__file__).parents[1]
@@ -89,13 +90,12 @@ def is_closed(mesh: trimesh.Trimesh) -> bool:
     return bool(np.array_equal(np.sort(start * count + end), np.sort(end * count + start)))
 
 
-def cone_volumes(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
+def cone_volumes(vertices: Floats, faces: Ints) -> Floats:
     """Signed volume between each face and the middle of the bounding box, (m,)."""
     corners = vertices[faces]
     middle = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2
     a, b, c = np.moveaxis(corners - middle, 1, 0)
-    volumes: NDArray[np.float64] = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
-    return volumes
+    return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
 
 
 def check_units(mesh: trimesh.Trimesh, what: str = "the mesh", unit: str = "metres") -> None:
@@ -133,7 +133,7 @@ def units_doubt(longest_sides: Mapping[str, float], unit: str | None) -> str:
     )
 
 
-def has_usual_size(longest_sides: ArrayLike) -> NDArray[np.bool_]:
+def has_usual_size(longest_sides: ArrayLike) -> Flags:
     """Whether meshes have the size of graspable objects, given longest sides in metres, (n,)."""
     low, high = USUAL_SIDES
     sides = np.asarray(longest_sides, dtype=np.float64)

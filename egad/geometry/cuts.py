@@ -32,8 +32,7 @@ class _Cut(NamedTuple):
 def _directions() -> Floats:
     """The axes, face diagonals and space diagonals of a cube, (13, 3)."""
     half = np.array([v for v in product((0, 1, -1), repeat=3) if v > (0, 0, 0)], dtype=np.float64)
-    unit: Floats = half / np.linalg.norm(half, axis=1, keepdims=True)
-    return unit
+    return np.asarray(half / np.linalg.norm(half, axis=1, keepdims=True))
 
 
 DIRECTIONS = _directions()

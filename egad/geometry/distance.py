@@ -4,9 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, Singles
 from egad._util.extras import needed_for
 from egad.geometry.surface_samples import spread
 
@@ -50,7 +49,7 @@ def _furthest(points: Floats, mesh: trimesh.Trimesh, size: float) -> float:
 class DistanceField(NamedTuple):
     """Signed distances on a cubic grid."""
 
-    values: NDArray[np.float32]  # (n, n, n) metres along x, y, z; negative within the solid
+    values: Singles  # (n, n, n) metres along x, y, z; negative within the solid
     origin: Floats  # (3,) position of the first node, metres
     resolution: float  # distance between two neighboring nodes, metres
 

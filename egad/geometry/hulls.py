@@ -12,10 +12,9 @@ from typing import NamedTuple
 import manifold3d
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, Ints
 from egad.geometry.manifold import to_mesh
 
 TOUCHING = 1e-6  # of the longest side: boxes this close count as touching
@@ -140,7 +139,7 @@ def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tupl
         chosen += _farthest(heights, facets, min(most, len(hull.points)) - len(chosen))
 
 
-def _farthest(heights: Floats, facets: NDArray[np.int64], most: int) -> list[int]:
+def _farthest(heights: Floats, facets: Ints, most: int) -> list[int]:
     """Indices of points highest above their facets and half as high as any, highest first."""
     order = np.argsort(-heights, kind="stable")
     _, first = np.unique(facets[order], return_index=True)

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import manifold3d
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from trimesh.graph import connected_component_labels
 
+from egad._util.arrays import Floats, Ints
 from egad.errors import RejectedError
 from egad.geometry.checks import OPEN, ROUNDING, cone_volumes
 from egad.geometry.touching import separated
@@ -16,7 +16,7 @@ from egad.geometry.touching import separated
 Solid = Any  # manifold3d.Manifold, which has no type information
 
 
-def to_solid(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Solid:
+def to_solid(vertices: Floats, faces: Ints) -> Solid:
     """The solid within closed surfaces that wind outwards, and may touch; see `is_solid`."""
     vertices, faces = separated(np.asarray(vertices), np.asarray(faces, dtype=np.int64))
     points = np.array(vertices, dtype=np.float64, order="C")  # copies: it rejects read-only ones
@@ -47,7 +47,7 @@ def wind_outwards(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return found
 
 
-def arrays(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def arrays(solid: Solid) -> tuple[Floats, Ints]:
     """Vertices (n, 3) and faces (m, 3) of a solid."""
     raw = solid.to_mesh64()
     vertices = np.array(np.asarray(raw.vert_properties)[:, :3], order="C")
@@ -57,11 +57,11 @@ def arrays(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 class Bodies(NamedTuple):
     """The closed shells of a solid; those that touch in a vertex are of one body."""
 
-    vertices: NDArray[np.float64]  # (n, 3)
-    faces: NDArray[np.int64]  # (m, 3)
-    shells: NDArray[np.int64]  # of the faces, (m,)
-    volumes: NDArray[np.float64]  # of the shells, (k,); negative around a void
-    groups: NDArray[np.int64]  # numbers of the bodies of the shells, (k,)
+    vertices: Floats  # (n, 3)
+    faces: Ints  # (m, 3)
+    shells: Ints  # of the faces, (m,)
+    volumes: Floats  # of the shells, (k,); negative around a void
+    groups: Ints  # numbers of the bodies of the shells, (k,)
 
 
 def bodies(solid: Solid) -> Bodies:
@@ -103,7 +103,7 @@ def _outward_solid(mesh: trimesh.Trimesh) -> Solid:
     return to_solid(outwards.vertices, outwards.faces)
 
 
-def box(low: NDArray[np.float64], high: NDArray[np.float64]) -> Solid:
+def box(low: Floats, high: Floats) -> Solid:
     """An axis-aligned box."""
     return manifold3d.Manifold.cube(tuple(high - low)).translate(tuple(low))
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from egad._util.arguments import check_array
 from egad._util.arrays import Floats
@@ -18,10 +18,10 @@ class MassProperties(NamedTuple):
 
     volume: float
     area: float
-    com: NDArray[np.float64]  # center of mass, (3,)
+    com: Floats  # center of mass, (3,)
     mass: float
     # inertia tensor about the center of mass, along the axes of the mesh, (3, 3)
-    inertia: NDArray[np.float64]
+    inertia: Floats
 
 
 def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:

@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, Ints
 from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
 from egad._util.extras import check_installed
 from egad._util.parameters import from_arguments
@@ -27,7 +26,7 @@ from egad.geometry.touchable import MAX_BURIED, buried_share
 CODE = ("geometry", "random.py")
 LIBRARIES = ("numpy", "scipy", "manifold3d", "embreex", "libigl", "trimesh", "numba", "coacd")
 TIME_LIMIT = 1800  # seconds; it takes minutes at most
-Task = tuple[Floats, NDArray[np.int64], float, int]
+Task = tuple[Floats, Ints, float, int]
 
 
 class PartsWarning(UserWarning):
@@ -156,7 +155,7 @@ def _packed(found: Decomposition) -> Arrays:
 
 
 def _unpacked(arrays: Arrays) -> Decomposition:
-    ends: NDArray[np.int64] = np.cumsum(arrays["counts"], axis=0)[:-1]
+    ends: Ints = np.cumsum(arrays["counts"], axis=0)[:-1]
     corners = np.split(arrays["vertices"], ends[:, 0])
     faces = np.split(arrays["faces"], ends[:, 1])
     parts = [trimesh.Trimesh(*each, process=False) for each in zip(corners, faces, strict=True)]

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.arrays import Flags, Floats, Singles
+from egad._util.arrays import Flags, Floats, Ints, Ints32, Singles
 from egad._util.kernels import kernel
 
 NOTHING, MISS = 1e37, 1e30  # what Embree gives where a ray meets nothing, and what is no hit
@@ -15,7 +15,7 @@ GRAZING = 1e-4  # of the mesh's size: if the distances differ by more, Embree's 
 OBLIQUE = np.array([0.4359, 0.5931, 0.6769]) / np.linalg.norm([0.4359, 0.5931, 0.6769])
 
 
-def embree_scene(vertices: Singles, faces: NDArray[np.int32]) -> Any:  # noqa: ANN401 (untyped)
+def embree_scene(vertices: Singles, faces: Ints32) -> Any:  # noqa: ANN401 (untyped)
     """A scene of triangles, whose method `run` casts rays as that of embreex does."""
     try:
         from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415 (there may be none)
@@ -30,7 +30,7 @@ def embree_scene(vertices: Singles, faces: NDArray[np.int32]) -> Any:  # noqa: A
 class LibiglScene:
     """Casts rays with the Embree of libigl, one at a time; the hits are those of embreex."""
 
-    def __init__(self, vertices: Singles, faces: NDArray[np.int32]) -> None:
+    def __init__(self, vertices: Singles, faces: Ints32) -> None:
         """Prepare triangles; vertices (n, 3), faces (m, 3)."""
         from igl.embree import EmbreeIntersector  # noqa: PLC0415 (where embreex is, it need not be)
 
@@ -58,7 +58,7 @@ class LibiglScene:
 class Intersections(NamedTuple):
     """The first triangle that each of n rays meets."""
 
-    faces: NDArray[np.int64]  # (n,) its number; -1 without a hit
+    faces: Ints  # (n,) its number; -1 without a hit
     distances: Singles  # (n,) in units of the length of the direction; infinite without a hit
     coordinates: Singles  # (n, 2) barycentric coordinates of the second and third corner
     normals: Singles  # (n, 3) of the triangle, of any length; zeros without a hit
@@ -92,8 +92,7 @@ class TriangleScene:
 
     def occluded(self, origins: NDArray[Any], directions: NDArray[Any]) -> Flags:
         """Whether each ray meets any triangle, (n,)."""
-        found: Flags = self._scene.run(*_rays(origins, directions), query="OCCLUDED") == 0
-        return found
+        return np.asarray(self._scene.run(*_rays(origins, directions), query="OCCLUDED") == 0)
 
 
 def _rays(origins: NDArray[Any], directions: NDArray[Any]) -> tuple[Singles, Singles]:
@@ -157,7 +156,7 @@ class RayCaster:
 
 @kernel()
 def _exact_hits(
-    faces: NDArray[np.int64],
+    faces: Ints,
     distances: Singles,
     normals: Floats,
     corners: Floats,

@@ -3,9 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from egad._util.arrays import Floats, Ints32
+from egad._util.arrays import Floats, Ints, Ints32
 from egad._util.kernels import kernel
 
 
@@ -30,7 +29,7 @@ class _Room(NamedTuple):
     following: Ints32  # of each corner: the next one of the same edge, or -1
 
 
-def distinct_corners(faces: NDArray[np.int64]) -> Ints32:
+def distinct_corners(faces: Ints) -> Ints32:
     """The faces (f, 3) with three different vertices."""
     a, b, c = faces.T
     distinct = (a != b) & (b != c) & (c != a)
@@ -58,7 +57,7 @@ def triangulation(vertices: Floats, faces: Ints32) -> Triangulation:
 
 
 @kernel()
-def lexicographic(low: Ints32, high: Ints32, bound: int) -> NDArray[np.int64]:
+def lexicographic(low: Ints32, high: Ints32, bound: int) -> Ints:
     """Indices that sort pairs of numbers below `bound`: a counting sort by each, stable."""
     order = np.arange(len(low))
     for keys in (high, low):

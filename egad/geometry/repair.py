@@ -42,8 +42,7 @@ def open_edges(faces: Ints) -> Ints:
     keys, count = np.unique(np.vstack([there, wanted]), axis=0, return_inverse=True)
     surplus = np.bincount(count[: len(there)], minlength=len(keys))
     surplus -= np.bincount(count[len(there) :], minlength=len(keys))
-    missing: Ints = np.repeat(keys, np.maximum(-surplus, 0), axis=0)
-    return missing
+    return np.asarray(np.repeat(keys, np.maximum(-surplus, 0), axis=0))
 
 
 def close_holes(mesh: trimesh.Trimesh, largest: float) -> trimesh.Trimesh | None:

@@ -6,9 +6,9 @@ with such coordinates is bit-identical in all formats and programs, as long as t
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
 from egad.geometry.refinement import Triangulation, distinct_corners, face_areas, triangulation
 
@@ -19,7 +19,7 @@ STRAY = 0.05  # except for a few: this many per flat fold
 FLAT = 0.15  # smallest fraction of flat folds that tells rounding from chance
 
 
-def rounding(vertices: Floats, faces: NDArray[np.int64]) -> float:
+def rounding(vertices: Floats, faces: Ints) -> float:
     """Estimate how far rounded coordinates may have moved vertices, from faces in one plane (ours).
 
     Two faces that share an edge form a fold. If they lie in one plane, the height of the fold is 0,

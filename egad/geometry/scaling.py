@@ -70,8 +70,7 @@ def _turned_to_minimum(points: Floats) -> Floats:
 
 def _extents(rows: Floats) -> Floats:
     """Range of each row: fast, because rows are contiguous in memory."""
-    extents: Floats = rows.max(axis=1) - rows.min(axis=1)
-    return extents
+    return np.asarray(rows.max(axis=1) - rows.min(axis=1))
 
 
 def _even_turns(count: int) -> Floats:
@@ -84,8 +83,7 @@ def _even_turns(count: int) -> Floats:
         np.sqrt(1 - height) * np.sin(second),
         np.sqrt(1 - height) * np.cos(second),
     ]
-    turns: Floats = Rotation.from_quat(np.column_stack(quaternions)).as_matrix()
-    return turns
+    return np.asarray(Rotation.from_quat(np.column_stack(quaternions)).as_matrix())
 
 
 def scale_factor(rule: str, sides: Floats, opening: float, side_fraction: float) -> float:

@@ -1,9 +1,8 @@
 """Find where a surface passes through itself, and remove these regions."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from egad._util.arrays import Floats, Ints
+from egad._util.arrays import Flags, Floats, Ints
 from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry.manifold import Solid, arrays, box, is_solid, union
@@ -175,6 +174,5 @@ def _merged(low: Floats, high: Floats) -> tuple[Floats, Floats]:
     return lows, highs
 
 
-def _overlap(lows: Floats, highs: Floats, low: Floats, high: Floats) -> NDArray[np.bool_]:
-    overlap: NDArray[np.bool_] = np.all((lows <= high) & (low <= highs), axis=1)
-    return overlap
+def _overlap(lows: Floats, highs: Floats, low: Floats, high: Floats) -> Flags:
+    return np.asarray(np.all((lows <= high) & (low <= highs), axis=1))

@@ -2,16 +2,14 @@
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy import sparse
 from skimage.measure import marching_cubes
 
+from egad._util.arrays import Flags, Ints, Singles
 from egad.geometry.parameters import Smoothing
 
 
-def voxel_surface(
-    voxels: NDArray[np.bool_], smoothing: Smoothing
-) -> tuple[NDArray[np.float32], trimesh.Trimesh]:
+def voxel_surface(voxels: Flags, smoothing: Smoothing) -> tuple[Singles, trimesh.Trimesh]:
     """The surface of solid voxels: vertices before smoothing, (v, 3), and the smooth mesh.
 
     The center of voxel (i, j, k) is at (i+1, j+1, k+1). Source: EGAD, section III-B; smoothing by
@@ -30,7 +28,7 @@ def voxel_surface(
     return sharp, mesh
 
 
-def _neighbor_mean(faces: NDArray[np.int64], count: int) -> sparse.csr_matrix:
+def _neighbor_mean(faces: Ints, count: int) -> sparse.csr_matrix:
     """The matrix that replaces each vertex by the mean of its neighbors on a closed surface."""
     pairs = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)  # the other face has the way back
     ones = np.ones(len(pairs))

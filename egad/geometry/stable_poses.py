@@ -162,8 +162,7 @@ def rotation_to_table(normal: Floats) -> Floats:
     sine, cosine = float(np.linalg.norm(axis)), float(-normal[2])
     if sine == 0:
         return np.eye(3) if cosine > 0 else np.diag([1.0, -1.0, -1.0])
-    turn: Floats = Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix()
-    return turn
+    return np.asarray(Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix())
 
 
 def _facets(vertices: Floats, center: Floats) -> _Facets:
@@ -225,10 +224,8 @@ def _solid_angles(triangles: Floats) -> Floats:
     la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
     volume = np.abs(_dot(a, np.cross(b, c)))
     flat = la * lb * lc + _dot(a, b) * lc + _dot(b, c) * la + _dot(c, a) * lb
-    angles: Floats = 2 * np.arctan2(volume, flat)
-    return angles
+    return np.asarray(2 * np.arctan2(volume, flat))
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
-    products: Floats = np.einsum("ij,ij->i", a, b)
-    return products
+    return np.asarray(np.einsum("ij,ij->i", a, b))

@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Flags, Floats
 from egad._util.kernels import kernel
 from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.rays import RayCaster
@@ -73,7 +73,7 @@ def facing_depths(touchable: Touchable, planes: Floats) -> Floats:
 @kernel()
 def deeper_points(
     points: Floats, normals: Floats, planes: Floats, depth: float, facing_depth: float
-) -> NDArray[np.bool_]:
+) -> Flags:
     """Which of n points lie deeper than `depth`, and `facing_depth` below planes that they face."""
     found = np.zeros(len(points), np.bool_)
     for i in range(len(points)):
@@ -111,7 +111,7 @@ def share_within(points: Floats, hulls: Iterable[Hull], depth: float) -> float:
     return float(buried.mean()) if len(buried) else 0.0
 
 
-def within_box(points: Floats, corners: Floats) -> NDArray[np.bool_]:
+def within_box(points: Floats, corners: Floats) -> Flags:
     """Whether points (n, 3) lie in the axis-aligned box of others, (n,)."""
     inside = np.ones(len(points), dtype=np.bool_)
     for along, edge in zip(points.T, corners.T, strict=True):

@@ -21,13 +21,7 @@ CONTACT_TOLERANCE = 1e-6  # of the opening
 
 @dataclass(frozen=True)
 class ContactPairs:
-    """Contacts of n grasps.
-
-    Attributes:
-        points: (n, 2, 3), metres.
-        normals: (n, 2, 3) outward unit normals.
-        axes: (n, 3) unit vectors from the first contact to the second.
-    """
+    """Contacts of n grasps: points and outward normals (n, 2, 3), and axes between (n, 3)."""
 
     points: Floats
     normals: Floats
@@ -86,7 +80,7 @@ def sample_contacts(
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Find grasps that are well spread over an object.
+    """Find grasps that are well spread over an object, and sampling statistics.
 
     First contacts are uniform over the surface; the axis deviates from the inward normal by an
     angle whose tangent is uniform up to the cone. The second contact is where a finger that closes
@@ -97,14 +91,10 @@ def sample_contacts(
     Args:
         caster: Ray caster of the object, metres.
         opening: Distance between the open fingers, metres.
-        count: Number of grasps wanted.
-        sampling: Rules. A round samples twice as many candidates as grasps are wanted, if that is
-            more than its setting.
+        count: How many at most; a round samples at least twice as many candidates.
+        sampling: Rules.
         rng: Random number generator.
         wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
-
-    Returns:
-        Up to `count` grasps, fewer if the rounds did not find more, and the sampling statistics.
     """
     grasps, statistics = ContactPairs.empty(), SamplingStatistics()
     for _ in range(sampling.rounds):
@@ -128,19 +118,8 @@ def valid_contacts(
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Sample candidates like `sample_contacts`, and keep all that are grasps, however close.
 
-    They are independent draws from one distribution, so a percentile of their quality has no
-    bias from spacing.
-
-    Args:
-        caster: Ray caster of the object, metres.
-        opening: Distance between the open fingers, metres.
-        candidates: Number of candidates to sample.
-        sampling: Rules; rounds and spacing do not matter.
-        rng: Random number generator.
-        wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
-
-    Returns:
-        The grasps among them, in the order sampled, and the sampling statistics.
+    They are independent draws from one distribution, so a percentile of their quality has no bias
+    from spacing. Rounds and spacing do not matter.
     """
     starts, faces = _points(caster, candidates, rng)
     normals = caster.normals[faces]
@@ -161,10 +140,7 @@ def join(parts: list[ContactPairs]) -> ContactPairs:
 
 
 def approach_directions(axes: Floats) -> Floats:
-    """Horizontal unit vectors (n, 3) at right angles to closing axes: Dex-Net's angle 0.
-
-    It is x for a vertical axis.
-    """
+    """Horizontal unit vectors (n, 3) across axes: Dex-Net's angle 0; x for a vertical one."""
     flat = np.stack([axes[:, 1], -axes[:, 0], np.zeros(len(axes))], axis=1)
     length = np.linalg.norm(flat, axis=1, keepdims=True)
     return np.where(length > 1e-9, flat / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])

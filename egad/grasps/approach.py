@@ -34,11 +34,9 @@ def best_approaches(
     """Find the approach with the most clearance for the open hand, for each of n grasps.
 
     The approaches tried are spread evenly around the closing axis; the first points down (along -z)
-    as far as the axis allows. At each, the hand is tested exactly, at the grasp and along its
-    straight way in (metres): it is swept along that way, and no part of it may share a point with
-    the object, surface or inside. The free approach farthest from any that is not free is chosen.
-    If none is free, the same is done with those that fit at the grasp; if none fits, the first
-    approach is chosen.
+    as far as the axis allows. At each, the hand is tested exactly, at the grasp and swept along its
+    straight way in, metres. The free approach farthest from any that is not free is chosen; if none
+    is free, the same among those that fit at the grasp; if none fits, the first.
     """
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
@@ -80,14 +78,7 @@ def touching_turns(
 ) -> Flags:
     """In which poses a part of a hand shares a point with the object, surface or inside: (n, k).
 
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        parts: This and the other arguments are those of `blocked_turns`.
-        origins: (n, 3).
-        frames: (n, 3, 3).
-        turns: (k,).
-        known: (n, k).
-        behind: (n,).
+    The other arguments are those of `blocked_turns`.
     """
     inside = _swallowed(caster, parts, origins, frames, turns, behind)
     known = inside if known is None else inside | known
@@ -104,10 +95,7 @@ def _swallowed(
     turns: Floats,
     behind: Floats | None,
 ) -> Flags:
-    """In which poses a part of the hand has its middle in the object, (n, k); see `blocked_turns`.
-
-    A part that touches no surface lies entirely inside or outside, like any of its points.
-    """
+    """In which poses a part has its middle in the object, (n, k): one that touches no surface."""
     result = np.zeros((len(origins), len(turns)), dtype=bool)
     back = np.zeros((len(origins), 1)) if behind is None else behind[:, None]
     for x, y, z in (part.middle for part in hand):

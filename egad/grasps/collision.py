@@ -23,12 +23,7 @@ def roomy(distance: Floats, gripper: Gripper) -> Floats:
 
 
 def expected_distance(opening: float, gripper: Gripper) -> float | None:
-    """Contact distance for which `roomy` gives this opening, metres; None for the widest opening.
-
-    Args:
-        opening: Metres.
-        gripper: The hand.
-    """
+    """The contact distance for which `roomy` gives an opening; None for the widest, metres."""
     if opening >= gripper.opening:
         return None
     return max(opening - 2 * SIDE_CLEARANCE, 0.0)
@@ -43,7 +38,7 @@ def blocked_turns(
     known: Flags | None = None,
     behind: Floats | None = None,
 ) -> Flags:
-    """In which poses a body touches a surface.
+    """In which poses a body touches a surface, (n, k).
 
     Args:
         triangles: (m, 3, 3), metres.
@@ -53,9 +48,6 @@ def blocked_turns(
         turns: (k,) angles that the body turns about x, taking z towards -y, radians.
         known: (n, k) poses that need no test, as they are known to touch.
         behind: (n,) how far the body lies behind its frame, along -z, metres; 0 if None.
-
-    Returns:
-        (n, k): whether any part touches any triangle.
     """
     centers, radii = spheres(triangles)
     boxes = np.stack([part.box for part in parts])
@@ -171,11 +163,7 @@ def local(
 
 @kernel()
 def clipped(polygon: Floats, planes: Floats) -> tuple[Floats, int]:
-    """Corners of a convex polygon (c, 3) clipped by planes, and their number; 0: nothing is left.
-
-    Sutherland and Hodgman 1974. What is in front of a plane (normal . point + offset > 0) is
-    removed.
-    """
+    """Corners of a convex polygon left behind planes (Sutherland and Hodgman 1974); how many."""
     count = len(polygon)
     corners = np.empty((count + len(planes) + 1, 3))
     kept = np.empty((count + len(planes) + 1, 3))

@@ -1,6 +1,6 @@
 """Grasps of a parallel-jaw hand as arrays and as a table: what the functions of `egad` return."""
 
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -11,6 +11,7 @@ from egad._util.arrays import Floats
 from egad._util.display import Picture, draw, facts_html
 from egad.errors import UserError
 from egad.grasps.poses import hand_poses
+from egad.tables.columns import vector_names
 
 POINTS = ("center", "contact0", "contact1")
 DIRECTIONS = ("axis", "approach", "normal0", "normal1")
@@ -156,9 +157,9 @@ class Grasps:
         rotation, shift = _rigid(matrix)
         moved = self._table.copy()
         for name in POINTS:
-            moved[_columns(name)] = vectors(moved, name) @ rotation.T + shift
+            moved[vector_names(name)] = vectors(moved, name) @ rotation.T + shift
         for name in DIRECTIONS:
-            moved[_columns(name)] = vectors(moved, name) @ rotation.T
+            moved[vector_names(name)] = vectors(moved, name) @ rotation.T
         return type(self)(moved)
 
     def to_frame(self) -> pd.DataFrame:
@@ -171,11 +172,12 @@ class Grasps:
 
 def vectors(frame: pd.DataFrame, name: str) -> Floats:
     """The columns `NAME_x`, `NAME_y`, `NAME_z` as (n, 3)."""
-    return np.asarray(frame[_columns(name)], dtype=np.float64).reshape(-1, 3)
+    return np.asarray(frame[vector_names(name)], dtype=np.float64).reshape(-1, 3)
 
 
-def _columns(name: str) -> list[Any]:
-    return [f"{name}_{part}" for part in "xyz"]
+def vector_columns(name: str, values: Floats) -> dict[str, Floats]:
+    """The inverse of `vectors`."""
+    return dict(zip(vector_names(name), values.T, strict=True))
 
 
 def _rigid(matrix: ArrayLike) -> tuple[Floats, Floats]:

@@ -6,14 +6,14 @@ import numpy as np
 import pandas as pd
 import trimesh
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Flags, Floats
 from egad._util.parameters import from_arguments
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, check_solid
 from egad.geometry.surfaces import FRICTION
 from egad.grasps.antipodal import ContactPairs, SamplingStatistics, sample_contacts
-from egad.grasps.approach import best_approaches
-from egad.grasps.jaws import JawFaces
+from egad.grasps.approach import best_approaches, touching_turns
+from egad.grasps.grasps import vector_columns
 from egad.grasps.opening import needed_openings
 from egad.grasps.parameters import (
     APPROACH_ANGLES,
@@ -25,8 +25,11 @@ from egad.grasps.parameters import (
     Sampling,
 )
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.robust import robust_ferrari_canny
-from egad.grippers import Gripper, HandBody
+from egad.grasps.robust import JawFaces, robust_ferrari_canny
+from egad.grasps.samplers import Sampled
+from egad.grasps.suction import collision_free, seal_cups
+from egad.grippers import SUCTION, Gripper, HandBody, cup_of
+from egad.grippers.kinds import CupKind, JawKind
 
 
 def label_parameters(
@@ -38,11 +41,7 @@ def label_parameters(
     cone: float = CONE,
     approach_angles: int = APPROACH_ANGLES,
 ) -> LabelParameters:
-    """The default parameters of labelled grasps, overridden by the given ones.
-
-    Raises:
-        UserError: A value is not allowed.
-    """
+    """The default parameters of labelled grasps, overridden by the given ones; or `UserError`."""
     return from_arguments(
         LabelParameters,
         seed=seed,
@@ -61,24 +60,7 @@ def label_grasps(
     rng: np.random.Generator,
     body: HandBody,
 ) -> pd.DataFrame:
-    """Sample grasps of an object and rate them.
-
-    Args:
-        mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
-        com: (3,) center of mass, metres.
-        settings: The gripper, how many grasps, and how to rate them.
-        rng: Random number generator.
-        body: Body of the gripper's hand.
-
-    Returns:
-        One row per grasp, in the frame of the mesh, with the columns of `tables.grasping.GRASPS`
-        except `id` and `label`.
-
-    Raises:
-        RejectedError: No grasp was found; the reason says at which tests the candidates failed. Or
-            the mesh is open, bounds no volume or is not finite.
-        UserError: It is not a mesh.
-    """
+    """Sample grasps of a solid mesh and rate them (`GRASPS`); `RejectedError` if there is none."""
     check_solid(mesh)
     caster = RayCaster(mesh)
     grasps, statistics = sample_for_labels(caster, settings, rng)
@@ -90,11 +72,7 @@ def label_grasps(
 def sample_for_labels(
     caster: RayCaster, settings: LabelParameters, rng: np.random.Generator
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Sample the grasps of an object to be rated; also returns the sampling statistics.
-
-    The sampler's own test of one horizontal approach is skipped: the body of the hand is tested
-    from all around instead.
-    """
+    """Sample grasps to be rated, without the sampler's own test of one approach; statistics."""
     wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
     sampling = settings.sampling.model_copy(update={"approach_clearance": 0.0})
     return sample_contacts(caster, opening, wanted, sampling, rng)
@@ -136,16 +114,16 @@ def rate_grasps(
     return pd.DataFrame(
         {
             "grasp": np.arange(len(grasps)),
-            **_columns("center", grasps.centers),
-            **_columns("axis", grasps.axes),
-            **_columns("approach", approach.directions),
+            **vector_columns("center", grasps.centers),
+            **vector_columns("axis", grasps.axes),
+            **vector_columns("approach", approach.directions),
             "width": grasps.widths,
             # a hand that fits is slightly wider than its opening, see `hand.CLEARANCE`
             "needed_opening": np.where(approach.fits, np.minimum(needed, gripper.opening), needed),
-            **_columns("contact0", grasps.points[:, 0]),
-            **_columns("contact1", grasps.points[:, 1]),
-            **_columns("normal0", grasps.normals[:, 0]),
-            **_columns("normal1", grasps.normals[:, 1]),
+            **vector_columns("contact0", grasps.points[:, 0]),
+            **vector_columns("contact1", grasps.points[:, 1]),
+            **vector_columns("normal0", grasps.normals[:, 0]),
+            **vector_columns("normal1", grasps.normals[:, 1]),
             "quality": quality,
             "robust_quality": mean,
             "robust_quality_std": deviation,
@@ -161,13 +139,7 @@ def rate_grasps(
 def statistics_row(
     wanted: int, statistics: SamplingStatistics, grasps: pd.DataFrame
 ) -> dict[str, int]:
-    """Sampling statistics of an object: a row of `tables.grasping.SAMPLING`.
-
-    Args:
-        wanted: Number of grasps wanted.
-        statistics: Sampling statistics.
-        grasps: The rated grasps, with the columns of `tables.grasping.GRASPS`; may be empty.
-    """
+    """A row of `tables.grasping.SAMPLING` about an object, from its rated grasps, if any."""
     failed = asdict(statistics)
     candidates = failed.pop("candidates")
     fits, free = (grasps[name].to_numpy(bool) for name in ("fits", "collision_free"))
@@ -183,5 +155,111 @@ def statistics_row(
     }
 
 
-def _columns(name: str, vectors: Floats) -> dict[str, Floats]:
-    return {f"{name}_{part}": vectors[:, i] for i, part in enumerate("xyz")}
+def label_poses(caster: RayCaster, grasps: Sampled, body: HandBody, way: float) -> pd.DataFrame:
+    """Label grasps of jaws: columns of `tables.grasping.GRASPS` but `id` and `label`.
+
+    The normals are those where rays from the open fingers along the closing axis meet the surface,
+    or missing. The way in is straight, metres. The robust quality is the given one.
+    """
+    widths, (centers, frames) = grasps.widths, _frames(grasps.poses)
+    axes, approaches = frames[:, 0], frames[:, 2]
+    opening = body.gripper.opening
+    half = widths[:, None] / 2 * axes
+    points = np.stack([centers - half, centers + half], axis=1)
+    ends = [_normals(caster, centers, side * axes, opening / 2) for side in (-1, 1)]
+    pairs = ContactPairs(points, np.stack(ends, axis=1), axes)
+    behind = body.reach(widths) - body.reach(np.array([opening]))
+    there, coming = (
+        touching_turns(caster, body.parts(back), centers, frames, behind=behind)[:, 0]
+        for back in (0, way)
+    )
+    return posed_table(
+        centers,
+        frames,
+        contacts=points,
+        normals=pairs.normals,
+        quality=grasps.quality,
+        fits=~there,
+        free=~(there | coming),
+    ).assign(width=widths, needed_opening=needed_openings(caster, pairs, approaches, body))
+
+
+def posed_table(
+    centers: Floats,
+    frames: Floats,
+    *,
+    contacts: Floats,
+    normals: Floats,
+    quality: Floats,
+    fits: Flags,
+    free: Flags,
+) -> pd.DataFrame:
+    """Columns of `tables.grasping.GRASPS` of n grasps that have one approach each.
+
+    Rows of the frames are the unit vectors x, y, z of the hand. Width and needed opening are 0.
+    """
+    vectors = {
+        "center": centers,
+        "axis": frames[:, 0],
+        "approach": frames[:, 2],
+        **{f"contact{side}": contacts[:, side] for side in (0, 1)},
+        **{f"normal{side}": normals[:, side] for side in (0, 1)},
+    }
+    columns: dict[str, Floats] = {}
+    for name, values in vectors.items():
+        columns |= vector_columns(name, values)
+    return pd.DataFrame(columns).assign(
+        grasp=np.arange(len(centers)),
+        width=0.0,
+        needed_opening=0.0,
+        quality=quality,
+        robust_quality=quality,
+        robust_quality_std=np.nan,
+        robust_success_rate=np.nan,
+        fits=fits,
+        collision_free=free,
+        angles_fit=fits.astype(int),
+        angles_collision_free=free.astype(int),
+    )
+
+
+def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float) -> Floats:
+    """Outward normals where fingers come in from both ends of the opening, (n, 3); or NaN."""
+    hits = caster.first_hits(centers + reach * outwards, -outwards)
+    met = hits.entering & (hits.distances < 2 * reach)
+    return np.where(met[:, None], hits.normals, np.nan)
+
+
+def label_cups(caster: RayCaster, grasps: Sampled, body: HandBody, _way: float) -> pd.DataFrame:
+    """Label suction grasps, with columns as of `label_poses`.
+
+    Both contacts are the origin of the pose, both normals the opposite of the approach. Deviation
+    and success rate are missing unless the quality is the share of perturbed copies that hold.
+    """
+    cup, quality = cup_of(body.gripper, "a suction grasp"), grasps.quality
+    origins, frames = _frames(grasps.poses)
+    depths = seal_cups(caster, cup, origins, frames).depths
+    standing = cup.model_copy(update={"approach": 0.0})
+    fits, free = (collision_free(caster, each, origins, frames, depths) for each in (standing, cup))
+    table = posed_table(
+        origins,
+        frames,
+        contacts=np.stack([origins] * 2, axis=1),
+        normals=np.stack([-frames[:, 2]] * 2, axis=1),
+        quality=quality,
+        fits=fits,
+        free=free,
+    )
+    if body.gripper.grasps_with != SUCTION:
+        return table
+    deviation = np.sqrt(quality * (1 - quality))
+    return table.assign(robust_quality_std=deviation, robust_success_rate=quality)
+
+
+def _frames(poses: Floats) -> tuple[Floats, Floats]:
+    """Origins (n, 3) of poses, and their unit vectors in rows, (n, 3, 3)."""
+    return poses[:, :3, 3], np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))
+
+
+# how grasps of each kind of gripper are labelled that are not sampled here
+LABELS = {JawKind.name: label_poses, CupKind.name: label_cups}

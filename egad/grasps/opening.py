@@ -82,11 +82,7 @@ def _gaps(
     frames: Floats,
     least: Floats,
 ) -> tuple[Floats, Floats]:
-    """The first gap in the surface that both fingers fit into, from (n,) to (n,) from the middle.
-
-    Between these distances of the inner faces, the first at least `least`, no triangle reaches into
-    a finger.
-    """
+    """The first gap beyond `least` that both fingers fit into, (n,) from the middle each."""
     planes = np.zeros((4, 4))
     for axis in range(2):
         for end in range(2):
@@ -178,14 +174,7 @@ def _first_gap(taken: Floats, least: float) -> tuple[float, float]:
 
 
 def graspable_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
-    """Thickness of a solid behind points spread over its surface, straight along the normals.
-
-    Args:
-        mesh: A closed surface, wound outwards.
-
-    Returns:
-        Widths, (n,), in the unit of the mesh, and the area that each represents, (n,).
-    """
+    """Thickness of a closed mesh behind points, (n,), and the area that each represents, (n,)."""
     size = float(np.max(mesh.extents))
     samples = spread(mesh, SPACING * size)
     starts = samples.points - SKIN * size * samples.normals
@@ -222,10 +211,7 @@ def _needed_by_fingers(
 def _needed_by_jaw(
     caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: JawBody
 ) -> Floats:
-    """The same for a hand with one moving jaw, whose fixed jaw stands before the first contact.
-
-    The moving jaw sweeps from wide open to the contact: what it meets on the way stops it there.
-    """
+    """The same for one moving jaw, which sweeps from wide open until something stops it."""
     widths, openings = grasps.widths, body.model.openings
     levels = np.flatnonzero(openings <= body.gripper.opening + CLEARANCE)
     everything = np.arange(len(grasps))

@@ -14,15 +14,9 @@ PANDA_REACH = 0.11217
 
 
 def hand_poses(centers: Floats, axes: Floats, approaches: Floats) -> Floats:
-    """Poses in our own frame: (n, 4, 4).
+    """Poses in our own frame, (n, 4, 4): x is the closing axis, z the approach, y = z cross x.
 
-    The origin lies midway between the contacts, x is the closing axis, z the approach, and
-    y = z cross x.
-
-    Args:
-        centers: (n, 3) metres.
-        axes: (n, 3) unit closing axes.
-        approaches: (n, 3) unit vectors at right angles to the axes.
+    Centers are (n, 3) metres; axes and approaches (n, 3) unit vectors at right angles.
     """
     poses = np.tile(np.eye(4), (len(centers), 1, 1))
     poses[:, :3, 0] = axes
@@ -33,13 +27,10 @@ def hand_poses(centers: Floats, axes: Floats, approaches: Floats) -> Floats:
 
 
 def panda_poses(poses: Floats, fingertip: float) -> Floats:
-    """Poses of ACRONYM's hand that put its fingertips where ours are: (n, 4, 4).
+    """Poses of ACRONYM's hand that put its fingertips where ours are, (n, 4, 4), from our own.
 
-    Its axes are ours; its origin lies `PANDA_REACH` behind the fingertips.
-
-    Args:
-        poses: (n, 4, 4) in our own frame.
-        fingertip: How far our fingers reach beyond the contacts, metres.
+    Its axes are ours; its origin lies `PANDA_REACH` behind the fingertips, and ours `fingertip`
+    metres.
     """
     moved = poses.copy()
     moved[:, :3, 3] -= (PANDA_REACH - fingertip) * poses[:, :3, 2]
@@ -47,14 +38,10 @@ def panda_poses(poses: Floats, fingertip: float) -> Floats:
 
 
 def graspnet_poses(poses: Floats, depth: float) -> Floats:
-    """Poses of GraspNet's hand: (n, 4, 4).
+    """Poses of GraspNet's hand, (n, 4, 4), from our own.
 
     Its x is the approach, its y the closing axis, and its z = x cross y. Contacts lie at x = depth,
-    where graspnetAPI closes the fingers when it evaluates a grasp.
-
-    Args:
-        poses: (n, 4, 4) in our own frame.
-        depth: From the origin to the contacts, metres.
+    metres, where graspnetAPI closes the fingers when it evaluates a grasp.
     """
     moved = poses[:, :, [2, 0, 1, 3]]
     moved[:, :3, 3] -= depth * poses[:, :3, 2]
@@ -62,11 +49,7 @@ def graspnet_poses(poses: Floats, depth: float) -> Floats:
 
 
 def dexnet_frames(axes: Floats) -> Floats:
-    """Rotations (n, 3, 3) of Dex-Net's grasp frame at approach angle 0.
-
-    Its y is the closing axis, its x the approach: horizontal, and along the object's x where the
-    closing axis is vertical.
-    """
+    """Rotations (n, 3, 3) of Dex-Net's frame at angle 0: y closes, x approaches horizontally."""
     forward = approach_directions(axes)
     return np.stack([forward, axes, np.cross(forward, axes)], axis=2)
 
@@ -82,7 +65,7 @@ def dexnet_angles(axes: Floats, approaches: Floats) -> Floats:
 def dexnet_configurations(
     centers: Floats, axes: Floats, approaches: Floats, opening: float
 ) -> Floats:
-    """The ten numbers of Dex-Net's parallel-jaw grasps: (n, 10).
+    """The ten numbers of Dex-Net's parallel-jaw grasps, (n, 10).
 
     Center, closing axis, widest opening, approach angle, width of the jaws (0: points) and smallest
     opening (0).

@@ -82,24 +82,13 @@ def quality_bound(
     torque_scaling: float = 100.0,
     finger_radius: float = 0.005,
 ) -> Floats:
-    """An upper bound of `ferrari_canny` in closed form.
+    """An upper bound of `ferrari_canny` in closed form, (n,); 0 where a finger slips.
 
     No contact force turns the object about the line of contacts; only torsion does, by no more than
     `pi finger_radius^2 friction torque_scaling cos(a)^2`, with `a` the angle between the axis and
     the normal of the better contact. The wrench that resists this turn about a line at the distance
-    `d` from the center of mass has the length `sqrt(1 + (torque_scaling d)^2)`. (Ours.)
-
-    Args:
-        points: (n, 2, 3) contacts on a line along the axis, metres.
-        normals: (n, 2, 3) outward unit normals there.
-        axis: (n, 3) unit vectors from the first contact to the second.
-        com: (3,) center of mass, metres.
-        friction: Coulomb friction coefficient.
-        torque_scaling: Weight of a torque relative to a force, 1/m.
-        finger_radius: Radius of the soft contact, metres.
-
-    Returns:
-        (n,) bounds; 0 where a finger slips.
+    `d` from the center of mass has the length `sqrt(1 + (torque_scaling d)^2)`. The contacts are on
+    a line along the axis. (Ours.)
     """
     pressure = pressures(normals, axis)
     torsion = np.pi * finger_radius**2 * friction * torque_scaling * pressure.max(axis=1) ** 2
@@ -126,10 +115,10 @@ def wrenches(
 ) -> Floats:
     """Force and scaled torque that contacts of n grasps can apply, (n, 2 cone_faces + 4, 6).
 
-    A finger presses with the component of a unit force along its inward normal. Its friction cone
-    has `cone_faces` edges, the first leaning towards x; torsion acts either way about the normal.
-    The arms (n, 2, 3) are relative to the center of mass, times the torque scaling; torsion is
-    scaled, per friction and pressure; normals are outward.
+    A finger presses with the component of a unit force along its inward normal. The first edge of
+    its friction cone leans towards x; torsion acts either way about the normal. The arms (n, 2, 3)
+    are relative to the center of mass, times the torque scaling; torsion is per friction and
+    pressure.
     """
     angles = 2 * np.pi * np.arange(cone_faces) / cone_faces
     result: Floats = _wrenches(

@@ -5,6 +5,8 @@ copy has its own object pose, the center of mass is perturbed around its true po
 that meets the object beyond the middle pushes it along instead of missing it.
 """
 
+from typing import NamedTuple, Self
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -12,9 +14,42 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster
 from egad.grasps.antipodal import ContactPairs
-from egad.grasps.jaws import JawFaces
 from egad.grasps.parameters import Quality, Robust
 from egad.grasps.quality import ferrari_canny
+from egad.grippers import HandBody, JawBody
+
+
+class JawFaces(NamedTuple):
+    """The inner faces of a hand with one moving jaw, at n grasps (ours).
+
+    The faces of a jaw that turns are parallel at one opening only. An object between them touches
+    both, and the line of the closing force then leans by half the angle to either face: a body that
+    lies flat against one face presses on it off its middle, and a round one turns. So friction must
+    carry half the angle at each contact, whatever the surface of the object is like, or the object
+    is squeezed out.
+    """
+
+    body: JawBody
+    approaches: Floats  # (n, 3) unit vectors along which it points
+    excess: Floats  # (n,) how much wider than the contacts it stays open, stopped before, metres
+
+    @classmethod
+    def of(
+        cls, body: HandBody, grasps: ContactPairs, approaches: Floats, needed: Floats
+    ) -> Self | None:
+        """The jaw faces at n grasps at the openings they need, metres; None for parallel jaws."""
+        if not isinstance(body, JawBody):
+            return None
+        excess = np.where(np.isfinite(needed), needed - grasps.widths, 0.0)
+        return cls(body, approaches, excess)
+
+    def normals(self, grasps: ContactPairs) -> Floats:
+        """Outward normals (n, 2, 3) of what fits the faces, for as many copies of each grasp."""
+        copies = len(grasps) // max(len(self.excess), 1)
+        excess = np.repeat(self.excess, copies)
+        approaches = np.repeat(self.approaches, copies, axis=0)
+        angles = self.body.model.angle_at(grasps.widths + excess)
+        return face_normals(grasps.axes, approaches, angles)
 
 
 def robust_ferrari_canny(
@@ -28,25 +63,12 @@ def robust_ferrari_canny(
     rng: np.random.Generator,
     faces: JawFaces | None = None,
 ) -> tuple[Floats, Floats, Floats]:
-    """Quality of each of n grasps over perturbed copies.
+    """Mean and deviation of the quality of n grasps over perturbed copies, and the share above 0.
 
-    In every copy, the object and the hand are slightly displaced, the center of mass and the
-    friction differ, and the open fingers close again on whatever is there. A copy counts as 0 if a
-    finger starts inside the object or meets nothing.
-
-    Args:
-        caster: Ray caster of the object, metres.
-        grasps: The n grasps.
-        com: (3,) center of mass, metres.
-        opening: Distance between the open fingers, metres.
-        quality: Contact model; its torque scaling is replaced by that of `robust`.
-        robust: Number of copies and their spread.
-        rng: Random number generator.
-        faces: Jaw faces of a hand with one moving jaw, which must hold the copies, too.
-
-    Returns:
-        Mean, standard deviation (of the copies), and fraction of copies with positive quality:
-        each (n,).
+    In every copy, the object and the hand are slightly displaced, the center of mass, (3,) metres,
+    and the friction differ, and the open fingers close again on whatever is there. A copy counts as
+    0 if a finger starts inside the object or meets nothing. The torque scaling is that of `robust`.
+    Copies must also be held by the faces of a moving jaw, if there is one.
     """
     copies = len(grasps) * robust.samples
     centers, axes = _disturb(grasps, com, robust, rng)
@@ -77,10 +99,7 @@ def robust_ferrari_canny(
 def close_fingers(
     caster: RayCaster, centers: Floats, axes: Floats, opening: float
 ) -> tuple[ContactPairs, NDArray[np.bool_]]:
-    """Contacts of fingers closed from half an opening, metres, on either side of n centers.
-
-    Contacts exist where both fingers start outside and meet the object before they meet each other.
-    """
+    """Contacts of fingers closed from half an opening, m, and where both start outside and meet."""
     directions = np.stack([axes, -axes], axis=1)
     starts = centers[:, None] - opening / 2 * directions
     hits = caster.first_hits(starts.reshape(-1, 3), directions.reshape(-1, 3))
@@ -94,11 +113,7 @@ def close_fingers(
 def _disturb(
     grasps: ContactPairs, com: Floats, robust: Robust, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Centers and axes of the copies, grasp by grasp, in the frame of the perturbed object.
-
-    The object turns about its center of mass and shifts; the hand turns and shifts. Instead of
-    moving the mesh, the hand is moved back.
-    """
+    """Centers and axes of the copies, grasp by grasp: hands move back instead of the mesh."""
     copies = len(grasps) * robust.samples
 
     def normal(sigma: float) -> Floats:
@@ -113,3 +128,15 @@ def _disturb(
     shift = normal(robust.object_translation_sigma)
     back = turn(robust.object_rotation_sigma).inv()
     return back.apply(centers - shift - com) + com, back.apply(axes)
+
+
+def face_normals(axes: Floats, approaches: Floats, angles: Floats) -> Floats:
+    """Outward normals (n, 2, 3) of objects that fit between jaws at angles (n,), radians.
+
+    Both lean equally to the axes (n, 3); the components of the approaches along them do not count.
+    """
+    along = np.einsum("nk,nk->n", approaches, axes)[:, None] * axes
+    ahead = approaches - along
+    ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
+    cosine, sine = np.cos(angles / 2)[:, None], np.sin(angles / 2)[:, None]
+    return np.stack([-cosine * axes - sine * ahead, cosine * axes - sine * ahead], axis=1)

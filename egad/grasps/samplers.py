@@ -52,16 +52,9 @@ def draw_grasps(
     robust: Robust | None = None,
     density: float = DENSITY,
 ) -> Sampled:
-    """Grasps of any sampler except the antipodal one, at most n.
+    """Grasps of any sampler except the antipodal one, at most n, of a closed mesh in metres.
 
-    Args:
-        mesh: The object as it is grasped, closed, metres, its triangles winding outwards.
-        com: (3,) center of mass, metres.
-        gripper: A suction cup, or any gripper with the user's own sampler.
-        n: How many at most.
-        rng: Random number generator.
-        robust: Perturbed copies of suction grasps, and their spread.
-        density: Density of the object, kg/m3; determines the load on a cup.
+    The density, kg/m3, determines the load on a cup; `robust` its perturbed copies.
 
     Raises:
         RejectedError: There is no grasp, or the user's sampler fails.

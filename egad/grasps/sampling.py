@@ -16,9 +16,8 @@ from egad.geometry.mass import center_or_given
 from egad.geometry.surfaces import FRICTION
 from egad.grasps.antipodal import SamplingStatistics
 from egad.grasps.grasps import Grasps
-from egad.grasps.labels import label_parameters, rate_grasps, sample_for_labels
+from egad.grasps.labels import LABELS, label_parameters, rate_grasps, sample_for_labels
 from egad.grasps.parameters import APPROACH_ANGLES, CONE, LabelParameters
-from egad.grasps.posed import LABELS
 from egad.grasps.samplers import check_sampler, draw_grasps
 from egad.grippers import ANTIPODAL, Gripper, as_gripper, hand_body
 from egad.random import generator
@@ -46,10 +45,7 @@ class Labeller:
     ) -> LabelledGrasps:
         """The labelled grasps of an object as it is grasped, with a center of mass (3,), metres.
 
-        Raises:
-            RejectedError: The mesh is open, bounds no volume or is not finite, no cup seals, or the
-                user's sampler fails.
-            UserError: It is not a mesh, or the user's sampler gives something other than grasps.
+        `RejectedError` if the mesh bounds no volume, no cup seals, or the user's sampler fails.
         """
         check_solid(mesh)
         settings, caster = self.settings, RayCaster(mesh)
@@ -132,16 +128,8 @@ def dataset_grasps(
 ) -> pd.DataFrame:
     """The labelled grasps of a scaled object, the same as in a dataset of the pipeline.
 
-    Args:
-        mesh: A closed mesh in metres.
-        object_id: Id of the object; it and the seed determine the grasps.
-        parameters: The gripper, the seed, how many grasps, and how to rate them.
-
-    Returns:
-        Columns of `tables.grasping.GRASPS` without `id` and `label`.
-
-    Raises:
-        RejectedError: The mesh is open, or there is no grasp.
+    Columns of `tables.grasping.GRASPS` without `id` and `label`. The id of the object and the seed
+    determine the grasps. `RejectedError` if the mesh is open, or there is no grasp.
     """
     rng = generator(parameters.seed, "grasps", object_id)
     return _table(Labeller(parameters)(mesh, center_of_mass(mesh), rng))

@@ -19,13 +19,7 @@ SHAKEN_AND_HELD = tuple(
 
 
 def with_outcome(grasps: pd.DataFrame) -> pd.DataFrame:
-    """The grasps that are known to succeed or fail.
-
-    They are those that were simulated, and those at which the open hand collides.
-
-    Args:
-        grasps: Columns `simulated_success` and `collision_free`.
-    """
+    """The grasps that were simulated, and those at which the open hand collides."""
     return grasps[grasps["simulated_success"].notna() | ~grasps["collision_free"]]
 
 
@@ -35,15 +29,9 @@ def held_when_shaken(grasps: pd.DataFrame) -> NDArray[np.bool_]:
 
 
 def antipodal_success_rates(grasps: pd.DataFrame) -> pd.DataFrame:
-    """Success rate of the simulated antipodal grasps of each object (ours).
+    """Success rate of the simulated antipodal grasps (`SIMULATED_GRASPS`) of each object (ours).
 
-    Args:
-        grasps: Columns of `tables.grasping.SIMULATED_GRASPS`; grasps that were not simulated, or on
-            which the engine failed, do not count.
-
-    Returns:
-        One row per object that has any, sorted by label, columns of
-        `tables.grasping.ANTIPODAL_RATES`.
+    Grasps with no outcome do not count. One row per object that has any: `ANTIPODAL_RATES`.
     """
     known = grasps[grasps["simulated_success"].notna()]
     marked = known.assign(
@@ -68,11 +56,7 @@ class SuccessRate(NamedTuple):
 
 
 def success_rate(outcomes: Iterable[str]) -> SuccessRate:
-    """Success rate of grasps that were sampled independently of each other.
-
-    Args:
-        outcomes: Values of `egad.tables.outcomes.Outcome`.
-    """
+    """Success rate of independent grasps, from their values of `Outcome`."""
     known = [each == Outcome.SUCCESS for each in outcomes if each not in SIMULATION_FAILURES]
     if not known:
         return SuccessRate(0, np.nan, np.nan)
@@ -81,14 +65,7 @@ def success_rate(outcomes: Iterable[str]) -> SuccessRate:
 
 
 def naive_success_rates(tried: pd.DataFrame) -> pd.DataFrame:
-    """How often the naive grasps of each object succeeded.
-
-    Args:
-        tried: Columns of `tables.grasping.NAIVE_GRASPS`.
-
-    Returns:
-        One row per object, sorted by label, columns of `tables.grasping.NAIVE_RATES`.
-    """
+    """How often the naive grasps (`NAIVE_GRASPS`) of each object succeeded: `NAIVE_RATES`."""
     rows = []
     for (label, name), grasps in tried.groupby(["label", "id"]):
         row = {"id": name, "label": label, "naive_engine": grasps["engine"].iloc[0]}

@@ -1,5 +1,6 @@
 from .bodies import FINGERS as FINGERS
 from .bodies import BoxBody as BoxBody
+from .bodies import CupBody as CupBody
 from .bodies import JawBody as JawBody
 from .bodies import ModelBody as ModelBody
 from .bodies import body_of as body_of

@@ -38,17 +38,11 @@ class BoxBody(HandBody):
     """Two finger boxes, and a palm that is a box or a mesh."""
 
     def __init__(self, gripper: Gripper, palm: trimesh.Trimesh | None = None) -> None:
-        """Make a body.
+        """Make a body from the sizes of a gripper with jaws.
 
-        Args:
-            gripper: Sizes of the boxes.
-            palm: A mesh that replaces the palm box. Its origin is the middle of the palm's face,
-                where the fingers begin, its axes are those of the hand, its unit is the metre. Each
-                of its bodies is replaced by its convex hull.
-
-        Raises:
-            RejectedError: A body of the mesh is flat.
-            UserError: The gripper has a suction cup.
+        A palm mesh, metres, replaces the palm box. Its origin is the middle of the palm's face,
+        where the fingers begin, its axes are those of the hand. Each of its bodies is replaced by
+        its convex hull; `RejectedError` if one is flat.
         """
         check_jaws(gripper, "the body of a hand")
         self.gripper, self._palm = gripper, palm
@@ -95,11 +89,7 @@ class BoxBody(HandBody):
 
 
 class ModelBody(HandBody):
-    """The links of a maker's model. Openings are rounded up to those that it tabulates.
-
-    Attributes:
-        model: Shape and joints.
-    """
+    """The links of a maker's model. Openings are rounded up to those that it tabulates."""
 
     def __init__(self, gripper: Gripper, model: HandModel) -> None:
         """Take a model; the gripper has the widest opening that is used."""
@@ -136,13 +126,7 @@ class ModelBody(HandBody):
     def at(
         self, level: int, retreat: float = 0.0, *, bodies: tuple[int, ...] = BODIES
     ) -> list[Part]:
-        """The hand at one of the tabulated openings, with its pads at the origin.
-
-        Args:
-            level: Number of the opening.
-            retreat: Length of its straight approach, metres.
-            bodies: Which of its bodies, as in `HandLink`.
-        """
+        """The hand at a tabulated opening, by its number, with its pads at the origin."""
         opening = float(self.model.openings[level])
         shift = self.model.middle_at(np.array(opening))
         return [
@@ -161,6 +145,11 @@ class ModelBody(HandBody):
 class JawBody(ModelBody):
     """The same with one moving jaw: the fixed one, at negative x, is before the first contact."""
 
+    def __init__(self, gripper: Gripper, model: HandModel, lever: float) -> None:
+        """Take a model and its `lever`."""
+        super().__init__(gripper, model)
+        self.lever = lever
+
     @override
     def aside(self, widths: Floats, openings: Floats, clearance: float = JAW_CLEARANCE) -> Floats:
         places = self.model.middle_at(openings) - self.model.middle_at(widths)
@@ -172,20 +161,15 @@ class CupBody(HandBody):
 
     def __init__(self, gripper: Gripper) -> None:
         """Take a gripper with a cup."""
-        self.gripper, self._cup = gripper, cup_of(gripper, "the body of a cup")
+        self.gripper, self.cup = gripper, cup_of(gripper, "the body of a cup")
 
     @override
     def parts(self, retreat: float = 0.0) -> list[Part]:
-        return cup_parts(self._cup, retreat)
-
-    @override
-    def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
-        rows = np.arange(len(openings))
-        yield Pieces(rows, self.parts(retreat), np.zeros((len(openings), 3)))
+        return cup_parts(self.cup, retreat)
 
     @override
     def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:
-        cup, top = self._cup, -self._cup.height
+        cup, top = self.cup, -self.cup.height
         flared = [_circle(cup.radius, 0.0), _circle(cup.stem_radius, top)]
         stem = [_circle(cup.stem_radius, top), _circle(cup.stem_radius, top - cup.stem_length)]
         return [
@@ -217,7 +201,9 @@ def _jaws(gripper: Gripper) -> HandBody:
     if gripper.file is None:
         return BoxBody(gripper)
     model = model_of(gripper)
-    return (ModelBody if model.lever is None else JawBody)(gripper, model)
+    if model.lever is None:
+        return ModelBody(gripper, model)
+    return JawBody(gripper, model, model.lever)
 
 
 OF_KIND: dict[str, Callable[[Gripper], HandBody]] = {JawKind.name: _jaws, CupKind.name: CupBody}

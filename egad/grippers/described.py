@@ -22,11 +22,7 @@ def read_described(path: Path, values: Mapping[str, Any]) -> HandModel:
 
 
 def description_files(path: Path) -> list[Path]:
-    """A description and the files of all its meshes.
-
-    Raises:
-        UserError: One of them cannot be used, or MuJoCo is not installed.
-    """
+    """A description and its meshes; `UserError` if one cannot be used, or without MuJoCo."""
     with needed_for(FILE):
         from egad.grippers import description  # noqa: PLC0415 (an extra)
     return description.description_files(path)

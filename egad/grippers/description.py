@@ -89,14 +89,7 @@ def compile_with_shapes(spec: mujoco.MjSpec, path: Path, bodies: Collection[int]
 
 
 def description_files(path: Path) -> list[Path]:
-    """A URDF or MJCF file and the meshes it names that exist.
-
-    Args:
-        path: The file.
-
-    Raises:
-        UserError: The file cannot be used.
-    """
+    """A URDF or MJCF file and the meshes it names that exist; `UserError` if it cannot be used."""
     with name_file_in_messages(path):
         spec = read_description(path)
     return [path, *mesh_files(spec, path)]

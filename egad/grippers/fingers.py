@@ -29,10 +29,7 @@ class Sides(NamedTuple):
 
 
 def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = None) -> list[int]:
-    """The driven joints of a hand: those with an actuator, or else those that mimic no other.
-
-    Raises `UserError` if the wanted one does not exist or has no limits, or there are too many.
-    """
+    """The driven joints: those with an actuator, or else that mimic no other; or `UserError`."""
     names = {joint_name(model, joint): joint for joint in joints}
     if wanted is not None:
         if wanted not in names:

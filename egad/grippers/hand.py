@@ -33,8 +33,8 @@ class Part(NamedTuple):
 
     Attributes:
         box: (2, 3) low and high corner of its bounding box, metres.
-        planes: (k, 4) outward unit normals and offsets: the part is where normal . point + offset
-            is positive for none of them. Without planes, it fills its box.
+        planes: (k, 4) outward unit normals and offsets; where all `normal . point + offset` are
+            negative is the part. Without planes, it fills its box.
         middle: (3,) a point in it, metres.
     """
 
@@ -52,11 +52,7 @@ class Pieces(NamedTuple):
 
 
 class HandBody(ABC):
-    """The body of a hand at any opening.
-
-    Attributes:
-        gripper: Its settings.
-    """
+    """The body of a gripper at any opening: what collisions and drawings ask of each kind."""
 
     gripper: Gripper
 
@@ -64,31 +60,24 @@ class HandBody(ABC):
     def parts(self, retreat: float = 0.0) -> list[Part]:
         """The open hand, swept back along its straight approach by `retreat`, metres."""
 
-    @abstractmethod
     def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
         """Hands that are open by `openings`, (n,) metres, swept back by `retreat`."""
+        count = len(openings)
+        yield Pieces(np.arange(count), self.parts(retreat), np.zeros((count, 3)))
 
     @abstractmethod
     def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:
-        """Convex meshes of a hand with its pads at the origin, with what each belongs to.
-
-        That is `PALM_BODY`, `FIRST_FINGER` or `SECOND_FINGER`.
-        """
+        """Convex meshes of a hand, pads at the origin, with what each is: a body of `HandLink`."""
 
     def reach(self, openings: Floats) -> Floats:
-        """Position of the pads along the approach while they close, (n,) metres.
-
-        The pads of linkages move on an arc. Only differences between openings matter.
-        """
+        """Position along the approach of pads that move on an arc, (n,) metres, plus a constant."""
         return np.zeros_like(openings)
 
     def aside(self, widths: Floats, openings: Floats, clearance: float = JAW_CLEARANCE) -> Floats:
         """Position of the midpoint between the pads along the closing axis, (n,) metres.
 
-        Args:
-            widths: (n,) distances between contacts, metres; their middle is at 0.
-            openings: (n,) openings of a hand that is to close on them.
-            clearance: Distance between the first contact and a fixed jaw, metres.
+        The contacts are `widths` apart, (n,), around 0; the hand that is to close on them opens by
+        `openings`, (n,). A fixed jaw is `clearance` before the first contact.
         """
         del openings, clearance
         return np.zeros_like(widths)
@@ -108,11 +97,7 @@ def cup_of(gripper: Gripper, what: str) -> SuctionCup:
 
 
 def finger_span(gripper: Gripper) -> tuple[float, float]:
-    """Where the fingers begin and end along the approach, metres from the contacts.
-
-    Raises:
-        UserError: The gripper has no jaws.
-    """
+    """Where fingers begin and end along the approach, metres from the contacts; or `UserError`."""
     check_jaws(gripper, "the span of the fingers")
     return gripper.kind.span
 

@@ -39,11 +39,7 @@ class JawStroke(NamedTuple):
 
 
 def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None) -> JawStroke:
-    """Where the pads are, and how far apart they are at each position of the joint.
-
-    The `tcp` is the middle of the closed pads in the frame of the palm, metres; found if None.
-    Raises `UserError` if they do not open, or open wider than any hand.
-    """
+    """Where the pads (middle: `tcp`) are, and how far apart at each position; or `UserError`."""
     low, high = jaws.mechanism.ranges()[0]
     closed, wide = (low, high) if jaws.facing.closing < 0 else (high, low)
     joints = np.linspace(closed, wide, FINE)

@@ -56,12 +56,12 @@ def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
 
 
 def find_facing(mechanism: Mechanism, body: int, moving: RayCaster, fixed: RayCaster) -> Facing:
-    """The faces with which a jaw that moves closes against one that does not.
+    """The faces with which a moving jaw closes against a fixed one, or `UserError`.
 
-    Faces that the jaw itself hides from the other one, such as those of its ribs and cavities, do
-    not count. A face is taken as if it did not tilt along a hinge, or from the way that a jaw
-    slides: so the sides of a groove have the direction of its edges. The surfaces are in the frames
-    of the jaw and of the palm. Raises `UserError` if they never face each other.
+    Faces that the jaw itself hides, such as those of ribs and cavities, do not count. A face is
+    taken as if it did not tilt along a hinge, or from the way that a jaw slides: so the sides of a
+    groove have the direction of its edges. The surfaces are in the frames of the jaw and of the
+    palm.
     """
     samples = spread(moving.mesh, SPACING)
     counts = np.bincount(samples.faces, minlength=len(moving.areas))
@@ -181,16 +181,7 @@ class JawPads(NamedTuple):
 
 
 class JawSolids:
-    """The solids of both jaws of a hand.
-
-    Attributes:
-        mechanism: The joints.
-        body: Number of the link that moves.
-        moving_solids: Its solids, in its frame.
-        solids: The solids that do not move, in the frame of the palm.
-        middle: The middle of their volume.
-        facing: How they face each other.
-    """
+    """The solids of both jaws of a hand, and how they face each other."""
 
     def __init__(self, mechanism: Mechanism, body: int, static: list[int]) -> None:
         """Read the shapes of a hand with one driven joint; the first static link is the palm."""
@@ -227,11 +218,7 @@ class JawSolids:
         return float(np.arctan2(normal @ frame.approach, -normal @ frame.closing))
 
     def gaps(self, starts: Floats, joint: float, frame: JawFrame) -> Floats:
-        """Distances (n,) from points along the closing axis to the moving jaw's inner face, metres.
-
-        Infinite where a ray meets nothing, or another side of the jaw, negative infinity within the
-        jaw.
-        """
+        """Distances (n,) along the closing axis to the moving jaw's face, m, as `_distances`."""
         turns, places = self.mechanism.placement(self.positions(joint))
         turn, place = turns[self.body], places[self.body]
         ahead = np.tile(frame.closing @ turn, (len(starts), 1))
@@ -239,10 +226,7 @@ class JawSolids:
         return _distances(self._moving, (behind - place) @ turn, ahead) - SKIN
 
     def gap(self, pads: JawPads, joint: float, frame: JawFrame) -> float:
-        """Gap of the inner faces at the pads, metres; NaN where the moving jaw is not there.
-
-        It is that of what protrudes most: holes and grooves in the moving pad are bridged.
-        """
+        """Gap of what protrudes most at the pads, metres; NaN where the moving jaw is not there."""
         starts = pads.middle + pads.extent[0] * BREADTH[:, None] * frame.across
         gap = float(self.gaps(starts, joint, frame).min())
         turns, places = self.mechanism.placement(self.positions(joint))
@@ -255,10 +239,7 @@ class JawSolids:
         return gap if np.isfinite(gap) else np.nan
 
     def fixed_face(self, points: Floats, frame: JawFrame) -> Floats:
-        """Distances (n,) from the fixed jaw, back along the closing axis, metres.
-
-        Infinite where there is no face, negative infinity within the link.
-        """
+        """Distances (n,) back to the fixed jaw, metres; infinite without one, -infinite within."""
         back = np.tile(-frame.closing, (len(points), 1))
         return _distances(self._fixed, points, back)
 

@@ -70,10 +70,7 @@ def joint_at(model: mujoco.MjModel, number: int) -> LinkJoint:
 def gaps_along(
     jaws: JawSolids, frame: JawFrame, stroke: JawStroke, root: float
 ) -> tuple[Floats, Floats]:
-    """Depths (d,) beyond the pads, and gaps (k, d) of the inner faces there, metres.
-
-    They lie between what protrudes most near the middle of their breadth; NaN without a face.
-    """
+    """Depths (d,) beyond the pads, metres, and gaps (k, d) there of what protrudes most, or NaN."""
     length = float(stroke.pads.middle @ frame.approach) - root
     depths = -DEPTH_STEP * np.arange(max(int(length / DEPTH_STEP), 0) + 1)
     middles = stroke.pads.middle + SKIN * frame.closing + depths[:, None] * frame.approach
@@ -90,10 +87,7 @@ def gaps_along(
 
 
 def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
-    """Where the fixed jaw begins, along the approach: the palm protrudes from its face.
-
-    If nothing protrudes, the jaw begins where the hand begins.
-    """
+    """Where the fixed jaw begins along the approach: where the palm protrudes, if it does."""
     surfaces = np.concatenate([np.asarray(solid.vertices) for solid in jaws.solids])
     lowest = float((surfaces @ frame.approach).min())
     start = float(stroke.pads.middle @ frame.approach)
@@ -116,10 +110,7 @@ def jaw_root(jaws: JawSolids, frame: JawFrame, stroke: JawStroke) -> float:
 def jaw_links(
     jaws: JawSolids, frame: JawFrame, root: float, static: list[int]
 ) -> tuple[HandLink, HandLink, HandLink]:
-    """The palm, the fixed jaw and the moving one, with the convex parts of their shapes.
-
-    The fixed jaw begins at `root` along the approach; the first of the static links is the palm.
-    """
+    """The palm, the fixed jaw, which begins at `root`, and the moving one, as convex parts."""
     model = jaws.mechanism.model
     palm: list[trimesh.Trimesh] = []
     finger: list[trimesh.Trimesh] = []
@@ -168,10 +159,7 @@ def _moving_link(jaws: JawSolids) -> HandLink:
 
 
 def lever_of(jaws: JawSolids, stroke: JawStroke, frame: JawFrame) -> float:
-    """Torque of the joint for a newton along the closing axis at the pads: metres; 1 if it slides.
-
-    The pads stay at one depth, so it is the same at all openings.
-    """
+    """Torque of the joint for a newton between the pads: metres at any opening; 1 if it slides."""
     contact = stroke.pads.middle + stroke.openings[-1] * frame.closing
     velocities, _ = jaws.mechanism.velocities(stroke.positions[-1], jaws.body, contact[None])
     return float(abs(velocities[0] @ frame.closing))

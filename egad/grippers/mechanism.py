@@ -55,10 +55,7 @@ def ancestors(model: mujoco.MjModel, body: int) -> list[int]:
 
 
 def find_palm(model: mujoco.MjModel, fingers: Sequence[str] | None = None) -> tuple[int, list[int]]:
-    """The link that carries the fingers, and the links on it that move.
-
-    Joints between the root and the palm belong to an arm, and stay where they are.
-    """
+    """The link that carries the fingers, or all behind an arm, and the links on it that move."""
     if fingers is not None:
         first, second = (ancestors(model, link_number(model, name)) for name in fingers)
         common = [body for body in first if body in second]
@@ -138,8 +135,8 @@ class Mechanism:
     def follow(self, driven: Floats, near: Floats) -> Floats:
         """Positions of all joints for (n,) positions of the driven ones, starting near known ones.
 
-        The followers obey all constraints between them. What the constraints leave open is decided
-        by the springs, as in a hand that touches nothing, and by the limits.
+        What the constraints between followers leave open is decided by the springs, as in a hand
+        that touches nothing, and by the limits.
         """
         positions = near.copy()
         positions[self._driven_at] = driven
@@ -216,10 +213,9 @@ class Mechanism:
         return np.asarray(back @ self._data.xaxis[joint])
 
     def velocities(self, positions: Floats, body: int, points: Floats) -> tuple[Floats, Floats]:
-        """Velocities (n, 3) of points per radian, or per metre, and their levers (n,), metres.
+        """Velocities (n, 3) of points, per radian or metre of the joint, and levers (n,), metres.
 
-        They move with the only joint between a link and the palm, whose frame it is. The levers are
-        about a hinge; 1 for a sliding joint.
+        All are in the frame of the palm; the lever of a sliding joint is 1.
         """
         joint = int(self.model.body_jntadr[body])
         axis = self.axis(joint, positions)

@@ -31,7 +31,7 @@ class HandLink(NamedTuple):
         mass: Kilograms.
         carrier: Number of the link that carries it; -1 for the palm, and for links that carry it.
         place: (4, 4) pose in the frame of the carrier when its joint is at `zero`.
-        joint: How it moves on the carrier; None if it does not.
+        joint: How it moves on the carrier, if it does.
     """
 
     name: str
@@ -48,29 +48,29 @@ class HandModel:
     """Shape and joints of a hand at every opening.
 
     The frame of the hand has its origin midway between the pads of the closed hand; x is the
-    closing axis, z the approach. It does not move when the fingers do.
+    closing axis, z the approach. It does not move when the fingers do. Lengths are metres, angles
+    radians.
 
     Attributes:
         links: All links; the first one is the palm.
-        openings: (k,) distances between the middles of the pads, from closed to open, metres.
-        reach: (k,) height of the middle between the pads along z; 0 when closed, metres.
+        openings: (k,) distances between the middles of the pads, from closed to open.
+        reach: (k,) height of the middle between the pads along z; 0 when closed.
         aside: (k,) the same along x: half the opening of a hand that has only one moving jaw.
-        angles: (k,) angles between the inner faces of the jaws, radians; positive if they are
-            farther apart at the tips. 0 unless only one jaw moves.
+        angles: (k,) angles between the inner faces of one moving jaw and the fixed one, else 0;
+            positive if they are farther apart at the tips.
         turns: (k, l, 3, 3) rotations of the links in the frame of the hand.
-        places: (k, l, 3) positions of the links in the frame of the hand, metres.
+        places: (k, l, 3) positions of the links in the frame of the hand.
         joints: Names of the joints that move, the driven ones first.
         n_driven: How many of them are driven; several if each finger has its own drive.
-        positions: (k, j) their positions, metres or radians.
+        positions: (k, j) their positions.
         palm_to_hand: (4, 4) pose of the frame of the hand in that of the palm.
-        pad: Low and high corner of both pads, when closed, in the frame of the hand, (2, 3).
+        pad: (2, 3) low and high corner of both pads, when closed, in the frame of the hand.
         recess: Openings are between the foremost points of the pads. The fraction of their faces
-            that lies further back, and how much farther apart their rearmost points are, metres.
-        lever: For a hand with one moving jaw, the torque of its joint per newton between the pads,
-            metres; 1 if it slides. None if both fingers move.
-        depths: (d,) depths along its fixed jaw, beyond the pads along z, metres.
-        gaps: (k, d) gaps between the inner faces there, along x, metres; NaN where one of them is
-            missing.
+            that lies further back, and how much farther apart their rearmost points are.
+        lever: Torque of the joint of one moving jaw per newton between the pads; 1 if it slides.
+            None if both fingers move.
+        depths: (d,) depths along its fixed jaw, beyond the pads along z.
+        gaps: (k, d) gaps between the inner faces there, along x; NaN where one of them is missing.
     """
 
     links: tuple[HandLink, ...]

@@ -69,10 +69,7 @@ def find_pads(
 
 
 def _front(model: mujoco.MjModel, placement: Placement, body: int, ahead: Floats) -> Floats:
-    """What of the convex hull of a link protrudes most ahead, as triangles (n, 3, 3).
-
-    The hull bridges what lies between its foremost points, such as a groove or a window.
-    """
+    """What protrudes most ahead of the convex hull of a link, which bridges grooves: (n, 3, 3)."""
     shapes = shapes_of(model, body)
     if not shapes:
         return np.empty((0, 3, 3))
@@ -187,10 +184,7 @@ def _middles(mechanism: Mechanism, way: Sequence[Floats], pads: Pads) -> Floats:
 
 
 def _useful(gaps: Floats, names: str) -> tuple[float, float]:
-    """The fractions of the way between which the pads come together, up to where they meet.
-
-    Raises `UserError` if the gaps, metres, at even fractions do not close, or are those of no hand.
-    """
+    """Fractions of the way at which pads with these gaps, m, are open and meet; or `UserError`."""
     parts, widest = np.linspace(0, 1, len(gaps)), int(gaps.argmax())
     opening = float(gaps[widest])
     if opening < MIN_OPENING:

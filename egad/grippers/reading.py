@@ -45,16 +45,7 @@ UPRIGHT, LEANING = 20.0, 40.0
 
 
 class Choices(NamedTuple):
-    """What is given instead of found in a description: settings of `Gripper` with the same names.
-
-    Attributes:
-        joint: Name of the joint that closes the hand.
-        finger_links: Names of a link of each finger.
-        pad_links: Names of the links with the pads.
-        tcp: Middle of the closed pads in the frame of the palm, metres.
-        closing_axis: Axis along which the fingers close, in the frame of the palm.
-        approach_axis: Axis along which the hand approaches, in the frame of the palm.
-    """
+    """Settings of `Gripper` that replace what would be found in a description."""
 
     joint: str | None = None
     finger_links: tuple[str, str] | None = None

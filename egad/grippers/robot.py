@@ -14,22 +14,14 @@ from egad.grippers.parameters import Gripper
 
 
 def model_of(gripper: Gripper) -> HandModel:
-    """The model of a gripper that has a file.
-
-    Raises:
-        UserError: It has none, the file cannot be used, or MuJoCo is not installed.
-    """
+    """The model of a gripper with a file; `UserError` without one, or if it cannot be used."""
     if gripper.file is None:
         raise UserError("this gripper has no file that describes it")
     return read_described(Path(gripper.file), gripper.model_dump())
 
 
 def files_of(gripper: Gripper) -> list[Path]:
-    """The files that a gripper is read from: its description with all meshes, or its palm mesh.
-
-    Raises:
-        UserError: The description or one of its meshes cannot be used.
-    """
+    """The files a gripper is read from: description and meshes, or palm mesh; or `UserError`."""
     if gripper.file is None:
         return [Path(gripper.mesh)] if gripper.mesh else []
     return description_files(Path(gripper.file))
@@ -58,11 +50,7 @@ def joint_values(gripper: Gripper, opening: float) -> dict[str, float]:
 
 
 def base_link(gripper: Gripper) -> str | None:
-    """Name of the link in the file of a gripper that carries its fingers; None without a file.
-
-    Raises:
-        UserError: Its file cannot be used.
-    """
+    """Name of the link in the file of a gripper that carries its fingers; None without a file."""
     model = _model(gripper)
     return None if model is None else model.links[0].name
 

@@ -30,14 +30,7 @@ PACKAGED = {
 
 
 def packaged_settings(name: str) -> dict[str, Any]:
-    """Settings of a hand from another package: its file, and those that differ.
-
-    Args:
-        name: One of `PACKAGED`.
-
-    Raises:
-        UserError: None of its packages is installed.
-    """
+    """The file of one of `PACKAGED`, and its settings; `UserError` if no package has it."""
     hand = PACKAGED[name]
     for _, module, place in hand.sources:
         found = importlib.util.find_spec(module)
@@ -89,11 +82,7 @@ def gripper(name: str) -> Gripper:
 
 
 def as_gripper(hand: Gripper | str) -> Gripper:
-    """A gripper, given as such or by name.
-
-    Raises:
-        UserError: There is no gripper of this name, or it is something else.
-    """
+    """A gripper, given as such or by name; `UserError` if it is neither."""
     if isinstance(hand, str):
         return gripper(hand)
     if not isinstance(hand, Gripper):

@@ -23,11 +23,9 @@ INERTIA = 1e-3  # kg m2 per kilogram; the motion of a hand does not depend on it
 def read_urdf(path: Path) -> str | None:
     """The links and joints of a URDF file, as text that MuJoCo reads; None if it is MJCF.
 
-    Links keep their masses and collision shapes; joints keep their axis, their limits, and the
-    joint that they mimic. Whatever is only seen, driven, measured or simulated is left out, and so
-    are moments of inertia, which may be impossible ones. If an element occurs several times in a
-    joint or shape, the first one counts, as in ROS. A floating joint is treated as fixed: it
-    belongs to what carries the hand.
+    Whatever is only seen, driven, measured or simulated is left out, and so are moments of inertia,
+    which may be impossible ones. If an element occurs several times, the first one counts, as in
+    ROS. A floating joint is treated as fixed: it belongs to what carries the hand.
     """
     root = _root(path.read_bytes())
     if root is None or root.tag == "mujoco":
@@ -51,10 +49,7 @@ def read_urdf(path: Path) -> str | None:
 
 
 def without_faults(path: Path) -> str | None:
-    """MJCF without assets that repeat an earlier one, and attributes of defaults.
-
-    Programs that put hands onto robots allow both. None if there are none, or it is not XML.
-    """
+    """MJCF without repeated assets and attributes of defaults, as some write; None if in order."""
     root, faulty = _root(path.read_bytes()), False
     if root is None:
         return None

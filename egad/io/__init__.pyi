@@ -18,8 +18,6 @@ from .mesh import read_content as read_content
 from .mesh import read_mesh as read_mesh
 from .mesh import write_mesh as write_mesh
 from .obj import write_obj as write_obj
-from .plates import PlacedMesh as PlacedMesh
-from .plates import write_3mf as write_3mf
 from .stl import count_binary_faces as count_binary_faces
 from .stl import write_stl_mm as write_stl_mm
 from .sums import SUMS as SUMS

@@ -5,7 +5,6 @@ from typing import NamedTuple
 import manifold3d
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from egad._util.arrays import Floats, Ints
 from egad._util.input_limits import MAX_FACES, check_at_most
@@ -17,8 +16,8 @@ ROUNDING = 1e-6  # of areas of polygons of size 1
 class Content(NamedTuple):
     """A surface of triangles, in the unit of the file and in the axes of its format."""
 
-    vertices: NDArray[np.float64]  # (n, 3)
-    faces: NDArray[np.int64]  # (m, 3) vertex indices
+    vertices: Floats  # (n, 3)
+    faces: Ints  # (m, 3) vertex indices
     unit: str | None = None  # one of `egad.io.units.LENGTHS`, if the file states it
 
 
@@ -53,8 +52,7 @@ def strip_triangles(strip: Ints) -> Ints:
     rows = np.column_stack([strip[:-2], strip[1:-1], strip[2:]])
     rows[1::2] = rows[1::2, [1, 0, 2]]
     a, b, c = rows.T
-    triangles: Ints = rows[(a != b) & (b != c) & (c != a)]
-    return triangles
+    return np.asarray(rows[(a != b) & (b != c) & (c != a)])
 
 
 def _cut(vertices: Floats, polygons: Ints) -> Ints:

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad._util.input_limits import MAX_FACES, check_at_most
 from egad.errors import RejectedError
@@ -72,7 +72,7 @@ def stated_in_header(data: bytes) -> str | None:
     return stated_in(data[:80])
 
 
-def _separate(vertices: NDArray[np.float64], unit: str | None) -> Content:
+def _separate(vertices: Floats, unit: str | None) -> Content:
     return Content(vertices, np.arange(len(vertices)).reshape(-1, 3), unit)
 
 

@@ -7,6 +7,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from egad._util.arrays import Floats, Ints
 from egad.errors import RejectedError
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -48,7 +49,7 @@ def is_padding(rest: bytes) -> bool:
     return text.isascii() and text.decode("latin-1").translate(_BLANKS).isprintable()
 
 
-def reals(words: Sequence[bytes], what: str) -> NDArray[np.float64]:
+def reals(words: Sequence[bytes], what: str) -> Floats:
     """Words as numbers, (n,), or a `RejectedError` that quotes the wrong one and names `what`."""
     try:
         return _numbers(words, np.float64)
@@ -56,7 +57,7 @@ def reals(words: Sequence[bytes], what: str) -> NDArray[np.float64]:
         no_number(words, what, float)
 
 
-def integers(words: Sequence[bytes], what: str) -> NDArray[np.int64]:
+def integers(words: Sequence[bytes], what: str) -> Ints:
     """Words as whole numbers, (n,); raises as `reals`."""
     try:
         return _numbers(words, np.int64)

@@ -83,5 +83,4 @@ def _qualities(height: float, leans: Floats, rules: Quality) -> Floats:
 def _row_edges(space: MeasureSpace) -> Floats:
     """The lowest graspability of each row, the easiest first, without the last row."""
     low, high = space.graspability_range
-    edges: Floats = high - (high - low) * np.arange(1, space.cells) / space.cells
-    return edges
+    return np.asarray(high - (high - low) * np.arange(1, space.cells) / space.cells)

@@ -6,9 +6,8 @@ Wang et al., "Assessing shape complexity by the entropy of angular deficits", as
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
 from egad.geometry import check_mesh
 from egad.geometry.rounding import rounding
@@ -55,7 +54,7 @@ def _deficit_errors(mesh: trimesh.Trimesh) -> Floats:
     return moved * _vertex_sums(faces, turns)
 
 
-def _vertex_sums(faces: NDArray[np.int64], values: Floats) -> Floats:
+def _vertex_sums(faces: Ints, values: Floats) -> Floats:
     """Sums of values (f, 3) of the corners of faces at each vertex that has faces."""
     used = np.bincount(faces.ravel()) > 0
     return np.asarray(np.bincount(faces.ravel(), values.ravel())[used])

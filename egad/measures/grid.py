@@ -6,11 +6,12 @@ from collections.abc import Iterable
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from egad._util.arrays import Ints
 from egad.measures.parameters import MeasureSpace
 
-Cells = NDArray[np.int64]
+Cells = Ints
 Cell = tuple[int, int]
 
 

@@ -28,14 +28,7 @@ class UnreachableError(Exception):
 
 
 class HandPose(NamedTuple):
-    """Pose of the hand: x, y and height of the point between the fingertips, and its rotation.
-
-    Attributes:
-        x: Metres.
-        y: Metres.
-        height: Metres above the table.
-        angle: Angle of the closing axis about the vertical, radians.
-    """
+    """Pose of the hand: the point between the fingertips, metres, and the closing axis, radians."""
 
     x: float
     y: float
@@ -44,12 +37,7 @@ class HandPose(NamedTuple):
 
 
 class Arm(ABC):
-    """How a robot brings its hand, pointing down, to a pose.
-
-    Attributes:
-        robot: The robot.
-        unstoppable: Whether it reaches any height, whatever it carries.
-    """
+    """How a robot brings its hand, pointing down, to a pose; unstoppable: whatever it carries."""
 
     robot: Robot
     unstoppable: bool
@@ -60,14 +48,9 @@ class Arm(ABC):
 
     @abstractmethod
     def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
-        """Joint positions that bring the hand to a pose.
+        """Joint positions that bring the hand to a pose, from nearby ones if they are given.
 
-        Args:
-            hand_pose: The pose.
-            near: Current joint positions; None if they may be anywhere.
-
-        Raises:
-            UnreachableError: The hand cannot get there. Not raised if `near` is given.
+        `UnreachableError` if the hand cannot get there from anywhere.
         """
 
     @abstractmethod
@@ -99,11 +82,7 @@ class TurningAxis(Arm):
 
 
 class Panda(Arm):
-    """A Franka Panda arm under position control, with the joint torques of its data sheet.
-
-    The hand at the flange is the configured gripper, not Franka's: a gripper is the same with
-    either arm.
-    """
+    """A Franka Panda arm under position control, with its torques and the configured gripper."""
 
     unstoppable = False
 

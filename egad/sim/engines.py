@@ -16,16 +16,9 @@ def open_world(
     robot: Robot | None = None,
     walls: float | None = None,
 ) -> World:
-    """A world in an engine, for a `with` block.
+    """A world in an engine, for a `with` block; `UserError` if the engine is not installed.
 
-    Args:
-        engine: Its name.
-        models: The objects.
-        robot: The robot that may grasp them, if any.
-        walls: Inner length and width of a box around the middle, without a floor; none if None.
-
-    Raises:
-        UserError: There is no such engine, or it is not installed.
+    Walls have this inner length and width around the middle, metres, and no floor.
     """
     check_engine(engine)
     if engine == "pybullet":

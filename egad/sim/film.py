@@ -11,7 +11,7 @@ from egad._util.arrays import Floats, RgbImage
 from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.geometry import TriangleScene
-from egad.sim.shapes import shape_mesh
+from egad.sim.robot import shape_mesh
 from egad.sim.world import TIME_STEP, World
 
 ENDINGS = (".gif", ".mp4")
@@ -80,10 +80,9 @@ def draw(
     looking_at: Floats,
     camera: tuple[float, float, float] = FOLLOWED,
 ) -> RgbImage:
-    """A picture of colored meshes with one light and its shadows, (height, width, 3).
+    """Draw colored meshes, z up, with one light and its shadows, (height, width, 3).
 
-    Colors are from 0 to 1; the camera looks at a point in the middle of the picture, (3,), from a
-    distance, metres, with yaw and pitch, degrees.
+    The camera's distance (metres), yaw and pitch (degrees) are about the point in the middle.
     """
     counts = [len(mesh.faces) for mesh, _ in bodies]
     colors = np.repeat([color for _, color in bodies], counts, axis=0)
@@ -127,10 +126,7 @@ def _table() -> trimesh.Trimesh:
 
 
 def write_film(frames: list[RgbImage], path: Path) -> None:
-    """Write a film of pictures of one size in real time: `.gif`, or `.mp4`.
-
-    UserError for an MP4 without ffmpeg.
-    """
+    """Write pictures as a film in real time: `.gif`, or `.mp4`; `UserError` without ffmpeg."""
     seconds = STEPS * TIME_STEP
     if path.suffix.lower() == ".gif":
         data = imageio.imwrite("<bytes>", frames, extension=".gif", duration=1000 * seconds, loop=0)

@@ -28,12 +28,7 @@ Still = Callable[[], bool]
 
 
 class Fingers:
-    """The two fingers of a hand in a world; they move as mirror images, or only one moves.
-
-    Attributes:
-        world: The world that they are in.
-        gripper: The gripper that they belong to.
-    """
+    """The two fingers of a hand in a world; they move as mirror images, or only one moves."""
 
     def __init__(self, world: World) -> None:
         """Take the robot of a world."""
@@ -76,12 +71,7 @@ class Fingers:
 
 
 class Hand(Fingers):
-    """Palm and fingers, carried by an arm.
-
-    Attributes:
-        arm: The arm that carries it.
-        path_left: Heights that `lift` skipped.
-    """
+    """Palm and fingers, carried by an arm; `lift` skipped the heights in `path_left`."""
 
     def __init__(
         self,
@@ -92,20 +82,11 @@ class Hand(Fingers):
         contact: float | None = None,
         clearance: float = JAW_CLEARANCE,
     ) -> None:
-        """Open a hand in a world.
+        """Open a hand in a world of the arm's robot, where it stays until the world is reset.
 
-        Args:
-            world: A world of the arm's robot; the hand is gone when the world is reset.
-            arm: The arm that carries the hand.
-            hand_pose: Where the hand is.
-            width: Distance of the finger pads, metres.
-            contact: Distance of the pads at which they will meet the object: the fingertips are at
-                `hand_pose` when the pads are that far apart. Default: `width`.
-            clearance: How far a jaw that does not move is before its contact, metres, if the
-                contact is known.
-
-        Raises:
-            UnreachableError: The arm cannot bring the hand there.
+        The pads are `width` apart, metres. The fingertips are at `hand_pose` when they will meet
+        the object, `contact` apart (default: `width`); a fixed jaw is `clearance` before a known
+        contact. `UnreachableError` if the arm cannot bring the hand there.
         """
         super().__init__(world)
         self.arm = arm
@@ -123,17 +104,10 @@ class Hand(Fingers):
         self._target, self._stance = joints, hand_pose
 
     def move(self, height: float, seconds: float, limit: float = COLLISION_FORCE) -> float | None:
-        """Move the fingertips to a height on a minimum-jerk path; stop at once on a collision.
+        """Move the fingertips to a height on a minimum-jerk path, or until a contact force, N.
 
-        A suction cup stays where its ring lies on an object.
-
-        Args:
-            height: Metres above the table.
-            seconds: How long it takes.
-            limit: A contact force above this stops the hand, newtons.
-
-        Returns:
-            How far before that height it was stopped, metres; None if it got there.
+        A suction cup stays where its ring lies on an object. Returns how far before that height a
+        contact stopped the hand, metres; None if none did.
         """
         for target in minimum_jerk(self.height(), height, seconds):
             self._raise_to(target)
@@ -152,16 +126,10 @@ class Hand(Fingers):
             self._raise_to(height)
 
     def lift(self, height: float, seconds: float, still: Still | None = None) -> bool:
-        """Raise the fingertips by a height on a minimum-jerk path.
+        """Raise the fingertips by a height on a minimum-jerk path; whether they got there.
 
-        Args:
-            height: Metres.
-            seconds: How long it takes.
-            still: Called after every step: whether the object lies still in the hand. If so, and if
-                nothing can stop the arm, the rest of the path is skipped.
-
-        Returns:
-            Whether they got there; the reach and strength of an arm are limited.
+        `still` tells after every step whether the object lies still in the hand. If so, and if
+        nothing can stop the arm, the rest of the path is skipped.
         """
         start = self._lift_from()
         path = minimum_jerk(start, start + height, seconds)
@@ -226,10 +194,9 @@ class FreeHand(Fingers):
         world.put_robot(Pose(tip, turn), self._joints.tolist(), width)
 
     def move(self, shift: Floats, speed: float, limit: float = math.inf) -> float:
-        """Move by (3,) metres on a minimum-jerk path; how far before the end it stopped, metres.
+        """Move by (3,) metres; how far before the end a contact above the limit, N, stopped it.
 
-        A suction cup stays where its ring lies on an object. A contact force above the limit, N,
-        stops any hand.
+        A suction cup stays where its ring lies on an object.
         """
         start, length = self._joints, float(np.linalg.norm(shift))
         along = self._rotation.T @ shift / length
@@ -264,11 +231,7 @@ class FreeHand(Fingers):
         return forces.hand + forces.blocked
 
     def held(self, *, first: bool = False) -> int | None:
-        """Number of the object that the hand presses on most; None if none, or if it is closed.
-
-        Args:
-            first: Whether to return the first object that the hand touches instead.
-        """
+        """Number of the object that is pressed on most, or touched `first`; None if none is."""
         if not self.opening() > MIN_OPENING * self.gripper.opening:
             return None
         numbers = range(len(self.world.models))
@@ -278,11 +241,7 @@ class FreeHand(Fingers):
 
 
 def _aside(robot: Robot, width: float, contact: float | None, clearance: float) -> float:
-    """How far the middle of the contacts lies beside TIP, along the closing axis, metres.
-
-    If the contact is known, a fixed jaw stands a little before it; otherwise the open jaws are
-    equally far from the middle.
-    """
+    """How far the middle of the contacts lies beside TIP, along the closing axis, metres."""
     drive = robot.drive
     if drive.mirrored or contact is None:
         return drive.aside(width)

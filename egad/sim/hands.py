@@ -5,6 +5,7 @@ opening, which it tabulates. Neither engine could take the file itself: hands th
 springs or loops of links become joints that follow the opening, and all parts become convex.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,17 +15,20 @@ from egad._util.arrays import Floats
 from egad.grippers import (
     PALM_BODY,
     SECOND_FINGER,
+    BoxBody,
+    CupBody,
     Gripper,
+    HandBody,
     HandLink,
     HandModel,
-    cup_of,
+    JawBody,
+    ModelBody,
+    body_of,
     finger_span,
-    model_of,
 )
-from egad.grippers.kinds import CupKind, JawKind
+from egad.grippers.model import LinkJoint
 from egad.sim.drives import LEFT, RIGHT, CupDrive, Drive, FingerDrive, Follower, JawDrive
-from egad.sim.robot import PALM, TIP, Joint, Link
-from egad.sim.shapes import Box, HullShape, vector
+from egad.sim.robot import PALM, TIP, Box, HullShape, Joint, Link, vector
 
 PALM_MASS = 0.6
 STEM_SIDES = 16
@@ -52,9 +56,9 @@ class HandParts(NamedTuple):
     path: tuple[Floats, Floats] | None = None
 
 
-def _cup_hand(gripper: Gripper) -> HandParts:
+def _cup_hand(body: CupBody) -> HandParts:
     """A stem that collides, and below it the cup, which is soft."""
-    cup = cup_of(gripper, "a stem with a cup")
+    cup = body.cup
     whole = cup.stem_length + cup.height
     stem = HullShape(_frustum(cup.stem_radius, cup.stem_radius, 0.0, cup.stem_length))
     skirt = HullShape(_frustum(cup.stem_radius / 2, cup.radius, cup.stem_length, whole))
@@ -69,12 +73,9 @@ def _frustum(first: float, second: float, low: float, high: float) -> Floats:
     return np.vstack([first * around + [0, 0, low], second * around + [0, 0, high]])
 
 
-def _jaw_hand(gripper: Gripper) -> HandParts:
-    return _box_hand(gripper) if gripper.file is None else _model_hand(gripper)
-
-
-def _box_hand(gripper: Gripper) -> HandParts:
+def _box_hand(body: BoxBody) -> HandParts:
     """Palm and fingers as boxes."""
+    gripper = body.gripper
     length, palm = gripper.finger_length, gripper.palm
     finger = (gripper.finger_thickness, gripper.finger_width, length)
     links = [Link(PALM, PALM_MASS, (Box(palm, (0.0, 0.0, palm[2] / 2)),))]
@@ -91,9 +92,35 @@ def _box_hand(gripper: Gripper) -> HandParts:
     return HandParts([*links, Link(TIP)], joints, whole, sides, FingerDrive(gripper.force))
 
 
-def _model_hand(gripper: Gripper) -> HandParts:
-    """The links and joints of a maker's model, with a carriage for each finger if both move."""
-    model = model_of(gripper)
+def _finger_hand(body: ModelBody) -> HandParts:
+    """Two fingers of a maker's model, whose joints follow a carriage for each."""
+    model, gripper = body.model, body.gripper
+    limits = (float(model.openings[0]) / 2, gripper.opening / 2)
+    carriages = [
+        Joint(name, PALM, "prismatic", axis=(way, 0, 0), limits=limits)
+        for name, way in ((LEFT, 1.0), (RIGHT, -1.0))
+    ]
+    followers = tuple(
+        Follower(OWN + link.name, _side(link), model.openings / 2, _positions(model, link.joint))
+        for link in model.links
+        if link.joint is not None
+    )
+    parts = _model_hand(body, FingerDrive(gripper.force), carriages, LOOSE)
+    return parts._replace(followers=followers)
+
+
+def _one_jaw_hand(body: JawBody) -> HandParts:
+    """The fixed jaw of a maker's model, and the moving one."""
+    model = body.model
+    ((name, joint),) = ((link.name, link.joint) for link in model.links if link.joint is not None)
+    positions, force = _positions(model, joint), body.gripper.force
+    drive = JawDrive(OWN + name, model.openings, positions, body.lever, force)
+    return _model_hand(body, drive, [], 0.0)
+
+
+def _model_hand(body: ModelBody, drive: Drive, carriages: list[Joint], loose: float) -> HandParts:
+    """The links and joints of a maker's model, which exceed their range by `loose`."""
+    model, gripper = body.model, body.gripper
     closed = list(zip(model.links, model.points(float(model.openings[0])), strict=True))
     fixed = [points for link, shapes in closed for points in shapes if link.body == PALM_BODY]
     tip = finger_span(gripper)[1]
@@ -101,42 +128,33 @@ def _model_hand(gripper: Gripper) -> HandParts:
     raised = np.array([0.0, 0.0, -back])
     mass = sum(link.mass for link in model.links if link.body == PALM_BODY)
     palm = Link(PALM, max(mass, MIN_MASS), tuple(HullShape(points + raised) for points in fixed))
-    links, joints, sides = [palm], [], {}
-    for name, way in ((LEFT, 1.0), (RIGHT, -1.0)) if model.lever is None else ():
-        limits = (float(model.openings[0]) / 2, gripper.opening / 2)
-        links.append(Link(name, CARRIAGE_MASS))
-        joints.append(Joint(name, PALM, "prismatic", axis=(way, 0, 0), limits=limits))
-    followers = list[Follower]()
-    drive: Drive = FingerDrive(gripper.force)
-    for link in model.links:
-        if link.body == PALM_BODY:
-            continue
-        side = LEFT if link.body == SECOND_FINGER else RIGHT
+    moving = [link for link in model.links if link.body != PALM_BODY]
+    links = [palm, *(Link(joint.child, CARRIAGE_MASS) for joint in carriages)]
+    for link in moving:
         shapes = tuple(HullShape(points - _anchor(link)) for points in link.shapes)
         links.append(Link(OWN + link.name, max(link.mass, MIN_MASS), shapes))
-        joint = _model_joint(model, link, raised)
-        joints.append(joint)
-        sides[OWN + link.name] = side
-        if link.joint is None:
-            continue
-        column = model.positions[:, model.joints.index(link.joint.name)] - link.joint.zero
-        if model.lever is None:
-            followers.append(Follower(OWN + link.name, side, model.openings / 2, column))
-        else:
-            drive = JawDrive(OWN + link.name, model.openings, column, model.lever, gripper.force)
+    joints = [*carriages, *(_model_joint(model, link, raised, loose) for link in moving)]
     length = tip - back
     return HandParts(
         [*links, Link(TIP)],
         [*joints, Joint(TIP, PALM, origin=(0, 0, length))],
         length,
-        sides,
+        {OWN + link.name: _side(link) for link in moving},
         drive,
-        tuple(followers),
-        (model.openings, model.reach),
+        path=(model.openings, model.reach),
     )
 
 
-def _model_joint(model: HandModel, link: HandLink, raised: Floats) -> Joint:
+def _side(link: HandLink) -> str:
+    return LEFT if link.body == SECOND_FINGER else RIGHT
+
+
+def _positions(model: HandModel, joint: LinkJoint) -> Floats:
+    """Positions of a joint at the openings of a model, from where its link is at its place."""
+    return np.asarray(model.positions[:, model.joints.index(joint.name)] - joint.zero)
+
+
+def _model_joint(model: HandModel, link: HandLink, raised: Floats, loose: float) -> Joint:
     """The joint of a link, whose frame is moved so that the axis goes through its origin."""
     carrier = model.links[link.carrier]
     before, after = np.eye(4), np.eye(4)
@@ -153,8 +171,7 @@ def _model_joint(model: HandModel, link: HandLink, raised: Floats) -> Joint:
     origin = vector(pose[:3, 3])
     if link.joint is None:
         return Joint(OWN + link.name, parent, origin=origin, turn=vector(turn))
-    column = model.positions[:, model.joints.index(link.joint.name)] - link.joint.zero
-    loose = LOOSE if model.lever is None else 0.0
+    column = _positions(model, link.joint)
     return Joint(
         OWN + link.name,
         parent,
@@ -170,4 +187,15 @@ def _anchor(link: HandLink) -> Floats:
     return np.zeros(3) if link.joint is None else link.joint.anchor
 
 
-HANDS = {JawKind.name: _jaw_hand, CupKind.name: _cup_hand}
+HANDS: dict[type[HandBody], Callable[..., HandParts]] = {
+    BoxBody: _box_hand,
+    ModelBody: _finger_hand,
+    JawBody: _one_jaw_hand,
+    CupBody: _cup_hand,
+}
+
+
+def hand_parts(gripper: Gripper) -> HandParts:
+    """The links and joints of a gripper; `UserError` if its file cannot be used."""
+    body = body_of(gripper)
+    return HANDS[type(body)](body)

@@ -25,7 +25,7 @@ class Model:
         parts: Convex meshes that represent it in contacts. Metres.
         mass: Kilograms, at least 50 g.
         solid_mass: Mass of the solid, which may be less, kilograms.
-        inertia: Principal moments about the center of mass, (3,), kg m2.
+        inertia: (3,) principal moments about the center of mass, kg m2.
         volume_error: Volume of the parts / volume of the mesh - 1.
         to_principal: (4, 4) transform from the frame that the object was given in, with its scale.
     """
@@ -63,13 +63,6 @@ def model_of(
     """Model an object of the simulation bundle.
 
     An object lighter than 50 g gets that mass, distributed as before; BURG has the same minimum.
-    The friction of the pads carries many times as much.
-
-    Args:
-        mesh: Its surface, in metres.
-        parts: Convex meshes that represent it in contacts.
-        physics: Mass properties of the solid within the surface.
-        volume_error: Volume of the parts / volume of the mesh - 1.
     """
     moments, to_principal = principal_frame(physics)
     return Model(
@@ -84,10 +77,7 @@ def model_of(
 
 
 def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
-    """The principal moments, (3,) in kg m2, and the transform to the principal frame, (4, 4).
-
-    The mass is at least 50 g, and the frame as `Model.to_principal`.
-    """
+    """Principal moments (3,), kg m2, of at least 50 g, and the frame, as `Model.to_principal`."""
     mass = max(physics.mass, MIN_MASS)
     moments, axes = np.linalg.eigh(physics.inertia * (mass / physics.mass))
     axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])  # right-handed
@@ -98,39 +88,19 @@ def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
 
 
 def build(mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh") -> Model:
-    """Model any object of uniform density, like one of the simulation bundle.
-
-    Args:
-        mesh: A closed surface, metres.
-        density: kg/m3.
-        settings: How its convex parts are made.
-        name: Its name in warnings.
+    """Model any object of uniform density, kg/m3, like one of the simulation bundle.
 
     Raises:
         RejectedError: The mesh does not bound a solid, or has no convex parts.
 
     Warns:
-        PartsWarning: The parts exceed the limits of the settings.
+        PartsWarning: The parts exceed the limits of the settings; the warning has the name.
     """
     made = make_simulation_object(mesh, density, settings, name)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)
 
 
 def simulated(target: NamedMesh, gripper: Gripper, rule: str) -> tuple[trimesh.Trimesh, Model]:
-    """The mesh of an object as it is grasped, and its default model for simulations.
-
-    Args:
-        target: The object.
-        gripper: What it is scaled to.
-        rule: See `egad.rescale`.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, is flat, or has no convex parts.
-        UserError: It is not a mesh, or its file is missing.
-
-    Warns:
-        UnitsWarning: The size of the mesh suggests a unit other than the metre.
-        PartsWarning: The object needs more convex parts than are allowed.
-    """
+    """The mesh of an object as a gripper grasps it, and its default model; errors as in `build`."""
     mesh = scaled_solid(target, gripper, rule)
     return mesh, build(mesh, Material().density, Bundle(), target.label)

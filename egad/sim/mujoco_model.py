@@ -11,8 +11,7 @@ from egad.geometry import surfaces
 from egad.geometry.surfaces import Surface
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
-from egad.sim.robot import EFFORT, PALM, Joint, Link, Robot
-from egad.sim.shapes import Box, HullShape, wall_boxes
+from egad.sim.robot import EFFORT, PALM, Box, HullShape, Joint, Link, Robot, wall_boxes
 from egad.sim.world import (
     CLOSING_SPEED,
     TIME_STEP,
@@ -54,8 +53,7 @@ def scene_spec(
 ) -> mujoco.MjSpec:
     """Table, objects and robot for MuJoCo, with the motors of the robot.
 
-    The first weld constraints hold the objects in place, one each. If the robot has a suction cup,
-    as many more hold them to the cup. `walls` is the inner side of the box around the middle.
+    The first weld constraints hold the objects in place, as many more hold them to a suction cup.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False

@@ -35,12 +35,7 @@ TABLE, LEFT_FINGER, RIGHT_FINGER, OTHERS, WALLS, FIRST_OBJECT = range(6)
 
 
 class MujocoWorld(World):
-    """A world in MuJoCo.
-
-    Attributes:
-        engine: The compiled model.
-        data: The state of the engine.
-    """
+    """A world in MuJoCo: the compiled model, `engine`, and its state, `data`."""
 
     def __init__(
         self, models: Sequence[Model], robot: Robot | None = None, walls: float | None = None

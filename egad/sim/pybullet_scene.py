@@ -10,7 +10,7 @@ import pybullet
 from egad.geometry.surfaces import OBJECT, TABLE
 from egad.sim.drives import Follower
 from egad.sim.model import Model
-from egad.sim.shapes import Box
+from egad.sim.robot import Box
 
 # The engine's 1 mm is added all around convex parts: a 40 mm cube would be 42 mm.
 COLLISION_MARGIN = 1e-4

@@ -23,8 +23,7 @@ from egad.sim.pybullet_scene import (
     add_wall,
     wavefront,
 )
-from egad.sim.robot import PALM
-from egad.sim.shapes import wall_boxes
+from egad.sim.robot import PALM, wall_boxes
 from egad.sim.urdf import hull_files, to_urdf
 from egad.sim.world import CLOSING_SPEED, DOWN, TIME_STEP, Forces, Pose, World
 
@@ -41,13 +40,7 @@ NORMAL_FORCE, LINK = 9, 3  # positions in the engine's tuple of a contact
 
 
 class PyBulletWorld(World):
-    """A world in PyBullet without a window.
-
-    Attributes:
-        client: The engine.
-        objects: Numbers of the objects in the engine.
-        table: Number of the table in the engine.
-    """
+    """A world in PyBullet: the engine is `client`, objects and table are numbers in it."""
 
     def __enter__(self) -> Self:
         # The engine reads compound shapes and robots only from files.

@@ -3,9 +3,8 @@
 import numpy as np
 
 from egad.grippers import Gripper
-from egad.sim.hands import HANDS, HandParts
-from egad.sim.robot import PALM, Joint, Link, Robot
-from egad.sim.shapes import Box, Vector
+from egad.sim.hands import HandParts, hand_parts
+from egad.sim.robot import PALM, Box, Joint, Link, Robot, Vector
 
 STROKE = 2.0  # metres, of the vertical axis, both ways
 TURN = 10.0  # radians, of the axis, both ways
@@ -30,42 +29,31 @@ PANDA_THICKNESS = 0.1  # metres, of the boxes that represent its links
 
 def on_axis(gripper: Gripper) -> Robot:
     """The hand on a vertical axis that turns: at 0 the fingertips are on the ground."""
-    hand = _hand(gripper)
+    hand = hand_parts(gripper)
     top = (0.0, 0.0, hand.length)
-    return _with_hand(
-        hand,
-        gripper,
-        (Link("stand"), Link("height")),
-        (
-            # Turned upside down, so that the hand points down
-            Joint(
-                "height", "stand", "prismatic", top, (np.pi, 0, 0), (0, 0, -1), (-STROKE, STROKE)
-            ),
-            Joint(PALM, "height", "revolute", axis=(0, 0, -1), limits=(-TURN, TURN)),
-        ),
-        dict(zip(("height", PALM), AXIS_STRENGTH, strict=True)),
-    )
+    joints = [
+        # Turned upside down, so that the hand points down
+        Joint("height", "stand", "prismatic", top, (np.pi, 0, 0), (0, 0, -1), (-STROKE, STROKE)),
+        Joint(PALM, "height", "revolute", axis=(0, 0, -1), limits=(-TURN, TURN)),
+    ]
+    strength = dict(zip(("height", PALM), AXIS_STRENGTH, strict=True))
+    return _robot(gripper, hand, [Link("stand"), Link("height")], joints, strength)
 
 
 def free_hand(gripper: Gripper) -> Robot:
     """The hand by itself, moved along its own axes: at 0 the fingertips are at the origin."""
-    hand = _hand(gripper)
+    hand = hand_parts(gripper)
     root = (0.0, 0.0, -hand.length)
     names = ("along_x", "along_y", PALM)
     axes: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    moving = tuple(
+    joints = [
         Joint(name, parent, "prismatic", origin, axis=axis, limits=(-STROKE, STROKE))
         for name, parent, origin, axis in zip(
             names, ("stand", *names), (root, (0.0,) * 3, (0.0,) * 3), axes, strict=False
         )
-    )
-    return _with_hand(
-        hand,
-        gripper,
-        (Link("stand"), Link("along_x"), Link("along_y")),
-        moving,
-        dict.fromkeys(names, FREE_STRENGTH),
-    )
+    ]
+    links = [Link("stand"), Link("along_x"), Link("along_y")]
+    return _robot(gripper, hand, links, joints, dict.fromkeys(names, FREE_STRENGTH))
 
 
 def on_panda(gripper: Gripper) -> Robot:
@@ -83,7 +71,8 @@ def on_panda(gripper: Gripper) -> Robot:
         strength[name] = torque
     # The fingers close along x of the palm, and along y of the flange.
     flange = Joint(PALM, f"panda{len(PANDA_JOINTS)}", origin=PANDA_FLANGE, turn=(0, 0, QUARTER))
-    return _with_hand(_hand(gripper), gripper, tuple(links), (*joints, flange), strength)
+    hand = hand_parts(gripper)
+    return _robot(gripper, hand, links, [*joints, flange], strength)
 
 
 def _around(end: Vector) -> Box:
@@ -92,25 +81,13 @@ def _around(end: Vector) -> Box:
     return Box((x, y, z), (end[0] / 2, end[1] / 2, end[2] / 2))
 
 
-def _with_hand(
-    hand: HandParts,
+def _robot(
     gripper: Gripper,
-    links: tuple[Link, ...],
-    joints: tuple[Joint, ...],
+    hand: HandParts,
+    links: list[Link],
+    joints: list[Joint],
     strength: dict[str, float],
 ) -> Robot:
     """A robot from the links and joints of an arm, and a hand."""
-    return Robot(
-        gripper,
-        (*links, *hand.links),
-        (*joints, *hand.joints),
-        strength,
-        hand.sides,
-        hand.drive,
-        hand.followers,
-        hand.path,
-    )
-
-
-def _hand(gripper: Gripper) -> HandParts:
-    return HANDS[gripper.kind.name](gripper)
+    links, joints = [*links, *hand.links], [*joints, *hand.joints]
+    return Robot(gripper, tuple(links), tuple(joints), strength, *hand[3:])

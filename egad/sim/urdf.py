@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from trimesh.exchange.obj import export_obj
 
 from egad._util.arrays import Floats
-from egad.sim.robot import EFFORT, Link, Robot
-from egad.sim.shapes import Box, HullShape, Vector, shape_mesh
+from egad.sim.robot import EFFORT, Box, HullShape, Link, Robot, Vector, shape_mesh
 
 
 def to_urdf(robot: Robot) -> str:
@@ -33,10 +32,7 @@ def to_urdf(robot: Robot) -> str:
 
 
 def hull_files(robot: Robot, margin: float = 0.0) -> dict[str, str]:
-    """The hulls of a robot as OBJ files, by the name that its URDF gives them.
-
-    Each is shrunk by a margin, metres, on all sides, if it is thick enough.
-    """
+    """The hulls of a robot as OBJ files by name, shrunk by a margin, metres, where thick enough."""
     files = {}
     for link in robot.links:
         for number, shape in enumerate(link.shapes):

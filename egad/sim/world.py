@@ -51,14 +51,10 @@ class Pose(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """Normal forces of contacts, in newtons, summed regardless of their directions.
+    """Normal forces of contacts, newtons, whatever their directions.
 
-    Attributes:
-        left: Force of the left finger on the objects.
-        right: Force of the right finger on the objects.
-        rest: Force of the rest of the robot on the objects.
-        support: Force of the table on the objects.
-        blocked: Force of the table on the robot.
+    On the objects: `left` and `right` of the fingers, `rest` of the robot, `support` of the table.
+    `blocked`: of the table on the robot.
     """
 
     left: float

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-from numpy.typing import NDArray
 
+from egad._util.arrays import Floats
 from egad._util.markdown import table
 from egad.errors import TableError
 
@@ -66,12 +66,12 @@ def vector_names(name: str) -> list[str]:
 INERTIA = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
-def inertia_columns(tensor: NDArray[np.float64]) -> dict[str, float]:
+def inertia_columns(tensor: Floats) -> dict[str, float]:
     """The columns of a symmetric tensor (3, 3) by name: inertia_xx to inertia_yz."""
     return {f"inertia_{name}": float(tensor[place]) for name, place in INERTIA.items()}
 
 
-def inertia_tensor(row: Mapping[str, Any]) -> NDArray[np.float64]:
+def inertia_tensor(row: Mapping[str, Any]) -> Floats:
     """The tensor (3, 3) of a row with these columns."""
     tensor = np.empty((3, 3))
     for name, (first, second) in INERTIA.items():

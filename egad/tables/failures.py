@@ -20,25 +20,14 @@ from egad.tables.evolution import ARCHIVE, GENOME
 
 _COUNTS = [
     column("n_pairs", INT, "number of fresh drops at which detector and reference were both tried"),
-    column(
-        "reference_successes",
-        INT,
-        "number of fresh drops at which the reference held the object to the end",
-    ),
-    column(
-        "detector_successes",
-        INT,
-        "number of fresh drops at which the detector held the object to the end",
-    ),
-    column(
-        "only_reference",
-        INT,
-        "number of fresh drops at which only the reference held the object to the end",
-    ),
-    column(
-        "only_detector",
-        INT,
-        "number of fresh drops at which only the detector held the object to the end",
+    *(
+        column(name, INT, f"number of fresh drops at which {who} held the object to the end")
+        for name, who in (
+            ("reference_successes", "the reference"),
+            ("detector_successes", "the detector"),
+            ("only_reference", "only the reference"),
+            ("only_detector", "only the detector"),
+        )
     ),
     column("difference", FLOAT, "(only_reference - only_detector) / n_pairs"),
 ]

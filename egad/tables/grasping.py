@@ -167,21 +167,14 @@ SAMPLING = pa.schema(
         LABEL,
         column("n_wanted", INT, "number of grasps requested"),
         column("n_candidates", INT, "number of candidates sampled"),
-        column(
-            "n_too_wide",
-            INT,
-            "number of candidates rejected: no opposite surface within the opening",
-        ),
-        column(
-            "n_not_antipodal",
-            INT,
-            "number of candidates rejected: second contact faces away from the axis",
-        ),
-        column(
-            "n_blocked", INT, "number of candidates rejected: something blocks the open fingers"
-        ),
-        column(
-            "n_too_close", INT, "number of candidates rejected: too similar to a grasp found before"
+        *(
+            column(name, INT, f"number of candidates rejected: {why}")
+            for name, why in (
+                ("n_too_wide", "no opposite surface within the opening"),
+                ("n_not_antipodal", "second contact faces away from the axis"),
+                ("n_blocked", "something blocks the open fingers"),
+                ("n_too_close", "too similar to a grasp found before"),
+            )
         ),
         column("n_surplus", INT, "number of candidates not needed: enough grasps had been found"),
         column("n_grasps", INT, "number of candidates kept: the rows in the table of grasps"),

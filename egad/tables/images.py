@@ -5,6 +5,14 @@ import pyarrow as pa
 from egad.tables.columns import BINARY, FLOAT, INT, STRING, Result, column, pose
 
 SINGLE = pa.float32()
+FACTORS = column(
+    "factors", pa.list_(FLOAT), "for each object: size / size of the mesh scaled to the gripper"
+)
+LENS = [
+    column("focal", FLOAT, "focal length", "px"),
+    column("center_u", FLOAT, "column of the optical axis", "px"),
+    column("center_v", FLOAT, "row of the optical axis", "px"),
+]
 
 
 def _listed(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
@@ -20,11 +28,7 @@ IMAGES = pa.schema(
         column("split", STRING, "train, validation or test; the same for all images of an object"),
         column("draws", INT, "how many times poses and sizes were drawn for the image"),
         column("objects", pa.list_(STRING), "ids of the objects"),
-        column(
-            "factors",
-            pa.list_(FLOAT),
-            "for each object: size / size of the mesh scaled to the gripper",
-        ),
+        FACTORS,
         column(
             "poses",
             pa.list_(INT),
@@ -40,9 +44,7 @@ IMAGES = pa.schema(
         column("mask", BINARY, "8-bit PNG: k = the k-th object, 0 = everything else"),
         column("height", INT, "height of the image", "px"),
         column("width", INT, "width of the image", "px"),
-        column("focal", FLOAT, "focal length", "px"),
-        column("center_u", FLOAT, "column of the optical axis", "px"),
-        column("center_v", FLOAT, "row of the optical axis", "px"),
+        *LENS,
         *pose("camera", "pose of the camera (x right, y down, z forward) in the world frame"),
         _listed("object", INT, "number of the object in the image, from 0"),
         _listed("u", SINGLE, "column of the center; the middle of the first pixel is 0", "px"),

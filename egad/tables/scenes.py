@@ -3,6 +3,7 @@
 import pyarrow as pa
 
 from egad.tables.columns import BINARY, BOOL, FLOAT, INT, POSE_PARTS, STRING, Result, column
+from egad.tables.images import FACTORS, LENS
 
 SCENES = pa.schema(
     [
@@ -10,11 +11,7 @@ SCENES = pa.schema(
         column("kind", STRING, "packed or pile: how the objects lie"),
         column("split", STRING, "train, validation or test; the same for all objects of the scene"),
         column("objects", pa.list_(STRING), "ids of the objects that lie in the workspace"),
-        column(
-            "factors",
-            pa.list_(FLOAT),
-            "for each object: size / size of the mesh scaled to the gripper",
-        ),
+        FACTORS,
         column(
             "placements",
             pa.list_(FLOAT),
@@ -24,9 +21,7 @@ SCENES = pa.schema(
         column("noise", STRING, "noise in the depth images, as in `clutter.noise`"),
         column("height", INT, "height of the images", "px"),
         column("width", INT, "width of the images", "px"),
-        column("focal", FLOAT, "focal length", "px"),
-        column("center_u", FLOAT, "column of the optical axis", "px"),
-        column("center_v", FLOAT, "row of the optical axis", "px"),
+        *LENS,
         column(
             "cameras",
             pa.list_(FLOAT),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import egad
 from egad.evolution import Shape
-from egad.evolution.surface import surface
+from egad.evolution.growth import surface
 from egad.grasps import ferrari_canny
 from egad.measures import attainable_graspability, default_measures
 

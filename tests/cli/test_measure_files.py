@@ -5,7 +5,7 @@ import trimesh
 
 from egad.cli.measure import incomparable, measure_files, warn_of_measures
 from egad.evolution import PostprocessSolids
-from egad.evolution.surface import surface
+from egad.evolution.growth import surface
 from egad.io import read_mesh, write_obj
 from egad.measures import MeasureMeshes, solid_row
 from egad.tables.objects import MEASURED

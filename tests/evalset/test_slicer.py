@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from egad.evalset import PrintCheck, PrintExport
+from egad.evalset.plate_files import PlacedMesh, write_3mf
 from egad.evalset.plates import pack, plan_prints
-from egad.io.plates import PlacedMesh, write_3mf
 
 SLICER = shutil.which("prusa-slicer")
 pytestmark = [

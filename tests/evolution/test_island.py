@@ -37,6 +37,12 @@ SETTINGS = select(
 )
 
 
+def test_evaluations_are_rounded_up_to_whole_steps():
+    steps = [Evolution(evaluations=count, population=10).steps for count in (1, 10, 11)]
+    assert steps == [1, 1, 2]
+    assert Evolution().evaluations == Evolution().steps * Evolution().population
+
+
 def evolved(worker_count, **names):
     archive = Archive(SETTINGS.space, SETTINGS.similarity)
     with workers(worker_count) as mapper:

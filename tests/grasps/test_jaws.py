@@ -8,10 +8,10 @@ from described_hands import jaw_urdf
 from egad.geometry import RayCaster
 from egad.grasps import ContactPairs
 from egad.grasps.approach import best_approaches
-from egad.grasps.jaws import JawFaces, face_normals
 from egad.grasps.labels import label_grasps, label_parameters
 from egad.grasps.opening import needed_openings
 from egad.grasps.quality import ferrari_canny
+from egad.grasps.robust import JawFaces, face_normals
 from egad.grippers import JAW_CLEARANCE, Gripper, ModelBody, hand_body
 
 ACROSS = np.array([1.0, 0.0, 0.0])

@@ -6,8 +6,8 @@ import trimesh
 
 import egad
 from egad.errors import RejectedError, UserError
+from egad.evalset.plate_files import PlacedMesh, write_3mf
 from egad.io import check_unit_known, read_content, write_glb, write_stl_mm
-from egad.io.plates import PlacedMesh, write_3mf
 from egad.io.units import metres_per_unit, stated_in
 
 BOX = trimesh.creation.box((0.06, 0.04, 0.03))

@@ -7,7 +7,7 @@ from PIL import Image
 
 from egad.errors import RejectedError
 from egad.evolution import Shape
-from egad.evolution.surface import surface
+from egad.evolution.growth import surface
 from egad.report.pictures import CAMERA, FILL, png_bytes, render, voxel_picture, voxel_png
 
 

@@ -1,4 +1,3 @@
-from .robust import robust_suction_quality as robust_suction_quality
 from .sampler import collision_free as collision_free
 from .sampler import sample_suction as sample_suction
 from .sampler import suction_poses as suction_poses
@@ -10,3 +9,4 @@ from .seal import seal_cups as seal_cups
 from .wrench import limits as limits
 from .wrench import loads_in_frames as loads_in_frames
 from .wrench import resists as resists
+from .wrench import robust_suction_quality as robust_suction_quality

@@ -13,12 +13,11 @@ from egad._util.parameters import from_arguments
 from egad.errors import NoGraspError, UserError, most_common
 from egad.geometry import Material, RayCaster, box_sides, check_solid, mass_properties
 from egad.grasps.approach import touching_turns
-from egad.grasps.grasps import vectors
+from egad.grasps.grasps import vector_columns, vectors
 from egad.grasps.parameters import RobustSuction, SuctionSampling
 from egad.grasps.poses import hand_poses
-from egad.grasps.suction.robust import robust_suction_quality
 from egad.grasps.suction.seal import Seals, seal_cups
-from egad.grasps.suction.wrench import loads_in_frames, resists
+from egad.grasps.suction.wrench import loads_in_frames, resists, robust_suction_quality
 from egad.grippers import SuctionCup, cup_parts
 from egad.random import generator
 
@@ -97,9 +96,9 @@ def sample_suction(
     return pd.DataFrame(
         {
             "grasp": np.arange(settings.n),
-            **_columns("point", origins),
-            **_columns("approach", frames[:, 2]),
-            **_columns("axis", frames[:, 0]),
+            **vector_columns("point", origins),
+            **vector_columns("approach", frames[:, 2]),
+            **vector_columns("axis", frames[:, 0]),
             "sealed": seals.sealed,
             "seal_failure": seals.failures,
             "strain": seals.strains,
@@ -111,11 +110,7 @@ def sample_suction(
 
 
 def suction_poses(grasps: pd.DataFrame) -> Floats:
-    """(n, 4, 4) poses of the cups of a table of grasps.
-
-    They map from the frame of the cup to that of the object: origin in the middle of the ring on
-    the surface, z the approach, x towards the first vertex of the ring.
-    """
+    """Poses (n, 4, 4) of a table of grasps: z is the approach, x towards the first vertex."""
     return hand_poses(*(vectors(grasps, name) for name in ("point", "axis", "approach")))
 
 
@@ -125,15 +120,9 @@ def collision_free(
     """Whether each of n cups moves in along its approach and stays there without a collision.
 
     No part of the object may lie where stem and cup are or were, from the top of the cup on.
-    Whatever lies below the top of the cup is tested with its seal. The test is exact.
-
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        cup: The cup.
-        origins: (n, 3) origins of the frames of the cups, metres.
-        frames: (n, 3, 3) their unit vectors x, y, z in rows.
-        depths: (n,) mean depths of the rings, metres. A depth larger than the height of the cup
-            counts as 0: the ring misses the object, or meets it elsewhere.
+    Whatever lies below is tested with its seal. The test is exact. Origins and frames are those of
+    `seal_cups`. Mean depths of the rings (n,), metres, above the height of the cup count as 0: the
+    ring misses the object, or meets it elsewhere.
     """
     behind = -np.where(np.abs(depths) <= cup.height, depths, 0.0)
     touching = touching_turns(caster, cup_parts(cup, cup.approach), origins, frames, behind=behind)
@@ -141,10 +130,7 @@ def collision_free(
 
 
 def _candidates(caster: RayCaster, settings: SuctionSampling) -> tuple[Floats, Floats]:
-    """Points uniform over the surface, and frames (n, 3, 3) with z along the inward normals.
-
-    The frames rotate with the mesh: at angle zero, x is along the first side of the triangle.
-    """
+    """Uniform points; frames (n, 3, 3) with z inwards, which rotate with the mesh."""
     drawn = generator(settings.seed, "sample_suction").random((settings.n, 4))
     areas = np.cumsum(caster.areas)
     faces = np.searchsorted(areas, drawn[:, 0] * areas[-1], side="right")
@@ -191,7 +177,3 @@ def _direction(gravity: ArrayLike) -> Floats:
     if not length > 0:
         raise UserError(f"gravity is {gravity!r}; allowed: a nonzero direction")
     return np.asarray(given / length)
-
-
-def _columns(name: str, values: Floats) -> dict[str, Floats]:
-    return {f"{name}_{part}": values[:, i] for i, part in enumerate("xyz")}

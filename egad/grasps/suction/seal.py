@@ -89,10 +89,7 @@ def seal_cups(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Float
 
 
 def ring_depths(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats) -> Floats:
-    """Depths at which the vertices of the rings of n cups meet an object, (n, sides), metres.
-
-    Infinite where a vertex misses it. The other arguments are those of `seal_cups`.
-    """
+    """Depths (n, sides) at which the rings of n cups meet an object, metres; infinite if not."""
     return _depths(caster, cup, origins, frames, ring_vertices(cup))
 
 
@@ -103,13 +100,9 @@ def ring_vertices(cup: SuctionCup) -> Floats:
 
 
 def spring_lengths(cup: SuctionCup, ring: Floats) -> Springs:
-    """Lengths of the springs of cups whose vertices lie at these depths.
+    """Lengths of the springs of cups whose vertices lie at these depths, (n, sides), metres.
 
     The apex lies on the axis, where its mean axial distance to the ring is the height of the cup.
-
-    Args:
-        cup: The cup.
-        ring: (n, sides) depths of the vertices, metres.
     """
     chords = 2 * cup.radius * np.sin(np.pi * np.array([1, 2]) / cup.sides)
     heights = cup.height + ring - ring.mean(axis=1, keepdims=True)
@@ -161,10 +154,7 @@ def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
 def _depths(
     caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, points: Floats
 ) -> Floats:
-    """Depths at which points (k, 2) of n cups meet the object, (n, k), metres; infinite if not.
-
-    Infinite, too, for points that start inside the object.
-    """
+    """Depths (n, k), metres, of points (k, 2) of n cups on the object; infinite if not outside."""
     x, y, z = frames[:, None, 0], frames[:, None, 1], frames[:, None, 2]
     starts = origins[:, None] - cup.approach * z + points[:, :1] * x + points[:, 1:] * y
     directions = np.broadcast_to(z, starts.shape)

@@ -183,8 +183,7 @@ def outer_shell(vertices: Floats, faces: Ints32) -> Ints32:
     inside = ((corners >= low) & (corners <= high)).all(axis=(1, 2))
     if not (own | (hollow[shells] & inside)).all():
         raise RejectedError("the mesh is not one connected piece")
-    outer: Ints32 = faces[own]
-    return outer
+    return np.asarray(faces[own])
 
 
 @kernel()

@@ -45,8 +45,7 @@ def similarity_matrix(
 
 def similarities(forest: Forest, pairs: Ints) -> Floats:
     """Similarities of (m, 2) pairs of graphs of a forest, (m,)."""
-    result: Floats = _similarities(forest.trees, pairs)
-    return result
+    return np.asarray(_similarities(forest.trees, pairs))
 
 
 @kernel(nogil=True)

@@ -143,10 +143,10 @@ def _mark(rows: VertexEdges, vertex: int, ahead: Flags, back: Flags) -> None:
 
 @kernel(fastmath={"nnan", "nsz"})
 def lower(
-    distances: NDArray[np.float64],
+    distances: Floats,
     vertex: int,
     neighbors: NDArray[np.uint32],
-    lengths: NDArray[np.float64],
+    lengths: Floats,
     start: int,
     end: int,
 ) -> bool:

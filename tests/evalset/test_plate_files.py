@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.io.plates import PlacedMesh, write_3mf
+from egad.evalset.plate_files import PlacedMesh, write_3mf
 from egad.io.threemf import CORE
 
 
