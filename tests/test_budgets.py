@@ -43,7 +43,7 @@ def settings():
     ("what", "size", "limit"),
     [
         ("lines of egad/ above the line", lines_above_the_line, 23_920),  # goal: 21,000
-        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 62_790),  # goal: 60,000
+        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 62_210),  # goal: 60,000
         ("entries of egad/", entries, 28),  # goal: 26
         ("settings", settings, 345),  # goal: 300
         ("words of README.md", words_of("README.md"), 850),
