@@ -42,7 +42,7 @@ def settings():
 @pytest.mark.parametrize(
     ("what", "size", "limit"),
     [
-        ("lines of egad/ above the line", lines_above_the_line, 21_920),  # goal: 21,000
+        ("lines of egad/ above the line", lines_above_the_line, 22_600),  # goal: 21,000
         ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 62_250),  # goal: 60,000
         ("entries of egad/", entries, 26),
         ("settings", settings, 336),  # goal: 300
