@@ -42,9 +42,9 @@ def settings():
 @pytest.mark.parametrize(
     ("what", "size", "limit"),
     [
-        ("lines of egad/ above the line", lines_above_the_line, 23_920),  # goal: 21,000
-        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 65_520),  # goal: 60,000
-        ("entries of egad/", entries, 28),  # goal: 26
+        ("lines of egad/ above the line", lines_above_the_line, 24_170),  # goal: 21,000
+        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 65_050),  # goal: 60,000
+        ("entries of egad/", entries, 26),
         ("settings", settings, 345),  # goal: 300
         ("words of README.md", words_of("README.md"), 850),
         ("words of docs/", words_of("docs/**/*.md"), 30_000),
