@@ -5,7 +5,7 @@
 | that grasps are rated for | `FRICTION` | `quality.friction`; also the pads of simulated labels |
 | finger pads on an object | `PADS`, or `friction` of a gripper | trials |
 | ring of a suction cup on an object | `CUP_RING` | `cup.friction`: labels and trials |
-| table under an object | `TABLE` | trials |
+| table under an object | `TABLE`, `TABLE_ROLLING` | trials |
 | objects against each other and walls | `OBJECT` | trials with several objects |
 | objects in files for other programs | `OBJECT`, `MJCF_SPIN` | `bundle.friction`, `egad export` |
 
@@ -22,12 +22,10 @@ class Surface(NamedTuple):
     Attributes:
         friction: Sliding friction.
         radius: Radius of the contact patch on a round object, metres; it resists twisting.
-        rolling: How far ahead of an object that rolls the surface pushes, metres.
     """
 
     friction: float
     radius: float = 0.0
-    rolling: float = 0.0
 
     @property
     def torsion(self) -> float:
@@ -39,7 +37,8 @@ FRICTION = 0.5
 CUP_RING = Surface(0.5)
 # Finger pads on printed plastic (our own typical values)
 PADS = {"silicone": Surface(0.8, 0.005), "bare": Surface(0.4, 0.002)}
-# Plastic on wood or paper. A ball that nothing slows down rolls or spins forever.
-TABLE = Surface(0.5, rolling=0.001)
+TABLE = Surface(0.5)  # plastic on wood or paper
+# Metres that the table pushes ahead of an object that rolls. Without it, a ball rolls forever.
+TABLE_ROLLING = 0.001
 OBJECT = Surface(0.5)
 MJCF_SPIN = (0.005, 0.0001)  # torsional and rolling, MuJoCo's defaults

@@ -102,7 +102,7 @@ class CupHand(Cup, Hand):
     @override
     def _lift_from(self) -> float:
         # An arm that sags would jerk if the lift began at its actual height.
-        return self._stance.height
+        return self._hand_pose.height
 
 
 class FreeCup(Cup, FreeHand):

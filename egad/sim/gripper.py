@@ -10,7 +10,6 @@ from egad._util.arrays import Floats
 from egad.grippers import JAW_CLEARANCE
 from egad.sim.arms import Arm, HandPose
 from egad.sim.parameters import COLLISION_FORCE
-from egad.sim.robot import Robot
 from egad.sim.world import TIME_STEP, Pose, World
 from egad.tables.outcomes import Outcome
 
@@ -91,9 +90,15 @@ class Hand(Fingers):
         super().__init__(world)
         self.arm = arm
         self.path_left: list[float] = []
-        self._stance = hand_pose
+        self._hand_pose = hand_pose
         self._raised = -arm.robot.reach(width if contact is None else contact)
-        self._aside = _aside(arm.robot, width, contact, clearance)
+        # the middle of the contacts beside TIP; open jaws of which one is fixed are as far from it,
+        # unless it is known where they will meet the object
+        drive = arm.robot.drive
+        if contact is None or drive.mirrored:
+            self._aside = drive.aside(width)
+        else:
+            self._aside = drive.aside(contact) + clearance
         self._target = arm.joints(self._tip(hand_pose))
         world.put_robot(arm.base(self._tip(hand_pose)), self._target.tolist(), width)
 
@@ -101,7 +106,7 @@ class Hand(Fingers):
         """Command the hand to a pose above its base, which it reaches with the next step."""
         joints = self.arm.joints(self._tip(hand_pose), self._target)
         self.world.drive(joints.tolist(), ((joints - self._target) / TIME_STEP).tolist())
-        self._target, self._stance = joints, hand_pose
+        self._target, self._hand_pose = joints, hand_pose
 
     def move(self, height: float, seconds: float, limit: float = COLLISION_FORCE) -> float | None:
         """Move the fingertips to a height on a minimum-jerk path, or until a contact force, N.
@@ -175,7 +180,7 @@ class Hand(Fingers):
         )
 
     def _raise_to(self, height: float) -> None:
-        self.steer(self._stance._replace(height=height))
+        self.steer(self._hand_pose._replace(height=height))
         self.world.step()
 
 
@@ -238,14 +243,6 @@ class FreeHand(Fingers):
         pressed = np.array([self.world.forces(number).hand for number in numbers])
         chosen = np.argmax(pressed > 0 if first else pressed)
         return int(chosen) if pressed[chosen] > 0 else None
-
-
-def _aside(robot: Robot, width: float, contact: float | None, clearance: float) -> float:
-    """How far the middle of the contacts lies beside TIP, along the closing axis, metres."""
-    drive = robot.drive
-    if drive.mirrored or contact is None:
-        return drive.aside(width)
-    return drive.aside(contact) + clearance
 
 
 def minimum_jerk(start: float, end: float, seconds: float) -> list[float]:

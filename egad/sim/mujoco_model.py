@@ -38,7 +38,7 @@ OBJECT, WALL = "object", "wall"  # prefixes of their numbers
 OBJECT_BIT, TABLE_BIT = 1, 2
 CONTACT_DIMENSIONS, PAD_DIMENSIONS = 6, 4  # with torsion, that of the table with rolling, too
 ON_TABLE, ON_OBJECT = (
-    [each.friction, surfaces.TABLE.rolling, surfaces.TABLE.rolling]
+    [each.friction, surfaces.TABLE_ROLLING, surfaces.TABLE_ROLLING]
     for each in (surfaces.TABLE, surfaces.OBJECT)
 )
 _CONTACT = {

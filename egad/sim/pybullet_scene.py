@@ -7,7 +7,7 @@ from typing import Any
 
 import pybullet
 
-from egad.geometry.surfaces import OBJECT, TABLE
+from egad.geometry.surfaces import OBJECT, TABLE, TABLE_ROLLING
 from egad.sim.drives import Follower
 from egad.sim.model import Model
 from egad.sim.robot import Box
@@ -35,8 +35,8 @@ def add_table(client: Client, friction: float) -> int:
         table,
         -1,
         lateralFriction=TABLE.friction / friction,
-        rollingFriction=TABLE.rolling / friction,
-        spinningFriction=TABLE.rolling / friction,
+        rollingFriction=TABLE_ROLLING / friction,
+        spinningFriction=TABLE_ROLLING / friction,
     )
     return table
 
