@@ -160,11 +160,10 @@ def evolve(
     """
     if not (measures is None or callable(measures)):
         raise UserError(f"measures is {measures!r}; allowed: a function from a mesh to two numbers")
-    settings = evolution_parameters(
-        seed, population, ranges, cells, elites_per_cell, check_count("evaluations", evaluations)
-    )
-    steps, size = settings.evolution.steps, settings.evolution.population
-    threads = check_count("jobs", jobs)
+    settings = evolution_parameters(seed, population, ranges, cells, elites_per_cell)
+    size, threads = settings.evolution.population, check_count("jobs", jobs)
+    total = check_count("evaluations", evaluations)
+    steps = Evolution(evaluations=total, population=size).steps
     archive = Archive(settings.space, settings.similarity, threads)
     evaluate = None if measures is None else partial(_measure, measures=measures, settings=settings)
     with workers(threads) as mapper:
@@ -183,7 +182,6 @@ def evolution_parameters(
     ranges: tuple[Range, Range] = RANGES,
     cells: int = SPACE.cells,
     elites_per_cell: int = SPACE.elites_per_cell,
-    evaluations: int = Evolution().evaluations,
 ) -> EvolutionParameters:
     """The default parameters of evolution, overridden by the given ones.
 
@@ -200,7 +198,7 @@ def evolution_parameters(
     )
     return EvolutionParameters(
         **dict(default_measures(gripper(Graspability().gripper), seed)) | {"space": space},
-        evolution=from_arguments(Evolution, population=population, evaluations=evaluations),
+        evolution=from_arguments(Evolution, population=population),
         neat=Neat(),
         shape=Shape(),
         envelope=Envelope(),
