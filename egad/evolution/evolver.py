@@ -58,20 +58,7 @@ class Evolver:
         cells: int = SPACE.cells,
         elites_per_cell: int = SPACE.elites_per_cell,
     ) -> None:
-        """Start with an empty archive.
-
-        Args:
-            seed: The same seed and measures give the same archive.
-            population: Offspring per step.
-            ranges: Lowest and highest value of the first and of the second measure; values outside
-                go to the nearest cell.
-            cells: Cells along each measure.
-            elites_per_cell: Maximum number of objects that a cell keeps: those that are least
-                alike.
-
-        Raises:
-            UserError: A number is out of bounds; the message says which.
-        """
+        """Start with an empty archive; arguments and UserError are as for `egad.evolve`."""
         settings = evolution_parameters(seed, population, ranges, cells, elites_per_cell)
         self.archive = Archive(settings.space, settings.similarity)
         self._settings = settings
@@ -141,7 +128,7 @@ def evolve(
         seed: The same arguments give the same archive, for any number of jobs.
         measures: Function from a closed mesh in metres to two numbers; by default EGAD's complexity
             and graspability for the gripper `yumi`, as in `egad.measure`.
-        ranges: Lowest and highest value of each measure.
+        ranges: Lowest and highest value of each measure; values outside go to the nearest cell.
         cells: Cells along each measure.
         elites_per_cell: Maximum number of objects that a cell keeps: those that are least alike.
         population: Offspring per step.
@@ -183,11 +170,7 @@ def evolution_parameters(
     cells: int = SPACE.cells,
     elites_per_cell: int = SPACE.elites_per_cell,
 ) -> EvolutionParameters:
-    """The default parameters of evolution, overridden by the given ones.
-
-    Raises:
-        UserError: One of them is not allowed.
-    """
+    """The default parameters of evolution with the given ones; UserError if one is not allowed."""
     first, second = _checked(ranges)
     space = from_arguments(
         MeasureSpace,

@@ -173,16 +173,10 @@ def evolve(
     mapper: Mapper = map,
     watch: Watch | None = None,
 ) -> Epoch:
-    """Run the steps of one epoch of one island on its archive.
+    """Run the steps of one epoch of one island on its archive, which is changed.
 
-    Args:
-        archive: Changed in place.
-        settings: Everything about breeding and measuring.
-        epoch: Number of the epoch.
-        island: Number of the island.
-        rules: Constraints that every shape must obey.
-        mapper: An order-preserving `map`; where it runs does not change the result.
-        watch: Called with the archive and the steps so far after each step; may not change them.
+    Where the mapper, an order-preserving `map`, runs does not change the result. `watch` is called
+    after each step with the archive and the steps so far, and may not change them.
     """
     run = Island(archive, settings, epoch, island, rules, mapper)
     rows: list[dict[str, Any]] = []
