@@ -97,11 +97,7 @@ class Benchmark:
         return clearing_rates(self.table)
 
     def compare(self, other: "Benchmark") -> list[ClearingComparison]:
-        """The differences to another detector, over the rounds with the same scene for both.
-
-        Raises:
-            UserError: There is no such round.
-        """
+        """The differences to another detector over rounds of the same scene; UserError if none."""
         return compare_clearing(self.table, other.table)
 
     def film(

@@ -31,13 +31,17 @@ class SceneObject(NamedTuple):
 
 
 def prepare_object(
-    target: NamedMesh, gripper: Gripper, rule: str, label_seed: int | None
+    target: NamedMesh,
+    gripper: Gripper,
+    rule: str,
+    label_seed: int | None,
+    otherwise: str = "cannot be simulated",
 ) -> SceneObject | None:
     """An object as it is simulated, with grasps if there is a seed for them; None if it cannot."""
     try:
         mesh, model = simulated(target, gripper, rule)
     except RejectedError as reason:
-        log.warning("%s cannot be simulated: %s", target.label, reason)
+        log.warning("%s %s: %s", target.label, otherwise, reason)
         return None
     if label_seed is None:
         return SceneObject(target.id, model, empty(GRASPS))
@@ -53,7 +57,9 @@ def prepare_objects(
     jobs: int = 1,
 ) -> list[SceneObject]:
     """Objects with grasps if there is a seed for them; UserError if none can be simulated."""
-    work = partial(prepare_object, rule=rule, gripper=gripper, label_seed=label_seed)
+    work = partial(
+        prepare_object, rule=rule, gripper=gripper, label_seed=label_seed, otherwise="is left out"
+    )
     with workers(jobs) as mapper:
         made = list(progress(mapper(work, targets), "making models", len(targets)))
     usable = [each for each in made if each is not None]

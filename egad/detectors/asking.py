@@ -101,12 +101,8 @@ def choose(
 ) -> Grasp | Outcome:
     """The grasp of an answer that is tried, with its pose; or why there is none.
 
-    Args:
-        answer: The answer of a detector.
-        gripper: The hand, which must be able to execute it.
-        threshold: Grasps of a lower score are left out.
-        shuffled: Random number generator that picks any of the rest; None: the one of the highest
-            score.
+    Grasps of a score below the threshold are left out. Of the rest, it is the one of the highest
+    score, or any if there is a generator to shuffle them, that the hand can execute.
     """
     best = _executable(_ordered(answer, threshold, shuffled), gripper, 1)
     return best if isinstance(best, Outcome) else best[0].as_pose(gripper)
@@ -115,8 +111,7 @@ def choose(
 def best_grasp(grasps: list[Grasp], gripper: Gripper) -> Grasp | Outcome:
     """The grasp of the highest quality that the hand can execute, the first of equals.
 
-    Returns:
-        The grasp; or why there is none: `no_grasp`, or the flaw of the most promising one.
+    If there is none, why: `no_grasp`, or the flaw of the most promising one.
     """
     best = _executable(_ordered(grasps), gripper, 1)
     return best if isinstance(best, Outcome) else best[0]

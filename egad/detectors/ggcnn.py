@@ -130,15 +130,9 @@ class GGCNN(MapDetector):
     """GG-CNN or GG-CNN2, depending on the weights."""
 
     def __init__(self, weights: str | None, execution: Execution = "deepest") -> None:
-        """Load a network.
+        """Load weights: safetensors as `egad train` writes them, or published ones.
 
-        Args:
-            weights: File of weights: safetensors as `egad train` writes them, or published ones.
-            execution: Where the hand goes: as deep as the image allows (`deepest`), or as on the
-                robot of EGAD (`published`).
-
-        Raises:
-            UserError: PyTorch is missing, or the weights are, or they are of another network.
+        UserError without PyTorch or fitting weights.
         """
         self._weights = path = check_ggcnn(weights)
         with needed_for("GG-CNN"):

@@ -17,17 +17,11 @@ NOTHING: Window = (slice(0, 0), slice(0, 0))
 
 
 class Heightmap(NamedTuple):
-    """Heights over the table, seen from straight above.
+    """Heights over the table, seen from straight above."""
 
-    Attributes:
-        heights: Metres, (columns along x, rows along y).
-        origin: (2,) the corner of the first cell, world frame.
-        cell: Side of a cell, metres.
-    """
-
-    heights: Floats
-    origin: Floats
-    cell: float
+    heights: Floats  # metres, (columns along x, rows along y)
+    origin: Floats  # (2,) the corner of the first cell, world frame
+    cell: float  # side of a cell, metres
 
     def centroid(self) -> Floats:
         """Centroid of the volume between the table and what is seen, (3,)."""

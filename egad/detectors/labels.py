@@ -43,24 +43,17 @@ class Labels:
         self._quality = free["robust_quality"].to_numpy(np.float64)
 
     def propose(self, matrix: Floats, view: View, gripper: Gripper) -> list[Grasp]:
-        """Grasps whose closing axis is within 15 degrees of level and that leave room for the hand.
+        """At most 50 grasps whose closing axis is within 15 degrees of level, best first.
 
-        The space is looked up straight from above in the restored depth image, for a hand that
-        opens 8 mm wider than the contacts on either side, or as wide as it can where that reaches
-        lower. The pads are centered on the contacts, or as low as they can get. The quality is the
-        robust quality.
+        They leave room for the hand: the space is looked up straight from above in the restored
+        depth image, for a hand that opens 8 mm wider than the contacts on either side, or as wide
+        as it can where that reaches lower. The pads are centered on the contacts, or as low as they
+        can get. The quality is the robust quality. The matrix, (4, 4), is from the frame of the
+        grasps to the world.
 
         For a suction cup, the grasps are those whose approach is within 10 degrees of straight
         down, because it comes straight down. Their quality is the robust quality times the cosine
         of that angle.
-
-        Args:
-            matrix: (4, 4) transform from the frame of the grasps to the world.
-            view: What the camera sees.
-            gripper: The hand.
-
-        Returns:
-            At most 50 grasps, best first.
         """
         by_kind = {JawKind.name: self._for_jaws, CupKind.name: self._for_cup}
         return by_kind[gripper.kind.name](matrix, view, gripper)

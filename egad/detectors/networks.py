@@ -83,17 +83,13 @@ TITLES = {"ggcnn": "GG-CNN", "ggcnn2": "GG-CNN2", "vgn": "VGN"}
 
 
 def new_network(name: str, seed: int) -> Heads:
-    """A network as it is before training.
+    """GG-CNN or GG-CNN2 as it is before training; its weights follow from the seed.
 
     Weights are by the rule of He et al. ("Delving deep into rectifiers", ICCV 2015, section 2.2),
     and biases are 0. Two changes are ours: the first layer expects an input that varies by 1 cm
     instead of 1, and the heads have a tenth of these weights, so that all answers are small. With
     Xavier's rule and the biases of PyTorch, as in GG-CNN, biases outweigh such an input, and up to
     half of the channels of a layer are 0 for every image from the beginning.
-
-    Args:
-        name: `ggcnn` or `ggcnn2`.
-        seed: Its weights follow from it.
     """
     return with_initial_weights(MAKERS[name], seed, 1 / TYPICAL_SPREAD, OUTPUTS)
 

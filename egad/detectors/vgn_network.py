@@ -66,14 +66,11 @@ class VgnNetwork(nn.Module):
 
 
 def new_vgn(seed: int) -> VgnNetwork:
-    """The network as it is before training.
+    """The network as it is before training; its weights follow from the seed.
 
     Weights are by the rule of He et al., and the heads of quality and width have a tenth of these,
     so that answers are small. With the initial weights of PyTorch, which VGN used, it learns
     nothing from the first few hundred scenes.
-
-    Args:
-        seed: Its weights follow from it.
     """
     return with_initial_weights(VgnNetwork, seed, 1.0, ("conv_qual", "conv_width"))
 

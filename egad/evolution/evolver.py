@@ -48,20 +48,7 @@ class Evolver:
         cells: int = SPACE.cells,
         elites_per_cell: int = SPACE.elites_per_cell,
     ) -> None:
-        """Start with an empty archive.
-
-        Args:
-            seed: The same seed and measures give the same archive.
-            population: Offspring per step.
-            ranges: Lowest and highest value of the first and of the second measure; values outside
-                go to the nearest cell.
-            cells: Cells along each measure.
-            elites_per_cell: Maximum number of objects that a cell keeps: those that are least
-                alike.
-
-        Raises:
-            UserError: A number is out of bounds; the message says which.
-        """
+        """Start with an empty archive; arguments and UserError are as for `egad.evolve`."""
         settings = evolution_parameters(seed, population, ranges, cells, elites_per_cell)
         self.archive = Archive(settings.space, settings.similarity)
         self._settings = settings
@@ -131,7 +118,7 @@ def evolve(
         seed: The same arguments give the same archive, for any number of jobs.
         measures: Function from a closed mesh in metres to two numbers; by default EGAD's complexity
             and graspability for the gripper `yumi`, as in `egad.measure`.
-        ranges: Lowest and highest value of each measure.
+        ranges: Lowest and highest value of each measure; values outside go to the nearest cell.
         cells: Cells along each measure.
         elites_per_cell: Maximum number of objects that a cell keeps: those that are least alike.
         population: Offspring per step.
@@ -150,11 +137,10 @@ def evolve(
     """
     if not (measures is None or callable(measures)):
         raise UserError(f"measures is {measures!r}; allowed: a function from a mesh to two numbers")
-    settings = evolution_parameters(
-        seed, population, ranges, cells, elites_per_cell, check_count("evaluations", evaluations)
-    )
-    steps, size = settings.evolution.steps, settings.evolution.population
-    threads = check_count("jobs", jobs)
+    settings = evolution_parameters(seed, population, ranges, cells, elites_per_cell)
+    size, threads = settings.evolution.population, check_count("jobs", jobs)
+    total = check_count("evaluations", evaluations)
+    steps = Evolution(evaluations=total, population=size).steps
     archive = Archive(settings.space, settings.similarity, threads)
     evaluate = None if measures is None else partial(_measure, measures=measures, settings=settings)
     with workers(threads) as mapper:
@@ -173,7 +159,6 @@ def evolution_parameters(
     ranges: tuple[Range, Range] = RANGES,
     cells: int = SPACE.cells,
     elites_per_cell: int = SPACE.elites_per_cell,
-    evaluations: int = Evolution().evaluations,
 ) -> EvolutionParameters:
     """The parameters of evolution, the default ones for all others; `UserError` for a wrong one."""
     first, second = _checked(ranges)
@@ -185,7 +170,7 @@ def evolution_parameters(
         elites_per_cell=elites_per_cell,
     )
     measures = dict(default_measures(gripper(Graspability().gripper), seed)) | {"space": space}
-    evolution = from_arguments(Evolution, population=population, evaluations=evaluations)
+    evolution = from_arguments(Evolution, population=population)
     return with_defaults(EvolutionParameters, **measures, evolution=evolution)
 
 

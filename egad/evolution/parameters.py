@@ -162,10 +162,7 @@ class Evolution(Parameters):
     """MAP-Elites over CPPN genomes; config/paper.yaml has the values of the paper."""
 
     evaluations: int = Field(
-        2400,
-        ge=1,
-        description="evaluations of an island per epoch, rounded up to whole steps of "
-        "`population`: with one island and one epoch, all of them, as in `egad.evolve`",
+        2400, ge=1, description="evaluations of an island per epoch, in whole steps of `population`"
     )
     population: int = Field(100, ge=1, description="children that an island evaluates per step")
     crossover_probability: Fraction = Field(

@@ -6,17 +6,11 @@ from typing import Self
 
 
 class Outcome(StrEnum):
-    """The outcome of an attempt; its value is what the column `outcome` of tables holds.
-
-    Attributes:
-        meaning: What has happened, in words.
-        color: Color in charts, `#rrggbb`; empty for outcomes that no chart of attempts shows.
-        dark: Whether text on this color is white.
-    """
+    """The outcome of an attempt; its value is what the column `outcome` of tables holds."""
 
     meaning: str
-    color: str
-    dark: bool
+    color: str  # in charts, `#rrggbb`; empty for outcomes that no chart of attempts shows
+    dark: bool  # whether text on this color is white
 
     def __new__(cls, value: str, meaning: str = "", color: str = "", dark: bool = False) -> Self:
         """A member with its attributes."""
@@ -32,21 +26,13 @@ class Outcome(StrEnum):
         "#d55e00",
         True,
     )
-    MISSED = (
-        "missed",
-        "the fingers closed, but never both pressed on the object at once",
-        "#e69f00",
-    )
+    MISSED = "missed", "the fingers closed, but never both pressed on the object at once", "#e69f00"
     NO_SEAL = "no_seal", "the suction cup did not seal", "#f0b94d"
     SLIPPED_CLOSING = "slipped_closing", "lost between the fingers before the lift", "#9bd5f5"
     SLIPPED_SHAKING = "slipped_shaking", "lost while it was shaken"
     SLIPPED_LIFTING = "slipped_lifting", "lost during the lift", "#56b4e9"
     DROPPED = "dropped", "lost while held up", "#009e73", True
-    FAILED = (
-        "failed",
-        "the simulation became unstable, or the object never came to rest",
-        "#a7adb8",
-    )
+    FAILED = "failed", "the simulation became unstable, or the object never came to rest", "#a7adb8"
     CRASHED = "crashed", "the physics engine crashed or hung, twice", "#5c6470", True
     NO_GRASP = "no_grasp", "the detector proposed no grasp", "#cc79a7"
     NOT_FINITE = "not_finite", "a number of the proposed grasp is NaN or infinite", "#b0568a"

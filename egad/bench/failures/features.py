@@ -233,14 +233,8 @@ def shares(failures: pd.DataFrame, solved: pd.DataFrame) -> dict[str, ExplainedS
 
     A feature explains a failure if few objects that the detector solves have such a value. The
     shares overlap, as a thin object may also be concave: they do not add up. They are
-    associations, not causes.
-
-    Args:
-        failures: The features of the failures, a column each; NaN where unknown.
-        solved: The same for objects that the detector solves.
-
-    Returns:
-        By name of the columns that are known for at least one failure and two solved objects.
+    associations, not causes. A feature, a column of both tables, must be known for at least one
+    failure and two solved objects.
     """
     found = {}
     for name in failures:

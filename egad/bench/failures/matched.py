@@ -103,10 +103,7 @@ class MatchedSet:
         return percent(self.success_rate(engine, failures=failures))
 
     def save(self, folder: str | Path) -> None:
-        """Write `pairs.parquet` and `attempts.parquet`.
-
-        `egad.load("FOLDER/pairs.parquet")` reads the objects as a dataset.
-        """
+        """Write `pairs.parquet`, which `egad.load` reads as a dataset, and `attempts.parquet`."""
         path = Path(folder)
         notes = {
             "shape": self.shape.model_dump(mode="json"),

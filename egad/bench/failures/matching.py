@@ -89,10 +89,7 @@ class Matching:
         settings: FailureParameters,
         mapper: Mapper,
     ) -> None:
-        """Find out which objects may be partners; nothing is simulated yet.
-
-        An object qualifies as a partner with `count` attempts in each engine.
-        """
+        """Prepare; an object qualifies as a partner with `count` attempts in each engine."""
         self._failures = atlas.table.sort_values("id", ignore_index=True)
         self._candidates = _candidates(atlas, archive, settings)
         self.rows = {
