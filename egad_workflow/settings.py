@@ -48,9 +48,12 @@ from egad.measures.reeb import Similarity
 from egad.sim import LabelAgreement, SimulatedLabel
 from egad_workflow.datasets import DatasetSection
 
+MAX_EPOCHS = 200
+EPOCH = 10_000  # evaluations of an island; the paper's archive took 20 epochs
+
 
 class Schedule(Parameters):
-    """How evolution is divided into jobs. A higher number of epochs extends a finished run."""
+    """How the evaluations of evolution are divided into jobs."""
 
     islands: int = Field(
         1,
@@ -58,7 +61,13 @@ class Schedule(Parameters):
         le=1024,
         description="archives that evolve independently within an epoch and are then merged",
     )
-    epochs: int = Field(1, ge=1, le=200, description="rounds of independent evolution and merging")
+    epochs: int | None = Field(
+        None,
+        ge=1,
+        le=MAX_EPOCHS,
+        description="rounds of independent evolution and merging; nothing: one for every 10,000 "
+        "evaluations of an island, so each further 10,000 extend a finished run",
+    )
 
 
 class Targets(Parameters):
@@ -183,6 +192,20 @@ class Settings(Parameters):
         DETECTORS, min_length=1, description="all grasp detectors, by name"
     )
 
+    @property
+    def epochs(self) -> int:
+        """Number of epochs of evolution."""
+        of_an_island = -(-self.evolution.evaluations // self.schedule.islands)
+        return self.schedule.epochs or min(-(-of_an_island // EPOCH), MAX_EPOCHS)
+
+    @property
+    def evolution_of_epoch(self) -> Evolution:
+        """The section `evolution` for one island in one epoch, which evolves in whole steps."""
+        shared = self.schedule.islands * self.epochs * self.evolution.population
+        steps = -(-self.evolution.evaluations // shared)
+        evaluations = steps * self.evolution.population
+        return self.evolution.model_copy(update={"evaluations": evaluations})
+
 
 S = TypeVar("S", bound=ParameterGroup)
 
@@ -196,7 +219,8 @@ def select(
     """
     entries = ("gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding")
     names = [name for name in stage.model_fields if name not in entries]
-    values = {name: getattr(settings, name) for name in names}
+    shared = settings.model_copy(update={"evolution": settings.evolution_of_epoch})
+    values = {name: getattr(shared, name) for name in names}
     if "gripper" in stage.model_fields:
         chooses = "select_eval" in values
         own = _narrowest(settings) if chooses else settings.graspability.gripper

@@ -162,7 +162,9 @@ class Evolution(Parameters):
     """MAP-Elites over CPPN genomes; config/paper.yaml has the values of the paper."""
 
     evaluations: int = Field(
-        2400, ge=1, description="evaluations of an island per epoch, in whole steps of `population`"
+        2400,
+        ge=1,
+        description="offspring in all islands and epochs, in whole steps of `population`",
     )
     population: int = Field(100, ge=1, description="children that an island evaluates per step")
     crossover_probability: Fraction = Field(
@@ -194,7 +196,7 @@ class Evolution(Parameters):
 
     @property
     def steps(self) -> int:
-        """Steps of an island per epoch."""
+        """Steps that have this many evaluations."""
         return -(-self.evaluations // self.population)
 
 

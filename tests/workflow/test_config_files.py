@@ -47,7 +47,9 @@ def test_the_manual_lists_every_setting(monkeypatch):
         assert f"`{section}`" in text
         if isinstance(values, dict) and section not in (*files.BUILT_IN, "datasets"):
             part = text.partition(f"### `{section}`\n")[2].partition("\n### ")[0]
-            assert [key for key in values if f"| `{key}` |" not in part] == []
+            if "The keys are those of the section above." not in part:
+                listed = part
+            assert [key for key in values if f"| `{key}` |" not in listed] == []
 
 
 def test_the_manual_says_what_a_section_is_for_where_it_is_a_key():
@@ -124,7 +126,7 @@ def test_a_dataset_of_others_stands_alone_or_beside_the_evolved_one(name):
 
 def test_paper_is_table_two():
     paper = check(load("paper.yaml"))
-    steps = paper.schedule.epochs * paper.evolution.steps
+    steps = paper.epochs * paper.evolution_of_epoch.steps
     assert (steps, steps * paper.evolution.population) == (2000, 200_000)
     assert paper.schedule.islands == 1
     assert (paper.space.cells, paper.space.elites_per_cell, paper.space.neighbors) == (25, 4, 10)
@@ -145,8 +147,8 @@ def test_the_first_edition_is_the_paper_with_another_way_to_draw_parents():
 
 def test_full_is_the_default_search_with_the_evaluations_of_the_paper():
     full, usual = check(load("full.yaml")), Settings()
-    steps = full.schedule.epochs * full.evolution.steps * full.schedule.islands
-    assert steps * full.evolution.population == 200_000
+    assert (full.epochs, full.evolution_of_epoch.evaluations) == (20, 10_000)
+    assert full.evolution.evaluations == 200_000
     changed = full.evolution.model_copy(update={"evaluations": usual.evolution.evaluations})
     assert changed == usual.evolution
     assert (full.graspability, full.space) == (usual.graspability, usual.space)
@@ -169,7 +171,7 @@ def test_paper_states_every_parameter_of_table_two_itself():
     ("path", "words"),
     [
         (("seed",), "a whole number, at least 0, below 4294967296"),
-        (("schedule", "epochs"), "a whole number, 1 to 200"),
+        (("schedule", "epochs"), "a whole number, 1 to 200 or nothing"),
         (("grippers", "any", "opening"), "a number, above 0, at most 10"),
         (("similarity", "bases"), "even or scan"),
         (("space", "complexity_range"), "a list of 2, each a number"),

@@ -45,8 +45,7 @@ EVERYTHING = {
 def test_a_clean_checkout_plans_the_whole_pipeline(clean, entry):
     planned = clean.planned("--snakefile", entry, configs=())
     assert set(planned) == EVERYTHING
-    schedule = Settings().schedule
-    assert planned["evolve"] == schedule.epochs * schedule.islands
+    assert planned["evolve"] == Settings().epochs * Settings().schedule.islands
     assert (planned["postprocess"], planned["report"]) == (Settings().shards, 1)
 
 
@@ -336,14 +335,15 @@ def test_exports_are_made_if_they_are_asked_for(copy):
 
 
 def test_more_epochs_extend_a_finished_run(planned):
-    jobs = planned(schedule={"epochs": 4})
+    jobs = planned(schedule={"epochs": 4}, evolution={"evaluations": 160})
     assert (jobs["evolve"], jobs["merge"], jobs["archive"]) == (4, 2, 1)
     assert jobs["history"] == 1
 
 
 def test_fewer_epochs_need_no_evolution(planned):
     made = {"archive", "ancestry", "history", "postprocess"}
-    assert set(planned(schedule={"epochs": 1})) == made | AFTER_POSTPROCESS
+    fewer = planned(schedule={"epochs": 1}, evolution={"evaluations": 40})
+    assert set(fewer) == made | AFTER_POSTPROCESS
 
 
 def test_a_configuration_of_ones_own_can_stand_alone(clean):

@@ -372,7 +372,9 @@ def test_every_gripper_is_a_target(copy):
 @pytest.mark.slow
 def test_more_epochs_keep_the_archives_of_the_earlier_ones(copy):
     before = copy.bytes()
-    longer = copy.overlay("longer.yaml", {"schedule": {"epochs": 3}})
+    longer = copy.overlay(
+        "longer.yaml", {"schedule": {"epochs": 3}, "evolution": {"evaluations": 120}}
+    )
     copy.make("--cores", 2, "results/egad/archive.parquet", configs=["config/test.yaml", longer])
     after = copy.bytes()
     assert all(after[path] == before[path] for path in EPOCH_TABLES)

@@ -100,6 +100,24 @@ def stage_models(base):
     return [base, *models]
 
 
+@pytest.mark.parametrize(
+    ("evaluations", "schedule", "epochs", "of_an_epoch"),
+    [
+        (2400, {}, 1, 2400),
+        (200_000, {}, 20, 10_000),
+        (210_000, {}, 21, 10_000),  # extends a finished run
+        (200_000, {"islands": 4}, 5, 10_000),
+        (800, {"islands": 2, "epochs": 2}, 2, 200),
+        (801, {"islands": 2, "epochs": 2}, 2, 300),
+        (10**8, {}, 200, 500_000),
+    ],
+)
+def test_islands_and_epochs_share_the_evaluations(evaluations, schedule, epochs, of_an_epoch):
+    settings = Settings(evolution={"evaluations": evaluations}, schedule=schedule)
+    assert settings.epochs == epochs
+    assert select(settings, EvolutionParameters).evolution.evaluations == of_an_epoch
+
+
 def test_a_stage_gets_the_gripper_by_name_and_else_that_of_the_graspability():
     settings = Settings()
     assert select(settings, RescaleMeshes, "panda").gripper == settings.grippers["panda"]

@@ -72,7 +72,7 @@ SIMULATES_LABELS = SETTINGS.targets.simulated_labels or any(
     "simulated_grasps" in sources(name, SETTINGS.targets.grippers[0])
     for name in SETTINGS.targets.exports
 )
-LAST_EPOCH = SETTINGS.schedule.epochs - 1
+LAST_EPOCH = SETTINGS.epochs - 1
 EVOLVED = [name for name, dataset in SETTINGS.datasets.items() if dataset.source == "evolved"]
 GIVEN = {
     name: str(released() if dataset.archive == "released" else dataset.archive)
