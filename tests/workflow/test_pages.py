@@ -209,7 +209,8 @@ def test_blocks_and_commands_are_found():
     detector = blocks(ROOT / "docs/detectors.md")
     assert [block.file for block in detector if block.file] == ["across.py", "mine.yaml"]
     joined = [line for block in detector if not block.language for line in commands(block.text)]
-    assert joined[0] == "egad trials run antipodal-depth --out antipodal-depth.parquet"
+    trials = "egad trials run antipodal-depth --attempts 20 --out antipodal-depth.parquet"
+    assert joined[0] == trials
     assert joined[-2].endswith("results/mine/trials/egad_75mm/{antipodal-depth,across}.parquet")
 
 
