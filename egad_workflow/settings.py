@@ -213,10 +213,7 @@ S = TypeVar("S", bound=ParameterGroup)
 def select(
     settings: Settings, stage: type[S], gripper: str | None = None, detector: str | None = None
 ) -> S:
-    """The part of a configuration that a stage, a class of settings, reads.
-
-    Some stages read one gripper, and one tries a grasp detector.
-    """
+    """The part of a configuration that a stage reads, one gripper or detector for some."""
     entries = ("gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding")
     names = [name for name in stage.model_fields if name not in entries]
     shared = settings.model_copy(update={"evolution": settings.evolution_of_epoch})
@@ -257,10 +254,7 @@ def _narrowest(settings: Settings) -> str:
 
 
 def plain(part: Parameters) -> dict[str, Any]:
-    """Settings as tables of plain values, which a rule has as its params.
-
-    Whether a run continues after failures of a detector is left out: it changes no result.
-    """
+    """Settings as plain values for a rule, without `keep_going`, which changes no result."""
     return part.model_dump(
         mode="json", exclude={"trials": {"keep_going"}, "clutter": {"keep_going"}}
     )

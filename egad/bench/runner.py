@@ -34,13 +34,7 @@ Propose = Callable[[Observation, Sequence[RestingObject], Generator], Proposal]
 
 
 class InitialPose(NamedTuple):
-    """The object at rest in some pose, from which it falls.
-
-    Attributes:
-        kind: dropped: placed above the middle in a random orientation; from_hand: released there by
-            the hand that held it; left: where the previous attempt left it.
-        pose: Pose of the object.
-    """
+    """The object at rest in `pose`, from which it falls; `kind`: dropped, from_hand or left."""
 
     kind: str
     pose: Pose

@@ -64,10 +64,7 @@ class Grasp:
         return self.center[2] - self.depth
 
     def as_pose(self, gripper: Gripper) -> "Grasp":
-        """The same with its pose: the fingertips end at the same place.
-
-        The ring of a suction cup, which goes on until it meets an object, begins at the center.
-        """
+        """The same with its pose: the fingertips end alike, a cup begins at the center."""
         if self.free_pose is not None:
             return self
         axis = np.array([[np.cos(self.angle), np.sin(self.angle), 0.0]])
@@ -90,12 +87,7 @@ class Grasp:
         return Grasp.of_pose(matrix @ self.pose, self.width, self.quality)
 
     def infeasibility(self, gripper: Gripper) -> Outcome | None:
-        """Why the hand cannot execute this, as the outcome of an attempt; None if it can.
-
-        not_finite: a number is NaN or infinite; not_rigid: the pose is not a rotation and
-        translation; too_wide: the hand would have to open wider than it can, or by less than 0;
-        below_table: the middle of the fingertips would be under the table.
-        """
+        """Why the hand cannot execute this, as the outcome of an attempt; None if it can."""
         pose, numbers = self.free_pose, (*self.center, self.angle, self.width, self.depth)
         if not all(map(math.isfinite, (*numbers, self.quality))):
             return Outcome.NOT_FINITE

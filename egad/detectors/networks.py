@@ -60,11 +60,7 @@ def gg_cnn() -> Heads:
 
 
 def gg_cnn2() -> Heads:
-    """The second one: pooled twice, dilated in the middle, enlarged twice.
-
-    The published weights have no place for the transposed convolutions in the project's current
-    code: 14 and 17 are layers without weights. That these are bilinear is our guess.
-    """
+    """The second one: pooled twice, dilated, enlarged twice; 14 and 17, bilinear, are our guess."""
     layers = [
         *(nn.Conv2d(1, 16, 11, padding=5), nn.ReLU()),
         *(nn.Conv2d(16, 16, 5, padding=2), nn.ReLU(), nn.MaxPool2d(2)),
@@ -97,10 +93,7 @@ def new_network(name: str, seed: int) -> Heads:
 def with_initial_weights(
     make: Callable[[], Network], seed: int, first: float, small: Collection[str]
 ) -> Network:
-    """A network with weights by the rule of He et al., which follow from the seed, and biases 0.
-
-    Weights of the first layer are multiplied by `first`; those of layers in `small` by 0.1.
-    """
+    """A network with weights of He et al. by seed; the first layer times `first`, `small` 0.1."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(entropy(seed, "weights") % 2**63)
         network = make()
@@ -129,11 +122,7 @@ def parameters(network: nn.Module) -> int:
 
 
 def inference(network: nn.Module) -> Infer:
-    """A network as a function of arrays, on one core: the same input gives the same answer.
-
-    GG-CNN: from depths (300, 300) of `maps.prepare_input` to quality, cos 2a, sin 2a and width,
-    (4, 300, 300). VGN: from a grid (40, 40, 40) to quality, quaternion and width, (6, 40, 40, 40).
-    """
+    """A network as a function of arrays, on one core: the same input gives the same answer."""
     network.eval()
     torch.set_num_threads(1)
 

@@ -77,11 +77,7 @@ class Vgn:
     def __call__(
         self, seen: Tsdf | Observation, gripper: Gripper, _rng: np.random.Generator
     ) -> GraspPoses:
-        """Grasps at the voxels of the highest quality.
-
-        The hand opens as wide as it can, as in VGN's experiments; the width that the network
-        predicts only excludes grasps.
-        """
+        """Grasps at the voxels of the highest quality, with the hand fully open, as in VGN."""
         tsdf = seen.tsdf if isinstance(seen, Observation) else seen
         grid = encode(tsdf)
         answer = self._infer(grid)
@@ -127,12 +123,7 @@ def encode(tsdf: Tsdf) -> Singles:
 
 
 def hand_in_network_frame(gripper: Gripper) -> Floats:
-    """Our frame of the hand in that of VGN, (4, 4).
-
-    VGN closes along y, we along x. Its origin lies 5 cm before the fingertips, ours between the
-    contacts. A pose of VGN times this one is a pose of ours, and one of ours times its inverse is
-    one of VGN.
-    """
+    """Our frame of the hand in VGN's, (4, 4), which closes along y, 5 cm before the fingertips."""
     frame = np.eye(4)
     frame[:3, :3] = Rotation.from_euler("z", np.pi / 2).as_matrix()
     frame[2, 3] = FINGER_DEPTH - finger_span(gripper)[1]

@@ -32,11 +32,7 @@ def write(network: nn.Module, path: Path, about: Mapping[str, Any]) -> None:
 
 
 def read(path: str | Path, name: str | None = None) -> Heads:
-    """Read GG-CNN or GG-CNN2 from safetensors or a state dictionary of PyTorch.
-
-    By default, the names of the weights tell which. WeightsError if the file is damaged, or holds
-    something else.
-    """
+    """Read GG-CNN or GG-CNN2, told by names, from safetensors or PyTorch; WeightsError if not."""
     state = state_in(path)
     likely = "ggcnn2" if any(key.startswith("features.") for key in state) else "ggcnn"
     network = MAKERS[name or likely]()

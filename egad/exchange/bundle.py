@@ -53,12 +53,7 @@ def write_bundle(
     out: Path,
     worker_count: int = 1,
 ) -> int:
-    """Write all files that a simulator needs, and return how many objects could not be used.
-
-    The folder `out` has `LABEL/`, `bundle.parquet`, `README.md` and `SHA256SUMS`;
-    `rejected.parquet` names the objects that could not be used. Units are as stated in the files if
-    None.
-    """
+    """Write all files that a simulator needs into `out`; return how many objects were left out."""
     rows, left_out, sides = [], [], {}
     with workers(worker_count) as mapper, atomic_output(out) as folder:
         folder.mkdir()

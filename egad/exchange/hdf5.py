@@ -100,10 +100,7 @@ def add_array(group: h5py.Group, name: str, values: ArrayLike) -> None:
 
 
 def copy_group(source: h5py.Group, target: h5py.Group) -> None:
-    """Copy all that is in a group, as if it were newly made; arrays stay compressed.
-
-    HDF5's own copy would depend on how the source file happened to be filled.
-    """
+    """Copy a group as if newly made, unlike HDF5's own copy; arrays stay compressed."""
     for name, value in source.attrs.items():
         target.attrs[name] = value
     for name, item in source.items():

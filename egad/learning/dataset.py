@@ -59,19 +59,10 @@ class PositiveFilter(NamedTuple):
 
 
 class ImageDataset:
-    """All images of some folders, as one set.
-
-    The index has a row per image: `shard`, `group` and `row`, where it is stored, shards counted
-    through all folders; `image`, `id`, `objects`, `split`; and its numbers of `grasps` and of
-    `positive` ones.
-    """
+    """All images of some folders, as one set, with an `index` of a row per image."""
 
     def __init__(self, folders: Sequence[Path], rule: PositiveFilter) -> None:
-        """Look through `images-N.parquet` of each folder; no image is decoded.
-
-        UserError if some are missing, or not all of one set, or an object is in two splits;
-        TableError if one cannot be read, or is not of this layout.
-        """
+        """Look through `images-N.parquet` of each folder; no image is decoded."""
         self.folders, self.rule = folders, rule
         self._names = list(dict.fromkeys([*NAMES, *rule.columns]))
         self._paths = [path for folder in folders for path in files(folder)]
@@ -104,10 +95,7 @@ class ImageDataset:
         return found
 
     def image(self, number: int) -> tuple[NDArray[np.float32], Rectangles]:
-        """Depth, (300, 300) metres, NaN where missing, and positive grasps, from worst to best.
-
-        By the row of the index; TableError if the image is damaged or of another size.
-        """
+        """Depth, (300, 300) metres, NaN where missing, and positive grasps, worst to best."""
         with self._named(number) as shown:
             return _whole(shown), positives(shown, self.rule)
 
@@ -171,10 +159,7 @@ def _whole(shown: Mapping[str, Any]) -> NDArray[np.float32]:
 
 
 def positives(shown: Mapping[str, Any], rule: PositiveFilter) -> Rectangles:
-    """The positive grasps of a row of a shard, (n, 5), from the worst to the best.
-
-    ValueError if lists are of unequal lengths, or numbers are not pixels.
-    """
+    """Positive grasps of a row of a shard, (n, 5), worst to best; ValueError if no pixels."""
     names = [*GRASP, *rule.columns]
     if len({len(shown[name]) for name in names}) > 1:
         raise ValueError("the lists of its grasps are not of equal lengths")
@@ -258,10 +243,7 @@ def example(
     change: Change = UNCHANGED,
     crop: Crop = WHOLE,
 ) -> Example:
-    """Input and target of a network, (1, side, side) and (4, side, side), from depths in metres.
-
-    The mean of the whole changed image is subtracted, as where the network is used.
-    """
+    """Input (1, side, side), minus its mean, and target (4, side, side), from depths in m."""
     filled = fill_missing(depth)
     seen = prepare_input(change_depth(filled, change, crop), mean_depth(filled, change))
     wanted = crop_rectangles(change_rectangles(rectangles, change, SIZE), crop)
@@ -275,11 +257,7 @@ def order(
     together: Sequence[str] = ("shard", "group"),
     window: int | None = None,
 ) -> NDArray[np.int64]:
-    """Labels of an index, shuffled, so that few groups of rows are open at a time.
-
-    Groups of rows with the same values of `together` are shuffled, and then the rows within each
-    window of successive groups, about `window` rows. Another number of `times` is another order.
-    """
+    """Labels of an index, shuffled in groups of `together`, then in windows of `window` rows."""
     rng = generator(seed, "order", times)
     groups = [part.index.to_numpy() for _, part in index.groupby(list(together))]
     shuffled = [groups[number] for number in rng.permutation(len(groups))]

@@ -56,12 +56,7 @@ positive grasp, if there are any, are examples where nothing can be grasped.
 
 @dataclass(frozen=True)
 class TrainedNetwork:
-    """What the card tells about a network.
-
-    The index is that of `ImageDataset`, the history `tables.training.HISTORY`; scores, its own and
-    that of the outline alone, are on the split `test`; settings are by name, with `positive` and
-    `quality`.
-    """
+    """What the card tells about a network: scores are on the split `test`, settings by name."""
 
     title: str
     parameters: int

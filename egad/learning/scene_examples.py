@@ -138,11 +138,7 @@ class SceneStream:
         most: int | None = None,
         noise: Sequence[NoiseName] = ("none",),
     ) -> None:
-        """Show `most` scenes of the split `train`, all by default.
-
-        `rise` is the greatest number of voxels that a scene is moved up or down. Each example gets
-        one of the kinds of noise if its images have none.
-        """
+        """Show `most` scenes of `train`, all by default, moved by up to `rise` voxels."""
         self._scenes, self._gripper, self._length = scenes, gripper, length
         self._rise, self._seed, self._noise = rise, seed, tuple(noise)
         numbers = scenes.indices("train")

@@ -65,11 +65,7 @@ COUNTS = ("objects", "packed", "piles", "without a positive grasp", "grasps", "p
 
 @dataclass(frozen=True)
 class TrainedOnScenes:
-    """What the card tells about a network.
-
-    The index is that of `SceneDataset`, the history `tables.training.SCENE_HISTORY`; the score is
-    on the split `test`; settings are by name.
-    """
+    """What the card tells about a network: the score is on `test`, settings are by name."""
 
     title: str
     parameters: int

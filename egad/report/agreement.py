@@ -54,11 +54,7 @@ class LabelledSuccess:
 
 
 def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:
-    """Compute what the section shows from `tables.evaluation.AGREEMENT`, at least one row.
-
-    Grasps that the hand could not reach, because a convex part of the object sticks out or the
-    simulation failed, say nothing about the qualities and are left out of all rates.
-    """
+    """What the section shows of `AGREEMENT`; grasps that the hand could not reach do not count."""
     tried = table[~table["outcome"].isin(NOT_TRIED)]
     groups = [tried]
     if in_grid(set(table["label"])):
@@ -93,11 +89,7 @@ def _ratings(
 
 
 def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Sequence[Area]]) -> str:
-    """SVG of success over the rank by quality, and of ROC areas by row of the set, then over all.
-
-    Intervals of 95 % are left for other grasps of the same objects, right for other objects. Equal
-    qualities share a bin.
-    """
+    """SVG of success over the rank by quality, and of ROC areas by row of the set and over all."""
     with new_figure(8.6, 3.2) as drawing:
         left, right = drawing.figure.subplots(1, 2, width_ratios=[1, 1.25])
         for number, (name, each) in enumerate(bins.items()):

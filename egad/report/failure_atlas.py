@@ -113,11 +113,7 @@ def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
 
 
 def film_rows(attempts: pd.DataFrame, engine: str) -> pd.DataFrame:
-    """Attempts of detector, then reference, at the drop that shows a failure best; or no rows.
-
-    Of the fresh drops at which only the reference succeeds, this is the first one at which the
-    detector fails with its most frequent outcome at these drops.
-    """
+    """Detector's and reference's attempts at the drop that shows a failure best; or no rows."""
     fresh = attempts[(attempts["purpose"] == "confirm") & (attempts["engine"] == engine)]
     drops = failed_drops(attempts, engine)
     lost = fresh[(fresh["who"] == "detector") & fresh["drop"].isin(drops)]

@@ -62,11 +62,7 @@ class GraspScene:
 
 
 def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any]:
-    """What the script of the viewer reads, ready for JSON, from at least one scene.
-
-    `finger` is from the contacts back to the palm, or to the top of the cup, metres; `metrics` has
-    key, name, and the value that gets the last color, the same for all objects.
-    """
+    """What the script of the viewer reads, ready for JSON; `finger` is in metres."""
     return {
         "finger": -gripper.kind.span[0],
         "objects": [pack(scene) for scene in scenes],
@@ -123,10 +119,7 @@ def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
 
 
 def page(scene: GraspScene, name: str | None, gripper: Gripper) -> str:
-    """An HTML page with one object that needs no other file, and the hand at its best grasp.
-
-    The name is that of the gripper, may be empty; None: it is not named.
-    """
+    """An HTML page with one object by itself, the hand at its best grasp, its name if any."""
     scenes = [scene]
     if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:
         mesh, paint = held
@@ -147,10 +140,7 @@ def _steps(
 
 
 def _zigzag(rows: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """Differences of rows, sign in the lowest bit, as 32 bit: byte by byte, lowest byte first.
-
-    Most differences are small and give long runs of zeros.
-    """
+    """Differences of rows, sign in the lowest bit, 32 bit, low bytes first: runs of zeros."""
     steps = rows.astype(np.int64)
     steps[1:] -= rows[:-1]
     folded = ((steps << 1) ^ (steps >> 63)).astype("<u4")
@@ -177,11 +167,7 @@ class MeshView:
         return "MeshView: save('view.html') writes a page; a notebook shows it"
 
     def save(self, path: str | Path) -> None:
-        """Write the page, atomically.
-
-        Raises:
-            UserError: The path is invalid or cannot be written.
-        """
+        """Write the page, atomically; UserError if the path cannot be written."""
         write_text(as_path("path", path), self.html)
 
     def _repr_html_(self) -> str:

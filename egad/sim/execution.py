@@ -227,12 +227,10 @@ def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
 def place_hand_above(
     world: World, arm: Arm, grasp: Grasp, height: float, contact: float | None = None
 ) -> Hand:
-    """Open the hand with its fingertips at some height above a grasp, or raise UnreachableError.
+    """Open the hand above a grasp, fingertips at some height, or raise UnreachableError.
 
-    A jaw that does not move is `JAW_CLEARANCE` before its contact. If it is not known where the
-    hand will meet the object, the opening of the grasp tells: it is 8 mm wider on each side, and
-    the jaw is `FIXED_SIDE_CLEARANCE` before its contact. A hand that opens as far as it can is in
-    the middle.
+    A fixed jaw is `JAW_CLEARANCE` before its contact, or `FIXED_SIDE_CLEARANCE` if the opening of
+    the grasp tells where that is: it is 8 mm wider on each side.
     """
     hand_pose = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
     gripper = arm.robot.gripper
@@ -264,11 +262,7 @@ class Stillness:
         self._before, self._steps = self._held(), 0
 
     def __call__(self) -> bool:
-        """Whether the object lies still; call this once after every step.
-
-        It does if, at the rate of the last 0.1 s, none of its points would move by more than 1 mm
-        until the end.
-        """
+        """Whether the object lies still: no point will move by 1 mm until the end."""
         self._early, self._left, self._steps = self._early - 1, self._left - 1, self._steps + 1
         if self._early == 0:
             self._before, self._steps = self._held(), 0

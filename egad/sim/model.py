@@ -60,10 +60,7 @@ def model_of(
     physics: MassProperties,
     volume_error: float,
 ) -> Model:
-    """Model an object of the simulation bundle.
-
-    An object lighter than 50 g gets that mass, distributed as before; BURG has the same minimum.
-    """
+    """Model an object of the simulation bundle, of at least 50 g, as in BURG."""
     moments, to_principal = principal_frame(physics)
     return Model(
         mesh=mesh.copy().apply_transform(to_principal),

@@ -51,10 +51,7 @@ _CONTACT = {
 def scene_spec(
     models: Sequence[Model], robot: Robot | None, walls: float | None = None
 ) -> mujoco.MjSpec:
-    """Table, objects and robot for MuJoCo, with the motors of the robot.
-
-    The first weld constraints hold the objects in place, as many more hold them to a suction cup.
-    """
+    """Table, objects and robot with motors; welds hold objects, then as many to a cup."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     option = spec.option

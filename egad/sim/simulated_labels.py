@@ -59,10 +59,7 @@ class SimulatedGrasp(NamedTuple):
 def simulate_labels(
     model: Model, grasps: pd.DataFrame, settings: SimulatedLabelParameters
 ) -> pd.DataFrame:
-    """Simulate collision-free grasps of an object, each independently of the others.
-
-    Returns the grasps (`tables.grasping.GRASPS`) with the columns of `SIMULATED_GRASPS`.
-    """
+    """Simulate collision-free `GRASPS` of an object, each by itself: `SIMULATED_GRASPS`."""
     chosen = chosen_grasps(grasps, settings)
     found = simulate_grasps(model, grasps.iloc[chosen], settings)
     return with_simulated_labels(grasps, chosen, found, settings)
@@ -106,10 +103,7 @@ def with_simulated_labels(
 def simulate_grasp(
     world: World, arm: Arm, start: Pose, hand_pose: HandPose, contact: float, lifting: Lifting
 ) -> SimulatedGrasp:
-    """Close the open hand on an object that floats at `start`, shake it and lift it.
-
-    The world is reset first; the contacts are `contact` metres apart; the arm can turn.
-    """
+    """Close the open hand on an object that floats at `start`, shake it and lift it."""
     world.reset()
     world.place(start)
     world.set_gravity(WEIGHTLESS)

@@ -42,12 +42,7 @@ def run(
     grasps: Path | None = None,
     keep_going: bool = False,
 ) -> None:
-    """Run simulated grasping trials on the evaluation objects of a shard.
-
-    Everything runs in a separate process, which is restarted if the engine crashes or hangs. If
-    that happens twice with an object, it is marked as crashed. All attempts of an object that the
-    bundle does not contain fail.
-    """
+    """Run trials on the evaluation objects of a shard; those not in the bundle fail."""
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)
     parts = []

@@ -49,11 +49,7 @@ class CandidateTrial(NamedTuple):
 
 
 def spread(cells: Floats, difference: Floats) -> list[int]:
-    """Order all objects, at (n, 2) cells, so that the first ones are spread over the map.
-
-    The first one has the highest difference, (n,). Each further one is farthest, in cells, from its
-    nearest predecessor; ties are broken by the highest difference, then by the order.
-    """
+    """Order all objects by farthest neighbor in cells, (n, 2); ties by the highest difference."""
     away = np.full(len(cells), np.inf)
     order: list[int] = []
     for _ in range(len(cells)):
@@ -65,11 +61,7 @@ def spread(cells: Floats, difference: Floats) -> list[int]:
 
 
 def assign(similarity: Floats, allowed: Flags) -> list[int]:
-    """Assign each row of (n, m) a different allowed column as its partner; -1 if none is left.
-
-    As many rows as possible get a partner; among all ways to do so, the sum of the similarities is
-    the largest.
-    """
+    """The most partners, (n,), -1 for none, with the largest sum of similarities, (n, m)."""
     rows, columns = linear_sum_assignment(np.where(allowed, 1 - similarity, FORBIDDEN))
     partners = np.full(len(similarity), -1)
     partners[rows] = np.where(allowed[rows, columns], columns, -1)

@@ -1,8 +1,4 @@
-"""A table with one object to try grasps on: dropped, seen by a detector, and grasped.
-
-Grasps from above need a hand on a vertical axis and a camera above (`TrialRunner`); grasps from any
-direction need a hand without an arm and six cameras (`ClearingRunner`).
-"""
+"""A table with one object to try grasps on: dropped, seen by a detector, and grasped."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -90,11 +86,7 @@ def open_runner(
     depth_noise: float,
     contact: ContactRule | None = None,
 ) -> Iterator[ObjectRunner]:
-    """A runner, for the duration of the `with` block.
-
-    From any direction, any nonzero depth noise means 0.1 pixels, and the hand always closes where
-    it was stopped, as in the protocol `egad`; from above, by default, a contact is a failure.
-    """
+    """A runner; contacts are as in `egad`, any noise 0.1 pixels, unless grasps are from above."""
     if from_above:
         arm = ARMS["axis"](gripper)
         with open_world(engine, [model], arm.robot) as world:

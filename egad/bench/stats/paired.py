@@ -123,10 +123,7 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
 
 
 def match_attempts(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
-    """Attempts that both made, in the order in which pairs became complete; errors as `compare`.
-
-    Other columns than label and attempt get the suffixes _1 and _2.
-    """
+    """Attempts that both made, columns with _1 and _2, as pairs became complete."""
     one, other = (table.assign(place=np.arange(len(table))) for table in (first, second))
     pairs = one.merge(other, on=["label", "attempt"], suffixes=("_1", "_2"))
     if pairs.empty:
@@ -157,13 +154,7 @@ def _check_objects(pairs: pd.DataFrame) -> None:
 
 
 def sign_flip(gains: Ints) -> float:
-    """P-value of the exact two-sided permutation test that gains by object, (n,), prefer no sign.
-
-    If neither detector is better, each object could just as well have favored the other one by the
-    same amount. The p-value is the fraction of all 2^n ways to choose the signs whose sum is at
-    least as far from 0. It is computed by adding one object after the other to the distribution of
-    the sum.
-    """
+    """P-value of the exact two-sided permutation test of the signs of gains by object, (n,)."""
     sizes = np.abs(gains)
     reach = int(sizes.sum())
     chance = np.zeros(2 * reach + 1)
@@ -181,12 +172,7 @@ def mcnemar(only_first: int, only_second: int) -> float:
 
 
 def boschloo(first: Rate, second: Rate) -> float:
-    """P-value of the exact two-sided test that two success rates are equal, for unpaired attempts.
-
-    Boschloo's test is never weaker than Fisher's, since it does not fix the total number of
-    successes; nor does a robot. Attempts must be independent, and their number fixed before the
-    first one. It is 1 if either detector has no attempts.
-    """
+    """P-value of Boschloo's exact two-sided test that two rates of independent attempts agree."""
     if not first.attempts or not second.attempts:
         return 1.0
     rates = (first, second)

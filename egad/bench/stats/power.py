@@ -108,12 +108,7 @@ class Plan:
 
 
 def fit_object_rates(tables: Sequence[pd.DataFrame]) -> ObjectRates:
-    """Estimate rates over objects from the attempts of detectors (columns label and success).
-
-    The binomial part of their spread is subtracted. The correlation is the mean over pairs of
-    tables; with one table, or without objects that differ, it is the default. UserError if fewer
-    than two objects have two attempts, or nearly all attempts end alike.
-    """
+    """Rates over objects from attempts of detectors, without the binomial part of their spread."""
     found = [by_object(table) for table in tables]
     found = [counts[counts["attempts"] > 1] for counts in found]
     if any(len(counts) < 2 for counts in found):

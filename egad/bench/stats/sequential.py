@@ -117,10 +117,7 @@ def attempts_in_a_row(table: pd.DataFrame) -> int:
 
 
 def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
-    """Simulated attempts as a robot should make them: every object once before any again.
-
-    The order within a round is random and depends only on labels and numbers.
-    """
+    """Simulated attempts with every object once, in random order, before any again."""
     order = [
         (attempt, entropy(0, "rounds", str(label), int(attempt)))
         for label, attempt in zip(table["label"], table["attempt"], strict=True)
@@ -131,10 +128,8 @@ def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
 def log_e_values(first: Flags, second: Flags) -> Floats:
     """Logarithm of the evidence that the first of two streams, (..., n), succeeds more often.
 
-    Each pair multiplies the e-value by a ratio: its probability if the rates are their posterior
-    means so far, over its probability if both rates are the midpoint of these. The priors are
-    Beta(2, 1) for the first and Beta(1, 2) for the second. While the means do not favor the first,
-    the e-value does not change.
+    Each pair multiplies it by its probability under the posterior means, over that if both rates
+    are their midpoint; priors are Beta(2, 1) and Beta(1, 2). Means against the first count as 1.
     """
     better, worse = _rates_before(first, BETTER), _rates_before(second, WORSE)
     middle = (better + worse) / 2

@@ -50,10 +50,7 @@ def run(
     grasps: Path,
     out: Path,
 ) -> None:
-    """Combine the objects of all shards, and add their grasps.
-
-    A damaged shard is removed, so that the next run of the workflow makes it again.
-    """
+    """Combine the objects of all shards, and add their grasps; a damaged shard is removed."""
     check_names(dataset, gripper, grasps)
     homes, labels = _homes(parts, (dataset / "parts").resolve()), parquet.distinct(grasps, "label")
     if lost := sorted(labels - homes.keys()):

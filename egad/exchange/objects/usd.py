@@ -26,11 +26,7 @@ VISUALS, COLLISIONS = MESHES.AppendChild("visuals"), MESHES.AppendChild("collisi
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
-    """Write the folder `NAME` with `NAME.usd` (binary) and `poses.json`.
-
-    Characters that a path of USD cannot have become `_` within the file, and `Meshes` becomes
-    `Meshes_`.
-    """
+    """Write the folder `NAME` with `NAME.usd` (binary) and `poses.json`."""
     (folder / name).mkdir(parents=True)
     stage = make_stage(name, made, friction)
     for child in stage.GetDefaultPrim().GetChildren():

@@ -37,11 +37,7 @@ HUB = "https://huggingface.co/datasets/"
 
 @dataclass(frozen=True)
 class Files:
-    """Files of a release that are of one kind; the meaning is that of each file, or row of a table.
-
-    The pattern is the name of the only file, relative to the release, or a glob whose `*` also
-    stands for folders.
-    """
+    """Files of a release of one kind; the meaning is that of each file or row; a glob or a name."""
 
     name: str
     meaning: str

@@ -111,11 +111,7 @@ def sample_factor(
     rng: np.random.Generator,
     wanted: Callable[[Floats], Flags] | None = None,
 ) -> float:
-    """Factor that gives a random grasp a width, metres; 0 without one, or if over 0.2 m (ours).
-
-    The closed object is then at most 0.2 m from corner to corner of its bounding box. `wanted`
-    tells which closing axes, (n, 3) unit vectors, the grasp may have.
-    """
+    """Factor that gives a random grasp a width, metres; 0 without one, or if over 0.2 m (ours)."""
     rules = sampling.model_copy(update={"approach_clearance": 0.0})
     length = float(np.linalg.norm(np.ptp(caster.triangles.reshape(-1, 3), axis=0)))
     pairs, _ = valid_contacts(caster, 1.01 * length, ROUGH, rules, rng, wanted)

@@ -92,9 +92,8 @@ def half_turn(angle: Any) -> Any:  # noqa: ANN401 (a number or an array)
 def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
     """Whether (u, v, angle, opening) is as good as a label of (n, 5), by the usual score.
 
-    Jiang, Moseson and Saxena, "Efficient grasping from RGBD images", ICRA 2011: intersection over
-    union above 0.25 and axes less than 30 degrees apart. The breadth of the jaws is that of the
-    label (ours; GG-CNN takes half of the opening).
+    Jiang, Moseson and Saxena, ICRA 2011: overlap above 0.25, axes less than 30 degrees apart. The
+    breadth of the jaws is that of the label (ours; GG-CNN takes half of the opening).
     """
     near = truth[np.abs(half_turn(truth[:, 2] - proposed[2])) < MAX_TURN]
     return any(overlap(np.append(proposed, row[4]), row) > MIN_OVERLAP for row in near)

@@ -85,12 +85,7 @@ class ObjectPage:
 def object_data(
     page: ObjectPage, mesh: trimesh.Trimesh, genome: GenomeText | None, axes: AxisPair
 ) -> dict[str, Any]:
-    """The data of an object, ready for JSON; the mesh is in metres, at the size that is shown.
-
-    `facts` are name, value, standard error, unit and decimals of each measure; `labels` are numbers
-    of grasps by label in simulation; `trials` are detector, successes, attempts and ends of the 95
-    % interval.
-    """
+    """The data of an object, ready for JSON; the mesh is in metres, at the size that is shown."""
     grasps = page.grasps if page.grasps is not None else empty(GRASPS)
     counts = None if page.grasps is None else _label_counts(grasps)
     simulated = _simulated(counts) if counts else []
@@ -115,10 +110,7 @@ def ancestor_data(
     relatives: Mapping[str, Any] | None,
     axes: AxisPair,
 ) -> dict[str, Any]:
-    """The data of an unreleased ancestor, `tables.evolution.LINEAGE`, ready for JSON.
-
-    The mesh, metres, is None if its genome gives none; the relatives are from `Relatives.data`.
-    """
+    """The data of an unreleased ancestor, `LINEAGE`, ready for JSON; mesh in metres, or None."""
     grown = [
         ("epoch", row["epoch"], None, "", 0),
         ("island", row["island"], None, "", 0),

@@ -30,12 +30,7 @@ def index_data(
     gripper: Gripper | None = None,
     unattainable: int = 0,
 ) -> dict[str, Any]:
-    """The data of the first view of the gallery, ready for JSON.
-
-    `finger` is from the contacts back to the palm, or to the top of the cup, metres; `unattainable`
-    the number of hatched rows; `measures` has key, name, unit, factor and decimals of what can be
-    filtered; `columns` a list with an entry for each object, by name.
-    """
+    """The data of the first view of the gallery, ready for JSON; `finger` in metres."""
     ranks = cell_ranks(objects)
     measures = _measures(axes, bool(member.simulated))
     ids = objects["id"]
