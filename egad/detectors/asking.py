@@ -46,7 +46,6 @@ class Detector(Protocol):
 def wanted_input(detect: Callable[..., Any]) -> str:
     """What a detector wants to see: one of `INPUTS`.
 
-
     Its attribute `observes` names it, or the name of its first parameter; if that says nothing (it
     begins with an underscore, or is `*args`), it gets the view from above. UserError for others.
     """

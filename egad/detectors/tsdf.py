@@ -15,22 +15,15 @@ TRUNCATION = 4.0  # voxels
 
 @dataclass(frozen=True)
 class Tsdf:
-    """Signed distances to the nearest surface in a cube, positive in free space.
+    """Signed distances to the nearest surface in a cube, positive in free space."""
 
-    Attributes:
-        distances: At the centers of the voxels, in units of the truncation, from -1 to 1, axis
-            order x, y, z, (n, n, n); 0 where no camera sees.
-        weights: Number of cameras that see the voxel or what is just before it, (n, n, n).
-        corner: Corner of the cube with the least coordinates, (3,), metres.
-        voxel: Side of a voxel, metres.
-        truncation: Metres.
-    """
-
+    # at the centers of the voxels, in units of the truncation, from -1 to 1, axis order x, y, z,
+    # (n, n, n); 0 where no camera sees
     distances: Singles
-    weights: Singles
-    corner: Floats
-    voxel: float
-    truncation: float
+    weights: Singles  # number of cameras that see the voxel or what is just before it, (n, n, n)
+    corner: Floats  # corner of the cube with the least coordinates, (3,), metres
+    voxel: float  # side of a voxel, metres
+    truncation: float  # metres
 
     def surface(self) -> tuple[Floats, Floats]:
         """Points and outward unit normals, (m, 3) each, m, by marching cubes where seen."""

@@ -43,21 +43,17 @@ TOP = 0.98  # quantile of the quality that gets the last color
 
 @dataclass(frozen=True)
 class GraspScene:
-    """An object, metres, as it is grasped, with its grasps.
-
-    Attributes:
-        grasps: Columns contact0, contact1, approach (each with x, y and z), quality,
-            robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh;
-            `simulated_success`, if it is there, is packed too.
-        note: A remark, such as why it has no grasps.
-        paint: Number of a color in `scene3d.js` for each face; all are gray if None.
-    """
+    """An object, metres, as it is grasped, with its grasps."""
 
     name: str
     title: str
     mesh: trimesh.Trimesh
+    # columns contact0, contact1, approach (each with x, y and z), quality, robust_quality and
+    # collision_free of `tables.grasping.GRASPS`, in the frame of the mesh; `simulated_success`, if
+    # it is there, is packed too
     grasps: pd.DataFrame
-    note: str = ""
+    note: str = ""  # a remark, such as why it has no grasps
+    # number of a color in `scene3d.js` for each face; all are gray if None
     paint: NDArray[np.uint8] | None = None
 
 

@@ -41,19 +41,12 @@ APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # ours: mean, m/s
 
 
 class ContactRules(NamedTuple):
-    """What contacts during the approach mean, and when a hand without an arm holds an object.
+    """What contacts during the approach mean, and when a hand without an arm holds an object."""
 
-    Attributes:
-        contact: What a contact means.
-        force: Contacts above this force count, newtons.
-        pinched: Whether both fingers must press on an object after they closed.
-        first: Whether the object that is held is the first one that the hand touches.
-    """
-
-    contact: Contact
-    force: float = COLLISION_FORCE
-    pinched: bool = True
-    first: bool = False
+    contact: Contact  # what a contact means
+    force: float = COLLISION_FORCE  # contacts above this force count, newtons
+    pinched: bool = True  # whether both fingers must press on an object after they closed
+    first: bool = False  # whether the object that is held is the first one that the hand touches
 
     @property
     def limit(self) -> float:
@@ -65,22 +58,18 @@ FAILS, CLOSES = ContactRules("collided"), ContactRules("close")
 
 
 class Execution(NamedTuple):
-    """The result of a grasp.
+    """The result of a grasp."""
 
-    Attributes:
-        outcome: One of `egad.tables.outcomes.EXECUTION`, or failed; for a suction cup also no_seal.
-        lifted: Height that the object's center of mass gained, metres.
-        end: Final pose of the object; None if the simulation broke down. If the object lay still in
-            the hand before the lift was complete, where it would be after the whole lift.
-        stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
-        held: Number of the object in a hand without an arm; None without success. For such a hand,
-            `lifted` and `end` are not known.
-    """
-
+    # one of `egad.tables.outcomes.EXECUTION`, or failed; for a suction cup also no_seal
     outcome: Outcome
-    lifted: float = 0.0
+    lifted: float = 0.0  # height that the object's center of mass gained, metres
+    # final pose of the object; None if the simulation broke down. If the object lay still in the
+    # hand before the lift was complete, where it would be after the whole lift
     end: Pose | None = None
+    # how far before the grasp a contact stopped the hand, metres; 0 if none did
     stopped: float = 0.0
+    # number of the object in a hand without an arm; None without success. For such a hand, `lifted`
+    # and `end` are not known
     held: int | None = None
 
 

@@ -18,24 +18,15 @@ MIN_MASS = 0.05
 
 @dataclass(frozen=True)
 class Model:
-    """An object in its principal frame: origin in the center of mass, principal axes of inertia.
+    """An object in its principal frame: origin in the center of mass, principal axes of inertia."""
 
-    Attributes:
-        mesh: The true surface, for depth images. Metres.
-        parts: Convex meshes that represent it in contacts. Metres.
-        mass: Kilograms, at least 50 g.
-        solid_mass: Mass of the solid, which may be less, kilograms.
-        inertia: (3,) principal moments about the center of mass, kg m2.
-        volume_error: Volume of the parts / volume of the mesh - 1.
-        to_principal: (4, 4) transform from the frame that the object was given in, with its scale.
-    """
-
-    mesh: trimesh.Trimesh
-    parts: tuple[trimesh.Trimesh, ...]
-    mass: float
-    solid_mass: float
-    inertia: Floats
-    volume_error: float
+    mesh: trimesh.Trimesh  # the true surface, for depth images. Metres
+    parts: tuple[trimesh.Trimesh, ...]  # convex meshes that represent it in contacts. Metres
+    mass: float  # kilograms, at least 50 g
+    solid_mass: float  # mass of the solid, which may be less, kilograms
+    inertia: Floats  # (3,) principal moments about the center of mass, kg m2
+    volume_error: float  # volume of the parts / volume of the mesh - 1
+    # (4, 4) transform from the frame that the object was given in, with its scale
     to_principal: Floats
 
     def scaled(self, factor: float) -> "Model":

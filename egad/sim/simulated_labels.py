@@ -36,19 +36,15 @@ NOT_A_MOTION = (np.nan, np.nan)
 
 
 class SimulatedGrasp(NamedTuple):
-    """The result of a grasp.
+    """The result of a grasp."""
 
-    Attributes:
-        outcome: `success`: held to the end; `collided`, `missed`, `slipped_closing`,
-            `slipped_shaking`, `slipped_lifting` or `dropped`, whichever came first; `failed`.
-        closing: How far the object moved relative to the hand while the fingers closed: its center
-            of mass in metres, and its rotation in radians.
-        shaking: The same while it was shaken; NaN if it was not.
-    """
-
+    # `success`: held to the end; `collided`, `missed`, `slipped_closing`, `slipped_shaking`,
+    # `slipped_lifting` or `dropped`, whichever came first; `failed`
     outcome: Outcome
+    # how far the object moved relative to the hand while the fingers closed: its center of mass in
+    # metres, and its rotation in radians
     closing: tuple[float, float] = NOT_A_MOTION
-    shaking: tuple[float, float] = NOT_A_MOTION
+    shaking: tuple[float, float] = NOT_A_MOTION  # the same while it was shaken; NaN if it was not
 
     @property
     def success(self) -> bool | None:

@@ -16,19 +16,15 @@ BETTER, WORSE = (2, 1), (1, 2)  # beta priors: pseudo-counts of successes and fa
 
 @dataclass(frozen=True, repr=False)
 class SequentialTest:
-    """Evidence after each pair of attempts that two detectors differ.
+    """Evidence after each pair of attempts that two detectors differ."""
 
-    Attributes:
-        e_values: E-value after each pair, (n,). If there is no difference, it reaches 1 / level
-            with a probability of at most the level, however often one looks.
-        decided_after: Pairs after which the e-value first reached 1 / level; None if it has not.
-        better: Which detector the decision is for: `first` or `second`; empty without one.
-    """
-
+    # e-value after each pair, (n,). If there is no difference, it reaches 1 / level with a
+    # probability of at most the level, however often one looks
     e_values: Floats
     level: float
+    # pairs after which the e-value first reached 1 / level; None if it has not
     decided_after: int | None
-    better: str
+    better: str  # which detector the decision is for: `first` or `second`; empty without one
 
     @property
     def e_value(self) -> float:

@@ -23,28 +23,17 @@ MAX_TURN = np.pi / 6
 
 
 class ImageGrasps(NamedTuple):
-    """Grasps in an image; pixels, see above.
+    """Grasps in an image; pixels, see above."""
 
-    Attributes:
-        object: (n,) numbers of the objects in the image, from 0.
-        u: (n,) column of the center.
-        v: (n,) row of the center.
-        angle: (n,) of the closing axis, radians in [-pi/2, pi/2).
-        opening: (n,) how far the hand opens, at the depth of the center.
-        depth_center: (n,) of the center, along the optical axis, metres.
-        quality: (n,) robust quality; 0 for those that are not free of collisions.
-        collision_free: (n,) whether the hand touches nothing but the contacts.
-        simulated_success: (n,) whether the grasp held in simulation; None if it was not simulated.
-    """
-
-    object: Ints
-    u: Floats
-    v: Floats
-    angle: Floats
-    opening: Floats
-    depth_center: Floats
-    quality: Floats
-    collision_free: Flags
+    object: Ints  # (n,) numbers of the objects in the image, from 0
+    u: Floats  # (n,) column of the center
+    v: Floats  # (n,) row of the center
+    angle: Floats  # (n,) of the closing axis, radians in [-pi/2, pi/2)
+    opening: Floats  # (n,) how far the hand opens, at the depth of the center
+    depth_center: Floats  # (n,) of the center, along the optical axis, metres
+    quality: Floats  # (n,) robust quality; 0 for those that are not free of collisions
+    collision_free: Flags  # (n,) whether the hand touches nothing but the contacts
+    # (n,) whether the grasp held in simulation; None if it was not simulated
     simulated_success: NDArray[np.object_]
 
     def chosen(self, which: Flags | Ints) -> "ImageGrasps":

@@ -62,22 +62,17 @@ class GenomeText:
 
 @dataclass(frozen=True)
 class ObjectPage:
-    """What is known of an object, `tables.objects.OBJECTS`.
-
-    Attributes:
-        grasps: Columns of `GRASPS` or `SIMULATED_GRASPS`; None if there are no tables.
-        factor: Size at which it is shown / size in the dataset.
-        note: Why it has no grasps, or other remarks.
-        relatives: What `Relatives.data` returned; None if there is no lineage.
-        trials: Attempts with the object by grasp detector: a column `success`.
-    """
+    """What is known of an object, `tables.objects.OBJECTS`."""
 
     row: Row
+    # columns of `GRASPS` or `SIMULATED_GRASPS`; None if there are no tables
     grasps: pd.DataFrame | None = None
-    factor: float = 1.0
-    note: str = ""
+    factor: float = 1.0  # size at which it is shown / size in the dataset
+    note: str = ""  # why it has no grasps, or other remarks
+    # what `Relatives.data` returned; None if there is no lineage
     relatives: Mapping[str, Any] | None = None
     genome: Row | None = None
+    # attempts with the object by grasp detector: a column `success`
     trials: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     links: Sequence[Download] = ()
 
