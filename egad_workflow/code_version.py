@@ -85,7 +85,11 @@ def _parsed(source: bytes, here: str) -> Module:
             node.body = node.body[1:] or [ast.Pass()]
         elif isinstance(node, ast.Call) and ast.unparse(node.func) == "Field":
             node.keywords = [each for each in node.keywords if "default" in (each.arg or "")]
-    tree.body = [node for node in tree.body if not _is_for_types(node)]
+    tree.body = [
+        node
+        for node in tree.body
+        if not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
+    ]
     nodes = list(ast.walk(tree))
     texts = (each.value for each in nodes if isinstance(each, ast.Constant))
     return Module(
@@ -93,10 +97,6 @@ def _parsed(source: bytes, here: str) -> Module:
         frozenset(pair for node in nodes for pair in _imports(node, here)),
         frozenset(text for text in texts if isinstance(text, str)),
     )
-
-
-def _is_for_types(node: ast.stmt) -> bool:
-    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
 
 
 def _imports(node: ast.AST, here: str) -> Iterator[tuple[str, str]]:

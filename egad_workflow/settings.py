@@ -220,7 +220,10 @@ def select(
     values = {name: getattr(shared, name) for name in names}
     if "gripper" in stage.model_fields:
         chooses = "select_eval" in values
-        own = _narrowest(settings) if chooses else settings.graspability.gripper
+        # an evaluation set must be printable for the narrowest gripper, if none is named
+        narrowest = min(settings.grippers, key=lambda name: settings.grippers[name].opening)
+        printed_for = settings.select_eval.gripper or narrowest
+        own = printed_for if chooses else settings.graspability.gripper
         values["gripper"] = settings.grippers[gripper or own]
         lifts = values["gripper"].kind.lifts
         # settings that change nothing are left out: stages would run again for them
@@ -245,12 +248,6 @@ def select(
     if "detector" in stage.model_fields:
         values["detector"] = settings.detectors[detector or settings.targets.detectors[0]]
     return stage(**values)
-
-
-def _narrowest(settings: Settings) -> str:
-    """The gripper that the evaluation set must be printable for."""
-    named = settings.select_eval.gripper
-    return named or min(settings.grippers, key=lambda name: settings.grippers[name].opening)
 
 
 def plain(part: Parameters) -> dict[str, Any]:

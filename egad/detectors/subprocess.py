@@ -99,14 +99,11 @@ def opened(detect: Detect, limit: float, *, at_once: bool = True) -> Iterator[De
     elif detect.detector in IN_SCENES:
         yield IN_SCENES[detect.detector]
     else:
-        made = _in_own_process(detect, limit)
+        program = detect.command
+        made = Program(program, limit, STARTING_TIME) if program else Child(detect, limit)
         with ExitStack() as stack:
             (stack.enter_context if at_once else stack.push)(made)
             yield made
-
-
-def _in_own_process(config: DetectorConfig, limit: float) -> Child | Program:
-    return Program(config.command, limit, STARTING_TIME) if config.command else Child(config, limit)
 
 
 def asked_for(detect: Detector) -> str:

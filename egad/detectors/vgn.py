@@ -6,7 +6,6 @@ Breyer et al., "Volumetric grasping network: real-time 6 DOF grasp detection in 
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
@@ -82,7 +81,8 @@ class Vgn:
         grid = encode(tsdf)
         answer = self._infer(grid)
         quality = _processed(answer[0], answer[5], grid, widest(gripper))
-        voxels = np.argwhere(_peaks(quality, self._threshold))
+        high = np.where(quality >= self._threshold, quality, 0)
+        voxels = np.argwhere((high > 0) & (high == ndimage.maximum_filter(high, APART)))
         i, j, k = voxels.T
         poses = np.tile(np.eye(4), (len(voxels), 1, 1))
         poses[:, :3, :3] = Rotation.from_quat(answer[1:5, i, j, k].T).as_matrix()
@@ -107,12 +107,6 @@ def _processed(quality: Singles, width: Singles, grid: Singles, most: float) -> 
     near = ndimage.binary_dilation(grid > 0.5, iterations=NEAR_SURFACE, mask=~inside)
     smooth[~near | (width < WIDTHS[0]) | (width > most)] = 0
     return smooth
-
-
-def _peaks(quality: Singles, threshold: float) -> NDArray[np.bool_]:
-    """Voxels whose quality is above the threshold and above that of all others nearby."""
-    high = np.where(quality >= threshold, quality, 0)
-    return np.asarray((high > 0) & (high == ndimage.maximum_filter(high, APART)))
 
 
 def encode(tsdf: Tsdf) -> Singles:

@@ -262,11 +262,6 @@ def order(
     groups = [part.index.to_numpy() for _, part in index.groupby(list(together))]
     shuffled = [groups[number] for number in rng.permutation(len(groups))]
     ends = np.cumsum([len(part) for part in shuffled])
-    windows = np.split(np.concatenate(shuffled), _window_ends(ends, window or WINDOW))
+    first = np.flatnonzero(np.diff(ends // (window or WINDOW), prepend=0))
+    windows = np.split(np.concatenate(shuffled), ends[first])
     return np.concatenate([rng.permutation(window) for window in windows])
-
-
-def _window_ends(ends: NDArray[np.int64], window: int) -> NDArray[np.int64]:
-    """The ends of groups that are the first beyond each multiple of a window."""
-    first = np.flatnonzero(np.diff(ends // window, prepend=0))
-    return ends[first]

@@ -89,7 +89,9 @@ def card(trained: TrainedNetwork) -> str:
             ["split", "objects", "images", "without a positive grasp", "grasps", "positive"],
             counts(trained.index),
         ),
-        rule=_rule(trained.settings),
+        rule="succeeded in simulation"
+        if trained.settings["positive"] == "simulated"
+        else f"has a robust quality above {trained.settings['quality']}",
         images=int(last["images"]),
         epochs=len(trained.history),
         settings=table(["setting", "value"], trained.settings.items()),
@@ -120,10 +122,3 @@ def versions() -> list[tuple[str, str]]:
         with suppress(PackageNotFoundError):
             found.append((name, version(name)))
     return found
-
-
-def _rule(settings: Mapping[str, Any]) -> str:
-    """What makes a collision-free grasp positive."""
-    if settings["positive"] == "simulated":
-        return "succeeded in simulation"
-    return f"has a robust quality above {settings['quality']}"

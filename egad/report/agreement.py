@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from egad.bench.stats import Area, Bin, Rate, area, engine_names, gain, rate, reliability
@@ -101,7 +100,10 @@ def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Seque
             show_percent(axis)
         left.grid(axis="y")
         for number, row in enumerate(areas.values()):
-            _draw_areas(right, row, LINES[number], 0.24 * (number - (len(areas) - 1) / 2))
+            offset = 0.24 * (number - (len(areas) - 1) / 2)
+            for place, one in enumerate(row):
+                right.plot(place + offset, one.value, "o", color=LINES[number], ms=5)
+                right.vlines(place + offset, *one.interval, color=LINES[number], lw=1)
         right.axhline(0.5, color=SOFT, lw=0.8, ls=DASHED)
         count = max(map(len, areas.values()))
         right.set_xticks(range(count), [*string.ascii_uppercase[: count - 1], "all"])
@@ -119,9 +121,3 @@ def _ranks(rates: Sequence[Rate]) -> list[float]:
     counts = np.array([rate.attempts for rate in rates])
     ranks: list[float] = ((np.cumsum(counts) - counts / 2) / counts.sum()).tolist()
     return ranks
-
-
-def _draw_areas(axes: Axes, areas: Sequence[Area], color: str, offset: float) -> None:
-    for row, each in enumerate(areas):
-        axes.plot(row + offset, each.value, "o", color=color, ms=5)
-        axes.vlines(row + offset, *each.interval, color=color, lw=1)

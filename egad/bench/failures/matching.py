@@ -85,7 +85,8 @@ class Matching:
         self._failures = atlas.table.sort_values("id", ignore_index=True)
         self._candidates = _candidates(atlas, archive, settings)
         self.rows = {
-            row["id"]: row for row in map(_as_examined, parquet.records(self._failures))
+            row["id"]: row | {"verdict": ObjectVerdict.FAILURE.value, "step": row["epoch"]}
+            for row in parquet.records(self._failures)
         } | {row["id"]: row for row in parquet.records(self._candidates)}
         self._settings, self._mapper, self._rules = settings, mapper, rules
         self._known = by_object(atlas.attempts)
@@ -215,11 +216,6 @@ def _candidates(
 
 def _cells(table: pd.DataFrame) -> Floats:
     return table[CELL].to_numpy(dtype=np.float64)
-
-
-def _as_examined(row: Row) -> Row:
-    """A failure with the additional columns of an examined object."""
-    return row | {"verdict": ObjectVerdict.FAILURE.value, "step": row["epoch"]}
 
 
 def _graph(row: Row, settings: FailureParameters) -> bytes:

@@ -57,7 +57,8 @@ def run(
         raise UserError(f"{grasps}: object {lost[0]!r} is not among the written objects")
     found = by_object(grasps, COLUMNS)
     with writing(out) as file:
-        objects = add_dataset(file, dataset.absolute().name, metrics(settings), _meanings())
+        meanings = {name: _meaning(OBJECTS, name) for name in MEASURES}
+        objects = add_dataset(file, dataset.absolute().name, metrics(settings), meanings)
         for key in progress(sorted(homes), "writing grasps", len(homes)):
             with h5py.File(homes[key], "r") as part:
                 copy_group(part["objects"][key], objects.create_group(key))
@@ -107,10 +108,6 @@ def _grasps(
     configurations = dexnet_configurations(centers, axes, approaches, opening)
     values = {name: rows[column].to_numpy(dtype=float) for name, column in METRICS.items()}
     return configurations, values
-
-
-def _meanings() -> dict[str, str]:
-    return {name: _meaning(OBJECTS, name) for name in MEASURES}
 
 
 def _meaning(schema: pa.Schema, column: str) -> str:

@@ -69,7 +69,7 @@ def encoded(picture: RenderedImage) -> dict[str, Any]:
     """The row of `tables.images.IMAGES` of a picture."""
     height, width = picture.depth.shape
     intrinsics = picture.view.intrinsics
-    grasps = picture.grasps
+    grasps, camera = picture.grasps, pose_values(picture.view.pose)
     return {
         **{name: getattr(picture, name) for name in PLAIN},
         "objects": [each.id for each in picture.objects],
@@ -83,7 +83,7 @@ def encoded(picture: RenderedImage) -> dict[str, Any]:
         "focal": intrinsics.focal,
         "center_u": intrinsics.center[0],
         "center_v": intrinsics.center[1],
-        **_camera_columns(picture.view.pose),
+        **{f"camera_{part}": value for part, value in zip(POSE_PARTS, camera, strict=True)},
         **{name: getattr(grasps, name) for name in LISTS},
     }
 
@@ -104,7 +104,7 @@ def decoded(row: Mapping[str, Any]) -> RenderedImage:
         view=View(
             depth_of(row),
             intrinsics,
-            _camera_pose(row),
+            pose_matrix(np.array([float(row[f"camera_{part}"]) for part in POSE_PARTS])),
             pixels(row, "mask", "L").astype(np.uint8),
         ),
         grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
@@ -115,15 +115,6 @@ def pose_values(matrix: Floats) -> list[float]:
     """Position and quaternion (x, y, z, w) of a transform (4, 4)."""
     quaternion = Rotation.from_matrix(matrix[:3, :3]).as_quat(canonical=True)
     return [*matrix[:3, 3].tolist(), *quaternion.tolist()]
-
-
-def _camera_columns(matrix: Floats) -> dict[str, float]:
-    pairs = zip(POSE_PARTS, pose_values(matrix), strict=True)
-    return {f"camera_{part}": value for part, value in pairs}
-
-
-def _camera_pose(row: Mapping[str, Any]) -> Floats:
-    return pose_matrix(np.array([float(row[f"camera_{part}"]) for part in POSE_PARTS]))
 
 
 def pose_matrix(values: Floats) -> Floats:

@@ -97,15 +97,9 @@ def see(
     rendered = [DepthCamera(world.models[each.number].mesh) for each in present]
     matrices = [each.pose.matrix for each in present]
     intrinsics = intrinsics_of(cameras)
-    return tuple(
-        render_scene(rendered, matrices, intrinsics, pose)
-        for pose in training_cameras(cameras, rng)
-    )
-
-
-def training_cameras(cameras: SceneCameras, rng: np.random.Generator) -> list[Floats]:
-    """Poses of cameras around a table, (4, 4) each, each at its own distance and tilt."""
-    return [camera_poses(cameras, rng)[number] for number in range(cameras.views)]
+    # each at its own distance and tilt
+    poses = [camera_poses(cameras, rng)[number] for number in range(cameras.views)]
+    return tuple(render_scene(rendered, matrices, intrinsics, pose) for pose in poses)
 
 
 def sample_points(

@@ -52,7 +52,10 @@ def index_data(
         "finger": _finger(gripper),
         "cells": space.cells,
         "unattainable": unattainable,
-        "sheets": [sheet_file(rank) for rank in range(int(ranks.max(initial=-1)) + 1)],
+        "sheets": [
+            file_link(FOLDER, SHEETS, f"{rank}.webp")
+            for rank in range(int(ranks.max(initial=-1)) + 1)
+        ],
         "measures": measures,
         "columns": columns,
     }
@@ -62,11 +65,6 @@ def _finger(gripper: Gripper | None) -> float:
     if gripper is None:
         return 0.0
     return -gripper.kind.span[0]
-
-
-def sheet_file(rank: int) -> str:
-    """The link to the sheet of the objects of a rank."""
-    return file_link(FOLDER, SHEETS, f"{rank}.webp")
 
 
 def _measures(axes: AxisPair, simulated: bool) -> list[dict[str, Any]]:
