@@ -122,7 +122,11 @@ def parameters(network: nn.Module) -> int:
 
 
 def inference(network: nn.Module) -> Infer:
-    """A network as a function of arrays, on one core: the same input gives the same answer."""
+    """A network as a function of arrays, on one core: the same input gives the same answer.
+
+    GG-CNN: from depths (300, 300) of `maps.prepare_input` to quality, cos 2a, sin 2a and width,
+    (4, 300, 300). VGN: from a grid (40, 40, 40) to quality, quaternion and width, (6, 40, 40, 40).
+    """
     network.eval()
     torch.set_num_threads(1)
 

@@ -59,10 +59,19 @@ class PositiveFilter(NamedTuple):
 
 
 class ImageDataset:
-    """All images of some folders, as one set, with an `index` of a row per image."""
+    """All images of some folders, as one set.
+
+    The index has a row per image: `shard`, `group` and `row`, where it is stored, shards counted
+    through all folders; `image`, `id`, `objects`, `split`; and its numbers of `grasps` and of
+    `positive` ones.
+    """
 
     def __init__(self, folders: Sequence[Path], rule: PositiveFilter) -> None:
-        """Look through `images-N.parquet` of each folder; no image is decoded."""
+        """Look through `images-N.parquet` of each folder; no image is decoded.
+
+        UserError if some are missing, or not all of one set, or an object is in two splits;
+        TableError if one cannot be read, or is not of this layout.
+        """
         self.folders, self.rule = folders, rule
         self._names = list(dict.fromkeys([*NAMES, *rule.columns]))
         self._paths = [path for folder in folders for path in files(folder)]
@@ -95,7 +104,10 @@ class ImageDataset:
         return found
 
     def image(self, number: int) -> tuple[NDArray[np.float32], Rectangles]:
-        """Depth, (300, 300) metres, NaN where missing, and positive grasps, worst to best."""
+        """Depth, (300, 300) metres, NaN where missing, and positive grasps, from worst to best.
+
+        By the row of the index; TableError if the image is damaged or of another size.
+        """
         with self._named(number) as shown:
             return _whole(shown), positives(shown, self.rule)
 

@@ -85,18 +85,11 @@ def execute(
 ) -> Execution:
     """Approach from above, close, lift and hold.
 
-    The result depends only on the arguments, if the world was reset before the object was placed.
+    An object that is `afloat` is held in the air until the hand has arrived, then weightless until
+    the fingers have closed. `contact` is the distance of the pads at which they will meet it,
+    metres, if known: pads may move on arcs.
 
-    Args:
-        world: World with the object where it is to be grasped.
-        arm: Arm that carries the hand; its robot is that of the world.
-        lifting: Settings of lift and hold.
-        grasp: A grasp that the hand can execute (`Grasp.infeasibility`).
-        afloat: Whether the object floats in the air: it is held there until the hand has arrived,
-            then free but weightless until the fingers have closed.
-        contact: Distance of the pads at which they will meet the object, metres, if it is known;
-            the height of the hand is then corrected for pads that move on arcs.
-        rules: What a contact on the way down means.
+    The result depends only on the arguments, if the world was reset before the object was placed.
     """
     try:
         before = world.pose().position[2]
@@ -141,19 +134,12 @@ def execute_pose(
 ) -> Execution:
     """Approach from 5 cm away, close, and retreat by 10 cm; `rules` say what a contact does.
 
-    A suction cup goes up to 1 cm further to find an object. For it, closing means switching the
-    vacuum on.
-
-    A hand that approaches from above, within 60 degrees, retreats along its approach; otherwise it
-    moves straight up. An object is held if the hand then touches it and is not closed.
+    The hand is a `free_hand` at `pose`, (4, 4) to the world, and opens by `width`, metres. A cup
+    goes up to 1 cm further to find an object; closing switches its vacuum on. From above, within 60
+    degrees, the hand retreats along its approach, otherwise straight up. An object is held if the
+    hand then touches it and is not closed.
 
     The result depends only on the arguments, if the world was reset before the objects were placed.
-
-    Args:
-        world: World with the objects where they lie, and the robot `egad.sim.free_hand`.
-        pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
-        width: How far the hand opens, metres.
-        rules: What contacts mean.
     """
     try:
         return _executed(world, pose, width, rules)

@@ -76,14 +76,7 @@ def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
 
 
 def build(mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh") -> Model:
-    """Model any object of uniform density, kg/m3, like one of the simulation bundle.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or has no convex parts.
-
-    Warns:
-        PartsWarning: The parts exceed the limits of the settings; the warning has the name.
-    """
+    """Model any object of uniform density, kg/m3; RejectedError if it is no solid; PartsWarning."""
     made = make_simulation_object(mesh, density, settings, name)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)
 

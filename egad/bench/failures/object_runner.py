@@ -24,14 +24,7 @@ MAX_PROPOSALS = 10
 
 
 class ObjectRunner:
-    """A table with one object; the result of each method depends only on its arguments.
-
-    Attributes:
-        engine: The physics engine.
-        world: The table with the object and the hand.
-        gripper: The hand.
-        labelled: Labelled grasps that are possible where the object lies, at most ten, best first.
-    """
+    """A table with one object; results depend only on arguments; `labelled`: ten grasps at most."""
 
     def __init__(
         self, engine: EngineName, runner: Runner, labelled: Callable[[Pose], list[Grasp]]

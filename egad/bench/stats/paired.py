@@ -172,7 +172,12 @@ def mcnemar(only_first: int, only_second: int) -> float:
 
 
 def boschloo(first: Rate, second: Rate) -> float:
-    """P-value of Boschloo's exact two-sided test that two rates of independent attempts agree."""
+    """P-value of the exact two-sided test that two success rates are equal, for unpaired attempts.
+
+    Boschloo's test is never weaker than Fisher's, since it does not fix the total number of
+    successes; nor does a robot. Attempts must be independent, and their number fixed before the
+    first one. It is 1 if either detector has no attempts.
+    """
     if not first.attempts or not second.attempts:
         return 1.0
     rates = (first, second)

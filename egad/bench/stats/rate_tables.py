@@ -26,10 +26,12 @@ def object_rates(trials: pd.DataFrame) -> pd.DataFrame:
 
 
 def read_rates(path: Path) -> dict[str, pd.DataFrame]:
-    """Rate and attempts (NaN if unknown) by label, for each detector in a file.
+    """Columns rate and attempts (NaN if unknown) by label, for each detector in a file.
 
-    The file has attempts, see `read`; or is CSV with label and success_rate, or successes and
-    attempts, optionally detector. Rows without a result are left out.
+    The file has attempts, see `read`; or it is a CSV file with a row for each object: label and
+    success_rate (0 to 1, or with a percent sign), or label, successes and attempts; and optionally
+    detector, by default the name of the file. Rows without a result are left out. UserError says
+    which row cannot be used, and what is allowed; TableError: not a Parquet file of results.
     """
     if path.suffix.lower() not in TEXT:
         return {name: object_rates(table) for name, table in read(path).items()}

@@ -62,7 +62,12 @@ class Validation:
 
 
 def validate(simulated: Mapping[str, pd.DataFrame], real: Mapping[str, pd.DataFrame]) -> Validation:
-    """Compare simulated with real tables of `read_rates`, matched by detector and object."""
+    """Compare simulated with real tables of `read_rates`, matched by detector and object.
+
+    A single detector on each side is the same, whatever its name. Intervals are by bootstrap over
+    objects, without the noise of few attempts, which lowers correlations by as much as
+    `Agreement.limit` says. NothingInCommonError if no detector has an object on both sides.
+    """
     matched, notes = _match(simulated, real)
     predicted = {}
     for name, (sim, rob) in matched.items():
@@ -196,8 +201,11 @@ def _agreement(
 def mmrv(simulated: Floats, real: Floats) -> Floats:
     """Mean maximum rank violation of SIMPLER (Li and others 2024), 0 to 1, of rates (..., n).
 
-    Of those that the simulation orders differently, the largest real difference counts. The
-    published function is documented with its arguments swapped.
+    For each object or detector, it takes the others that the simulation orders differently from
+    reality, and the largest difference of real rates among these; the result is the mean. Real
+    differences are what counts: a swap of two that are nearly equal on the robot hardly matters,
+    however large the simulated difference. The published function takes (simulated, real), but its
+    documentation has them the other way round, which weights by simulated differences.
     """
     flat = [rates.reshape(-1, rates.shape[-1]) for rates in np.broadcast_arrays(simulated, real)]
     count = flat[0].shape[1]
