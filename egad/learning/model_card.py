@@ -1,7 +1,7 @@
 """The model card of a trained network: what it was trained on, how, and how good it is."""
 
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -99,14 +99,14 @@ def card(trained: TrainedNetwork) -> str:
     )
 
 
-def counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int]]:
-    """Objects, images, images without a positive grasp, grasps, positive grasps; by split."""
+def counts(index: pd.DataFrame, kinds: Sequence[str] = ()) -> list[tuple[str | int, ...]]:
+    """Objects, images or scenes of each kind, those with no positive grasp, grasps, positive."""
     parts = [(split, index[index["split"] == split]) for split in SPLITS]
     return [
         (
             split,
             part["objects"].explode().nunique(),
-            len(part),
+            *([int((part["kind"] == kind).sum()) for kind in kinds] or [len(part)]),
             int((part["positive"] == 0).sum()),
             int(part["grasps"].sum()),
             int(part["positive"].sum()),

@@ -138,10 +138,11 @@ def train(
 def learn(
     network: nn.Module, task: Task, jobs: int = 1, checkpoint: Checkpoint | None = None
 ) -> list[Row]:
-    """Train a network, which is modified, and return one row per epoch; `jobs` changes nothing.
+    """Train a network, which is modified; `jobs` does not change the result.
 
-    The checkpoint is saved after every epoch, and training resumes from it. UserError if the loss
-    is not finite.
+    The checkpoint is saved after every epoch, and training resumes from it. Returns one row per
+    epoch: `epoch`; examples so far, by the unit of the task; `loss` and its parts;
+    `validation_loss` and the score. UserError if the loss is not finite.
     """
     state = State(network, torch.optim.Adam(network.parameters(), lr=task.schedule.learning_rate))
     if checkpoint:

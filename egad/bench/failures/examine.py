@@ -148,20 +148,11 @@ class Examination:
     def _runners(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[ObjectRunner]]:
         """A runner in each engine, for the duration of the `with` block."""
         with ExitStack() as stack:
-            yield [
-                stack.enter_context(
-                    open_runner(
-                        engine,
-                        model,
-                        grasps,
-                        self._settings.gripper,
-                        from_above=self._from_above,
-                        depth_noise=self._search.depth_noise,
-                        contact=self._settings.trials,
-                    )
-                )
+            opened = (
+                open_runner(engine, model, grasps, self._settings, from_above=self._from_above)
                 for engine in self._search.engines
-            ]
+            )
+            yield list(map(stack.enter_context, opened))
 
     def _labelled(self) -> pd.DataFrame:
         try:

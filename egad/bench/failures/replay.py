@@ -36,15 +36,8 @@ def repeat_attempts(
     }
     outcomes, tried = {}, list(map(read_attempt, records(attempts)))
     for (purpose, engine), numbers in groups.items():
-        with open_runner(
-            engine,
-            models[purpose],
-            empty(GRASPS),
-            settings.gripper,
-            from_above=settings.failures.approach == "above",
-            depth_noise=settings.failures.depth_noise,
-            contact=settings.trials,
-        ) as runner:
+        from_above, model = settings.failures.approach == "above", models[purpose]
+        with open_runner(engine, model, empty(GRASPS), settings, from_above=from_above) as runner:
             for number in numbers:
                 watch(number, runner)
                 outcomes[number] = runner.execute(*tried[number])
