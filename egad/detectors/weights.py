@@ -72,14 +72,9 @@ def notes_in(path: str | Path) -> Mapping[str, Any]:
 def state_in(path: str | Path) -> Mapping[str, torch.Tensor]:
     """The tensors of a file by their names; WeightsError if it is damaged or something else."""
     data = Path(path).read_bytes()
-    if Path(path).suffix == SAFE:
-        return _safe(path, data)
-    return _pickled(path)
-
-
-def _safe(path: str | Path, data: bytes) -> Mapping[str, torch.Tensor]:
-    """The tensors of a safetensors file, whose header is checked against its contents."""
-    try:
+    if Path(path).suffix != SAFE:
+        return _pickled(path)
+    try:  # the header is checked against the contents
         state: dict[str, torch.Tensor] = safetensors.torch.load(data)
     except Exception as error:
         raise WeightsError(f"{path} is not a complete safetensors file: {error}") from error

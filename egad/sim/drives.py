@@ -14,21 +14,13 @@ DEGREE = 4  # of the polynomials between joints, as in MuJoCo
 
 
 class Drive:
-    """What closes a hand. This one has no joints.
+    """What closes a hand. This one has no joints."""
 
-    Attributes:
-        joints: Names of the joints that close it.
-        strength: Force or torque of each, N or N m.
-        closing: How far each moves per metre that its pad moves inwards; the sign is the direction.
-        mirrored: Whether the hand is its own mirror image; both fingers move, if it has any.
-        welds: Whether it can hold an object without pressing on it: see `World.attach`.
-    """
-
-    joints: tuple[str, ...] = ()
-    strength = 0.0
-    closing = -1.0
-    mirrored = True
-    welds = False
+    joints: tuple[str, ...] = ()  # names of the joints that close it
+    strength = 0.0  # force or torque of each, N or N m
+    closing = -1.0  # how far each moves per metre that its pad moves inwards, with the direction
+    mirrored = True  # whether the hand is its own mirror image; both fingers move, if it has any
+    welds = False  # whether it can hold an object without pressing on it: see `World.attach`
 
     def position(self, opening: float) -> float:
         """Position of each joint at an opening: the distance of its pad from the middle, metres."""

@@ -80,15 +80,12 @@ def _scenes(
     """Scenes of several objects of a split, each with a few images."""
     counts = evenly(images, -(-images // VIEWS)) if labels else []
     names = (f"{kind}-{split}-{number}" for number in count())
-    return [
-        Share(name, name, split, 0, shown, kind, _members(labels, objects, name, seed))
-        for name, shown in zip(names, counts, strict=False)
-    ]
-
-
-def _members(labels: list[str], objects: int, name: str, seed: int) -> tuple[str, ...]:
-    order = generator(seed, "scene", name).permutation(len(labels))[:objects]
-    return tuple(labels[number] for number in order)
+    found = []
+    for name, shown in zip(names, counts, strict=False):
+        order = generator(seed, "scene", name).permutation(len(labels))[:objects]
+        members = tuple(labels[number] for number in order)
+        found.append(Share(name, name, split, 0, shown, kind, members))
+    return found
 
 
 def shard_count(images: int) -> int:
