@@ -90,8 +90,6 @@ def encoded(picture: RenderedImage) -> dict[str, Any]:
 
 def decoded(row: Mapping[str, Any]) -> RenderedImage:
     """The picture of a row of `tables.images.IMAGES`; TableError if a PNG file is damaged."""
-    center = (float(row["center_u"]), float(row["center_v"]))
-    intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
     placements = np.reshape(row["placements"], (-1, len(POSE_PARTS)))
     return RenderedImage(
         **{name: row[name] for name in PLAIN},
@@ -101,14 +99,17 @@ def decoded(row: Mapping[str, Any]) -> RenderedImage:
                 row["objects"], row["factors"], row["poses"], placements, strict=True
             )
         ),
-        view=View(
-            depth_of(row),
-            intrinsics,
-            pose_matrix(np.array([float(row[f"camera_{part}"]) for part in POSE_PARTS])),
-            pixels(row, "mask", "L").astype(np.uint8),
-        ),
+        view=view_of(row, np.array([float(row[f"camera_{part}"]) for part in POSE_PARTS])),
         grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
     )
+
+
+def view_of(row: Mapping[str, Any], camera: Floats) -> View:
+    """The view of a row, given position and quaternion of its camera; errors as `pixels`."""
+    center = (float(row["center_u"]), float(row["center_v"]))
+    intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
+    depth, mask = depth_of(row), pixels(row, "mask", "L").astype(np.uint8)
+    return View(depth, intrinsics, pose_matrix(camera), mask)
 
 
 def pose_values(matrix: Floats) -> list[float]:
