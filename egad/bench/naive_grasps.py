@@ -128,11 +128,7 @@ def naive_outcomes(
 
 
 def try_in_free_space(
-    world: World,
-    arm: Arm,
-    lifting: Lifting,
-    rng: np.random.Generator,
-    deepest: float = np.inf,
+    world: World, arm: Arm, lifting: Lifting, rng: np.random.Generator, deepest: float = np.inf
 ) -> Outcome:
     """Try a naive grasp of a floating object; see `try_naive_grasps`."""
     gripper, mesh = arm.robot.gripper, world.model.mesh

@@ -56,11 +56,7 @@ def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
 
 
 def _round(
-    ids: Sequence[str],
-    settings: ClutterParameters,
-    scene: SceneKind,
-    noise: NoiseName,
-    number: int,
+    ids: Sequence[str], settings: ClutterParameters, scene: SceneKind, noise: NoiseName, number: int
 ) -> Round:
     rng = generator(settings.seed, "clutter", scene, number)
     count = 1 if scene == "single" else settings.clutter.objects
@@ -190,10 +186,7 @@ def open_round(this: Round, models: Models, settings: ClutterParameters) -> Worl
 
 
 def _table(
-    this: Round,
-    models: Sequence[Model],
-    attempts: Sequence[Attempt],
-    settings: ClutterParameters,
+    this: Round, models: Sequence[Model], attempts: Sequence[Attempt], settings: ClutterParameters
 ) -> pd.DataFrame:
     at_first = len(attempts[0].present) if attempts else 0
     known = {

@@ -32,10 +32,7 @@ class RestingObject(NamedTuple):
 
 
 def make_scene(
-    world: World,
-    kind: SceneKind,
-    rng: np.random.Generator,
-    protocol: ClutterProtocol = EGAD,
+    world: World, kind: SceneKind, rng: np.random.Generator, protocol: ClutterProtocol = EGAD
 ) -> list[RestingObject]:
     """Put the objects of a world on the table in turn; those in the workspace, by number.
 

@@ -63,8 +63,7 @@ Units = Annotated[
 Rule = Annotated[
     ScaleRule | None,
     typer.Option(
-        "--rule",
-        help="scaling to the gripper; default: rescale.rule, paper unless configured",
+        "--rule", help="scaling to the gripper; default: rescale.rule, paper unless configured"
     ),
 ]
 Jobs = Annotated[

@@ -35,10 +35,7 @@ class Vgn:
     """VGN's network as a grasp detector."""
 
     def __init__(
-        self,
-        weights: str | None,
-        threshold: float | None = None,
-        avoid_collisions: bool = False,
+        self, weights: str | None, threshold: float | None = None, avoid_collisions: bool = False
     ) -> None:
         """Load weights, published or safetensors; UserError without PyTorch or fitting weights.
 

@@ -31,14 +31,7 @@ PUBLISHED = pd.DataFrame(
         ("YCB", 78, 0.03, 0.11, 0.65, 0.19),
         ("Dex-Net 2.0", 1497, 0.37, 0.03, 0.26, 0.11),
     ],
-    columns=[
-        "dataset",
-        "objects",
-        "coverage",
-        "diversity_min",
-        "diversity_max",
-        "diversity_mean",
-    ],
+    columns=["dataset", "objects", "coverage", "diversity_min", "diversity_max", "diversity_mean"],
 )
 """EGAD (Morrison, Corke, Leitner 2020), Table III."""
 

@@ -116,9 +116,7 @@ def film_rows(attempts: pd.DataFrame, engine: str) -> pd.DataFrame:
 
 
 def _features(
-    row: dict[str, Any],
-    attempts: Mapping[str, pd.DataFrame],
-    settings: FailureParameters,
+    row: dict[str, Any], attempts: Mapping[str, pd.DataFrame], settings: FailureParameters
 ) -> dict[str, float]:
     mesh = scaled_surface(row["voxels"], settings)
     found = shape_features(mesh, attempts[row["id"]], settings.gripper)

@@ -42,10 +42,7 @@ def lowest_difference(table: pd.DataFrame) -> pd.Series:
 
 
 def failure_map(
-    table: pd.DataFrame,
-    examined: pd.DataFrame,
-    space: MeasureSpace,
-    axes: AxisPair = USUAL,
+    table: pd.DataFrame, examined: pd.DataFrame, space: MeasureSpace, axes: AxisPair = USUAL
 ) -> str:
     """SVG map of the highest difference by cell; grey where objects were tried, but none failed."""
     tried = examined[examined["attempts"] > 0]

@@ -41,8 +41,7 @@ class GraspView:
 
 
 def grasp_view(
-    grasps: Mapping[str, pd.DataFrame],
-    size_effects: Mapping[str, pd.DataFrame],
+    grasps: Mapping[str, pd.DataFrame], size_effects: Mapping[str, pd.DataFrame]
 ) -> GraspView | None:
     """What the section shows of GRASPS and SIZE_EFFECT tables by gripper; None if all are empty."""
     known = {name: table for name, table in grasps.items() if len(table)}

@@ -77,8 +77,7 @@ def _heat_axes(axes: Axes, rows: int, columns: int, names: AxisPair) -> None:
     axes.set(xlim=(-0.02, columns + GAP + 1.27), ylim=(-1 - GAP - 0.02, rows + 0.02))
     axes.set_aspect("equal")
     axes.set_xticks(
-        [*(np.arange(columns) + 0.5), columns + GAP + 0.625],
-        [*map(str, range(columns)), "mean"],
+        [*(np.arange(columns) + 0.5), columns + GAP + 0.625], [*map(str, range(columns)), "mean"]
     )
     axes.set_yticks(
         [-0.5 - GAP, *(np.arange(rows) + 0.5)], ["mean", *string.ascii_uppercase[:rows]]

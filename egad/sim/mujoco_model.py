@@ -12,10 +12,7 @@ from egad.geometry.surfaces import Surface
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
 from egad.sim.robot import EFFORT, PALM, Box, HullShape, Joint, Link, Robot, wall_boxes
-from egad.sim.world import (
-    CLOSING_SPEED,
-    TIME_STEP,
-)
+from egad.sim.world import CLOSING_SPEED, TIME_STEP
 
 SUBSTEPS = 2  # of a time step
 # Contacts are soft: the stiffest that the step allows, and close to rigid.
@@ -41,11 +38,7 @@ ON_TABLE, ON_OBJECT = (
     [each.friction, surfaces.TABLE_ROLLING, surfaces.TABLE_ROLLING]
     for each in (surfaces.TABLE, surfaces.OBJECT)
 )
-_CONTACT = {
-    "condim": CONTACT_DIMENSIONS,
-    "solref": [CONTACT_TIME, 1.0],
-    "solimp": list(IMPEDANCE),
-}
+_CONTACT = {"condim": CONTACT_DIMENSIONS, "solref": [CONTACT_TIME, 1.0], "solimp": list(IMPEDANCE)}
 
 
 def scene_spec(

@@ -126,11 +126,7 @@ class ObjectVerdict(StrEnum):
     CELL_FULL = "cell_full"
 
 
-GRASPABLE = (
-    ObjectVerdict.FAILURE,
-    ObjectVerdict.DETECTOR_SUCCEEDS,
-    ObjectVerdict.NOT_CONFIRMED,
-)
+GRASPABLE = (ObjectVerdict.FAILURE, ObjectVerdict.DETECTOR_SUCCEEDS, ObjectVerdict.NOT_CONFIRMED)
 
 
 @dataclass(frozen=True)

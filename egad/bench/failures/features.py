@@ -136,10 +136,7 @@ def _rays_of_jaws(gripper: Gripper, width: float) -> list[tuple[Floats, Floats]]
     along = np.linspace(-reach, reach, LINES)
     y, z = (grid.ravel() for grid in np.meshgrid(across, along))
     return [
-        (
-            np.stack([np.full_like(y, side * width / 2), y, z], axis=1),
-            np.array([-side, 0.0, 0.0]),
-        )
+        (np.stack([np.full_like(y, side * width / 2), y, z], axis=1), np.array([-side, 0.0, 0.0]))
         for side in (-1.0, 1.0)
     ]
 

@@ -236,10 +236,7 @@ def join(
 
 
 def _explained(
-    row: dict[str, Any],
-    known: dict[str, pd.DataFrame],
-    detect: Detect,
-    settings: FailureParameters,
+    row: dict[str, Any], known: dict[str, pd.DataFrame], detect: Detect, settings: FailureParameters
 ) -> pd.DataFrame:
     mesh = scaled_surface(row["voxels"], settings)
     with opened(detect, settings.failures.planning_time) as asked:

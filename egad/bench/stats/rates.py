@@ -165,8 +165,7 @@ def mean_of(successes: Ints, attempts: Ints) -> Mean:
         return Mean(total.successes, total.attempts, 0.0, 1.0)
     with np.errstate(invalid="ignore"):  # a draw may have only groups without attempts
         low, high = bootstrap(
-            lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1),
-            len(attempts),
+            lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1), len(attempts)
         )
     least, most = total.interval
     return Mean(total.successes, total.attempts, np.fmin(low, least), np.fmax(high, most))

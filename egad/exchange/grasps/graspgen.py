@@ -192,11 +192,7 @@ def write(
 
 
 def run(
-    settings: GripperFormat,
-    gripper: str,
-    meshes: Path,
-    simulated_grasps: Path,
-    out: Path,
+    settings: GripperFormat, gripper: str, meshes: Path, simulated_grasps: Path, out: Path
 ) -> None:
     """Write a dataset of GraspGen: grasps, meshes, lists of objects and the gripper."""
     with new_folder(out) as folder:

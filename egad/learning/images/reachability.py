@@ -47,12 +47,7 @@ def is_reachable(
 
 
 def _closes(
-    scene: RayCaster,
-    centers: Floats,
-    axes: Floats,
-    widths: Floats,
-    openings: Floats,
-    aside: Floats,
+    scene: RayCaster, centers: Floats, axes: Floats, widths: Floats, openings: Floats, aside: Floats
 ) -> Flags:
     """Whether the middles of both pads meet nothing before the contacts, (n,)."""
     free = np.ones(len(centers), dtype=bool)

@@ -88,10 +88,7 @@ def make_scene(
 
 
 def see(
-    world: World,
-    present: Sequence[RestingObject],
-    cameras: SceneCameras,
-    rng: np.random.Generator,
+    world: World, present: Sequence[RestingObject], cameras: SceneCameras, rng: np.random.Generator
 ) -> tuple[View, ...]:
     """What ideal cameras see of objects where they lie."""
     rendered = [DepthCamera(world.models[each.number].mesh) for each in present]
