@@ -109,7 +109,8 @@ class Benchmark:
             noise: Noise added to the depth images.
 
         Raises:
-            UserError: No such round, another file ending, or the table was read from a file.
+            UserError: There is no such round, the file has another ending, or the table was read
+                from a file.
         """
         path = as_path("out", out)
         check_ending(path, ENDINGS)

@@ -88,7 +88,11 @@ class Trials:
         return by_object(self.table)
 
     def compare(self, other: "Trials") -> Comparison:
-        """The difference to another detector over the attempts that both made."""
+        """The difference to another detector over the attempts that both made.
+
+        Raises:
+            UserError: They have no attempt in common, or a label stands for two objects.
+        """
         return compare(results(self.table, "first"), results(other.table, "second"))
 
 

@@ -87,7 +87,12 @@ class Grasp:
         return Grasp.of_pose(matrix @ self.pose, self.width, self.quality)
 
     def infeasibility(self, gripper: Gripper) -> Outcome | None:
-        """Why the hand cannot execute this, as the outcome of an attempt; None if it can."""
+        """Why the hand cannot execute this, as the outcome of an attempt; None if it can.
+
+        not_finite: a number is NaN or infinite; not_rigid: the pose is not a rotation and
+        translation; too_wide: the hand would have to open wider than it can, or by less than 0;
+        below_table: the middle of the fingertips would be under the table.
+        """
         pose, numbers = self.free_pose, (*self.center, self.angle, self.width, self.depth)
         if not all(map(math.isfinite, (*numbers, self.quality))):
             return Outcome.NOT_FINITE

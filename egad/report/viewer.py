@@ -163,7 +163,11 @@ class MeshView:
         return "MeshView: save('view.html') writes a page; a notebook shows it"
 
     def save(self, path: str | Path) -> None:
-        """Write the page, atomically; UserError if the path cannot be written."""
+        """Write the page, atomically.
+
+        Raises:
+            UserError: The path is invalid or cannot be written.
+        """
         write_text(as_path("path", path), self.html)
 
     def _repr_html_(self) -> str:

@@ -154,7 +154,13 @@ def _check_objects(pairs: pd.DataFrame) -> None:
 
 
 def sign_flip(gains: Ints) -> float:
-    """P-value of the exact two-sided permutation test of the signs of gains by object, (n,)."""
+    """P-value of the exact two-sided permutation test that gains by object, (n,), prefer no sign.
+
+    If neither detector is better, each object could just as well have favored the other one by the
+    same amount. The p-value is the fraction of all 2^n ways to choose the signs whose sum is at
+    least as far from 0. It is computed by adding one object after the other to the distribution of
+    the sum.
+    """
     sizes = np.abs(gains)
     reach = int(sizes.sum())
     chance = np.zeros(2 * reach + 1)

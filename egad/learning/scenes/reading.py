@@ -124,8 +124,14 @@ class SceneDataset:
     def __init__(self, folders: Sequence[Path], keep: object = None) -> None:
         """Look through `scenes-N.parquet` and `grasps-N.parquet` of each folder; decode nothing.
 
-        Folders are of one gripper; `keep` must live as long as the files are read. UserError if
-        shards are missing or not of one set, or an object is in two splits; TableError if damaged.
+        Args:
+            folders: All of one gripper.
+            keep: An object that must live as long as the files are read.
+
+        Raises:
+            UserError: Some are missing, are not all of one set, or do not name their gripper;
+                folders are of several grippers, or an object is in two splits.
+            TableError: One cannot be read, or is not of this layout.
         """
         self.folders, self._keep = tuple(folders), keep
         sets = [shard_files(folder, TABLES, MAKERS) for folder in folders]
