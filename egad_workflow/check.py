@@ -30,11 +30,8 @@ _SOUND_ENTRY: dict[str, dict[str, Any]] = {
 def check(config: Mapping[str, Any]) -> Settings:
     """Turn a configuration into settings; those that it does not name keep their defaults.
 
-    Its grippers, cameras and detectors are added to the built-in ones.
-
-    Raises:
-        UserError: Something is wrong. The text has a line for every problem: where it is, what is
-            there, what is allowed, and the nearest valid key for one that does not exist.
+    Its grippers, cameras and detectors are added to the built-in ones. UserError has a line for
+    every problem: where it is, what is there, what is allowed, and the nearest valid key.
     """
     if not isinstance(config, Mapping):
         raise UserError(f"a configuration is a table of sections, not {_shown(config)}")

@@ -20,23 +20,12 @@ _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 @cache
 def code_version(module: str | Path, packages: tuple[Path, ...] = PACKAGES) -> str:
-    """A fingerprint of a script or module, and of all modules of packages that it imports.
+    """A fingerprint, 16 hexadecimal digits, of a script or module and all that it imports.
 
-    Modules count at any depth, also those imported in functions. Other files of a package, such as
-    templates and data, count byte for byte if a text in a module that counts is their name or that
-    of their folder. Everything is read from the source, and nothing is imported. Comments,
-    docstrings and layout do not count, nor do descriptions and limits of settings: a stage gets
-    their values.
-
-    Args:
-        module: Path of a script, or dotted name of a module of the packages.
-        packages: Folders of the top packages.
-
-    Returns:
-        16 hexadecimal digits.
-
-    Raises:
-        ModuleNotFoundError: There is no such script or module.
+    Modules of `packages` count at any depth, also those imported in functions; other files of a
+    package byte for byte, if a text in a module that counts is their name or that of their folder.
+    Nothing is imported. Comments, docstrings and layout do not count, nor do descriptions and
+    limits of settings: a stage gets their values. ModuleNotFoundError without such a module.
     """
     digest = hashlib.sha256()
     modules = imported_modules(str(module), packages)
@@ -85,7 +74,11 @@ def _parsed(source: bytes, here: str) -> Module:
             node.body = node.body[1:] or [ast.Pass()]
         elif isinstance(node, ast.Call) and ast.unparse(node.func) == "Field":
             node.keywords = [each for each in node.keywords if "default" in (each.arg or "")]
-    tree.body = [node for node in tree.body if not _is_for_types(node)]
+    tree.body = [
+        node
+        for node in tree.body
+        if not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
+    ]
     nodes = list(ast.walk(tree))
     texts = (each.value for each in nodes if isinstance(each, ast.Constant))
     return Module(
@@ -93,10 +86,6 @@ def _parsed(source: bytes, here: str) -> Module:
         frozenset(pair for node in nodes for pair in _imports(node, here)),
         frozenset(text for text in texts if isinstance(text, str)),
     )
-
-
-def _is_for_types(node: ast.stmt) -> bool:
-    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
 
 
 def _imports(node: ast.AST, here: str) -> Iterator[tuple[str, str]]:

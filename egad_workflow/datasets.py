@@ -22,8 +22,7 @@ class DatasetSection(Parameters):
     )
     folder: UserPath | None = Field(None, description="folder of the meshes (source: meshes)")
     units: Literal["m", "mm", "cm", "inch"] | None = Field(
-        None,
-        description="unit of the mesh coordinates, unless the files state it (source: meshes)",
+        None, description="unit of the mesh coordinates, unless the files state it (source: meshes)"
     )
     pattern: str | None = Field(
         None,

@@ -28,11 +28,7 @@ def recorded(
     arguments: Mapping[str, Any] | None = None,
     inputs: Iterable[Path] = (),
 ) -> Iterator[None]:
-    """Record the origin of whatever is written in the block, by a rule or command.
-
-    Recorded are the fingerprint of its code, the hash and the seed of the settings, the hashes of
-    inputs, files and folders, and other arguments that determine the result, except for None.
-    """
+    """Record the origin of whatever is written in the block, by a rule or command: all but None."""
     values = _plain(settings or {})
     origin = Origin(
         program=__version__,
@@ -79,11 +75,7 @@ class Noted(BaseModel):
 
 
 def is_near(path: Path, folders: Iterable[Path]) -> bool:
-    """Whether a path is a file or folder in one of some folders, links followed.
-
-    Paths named in an untrusted file are not read unless they are: one may be a device that never
-    ends, or the whole disk.
-    """
+    """Whether a path is in one of some folders, links followed: others may be devices or disks."""
     kinds = (os.path.isfile, os.path.isdir)  # unlike those of `Path`, they take any text
     if not any(is_kind(path) for is_kind in kinds):
         return False
@@ -104,13 +96,7 @@ def origin_of(path: Path) -> Noted | None:
 
 
 def provenance_graph(paths: Iterable[Path], folder: Path) -> dict[str, dict[str, Any]]:
-    """The recorded origin of files and folders, and of all that they were made from, by path.
-
-    Paths are relative to the folder. An origin is the stage, version and fingerprint of the code,
-    hash of the settings, seed, arguments, and inputs with their SHA-256. Inputs without a record,
-    and those outside the working directory, have no entry. Raises `TableError` or `UserError` if a
-    table or a record is damaged.
-    """
+    """The recorded origin of files, folders and all that they were made from, by relative path."""
     found: dict[str, dict[str, Any]] = {}
     waiting = list(paths)
     while waiting:

@@ -23,12 +23,7 @@ Look = Callable[[Path, str], FileNode]
 
 
 def tree(path: Path) -> Iterator[str]:
-    """Lines of text: the file, and below it what it was made from, and so on.
-
-    Files that were made alike, such as those of shards, share a line. A subtree that was shown is
-    not shown again. Inputs are checked in the working directory and in the folder of the file.
-    Raises `TableError` or `UserError` if a table or a record is damaged.
-    """
+    """Lines of text: the file, and below it what it was made from; those made alike are one."""
     root = [FileNode(path, origin_of(path))]
     folders = (Path.cwd(), path if path.is_dir() else path.parent)
     yield _line(root)

@@ -11,12 +11,7 @@ from egad_workflow.settings import Settings
 
 
 def wrong_references(settings: Settings) -> list[str]:
-    """The names that a configuration uses but does not define, one line each.
-
-    Only names that the user gave can be wrong: a default may name something missing as long as
-    nothing uses it. So a dump of the settings, in which every section is given, is not checked
-    again.
-    """
+    """The names that a configuration uses but does not define; defaults are not checked."""
     problems = [
         *_undefined(settings),
         *_wrong_kind("targets.detectors", settings.targets.detectors, settings),

@@ -86,7 +86,9 @@ def _sections(report: ReportData) -> Iterator[Section]:
     own = {name: data for name, data in datasets.items() if name in listed}
     yield from _objects(own, settings, axes)
     yield from _evaluation(mapped, settings, axes)
-    yield from _trials(results, settings)
+    if any(results.values()):
+        protocol = settings.trials
+        yield trials.section(results, attempts=protocol.attempts, lift_height=protocol.lift_height)
     yield from _clutter(datasets)
     if mapped:
         maps = {
@@ -209,14 +211,6 @@ def _grasps(datasets: Mapping[str, DatasetReport], settings: Settings) -> Iterat
             size_grasps=settings.size_effect.grasps,
             size_repeats=settings.size_effect.repeats,
         )
-
-
-def _trials(
-    results: Mapping[str, Mapping[str, trials.Results]], settings: Settings
-) -> Iterator[Section]:
-    if any(results.values()):
-        protocol = settings.trials
-        yield trials.section(results, attempts=protocol.attempts, lift_height=protocol.lift_height)
 
 
 def _clutter(datasets: Mapping[str, DatasetReport]) -> Iterator[Section]:

@@ -213,17 +213,17 @@ S = TypeVar("S", bound=ParameterGroup)
 def select(
     settings: Settings, stage: type[S], gripper: str | None = None, detector: str | None = None
 ) -> S:
-    """The part of a configuration that a stage, a class of settings, reads.
-
-    Some stages read one gripper, and one tries a grasp detector.
-    """
+    """The part of a configuration that a stage reads, one gripper or detector for some."""
     entries = ("gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding")
     names = [name for name in stage.model_fields if name not in entries]
     shared = settings.model_copy(update={"evolution": settings.evolution_of_epoch})
     values = {name: getattr(shared, name) for name in names}
     if "gripper" in stage.model_fields:
         chooses = "select_eval" in values
-        own = _narrowest(settings) if chooses else settings.graspability.gripper
+        # an evaluation set must be printable for the narrowest gripper, if none is named
+        narrowest = min(settings.grippers, key=lambda name: settings.grippers[name].opening)
+        printed_for = settings.select_eval.gripper or narrowest
+        own = printed_for if chooses else settings.graspability.gripper
         values["gripper"] = settings.grippers[gripper or own]
         lifts = values["gripper"].kind.lifts
         # settings that change nothing are left out: stages would run again for them
@@ -250,17 +250,8 @@ def select(
     return stage(**values)
 
 
-def _narrowest(settings: Settings) -> str:
-    """The gripper that the evaluation set must be printable for."""
-    named = settings.select_eval.gripper
-    return named or min(settings.grippers, key=lambda name: settings.grippers[name].opening)
-
-
 def plain(part: Parameters) -> dict[str, Any]:
-    """Settings as tables of plain values, which a rule has as its params.
-
-    Whether a run continues after failures of a detector is left out: it changes no result.
-    """
+    """Settings as plain values for a rule, without `keep_going`, which changes no result."""
     return part.model_dump(
         mode="json", exclude={"trials": {"keep_going"}, "clutter": {"keep_going"}}
     )

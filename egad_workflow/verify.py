@@ -26,12 +26,7 @@ class Verdict:
 
 
 def verify(folder: Path) -> Verdict:
-    """Compare all files of a folder, except hidden ones, with the hashes recorded for them.
-
-    A table contains a hash of itself; other files have theirs beside them. Every file is also
-    compared with the hash that was recorded when another file was made from it. Raises `UserError`
-    if there is no such folder, or no file in it has a record.
-    """
+    """Compare all files of a folder, except hidden ones, with every hash recorded for them."""
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder")
     files = [*files_of(folder), *(path for path in [folder / SUMS] if path.is_file())]

@@ -30,10 +30,7 @@ END = tuple(f"end_{part}" for part in POSE_PARTS)
 def run_attempts(
     model: Model, label: str, object_id: str, detect: Detector | Labels, settings: TrialParameters
 ) -> pd.DataFrame:
-    """Attempts at an object as in EGAD, section V: rows of `tables.evaluation.TRIALS`.
-
-    The id determines all drops, with the seed of the settings.
-    """
+    """Attempts at an object as in EGAD, section V: `TRIALS`; id and seed determine all."""
     seeds = _seeds(object_id, settings)
     known = {"parts": len(model.parts), "volume_error": model.volume_error}
     arm = ARMS[settings.trials.arm](settings.gripper)
@@ -146,11 +143,7 @@ def run_or_replace(
     item: Item | None,
     otherwise: Callable[[Outcome], pd.DataFrame],
 ) -> pd.DataFrame:
-    """The table of the work on an object, or one whose attempts all have the same outcome.
-
-    That is `crashed` if the work returns None, and `failed` if there is no item, as for an object
-    that the bundle does not contain.
-    """
+    """The table of the work on an object; if there is none, or no item, that of the outcome."""
     table = None if item is None else work(item)
     if table is not None:
         return table

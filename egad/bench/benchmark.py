@@ -64,10 +64,7 @@ class Benchmark:
     """
 
     def __init__(
-        self,
-        table: pd.DataFrame,
-        planning_time: float = float("nan"),
-        scenes: Scenes | None = None,
+        self, table: pd.DataFrame, planning_time: float = float("nan"), scenes: Scenes | None = None
     ) -> None:
         """Wrap a table of `tables.clutter.CLUTTER`; `scenes` are needed to film its rounds."""
         self.table = table.reset_index(drop=True)

@@ -42,10 +42,7 @@ EXACT: Deviation = Deviation()
 
 
 def draw(errors: CellErrors, calibration: int, seed: int) -> Deviation:
-    """Draw the deviation of an attempt; the draw for one error does not depend on the others.
-
-    `calibration` is a seed as well, the same for all attempts until the next calibration.
-    """
+    """Draw each error of an attempt independently; `calibration` seeds those that last."""
     calibrated, attempt = generator(calibration, "calibration"), generator(seed, "errors")
     shift, turn = calibrated.normal(size=(2, 3))
     *placed, opened = attempt.normal(size=4)

@@ -58,10 +58,7 @@ def open_table(
     grasps: Callable[[str], pd.DataFrame],
     settings: ClutterParameters,
 ) -> Iterator[Callable[[Round], Cleared]]:
-    """A function that lets a detector clear one table; UserError if the detector cannot be made.
-
-    Models, and grasps (`tables.grasping.GRASPS`) for `labels`, are looked up by id.
-    """
+    """A function that clears one table; models, and `GRASPS` for `labels`, are looked up by id."""
     with _proposer(detect, grasps, settings) as proposer:
 
         def clear(this: Round) -> Cleared:

@@ -63,12 +63,7 @@ class ClearingRunner(Runner):
     def clear(
         self, propose: Propose, kind: SceneKind, noise: NoiseName, seed: int
     ) -> Iterator[Attempt]:
-        """Grasp one object after the other, until none is left or the round ends.
-
-        A round ends after two failures in a row, when nothing is proposed (other protocols have
-        other numbers), or when the simulation goes wrong. The result depends only on the arguments,
-        and the initial scene only on kind and seed.
-        """
+        """Grasp one object after the other until none is left or the protocol ends it."""
         try:
             present = self.begin(kind, seed)
         except UnstableError:
@@ -109,11 +104,7 @@ class ClearingRunner(Runner):
     def repeat(
         self, grasps: Sequence[Grasp | Outcome], kind: SceneKind, seed: int
     ) -> Iterator[Attempt]:
-        """Repeat a round that began, without its detector: the same, bit by bit.
-
-        `grasps` are those tried, or why there was none. The round ends by its rules, not with the
-        last grasp: after that, none is proposed.
-        """
+        """Repeat a round bit by bit from its grasps, or why there was none; no detector."""
         known = dict(enumerate(grasps))
         present = self.begin(kind, seed)
         yield from self._attempts(
@@ -148,10 +139,7 @@ class ClearingRunner(Runner):
     def clear_one(
         self, proposal: Proposal, present: Sequence[RestingObject], deviation: Deviation = EXACT
     ) -> tuple[Attempt, list[RestingObject]]:
-        """Try a grasp, if there is one; return the result and the objects left at rest.
-
-        If the simulation goes wrong while the objects settle, none are left.
-        """
+        """Try a grasp, if any; the result, and objects at rest, none if simulation broke."""
         attempt = self.try_proposal(proposal, present, deviation)
         if attempt.grasp is None:
             return attempt, list(present)

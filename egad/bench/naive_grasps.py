@@ -56,11 +56,7 @@ def sample_touch(mesh: trimesh.Trimesh, chosen: Flags, rng: np.random.Generator)
 
 
 def approach_pose(touch: Touch, turn: float, depth: float, gripper: Gripper) -> Floats:
-    """Pose, (4, 4), of a hand that approaches against the normal; see `egad.grasps.hand_poses`.
-
-    The closing axis is turned about the approach (radians, from a fixed direction), and the
-    fingertips reach `depth` metres beyond the surface.
-    """
+    """Pose, (4, 4), of a hand that comes against the normal, turned (rad), `depth` (m) beyond."""
     approach = -touch.normal
     aside = np.cross(approach, SIDEWAYS[int(abs(approach[0]) > abs(approach[1]))])
     aside /= np.linalg.norm(aside)
@@ -79,12 +75,8 @@ def sample_pose(
 ) -> Floats | None:
     """Sample the pose, (4, 4), of a naive grasp; None if no part of the surface faces up.
 
-    The turn is uniform, and the depth of the fingertips below the surface uniform from 0 to the
-    length of the fingers, at which the palm touches, or to `deepest`, metres.
-
-    For an object that lies at `rest`, (4, 4), on a table at height 0, the hand comes from above, at
-    most 60 degrees off the vertical, and its fingertips stay 3 mm above the table. Otherwise the
-    object floats, and the pose is in the frame of the mesh.
+    At `rest`, (4, 4), on a table, the hand comes at most 60 degrees off the vertical and stays 3 mm
+    above the table. Otherwise the object floats, and the pose is in the frame of the mesh.
     """
     if rest is None:
         touch = sample_touch(mesh, np.ones(len(mesh.faces), dtype=bool), rng)
@@ -101,13 +93,10 @@ def sample_pose(
 
 
 def try_naive_grasps(model: Model, object_id: str, settings: NaiveGraspParameters) -> pd.DataFrame:
-    """Try naive grasps of an object, independently: rows of `tables.grasping.NAIVE_GRASPS`.
+    """Try naive grasps of an object, each by itself: rows of `tables.grasping.NAIVE_GRASPS`.
 
-    In free space the object floats without weight until the fingers have closed; then gravity pulls
-    along the approach, and the hand lifts it, as in `egad.sim.labelled_trials`. For each grasp on
-    the table, the object is dropped in a random orientation. The hand approaches wide open; if it
-    touches the object or the table on its way, the grasp has failed (`collided`). The id determines
-    a grasp, with the seed, the place and its number.
+    In free space the object floats until the fingers have closed, as in `labelled_trials`; on the
+    table it is dropped. A contact of the open hand on its way is a failure, `collided`.
     """
     check_jaws(settings.gripper, "a naive grasp")
     friction = settings.quality.friction
@@ -139,11 +128,7 @@ def naive_outcomes(
 
 
 def try_in_free_space(
-    world: World,
-    arm: Arm,
-    lifting: Lifting,
-    rng: np.random.Generator,
-    deepest: float = np.inf,
+    world: World, arm: Arm, lifting: Lifting, rng: np.random.Generator, deepest: float = np.inf
 ) -> Outcome:
     """Try a naive grasp of a floating object; see `try_naive_grasps`."""
     gripper, mesh = arm.robot.gripper, world.model.mesh

@@ -22,22 +22,12 @@ from egad.errors import check_name
 from egad.geometry import Material
 from egad.grasps import Quality
 from egad.grippers import Gripper, as_gripper
-from egad.sim import (
-    COLLISION_FORCE,
-    ENGINES,
-    EngineName,
-    Lifting,
-    check_engine,
-    contacts_in_words,
-)
+from egad.sim import COLLISION_FORCE, ENGINES, EngineName, Lifting, check_engine, contacts_in_words
 
 Offset = Annotated[float, Field(ge=0, le=0.1)]
 PlanningTime = Annotated[
     float,
-    Field(
-        gt=0,
-        description="time limit of a detector, seconds; an attempt that exceeds it fails",
-    ),
+    Field(gt=0, description="time limit of a detector, seconds; an attempt that exceeds it fails"),
 ]
 
 
@@ -60,20 +50,17 @@ class CellErrors(UserParameters):
         "the table, where it was calibrated, degrees; sampled together with `calibration`",
     )
     positioning: Offset = Field(
-        0.0,
-        description="error of the hand's position along each axis, metres; sampled per attempt",
+        0.0, description="error of the hand's position along each axis, metres; sampled per attempt"
     )
     opening: Offset = Field(
-        0.0,
-        description="error of the hand's opening before it closes, metres; sampled per attempt",
+        0.0, description="error of the hand's opening before it closes, metres; sampled per attempt"
     )
     friction: Range = Field(
         (1.0, 1.0),
         description="range of the factor on the friction of the pads; sampled per attempt",
     )
     mass: Range = Field(
-        (1.0, 1.0),
-        description="range of the factor on the mass of an object; sampled per attempt",
+        (1.0, 1.0), description="range of the factor on the mass of an object; sampled per attempt"
     )
     stopping_force: Range = Field(
         (1.0, 1.0),

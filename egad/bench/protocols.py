@@ -114,10 +114,7 @@ class ClutterProtocol(UserParameters):
         "always a failure",
     )
     stopping_force: float = Field(
-        COLLISION_FORCE,
-        ge=0,
-        le=1000,
-        description="force above which a contact counts, newtons",
+        COLLISION_FORCE, ge=0, le=1000, description="force above which a contact counts, newtons"
     )
     force: float | None = Field(
         None, gt=0, le=1000, description="closing force, newtons; nothing: that of the gripper"

@@ -24,14 +24,7 @@ from egad.tables.evaluation import TRIALS
 def film_attempt(
     settings: TrialParameters, trials: Path, models: Models, label: str, attempt: int, out: Path
 ) -> str:
-    """Repeat an attempt, film it (`.gif` or `.mp4`), and return its outcome.
-
-    The detector does not run again: its proposal is read from the table,
-    `tables.evaluation.TRIALS`. The objects are known by their ids.
-
-    Raises:
-        UserError: There is no such attempt, it never started, or its outcome differs.
-    """
+    """Repeat an attempt of `TRIALS`, film it (`.gif`, `.mp4`), and return its outcome."""
     row = _row(trials, label, attempt)
     if not row["initial_pose"]:
         raise UserError(f"{label}, attempt {attempt} never started: {row['outcome']}")

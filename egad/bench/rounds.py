@@ -45,11 +45,7 @@ def round_name(scene: object, noise: object, number: object) -> str:
 
 
 def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
-    """All rounds, in the order scene, noise, number; none without objects.
-
-    A scene depends on the seed of the settings, the number of the round and the ids. It does not
-    depend on the order of the ids, the noise or the detector.
-    """
+    """All rounds, by scene, noise, number; a scene depends on seed, number and the set of ids."""
     clutter = settings.clutter
     return [
         _round(sorted(ids), settings, scene, noise, number)
@@ -60,11 +56,7 @@ def rounds_of(ids: Sequence[str], settings: ClutterParameters) -> list[Round]:
 
 
 def _round(
-    ids: Sequence[str],
-    settings: ClutterParameters,
-    scene: SceneKind,
-    noise: NoiseName,
-    number: int,
+    ids: Sequence[str], settings: ClutterParameters, scene: SceneKind, noise: NoiseName, number: int
 ) -> Round:
     rng = generator(settings.seed, "clutter", scene, number)
     count = 1 if scene == "single" else settings.clutter.objects
@@ -96,10 +88,7 @@ def run_round(
     proposer: Callable[[Sequence[str], Sequence[Model]], Propose],
     settings: ClutterParameters,
 ) -> pd.DataFrame:
-    """Let a detector clear a table: rows of `tables.clutter.CLUTTER`, one per attempt.
-
-    `proposer` returns what proposes grasps, given names and models of the objects in the scene.
-    """
+    """Let a detector clear a table: rows of `tables.clutter.CLUTTER`, one per attempt."""
     with open_round(this, models, settings) as world:
         runner = ClearingRunner(world, settings.clutter)
         propose = proposer(this.ids, world.models)
@@ -118,11 +107,7 @@ def repeat_round(
     settings: ClutterParameters,
     watch: Callable[[World], object] = lambda _: None,
 ) -> pd.DataFrame:
-    """Repeat a round of `tables.clutter.CLUTTER` that began, without its detector.
-
-    The rows are the same, bit by bit, if nothing else has changed. `models` holds at least its
-    objects, by name; `watch` is called with the world before the round begins.
-    """
+    """Repeat a round of `CLUTTER` bit by bit, without its detector; `watch` gets the world."""
     this = _read_round(rows.iloc[0])
     with open_round(this, models, settings) as world:
         watch(world)
@@ -141,11 +126,7 @@ def film_round(
     models: Models,
     settings: ClutterParameters,
 ) -> list[RgbImage]:
-    """The frames of a round of `tables.clutter.CLUTTER` that is repeated without its detector.
-
-    Raises:
-        UserError: There is no such round, it never began, or it ends differently.
-    """
+    """The frames of a repeated round; UserError if there is none, or it ends differently."""
     chosen = (table["scene"] == scene) & (table["noise"] == noise) & (table["round"] == number)
     rows = table[chosen].reset_index(drop=True)
     name = round_name(scene, noise, number)
@@ -205,10 +186,7 @@ def open_round(this: Round, models: Models, settings: ClutterParameters) -> Worl
 
 
 def _table(
-    this: Round,
-    models: Sequence[Model],
-    attempts: Sequence[Attempt],
-    settings: ClutterParameters,
+    this: Round, models: Sequence[Model], attempts: Sequence[Attempt], settings: ClutterParameters
 ) -> pd.DataFrame:
     at_first = len(attempts[0].present) if attempts else 0
     known = {

@@ -34,13 +34,7 @@ Propose = Callable[[Observation, Sequence[RestingObject], Generator], Proposal]
 
 
 class InitialPose(NamedTuple):
-    """The object at rest in some pose, from which it falls.
-
-    Attributes:
-        kind: dropped: placed above the middle in a random orientation; from_hand: released there by
-            the hand that held it; left: where the previous attempt left it.
-        pose: Pose of the object.
-    """
+    """The object at rest in `pose`, from which it falls; `kind`: dropped, from_hand or left."""
 
     kind: str
     pose: Pose
@@ -48,30 +42,23 @@ class InitialPose(NamedTuple):
 
 @dataclass(frozen=True)
 class Attempt:
-    """The result of an attempt.
+    """The result of an attempt."""
 
-    Attributes:
-        outcome: As in `Execution`, or one of `egad.tables.outcomes.POSE_FAILURES`; None if it was
-            repeated without a grasp, as it is not known why there was none.
-        present: The objects on the table before it, and where they lay; none if they never did.
-        grasp: The grasp that was tried, if any.
-        stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
-        failure: What the detector did wrong, if it failed.
-        held: Number of the object that was held and removed, when a table is cleared.
-        start: Where the object of a trial fell from; None if it never came to rest.
-        lifted: Height that the center of mass of the object of a trial gained, metres.
-        end: Its final pose; None if the simulation broke down.
-    """
-
+    # as in `Execution`, or one of `egad.tables.outcomes.POSE_FAILURES`; None if it was repeated
+    # without a grasp, as it is not known why there was none
     outcome: Outcome | None
+    # the objects on the table before it, and where they lay; none if they never did
     present: tuple[RestingObject, ...] = ()
-    grasp: Grasp | None = None
+    grasp: Grasp | None = None  # the grasp that was tried, if any
+    # how far before the grasp a contact stopped the hand, metres; 0 if none did
     stopped: float = 0.0
-    failure: str = ""
+    failure: str = ""  # what the detector did wrong, if it failed
+    # number of the object that was held and removed, when a table is cleared
     held: int | None = None
+    # where the object of a trial fell from; None if it never came to rest
     start: InitialPose | None = None
-    lifted: float = 0.0
-    end: Pose | None = None
+    lifted: float = 0.0  # height that the center of mass of the object of a trial gained, metres
+    end: Pose | None = None  # its final pose; None if the simulation broke down
 
     @property
     def rest(self) -> Pose | None:

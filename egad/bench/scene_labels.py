@@ -46,13 +46,10 @@ class SceneLabels:
     def __call__(
         self, observation: Observation, present: Sequence[RestingObject], rng: np.random.Generator
     ) -> Grasp | Outcome:
-        """The grasp of the highest robust quality that the open hand can approach straight.
+        """The grasp of the highest robust quality with a free, straight approach.
 
-        The hand may approach from any of 16 directions around the closing axis. Of those without a
-        collision, it takes the one that points down most.
-
-        A suction cup approaches as labelled. It takes the best grasp at which it seals, holds the
-        weight and is free of collisions, given all objects in the scene (`egad.grasps.suction`).
+        Of 16 directions around the closing axis, the hand takes the free one that points down most.
+        A cup approaches as labelled, where it seals and holds the weight.
         """
         del observation, rng
         return next(self.possible(present), Outcome.NO_GRASP)

@@ -32,19 +32,12 @@ class RestingObject(NamedTuple):
 
 
 def make_scene(
-    world: World,
-    kind: SceneKind,
-    rng: np.random.Generator,
-    protocol: ClutterProtocol = EGAD,
+    world: World, kind: SceneKind, rng: np.random.Generator, protocol: ClutterProtocol = EGAD
 ) -> list[RestingObject]:
-    """Put the objects of a world on the table, one after the other, until they lie still.
+    """Put the objects of a world on the table in turn; those in the workspace, by number.
 
-    single, pile: dropped in random orientations, a pile into a box (walls of the world) that is
-    then removed. packed: placed upright, with the z axis of the file up and a random rotation about
-    it, beside those that already lie still; an object that does not fit is left out.
-
-    Returns those that lie in the workspace, by number. UnstableError if the simulation went wrong,
-    or no object stays there.
+    single, pile: dropped at random, a pile into a box that is then removed; packed: upright, turned
+    at random, beside those that lie still. UnstableError if no object stays.
     """
     for _ in range(SCENE_TRIES):
         if present := _try_scene(world, kind, rng, protocol):

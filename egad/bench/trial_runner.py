@@ -48,11 +48,7 @@ MOVED = 0.01  # metres; if no point moved further, a detector would try the same
 def initial_poses(
     mesh: trimesh.Trimesh, height: float, left: InitialPose | None, rng: np.random.Generator
 ) -> Iterator[InitialPose]:
-    """Initial poses to try in turn, until the object lies still in the workspace.
-
-    It is dropped with its lowest point at `height`, metres, or from where the previous attempt left
-    it: lying, or in the hand, which tilts and turns it randomly above the middle.
-    """
+    """Initial poses to try in turn: dropped from `height`, m, or as the last attempt left it."""
     if left is not None and left.kind == "from_hand":
         turned = _tilted(left.pose.quaternion, rng)
         yield InitialPose("from_hand", _above(mesh, height, turned, rng))
@@ -116,11 +112,7 @@ class TrialRunner(Runner):
         before: Attempt | None = None,
         deviation: Deviation = EXACT,
     ) -> Attempt:
-        """Make one attempt, from drop to hold; the result depends only on the arguments.
-
-        The seed is that of the drops and, independently of these, of the detector and the camera.
-        The attempt may continue from the one before.
-        """
+        """Make one attempt, from drop to hold; the seed alone determines all random numbers."""
         self.vary(deviation)
         drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
         ready = self.begin(drop_rng, before)
@@ -132,10 +124,7 @@ class TrialRunner(Runner):
     def repeat(
         self, start: InitialPose, grasp: Grasp | None, deviation: Deviation = EXACT
     ) -> Attempt:
-        """Repeat an attempt without its detector, from its initial pose and the proposed grasp.
-
-        It is the same, bit by bit, except that it does not say why there is no grasp.
-        """
+        """Repeat an attempt bit by bit from its initial pose and grasp, without its detector."""
         self.vary(deviation)
         rest = self._settled(start)
         if rest is None:
@@ -220,10 +209,7 @@ class TrialRunner(Runner):
         return None
 
     def _left_by(self, before: Attempt) -> InitialPose | None:
-        """Where an attempt left the object; None if it is dropped again.
-
-        It is if the simulation broke down, or if it did not move: a detector would try the same.
-        """
+        """Where an attempt left the object; None if it did not move or simulation broke."""
         if before.end is None or before.rest is None:
             return None
         if before.outcome == Outcome.SUCCESS:

@@ -1,8 +1,4 @@
-"""Check that the simulation reproduces a table of attempts, without the detector.
-
-The proposals of the detector are taken from the table. So this does not verify that the detector
-makes these proposals, the quality that it predicted, or why it proposed nothing.
-"""
+"""Check that the simulation reproduces a table of attempts, given what the detector proposed."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
@@ -53,10 +49,7 @@ class _Recorded:
 def verify_attempts(
     model: Model, rows: pd.DataFrame, settings: TrialParameters, tolerance: float = 0.0
 ) -> list[Difference]:
-    """Run all attempts at an object, `tables.evaluation.TRIALS` in order, again from their seeds.
-
-    Numbers may differ by `tolerance`: 0 on the same kind of processor.
-    """
+    """Run all attempts of `TRIALS` at an object again; numbers may differ by `tolerance`."""
     rows = rows.reset_index(drop=True)
     given = {"attempts": len(rows), "engine": rows["engine"].iloc[0]}
     settings = settings.model_copy(update={"trials": settings.trials.model_copy(update=given)})
@@ -75,10 +68,7 @@ def verify_attempts(
 def verify_rounds(
     table: pd.DataFrame, models: Models, settings: ClutterParameters, tolerance: float = 0.0
 ) -> list[Difference]:
-    """Clear tables, whole rounds of `tables.clutter.CLUTTER`, again from their seeds.
-
-    The engine is taken from the table; `tolerance` is as in `verify_attempts`.
-    """
+    """Clear tables, whole rounds of `CLUTTER`, again; numbers may differ by `tolerance`."""
     engine = {"engine": table["engine"].iloc[0]}
     settings = settings.model_copy(update={"clutter": settings.clutter.model_copy(update=engine)})
     planned: dict[object, Round] = {each[:3]: each for each in rounds_of(list(models), settings)}
@@ -131,11 +121,7 @@ def _differences(
 
 
 def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.DataFrame]:
-    """The attempts of each object, or of each round of clearing a table.
-
-    A sample of these groups is random. The seed determines it together with the table, so that
-    nobody can know it in advance.
-    """
+    """The attempts of each object or round; a sample follows from the seed and the table."""
     keys = ROUND if "scene" in rows else ["id"]
     groups = [own for _, own in rows.groupby(keys, sort=False)]
     if sample is None or sample >= len(groups):
@@ -154,11 +140,7 @@ def verify_groups(
     tolerance: float = 0.0,
     jobs: int = 1,
 ) -> list[Difference]:
-    """Simulate attempts again, without their detector: the differences beyond a tolerance.
-
-    The tolerance is 0 on the same kind of processor. Raises `UserError` if there is no object of a
-    name.
-    """
+    """Simulate attempts again, without their detector: the differences beyond a tolerance."""
     check = partial(_check, models=models, settings=settings, tolerance=tolerance)
     with workers(jobs) as mapper:
         found = mapper(check, groups)
@@ -184,10 +166,7 @@ def _check(
 def gaps(
     rows: pd.DataFrame, objects: pd.DataFrame, settings: TrialParameters | ClutterParameters
 ) -> Iterator[str]:
-    """Missing or surplus rows of a table: leaving out failures would improve the success rate.
-
-    There is a sentence for each object (label and id), or round, that is not there as planned.
-    """
+    """Sentences on missing or surplus rows, by object or round: leaving out failures pays."""
     counts: dict[str, int | None]
     if isinstance(settings, ClutterParameters):
         planned = rounds_of(list(objects["id"]), settings)

@@ -46,8 +46,7 @@ def benchmark(
     keep_going: KeepGoing = False,
     rule: Rule = None,
     films: Annotated[
-        Path | None,
-        typer.Option(help="folder for films of the first round of each kind of scene"),
+        Path | None, typer.Option(help="folder for films of the first round of each kind of scene")
     ] = None,
     out: Annotated[
         Path | None, out_option("table to write; default: benchmark/DETECTOR.parquet")

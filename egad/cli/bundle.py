@@ -16,11 +16,7 @@ from egad.cli.common import (
 
 
 def bundle(
-    meshes: Meshes,
-    out: OutFolder,
-    units: Units = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    meshes: Meshes, out: OutFolder, units: Units = None, config: Config = None, jobs: Jobs = CORES
 ) -> None:
     """Prepare meshes for simulators: convex parts, URDF, MJCF, poses at rest."""
     from egad.exchange import any_objects, write_bundle

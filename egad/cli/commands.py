@@ -29,10 +29,7 @@ from egad.cli.trials import trials
 from egad.cli.view import view
 
 GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
-    "Objects": (
-        *(measure, similarity, locate),
-        *(genome, export_meshes, bundle, collage, heatmap),
-    ),
+    "Objects": (*(measure, similarity, locate), *(genome, export_meshes, bundle, collage, heatmap)),
     "Grasps and grippers": (rescale, view, size_effect, gripper),
     "Detectors": (benchmark, failures, matched_set, train, trials, log_sheet),
     "Files and runs": (export, check_config, provenance, verify),

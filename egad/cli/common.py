@@ -63,8 +63,7 @@ Units = Annotated[
 Rule = Annotated[
     ScaleRule | None,
     typer.Option(
-        "--rule",
-        help="scaling to the gripper; default: rescale.rule, paper unless configured",
+        "--rule", help="scaling to the gripper; default: rescale.rule, paper unless configured"
     ),
 ]
 Jobs = Annotated[
@@ -114,11 +113,7 @@ MaxCandidates = Annotated[
 def settings_in(
     config: Path | None, options: Mapping[str, tuple[str, object]] | None = None
 ) -> Settings:
-    """Settings of a YAML file, merged into the defaults; without a file, the defaults.
-
-    `options` are those of the command line, each with a key, such as `size_effect.grasps`, and the
-    value that it has there, or None.
-    """
+    """Settings of a YAML file over the defaults, and `options` by key, None if not set."""
     from egad_workflow.check import check
     from egad_workflow.config_files import defaults, merged, read_values
 
@@ -179,11 +174,7 @@ def settings_to_try(
     weights: Path | None,
     command: str | None,
 ) -> tuple[Settings, str, str]:
-    """Settings of a command that tries a detector, and the names of its gripper and detector.
-
-    `options` are the values of options by key, such as `trials.attempts` for `--attempts`; None
-    keeps what the configuration says.
-    """
+    """Settings of a command that tries a detector, the names of gripper and detector."""
     named = {
         "--" + key.rpartition(".")[2].replace("_", "-"): (key, value)
         for key, value in options.items()

@@ -67,11 +67,7 @@ def write_meshes(
     ids: Collection[str] | None = None,
     jobs: int = 1,
 ) -> int:
-    """Write objects of an archive as `ID.obj`, metres; return how many.
-
-    They are the surfaces that evolution measured, in single precision, unless another resolution is
-    given. Objects of which nothing is left there are logged.
-    """
+    """Write objects of an archive as `ID.obj`, metres, in single precision; return how many."""
     from egad._util.files import atomic_output
     from egad.evolution import UNBOUND
     from egad.tables import parquet

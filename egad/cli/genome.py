@@ -11,8 +11,7 @@ from egad.cli.common import Config, out_option, settings_in
 def genome(
     name: Annotated[str, typer.Argument(help="label or id of an object, or id of an ancestor")],
     source: Annotated[
-        str,
-        typer.Option("--in", help="`released`, archive.parquet, or folder of a dataset"),
+        str, typer.Option("--in", help="`released`, archive.parquet, or folder of a dataset")
     ] = "released",
     out: Annotated[Path | None, out_option("drawing to write as well: .svg")] = None,
     digits: Annotated[

@@ -29,8 +29,7 @@ def log_sheet(
         int, typer.Option(min=1, help="attempts of each detector at each object")
     ] = ATTEMPTS,
     out: Annotated[
-        list[Path],
-        out_option("file to write: .html, the page; .csv, the order; may be repeated"),
+        list[Path], out_option("file to write: .html, the page; .csv, the order; may be repeated")
     ] = [Path("log.html")],  # noqa: B006 (typer copies it)
     seed: Annotated[int, typer.Option(min=0, help="random seed of the order")] = 0,
     blind: Annotated[
@@ -44,8 +43,7 @@ def log_sheet(
         ),
     ] = False,
     objects: Annotated[
-        str | None,
-        typer.Option(help="labels of the objects, separated by commas; default: all"),
+        str | None, typer.Option(help="labels of the objects, separated by commas; default: all")
     ] = None,
     config: Config = None,
 ) -> None:

@@ -37,13 +37,7 @@ ROWS = 2
 def write_matched_set(
     settings: Settings, gripper: str, found: MatchedSet, detector: str, out: Path, jobs: int = 1
 ) -> None:
-    """Write a matched set as a dataset folder, with everything that the workflow makes for one.
-
-    Labels are always engraved, and the grid of the set has the pairs as columns. The folder has
-    `pairs.parquet` and `attempts.parquet`, see `MatchedSet.save`, and the files of a dataset:
-    `archive.parquet`, `objects.parquet`, `meshes/`, `eval49.parquet`, `rescaled/G/`,
-    `grasps/G.parquet`, `print/G/`, `bundle/G/` and `eval49/`.
-    """
+    """Write a matched set as a dataset folder, with everything that the workflow makes for one."""
     settings = settings.model_copy(
         update={
             "select_eval": SelectEval(rows=ROWS, columns=len(found)),

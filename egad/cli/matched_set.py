@@ -31,8 +31,7 @@ def matched_set(
         Path, typer.Argument(help="folder of an atlas of failures, see `egad.find_failures`")
     ],
     detector: Annotated[
-        str,
-        typer.Option(help="the detector of the atlas, as in `egad benchmark`"),
+        str, typer.Option(help="the detector of the atlas, as in `egad benchmark`")
     ],
     out: OutFolder,
     weights: Weights = None,

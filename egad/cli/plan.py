@@ -24,8 +24,7 @@ def plan(
         int, typer.Option(min=1, max=1000, help="maximum number of attempts at each object")
     ] = 100,
     rate: Annotated[
-        float | None,
-        typer.Option(help="mean success rate, %; default: that of --from, else 60"),
+        float | None, typer.Option(help="mean success rate, %; default: that of --from, else 60")
     ] = None,
     spread: Annotated[
         float | None,

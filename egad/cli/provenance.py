@@ -41,9 +41,7 @@ def verify(
         raise typer.Exit(1)
 
 
-def check_config(
-    files: Annotated[list[Path], typer.Argument(help="configuration files")],
-) -> None:
+def check_config(files: Annotated[list[Path], typer.Argument(help="configuration files")]) -> None:
     """Check configuration files and list all problems."""
     for file in files:
         settings_in(file)

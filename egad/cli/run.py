@@ -33,8 +33,7 @@ def run(
     units: Units = None,
     gripper: Annotated[str, gripper_option()] = "egad_75mm",
     attempts: Annotated[
-        int | None,
-        typer.Option(min=1, help="attempts at each object; default: trials.attempts"),
+        int | None, typer.Option(min=1, help="attempts at each object; default: trials.attempts")
     ] = None,
     seed: Annotated[
         int | None,

@@ -90,11 +90,7 @@ def _graph(path: Path, units: str | None, settings: Similarity) -> tuple[bytes |
 
 
 def graph_of(mesh: "trimesh.Trimesh", settings: Similarity, name: str) -> "ReebGraph":
-    """The Reeb graph of a mesh after repair, as in datasets; with `scan` bases, before it.
-
-    These bases depend on the order of the vertices, which repair changes. A mesh without a graph
-    before repair has that after it.
-    """
+    """The Reeb graph of a repaired mesh; with `scan` bases before it, if it has one there."""
     from egad.geometry.repair import repaired_mesh
     from egad.measures.reeb import graph as reeb
 

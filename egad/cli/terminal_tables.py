@@ -38,8 +38,9 @@ def measured(table: pd.DataFrame, axes: AxisPair) -> None:
 
 def located(table: pd.DataFrame, axes: AxisPair) -> None:
     """Print columns of `tables.objects.LOCATED`."""
+    orders = (f"{axis.before} %" for axis in (axes.across, axes.upwards))
     show(
-        ["name", *_titles(axes), "cell", *_orders(axes), "diversity", "nearest"],
+        ["name", *_titles(axes), "cell", *orders, "diversity", "nearest"],
         [
             (
                 *_place(row, axes),
@@ -311,11 +312,6 @@ def _spread(row: pd.Series) -> str:
 
 def _titles(axes: AxisPair) -> list[str]:
     return [axis.value + ("," + axis.unit if axis.unit else "") for axis in axes]
-
-
-def _orders(axes: AxisPair) -> tuple[str, str]:
-    """What the objects before this one are, along both axes."""
-    return f"{axes.across.before} %", f"{axes.upwards.before} %"
 
 
 def _place(row: pd.Series, axes: AxisPair) -> tuple[str, str, str, str]:

@@ -88,12 +88,7 @@ def _on_images(
 
 
 def _on_scenes(
-    whole: Settings,
-    folders: list[Path],
-    out: Path,
-    jobs: int,
-    device: str,
-    start: Path | None,
+    whole: Settings, folders: list[Path], out: Path, jobs: int, device: str, start: Path | None
 ) -> str:
     """Train on scenes, of whichever gripper; returns the result in words."""
     from egad.io import write_sums

@@ -16,7 +16,7 @@ def validate(
         list[Path],
         typer.Argument(
             help="simulated results, .parquet or .csv, or success rates of objects, .csv; "
-            "the last file has the real results, unless --real is given",
+            "the last file has the real results, unless --real is given"
         ),
     ],
     real: Annotated[

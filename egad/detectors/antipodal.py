@@ -92,11 +92,7 @@ def _edges(view: View, window: Window, friction: float) -> _Edges:
 
 
 def _uneven(view: View, friction: float) -> Window:
-    """The part of an image with all steep pixels, and what blurring mixes in around them.
-
-    Where no pixel and no neighbor of it differs from the table by a quarter of the least steep
-    fall, the gradient is at most 0.71 of it.
-    """
+    """The part of an image with all steep pixels, and what blurring mixes in around them."""
     pitch = float(np.nan_to_num(view.depth, nan=np.inf).min()) / view.intrinsics.focal
     level = min(pitch / friction / 4, TABLE_CLEARANCE)
     return window_of(np.abs(view.heights()) > level, MARGIN)

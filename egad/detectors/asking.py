@@ -46,13 +46,8 @@ class Detector(Protocol):
 def wanted_input(detect: Callable[..., Any]) -> str:
     """What a detector wants to see: one of `INPUTS`.
 
-    Args:
-        detect: A detector with an attribute `observes` that names its input, or a first parameter
-            of that name. If the first parameter says nothing (its name begins with an underscore,
-            or it is `*args`), the detector gets the view from above.
-
-    Raises:
-        UserError: The attribute or the parameter is something else.
+    Its attribute `observes` names it, or the name of its first parameter; if that says nothing (it
+    begins with an underscore, or is `*args`), it gets the view from above. UserError for others.
     """
     whole = inspect.unwrap(detect)
     declared = getattr(whole, "observes", None)
@@ -99,20 +94,13 @@ def choose(
     threshold: float = -math.inf,
     shuffled: np.random.Generator | None = None,
 ) -> Grasp | Outcome:
-    """The grasp of an answer that is tried, with its pose; or why there is none.
-
-    Grasps of a score below the threshold are left out. Of the rest, it is the one of the highest
-    score, or any if there is a generator to shuffle them, that the hand can execute.
-    """
+    """The best grasp above the threshold that the hand can execute, with its pose; or why none."""
     best = _executable(_ordered(answer, threshold, shuffled), gripper, 1)
     return best if isinstance(best, Outcome) else best[0].as_pose(gripper)
 
 
 def best_grasp(grasps: list[Grasp], gripper: Gripper) -> Grasp | Outcome:
-    """The grasp of the highest quality that the hand can execute, the first of equals.
-
-    If there is none, why: `no_grasp`, or the flaw of the most promising one.
-    """
+    """The first best grasp that the hand can execute; or `no_grasp`, or the flaw of the best."""
     best = _executable(_ordered(grasps), gripper, 1)
     return best if isinstance(best, Outcome) else best[0]
 

@@ -64,10 +64,7 @@ class Grasp:
         return self.center[2] - self.depth
 
     def as_pose(self, gripper: Gripper) -> "Grasp":
-        """The same with its pose: the fingertips end at the same place.
-
-        The ring of a suction cup, which goes on until it meets an object, begins at the center.
-        """
+        """The same with its pose: the fingertips end alike, a cup begins at the center."""
         if self.free_pose is not None:
             return self
         axis = np.array([[np.cos(self.angle), np.sin(self.angle), 0.0]])

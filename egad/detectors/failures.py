@@ -44,10 +44,7 @@ class OnlyFailuresError(UserError):
 
 @contextmanager
 def keep_failure(out: Path) -> Iterator[None]:
-    """Write the failure that ends a run into a file beside its output, `OUT.failure.txt`.
-
-    The UserError that ends the run names the file.
-    """
+    """Write the failure that ends a run into `OUT.failure.txt`, which its UserError names."""
     path = out.with_name(f"{out.name}.failure.txt")
     path.unlink(missing_ok=True)
     try:
@@ -59,10 +56,7 @@ def keep_failure(out: Path) -> Iterator[None]:
 
 
 def try_to_plan(plan: Callable[[], T]) -> T | Failure:
-    """The result of asking a detector, or how it failed.
-
-    UserError, if it cannot be used at all, and MemoryError are not caught.
-    """
+    """The result of asking a detector, or how it failed, unless it cannot be used at all."""
     try:
         return plan()
     except (UserError, MemoryError):
@@ -74,11 +68,7 @@ def try_to_plan(plan: Callable[[], T]) -> T | Failure:
 
 
 def failure_text(error: Exception) -> str:
-    """An error with its traceback, which begins outside of egad if it leads there.
-
-    It names files without their folders, because tables that contain it are shared. The text of an
-    error in another process or program is left as it is.
-    """
+    """An error with its traceback from outside of egad on, files without their folders."""
     if isinstance(error, DetectorError):
         return str(error)
     trace = error.__traceback__
@@ -101,10 +91,7 @@ class FailureMonitor:
         quiet: bool = False,
         remedy: str = "; to continue anyway, set keep_going",
     ) -> None:
-        """Begin a run of `total` objects or rounds (`what`), if that is known.
-
-        If `quiet`, the first failure is told elsewhere; `remedy` is the end of the last message.
-        """
+        """Begin a run of `total` objects or rounds (`what`); `remedy` ends the last message."""
         self._remedy = remedy
         self._left = math.inf if total is None else total
         self._keep_going, self._what, self._quiet = keep_going, what, quiet
@@ -113,10 +100,7 @@ class FailureMonitor:
         self._first = ""
 
     def check(self, table: pd.DataFrame) -> None:
-        """Look at the attempts at the next object, or in the next round: outcomes and failures.
-
-        OnlyFailuresError if the detector has failed in all attempts at the first three, or all.
-        """
+        """Look at the next attempts; OnlyFailuresError if the first three, or all, have failed."""
         texts = table.loc[table["failure"].fillna("") != "", "failure"]
         if not self._first and len(texts):
             self._first = str(texts.iloc[0])

@@ -59,10 +59,7 @@ def _size(path: Path) -> int:
 
 
 class NetworkInput(NamedTuple):
-    """The middle of a depth image, (300, 300) metres, without gaps, and the pixel of its corner.
-
-    One of its pixels spans `scale` pixels of the image.
-    """
+    """The middle of a depth image, (300, 300) m, its corner (pixels), `scale` pixels per pixel."""
 
     depth: Floats
     corner: tuple[int, int]

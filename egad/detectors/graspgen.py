@@ -22,11 +22,7 @@ DEPTHS = {"franka_panda": 0.1053, "robotiq_2f_140": 0.195, "robotiq_2f_85": 0.13
 
 
 class GraspGen:
-    """A server of GraspGen as a grasp detector.
-
-    It is asked about one object at a time, because GraspGen was trained with single objects. Its
-    scores are compared across objects.
-    """
+    """A server of GraspGen, trained with single objects and so asked about one at a time."""
 
     def __init__(self, address: str) -> None:
         """Connect to a server, such as tcp://localhost:5556; UserError if it cannot be used."""

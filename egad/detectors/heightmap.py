@@ -77,10 +77,7 @@ def heightmap_of(view: View, window: Window | None = None) -> Heightmap | None:
 def min_fingertip_height(
     middle: Floats, axis: Floats, width: Floats, heightmap: Heightmap, gripper: Gripper
 ) -> Floats:
-    """How low the fingertips can go before a finger or the palm meets what is seen, (n,) metres.
-
-    From (n, 2) middles and unit closing axes, and (n,) openings; `TABLE_CLEARANCE` is left.
-    """
+    """Lowest height of the fingertips, (n,) m, above all that finger and palm would meet."""
     check_jaws(gripper, "the minimum height of the fingertips")
     along, across = _probes(gripper.finger_thickness, gripper.finger_width)
     shift = (width + gripper.finger_thickness)[:, None] / 2

@@ -34,12 +34,7 @@ def prepare_input(depth: NDArray[np.floating], mean: float | None = None) -> NDA
 
 
 def read_maps(maps: NDArray[np.floating]) -> Answer:
-    """Smooth the four maps (4, height, width) of a network, and decode angle and width.
-
-    A network learns a width of 0 wherever there is no grasp. So where it predicts a quality of 0.5,
-    it also predicts half of the width; divided by the quality, this is the width of the grasp, if
-    there is one.
-    """
+    """Smooth four maps (4, height, width), decode angle; divide the width by the quality."""
     quality, cosine, sine, width = (
         ndimage.gaussian_filter(each.astype(np.float64), SMOOTHING) for each in maps
     )
@@ -48,11 +43,7 @@ def read_maps(maps: NDArray[np.floating]) -> Answer:
 
 
 def read_as_published(maps: NDArray[np.floating]) -> Answer:
-    """Decode angle and width, then smooth all three, as on the robot of EGAD.
-
-    Smoothing mixes angles of -90 and 90 degrees, which are the same, into 0; and where the network
-    predicts a quality of 0.5, the width is half of that of the grasp.
-    """
+    """Decode angle and width, then smooth all three, as on the robot of EGAD."""
     quality, cosine, sine, width = maps.astype(np.float64)
     decoded = (quality, np.arctan2(sine, cosine) / 2, width * WIDEST)
     return Answer(*(ndimage.gaussian_filter(each, SMOOTHING) for each in decoded))

@@ -71,9 +71,7 @@ def question(
     return {"observation": parts, "gripper": gripper.model_dump(mode="json"), "seed": seed}
 
 
-def _part(
-    part: View | PointCloud | Tsdf | tuple[View | PointCloud, ...],
-) -> Any:  # noqa: ANN401 (plain values)
+def _part(part: View | PointCloud | Tsdf | tuple[View | PointCloud, ...]) -> Any:  # noqa: ANN401 (plain values)
     if isinstance(part, View):
         return _view(part)
     if isinstance(part, PointCloud):

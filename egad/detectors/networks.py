@@ -60,11 +60,7 @@ def gg_cnn() -> Heads:
 
 
 def gg_cnn2() -> Heads:
-    """The second one: pooled twice, dilated in the middle, enlarged twice.
-
-    The published weights have no place for the transposed convolutions in the project's current
-    code: 14 and 17 are layers without weights. That these are bilinear is our guess.
-    """
+    """The second one: pooled twice, dilated, enlarged twice; 14 and 17, bilinear, are our guess."""
     layers = [
         *(nn.Conv2d(1, 16, 11, padding=5), nn.ReLU()),
         *(nn.Conv2d(16, 16, 5, padding=2), nn.ReLU(), nn.MaxPool2d(2)),
@@ -97,10 +93,7 @@ def new_network(name: str, seed: int) -> Heads:
 def with_initial_weights(
     make: Callable[[], Network], seed: int, first: float, small: Collection[str]
 ) -> Network:
-    """A network with weights by the rule of He et al., which follow from the seed, and biases 0.
-
-    Weights of the first layer are multiplied by `first`; those of layers in `small` by 0.1.
-    """
+    """A network with weights of He et al. by seed; the first layer times `first`, `small` 0.1."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(entropy(seed, "weights") % 2**63)
         network = make()

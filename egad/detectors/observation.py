@@ -64,11 +64,7 @@ class Observation:
 
     @cached_property
     def point_objects(self) -> NDArray[np.uint8]:
-        """The object that each point of `cloud` belongs to, numbered from 1 as in masks, (n,).
-
-        A point belongs to what the views see nearest to it, among all that they measure higher than
-        4 mm; 0 is the table, which only noise lifts that high. ValueError for views without masks.
-        """
+        """The object of each point, (n,), 0 for the table; ValueError without masks."""
         if not all(view.mask.size for view in self.views):
             raise ValueError("views without masks do not tell objects apart")
         standing = [view.heights() > TABLE_NOISE for view in self.views]
@@ -106,11 +102,7 @@ def look_at(eye: Floats, target: Floats) -> Floats:
 def cameras_around(
     target: Floats, count: int, distance: float, tilt: float, azimuth: float = 0.0
 ) -> list[Floats]:
-    """Poses, (4, 4) each, of cameras that look at a point from all around it, evenly.
-
-    Their lines of sight are tilted against the vertical; the azimuth of the first one is
-    counterclockwise from x. Metres and radians.
-    """
+    """Poses, (4, 4) each, of tilted cameras that look at a point from around it; m and radians."""
     angles = azimuth + 2 * np.pi * np.arange(count) / count
     ways = [np.array([np.cos(a), np.sin(a), 0.0]) * np.sin(tilt) for a in angles]
     up = np.array([0.0, 0.0, np.cos(tilt)])
@@ -120,10 +112,7 @@ def cameras_around(
 def render_scene(
     cameras: Sequence[DepthCamera], matrices: Sequence[Floats], intrinsics: Intrinsics, pose: Floats
 ) -> View:
-    """A depth image of several objects on the table.
-
-    Matrices and pose, (4, 4), are from the frames of the objects and the camera to the world.
-    """
+    """A depth image of several objects on the table; matrices and pose, (4, 4), to the world."""
     views = [
         camera.render(matrix, intrinsics, pose)
         for camera, matrix in zip(cameras, matrices, strict=True)

@@ -19,12 +19,7 @@ import numpy as np
 
 from egad._util.child_process import kill_when_closed
 from egad.detectors.asking import INPUTS, more_than_a_view
-from egad.detectors.base import (
-    WHERE,
-    Answer,
-    DetectorError,
-    DetectorTimeoutError,
-)
+from egad.detectors.base import WHERE, Answer, DetectorError, DetectorTimeoutError
 from egad.detectors.camera import View
 from egad.detectors.messages import PROTOCOL, answered, packed, question, unpacked
 from egad.detectors.observation import Observation

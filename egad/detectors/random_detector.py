@@ -10,11 +10,9 @@ from egad.grippers import Gripper, check_jaws
 
 
 def random_grasp(view: View, gripper: Gripper, rng: np.random.Generator) -> list[Grasp]:
-    """One grasp at a pixel that sees the object, closing in any direction (ours).
+    """One grasp, wide open, at a pixel that sees the object, at a random angle and quality (ours).
 
-    The pixel is drawn from the restored image. The hand is wide open, and the fingertips go as deep
-    below the point as the fingers are long, but not onto the table. The quality is a random number
-    from 0 to 1.
+    The fingertips go as deep below the point as the fingers are long, but not onto the table.
     """
     check_jaws(gripper, "the detector random")
     points = restore(view).points().reshape(-1, 3)

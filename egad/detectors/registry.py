@@ -38,11 +38,7 @@ IN_SCENES: dict[str, Detector] = {
 
 
 def make_detector(config: DetectorConfig) -> Detector:
-    """Make a detector; UserError if it cannot be found or made.
-
-    The user's own class is made without arguments, or with the path of the weights if these are
-    given; a function is also accepted.
-    """
+    """Make a detector, also from the user's own class or function; UserError if it cannot."""
     config = _with_shipped_weights(config)
     name = config.name
     if name in IN_SCENES:

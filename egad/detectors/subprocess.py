@@ -93,25 +93,17 @@ def as_detector(detect: Detect | str, names: Iterable[str]) -> Detect:
 
 @contextmanager
 def opened(detect: Detect, limit: float, *, at_once: bool = True) -> Iterator[Detector]:
-    """A detector for as long as the block lasts, in a process of its own if it needs one.
-
-    Answers may take `limit` seconds, except those of a function. The process starts now if
-    `at_once`, else with the first question: until then, the detector can be sent to other
-    processes, which start one each. UserError if it cannot be found or made.
-    """
+    """A detector, in a process of its own if need be, that has `limit` seconds for an answer."""
     if not isinstance(detect, DetectorConfig):
         yield with_checked_answers(detect)
     elif detect.detector in IN_SCENES:
         yield IN_SCENES[detect.detector]
     else:
-        made = _in_own_process(detect, limit)
+        program = detect.command
+        made = Program(program, limit, STARTING_TIME) if program else Child(detect, limit)
         with ExitStack() as stack:
             (stack.enter_context if at_once else stack.push)(made)
             yield made
-
-
-def _in_own_process(config: DetectorConfig, limit: float) -> Child | Program:
-    return Program(config.command, limit, STARTING_TIME) if config.command else Child(config, limit)
 
 
 def asked_for(detect: Detector) -> str:

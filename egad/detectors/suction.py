@@ -78,18 +78,11 @@ def suction_cloud(cloud: PointCloud, gripper: Gripper, rng: np.random.Generator)
     """Flat spots of a point cloud from any direction, near the middle of what is there.
 
     A candidate is one of 500 points with others all around it. The cup comes along the normal of
-    the plane that fits best, not from below, and on its way it meets neither another point nor the
-    table. The score, from 0 to 1, is
-
-        (1 - deviation / (0.1 radius)) / sqrt(1 + (50 / m * distance)^2) * (1 - slope) / 2
-
-    with the standard deviation of the distances from that plane within 1.1 times the ring, and the
-    distance of the normal from the centroid of the points that are nearer than the opening of the
+    the plane that fits best, not from below, and meets neither another point nor the table. The
+    score, from 0 to 1, is that of `suction_depth` times (1 - slope) / 2: the deviation is of the
+    distances from that plane, the centroid that of the points nearer than the opening of the
     gripper, for which objects are scaled; the slope is the third coordinate of the approach, -1
-    straight down.
-
-    Raises:
-        UserError: The gripper has jaws.
+    straight down. UserError if the gripper has jaws.
     """
     cup = cup_of(gripper, "the detector suction-cloud")
     chosen = np.sort(rng.permutation(len(cloud.points))[:MAX_CANDIDATES])

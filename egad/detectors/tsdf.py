@@ -15,29 +15,18 @@ TRUNCATION = 4.0  # voxels
 
 @dataclass(frozen=True)
 class Tsdf:
-    """Signed distances to the nearest surface in a cube, positive in free space.
+    """Signed distances to the nearest surface in a cube, positive in free space."""
 
-    Attributes:
-        distances: At the centers of the voxels, in units of the truncation, from -1 to 1, axis
-            order x, y, z, (n, n, n); 0 where no camera sees.
-        weights: Number of cameras that see the voxel or what is just before it, (n, n, n).
-        corner: Corner of the cube with the least coordinates, (3,), metres.
-        voxel: Side of a voxel, metres.
-        truncation: Metres.
-    """
-
+    # at the centers of the voxels, in units of the truncation, from -1 to 1, axis order x, y, z,
+    # (n, n, n); 0 where no camera sees
     distances: Singles
-    weights: Singles
-    corner: Floats
-    voxel: float
-    truncation: float
+    weights: Singles  # number of cameras that see the voxel or what is just before it, (n, n, n)
+    corner: Floats  # corner of the cube with the least coordinates, (3,), metres
+    voxel: float  # side of a voxel, metres
+    truncation: float  # metres
 
     def surface(self) -> tuple[Floats, Floats]:
-        """Points of the surface and outward unit normals, (m, 3) each, metres.
-
-        They are the vertices of marching cubes (Lorensen and Cline 1987) where all eight voxels
-        around were seen, without those whose normal is undefined, as gradients cancel out there.
-        """
+        """Points and outward unit normals, (m, 3) each, m, by marching cubes where seen."""
         seen = self.weights > 0
         inside = (self.distances < 0) & seen
         if not inside.any() or not ((self.distances > 0) & seen).any():
@@ -54,12 +43,7 @@ class Tsdf:
 
 
 def fuse(views: Sequence[View], corner: Floats, side: float, resolution: int) -> Tsdf:
-    """Fuse depth images (Curless and Levoy 1996, with equal weights and projected distances).
-
-    A voxel's distance in an image is that from its center to the surface along the line of sight
-    of the nearest pixel. What lies more than the truncation behind the surface is not seen. The
-    cube has its lowest corner, (3,), and side in metres, and `resolution` voxels along a side.
-    """
+    """Fuse depth images (Curless and Levoy 1996, equal weights) into a cube: corner, side in m."""
     voxel = side / resolution
     distances = np.zeros((resolution,) * 3, dtype=np.float32)
     weights = np.zeros_like(distances)

@@ -6,7 +6,6 @@ Breyer et al., "Volumetric grasping network: real-time 6 DOF grasp detection in 
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
@@ -36,10 +35,7 @@ class Vgn:
     """VGN's network as a grasp detector."""
 
     def __init__(
-        self,
-        weights: str | None,
-        threshold: float | None = None,
-        avoid_collisions: bool = False,
+        self, weights: str | None, threshold: float | None = None, avoid_collisions: bool = False
     ) -> None:
         """Load weights, published or safetensors; UserError without PyTorch or fitting weights.
 
@@ -77,16 +73,13 @@ class Vgn:
     def __call__(
         self, seen: Tsdf | Observation, gripper: Gripper, _rng: np.random.Generator
     ) -> GraspPoses:
-        """Grasps at the voxels of the highest quality.
-
-        The hand opens as wide as it can, as in VGN's experiments; the width that the network
-        predicts only excludes grasps.
-        """
+        """Grasps at the voxels of the highest quality, with the hand fully open, as in VGN."""
         tsdf = seen.tsdf if isinstance(seen, Observation) else seen
         grid = encode(tsdf)
         answer = self._infer(grid)
         quality = _processed(answer[0], answer[5], grid, widest(gripper))
-        voxels = np.argwhere(_peaks(quality, self._threshold))
+        high = np.where(quality >= self._threshold, quality, 0)
+        voxels = np.argwhere((high > 0) & (high == ndimage.maximum_filter(high, APART)))
         i, j, k = voxels.T
         poses = np.tile(np.eye(4), (len(voxels), 1, 1))
         poses[:, :3, :3] = Rotation.from_quat(answer[1:5, i, j, k].T).as_matrix()
@@ -113,12 +106,6 @@ def _processed(quality: Singles, width: Singles, grid: Singles, most: float) -> 
     return smooth
 
 
-def _peaks(quality: Singles, threshold: float) -> NDArray[np.bool_]:
-    """Voxels whose quality is above the threshold and above that of all others nearby."""
-    high = np.where(quality >= threshold, quality, 0)
-    return np.asarray((high > 0) & (high == ndimage.maximum_filter(high, APART)))
-
-
 def encode(tsdf: Tsdf) -> Singles:
     """A field as the network sees it: from 0 inside to 1 outside, 0 far from surfaces."""
     near = (tsdf.weights > 0) & (tsdf.distances < FAR) & (tsdf.distances >= -FAR)
@@ -127,12 +114,7 @@ def encode(tsdf: Tsdf) -> Singles:
 
 
 def hand_in_network_frame(gripper: Gripper) -> Floats:
-    """Our frame of the hand in that of VGN, (4, 4).
-
-    VGN closes along y, we along x. Its origin lies 5 cm before the fingertips, ours between the
-    contacts. A pose of VGN times this one is a pose of ours, and one of ours times its inverse is
-    one of VGN.
-    """
+    """Our frame of the hand in VGN's, (4, 4), which closes along y, 5 cm before the fingertips."""
     frame = np.eye(4)
     frame[:3, :3] = Rotation.from_euler("z", np.pi / 2).as_matrix()
     frame[2, 3] = FINGER_DEPTH - finger_span(gripper)[1]

@@ -30,10 +30,7 @@ class VgnNetwork(nn.Module):
         return _activated(functional.conv3d(features, weight, bias, padding=REACH // 2))
 
     def at_voxels(self, grid: torch.Tensor, voxels: torch.Tensor) -> torch.Tensor:
-        """The same at some voxels (m, 3) of one grid (1, 1, n, n, n), (m, 6).
-
-        The heads are two thirds of the computation at all voxels, and are computed at these alone.
-        """
+        """The answers at voxels (m, 3) of one grid (1, 1, n, n, n), (m, 6): heads there alone."""
         side, features = grid.shape[-1], self._features(grid)[0]
         half = features.shape[-1]
         steps = torch.arange(REACH, device=grid.device) - REACH // 2

@@ -32,11 +32,7 @@ def write(network: nn.Module, path: Path, about: Mapping[str, Any]) -> None:
 
 
 def read(path: str | Path, name: str | None = None) -> Heads:
-    """Read GG-CNN or GG-CNN2 from safetensors or a state dictionary of PyTorch.
-
-    By default, the names of the weights tell which. WeightsError if the file is damaged, or holds
-    something else.
-    """
+    """Read GG-CNN or GG-CNN2, told by names, from safetensors or PyTorch; WeightsError if not."""
     state = state_in(path)
     likely = "ggcnn2" if any(key.startswith("features.") for key in state) else "ggcnn"
     network = MAKERS[name or likely]()
@@ -76,14 +72,9 @@ def notes_in(path: str | Path) -> Mapping[str, Any]:
 def state_in(path: str | Path) -> Mapping[str, torch.Tensor]:
     """The tensors of a file by their names; WeightsError if it is damaged or something else."""
     data = Path(path).read_bytes()
-    if Path(path).suffix == SAFE:
-        return _safe(path, data)
-    return _pickled(path)
-
-
-def _safe(path: str | Path, data: bytes) -> Mapping[str, torch.Tensor]:
-    """The tensors of a safetensors file, whose header is checked against its contents."""
-    try:
+    if Path(path).suffix != SAFE:
+        return _pickled(path)
+    try:  # the header is checked against the contents
         state: dict[str, torch.Tensor] = safetensors.torch.load(data)
     except Exception as error:
         raise WeightsError(f"{path} is not a complete safetensors file: {error}") from error

@@ -13,11 +13,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.exchange.objects.simulation import write_simulation_object
 from egad.exchange.simulation_page import page
-from egad.geometry import (
-    SimulationBundle,
-    SimulationObject,
-    make_simulation_object,
-)
+from egad.geometry import SimulationBundle, SimulationObject, make_simulation_object
 from egad.io import object_names, use_mesh, warn_of_units, write_sums
 from egad.tables import parquet
 from egad.tables.columns import inertia_columns
@@ -53,12 +49,7 @@ def write_bundle(
     out: Path,
     worker_count: int = 1,
 ) -> int:
-    """Write all files that a simulator needs, and return how many objects could not be used.
-
-    The folder `out` has `LABEL/`, `bundle.parquet`, `README.md` and `SHA256SUMS`;
-    `rejected.parquet` names the objects that could not be used. Units are as stated in the files if
-    None.
-    """
+    """Write all files that a simulator needs into `out`; return how many objects were left out."""
     rows, left_out, sides = [], [], {}
     with workers(worker_count) as mapper, atomic_output(out) as folder:
         folder.mkdir()

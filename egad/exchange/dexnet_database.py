@@ -33,10 +33,7 @@ _TEXT = h5py.string_dtype()  # Dex-Net compares strings, and would get bytes fro
 
 @dataclass(frozen=True)
 class DexnetObject:
-    """What a database holds about an object: kilograms, and metres in the frame of the grasps.
-
-    The field has distances from its surface; the name is its id within its dataset.
-    """
+    """What a database holds about an object, by id: kg, and m in the frame of the grasps."""
 
     mesh: trimesh.Trimesh
     mass: float
@@ -52,10 +49,7 @@ def add_dataset(
     metrics: Mapping[str, Mapping[str, object]],
     metadata: Mapping[str, str],
 ) -> h5py.Group:
-    """Start a database; the group for the objects of its only dataset.
-
-    `metrics` says how each metric of the grasps is computed; a mapping within becomes a group.
-    """
+    """Start a database; the group for the objects of its only dataset; `metrics` are explained."""
     file.attrs["time_created"] = UNTIMED
     group = add_group(file, f"datasets/{dataset}")
     for name, parameters in metrics.items():
@@ -133,11 +127,7 @@ def _attribute(
 def write_objects(
     settings: DexNetObjects, rows: list[dict[str, Any]], meshes: Path, out: Path
 ) -> None:
-    """Write objects, rows of `tables.objects.OBJECTS`: distance fields, stable poses.
-
-    The HDF5 file has a group for each in its group `objects`. If the stable poses of an object
-    cannot be computed, it is written without them and logged.
-    """
+    """Write `OBJECTS` with distance fields and, if they can be computed, stable poses."""
     with writing(out) as file:
         group = file.create_group("objects")
         for row in progress(rows, "computing distance fields", len(rows)):

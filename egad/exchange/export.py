@@ -6,7 +6,6 @@ The formats are those of `egad.exchange` that do not need the results of a run.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import trimesh
 
@@ -41,14 +40,6 @@ from egad.sim import (
     model_of,
     simulate_labels,
 )
-
-
-class _Job(NamedTuple):
-    """The gripper of an export, and how grasps are labelled and simulated."""
-
-    hand: NamedGripper
-    labels: LabelParameters
-    simulation: SimulatedLabelParameters
 
 
 @dataclass(frozen=True, repr=False)
@@ -148,7 +139,7 @@ def export(
     )
     named = NamedGripper(gripper if isinstance(gripper, str) else "gripper", hand)
     check_format(format, named)
-    write = _writer(format, _Job(named, labels, simulation))
+    write = _writer(format, named, labels, simulation)
     items, left_out = named_meshes(objects), dict[str, str]()
     for item in items:
         check_key(item.label)
@@ -163,7 +154,9 @@ def export(
     return Exported(target, written, left_out)
 
 
-def _writer(name: str, job: _Job) -> Callable[[Path, NamedMesh, trimesh.Trimesh], None]:
+def _writer(
+    name: str, hand: NamedGripper, labels: LabelParameters, simulation: SimulatedLabelParameters
+) -> Callable[[Path, NamedMesh, trimesh.Trimesh], None]:
     """The function that writes an object in a format, with the same arguments for all formats."""
     bundle, density = Bundle(), Material().density
 
@@ -175,12 +168,12 @@ def _writer(name: str, job: _Job) -> Callable[[Path, NamedMesh, trimesh.Trimesh]
         writer_of(name)(folder, item.label, made, bundle.friction)
 
     def write_grasps(folder: Path, item: NamedMesh, mesh: trimesh.Trimesh) -> None:
-        grasps = dataset_grasps(mesh, item.id, job.labels)
+        grasps = dataset_grasps(mesh, item.id, labels)
         made = make_simulation_object(mesh, density, bundle, item.label)
-        if job.hand.gripper.kind.closes:
+        if hand.gripper.kind.closes:
             model = model_of(made.mesh, made.parts, made.physics, made.volume_error)
-            grasps = simulate_labels(model, grasps, job.simulation)
-        module_of(name).write(folder, item.label, made, grasps, job.hand)
+            grasps = simulate_labels(model, grasps, simulation)
+        module_of(name).write(folder, item.label, made, grasps, hand)
 
     if name in SURFACES:
         return write_surface

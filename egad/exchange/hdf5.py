@@ -55,7 +55,8 @@ def sound_keys(path: Path, group: str) -> list[str]:
     except (OSError, RuntimeError, KeyError) as error:
         if reason := _SYSTEM_REASON.search(str(error)):
             raise UserError(f"{path} cannot be read: {reason[1]}") from error
-        raise DamagedError(path, _first_line(error)) from error
+        text = str(error.args[0] if error.args else error)
+        raise DamagedError(path, text.partition("\n")[0]) from error
 
 
 def _read_all(item: h5py.Group | h5py.Dataset) -> None:
@@ -100,10 +101,7 @@ def add_array(group: h5py.Group, name: str, values: ArrayLike) -> None:
 
 
 def copy_group(source: h5py.Group, target: h5py.Group) -> None:
-    """Copy all that is in a group, as if it were newly made; arrays stay compressed.
-
-    HDF5's own copy would depend on how the source file happened to be filled.
-    """
+    """Copy a group as if newly made, unlike HDF5's own copy; arrays stay compressed."""
     for name, value in source.attrs.items():
         target.attrs[name] = value
     for name, item in source.items():
@@ -115,7 +113,3 @@ def copy_group(source: h5py.Group, target: h5py.Group) -> None:
             copied = target.create_dataset_like(name, item)
             mask, chunk = item.id.read_direct_chunk((0,) * item.ndim)
             copied.id.write_direct_chunk((0,) * item.ndim, chunk, mask)
-
-
-def _first_line(error: Exception) -> str:
-    return str(error.args[0] if error.args else error).partition("\n")[0]

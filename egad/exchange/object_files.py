@@ -66,10 +66,7 @@ def number_text(*values: float) -> str:
 
 
 def moments(physics: MassProperties) -> dict[str, float]:
-    """The moments of inertia about the center of mass, kg m2, by their names in URDF and SDFormat.
-
-    Principal moments below 2e-14 kg m2 are raised to it, which simulators need.
-    """
+    """The moments about the center of mass, kg m2, by name, at least 2e-14 for simulators."""
     tensor = physics.inertia
     principal, axes = np.linalg.eigh(tensor)
     if principal.min() < MIN_MOMENT:

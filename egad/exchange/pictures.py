@@ -37,10 +37,7 @@ def write_mask(mask: NDArray[np.bool_], path: Path) -> None:
 
 
 def corners(grasps: ImageGrasps, breadth: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Corners of the rectangles of n grasps, (n, 4, 2) u and v, for jaws of (n,) breadths, pixels.
-
-    From the first to the second along the opening, from the second to the third along the jaw.
-    """
+    """Corners of n rectangles, (n, 4, 2) u and v, along the opening first; jaw (n,) pixels."""
     ends = grasps.ends()
     across = np.stack([np.sin(grasps.angle), np.cos(grasps.angle)], axis=1)
     aside = across[:, None] * breadth[:, None, None] / 2

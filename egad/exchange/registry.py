@@ -8,13 +8,12 @@
   parameters name what it reads: `gripper`, the name, and files of `SOURCES`. The annotation of
   `settings` is the class of the settings that it needs; each such class has a `gripper`.
   `write(folder, label, made, grasps, hand)`, if there is one, writes one object, `made` as above,
-  with its simulated grasps for `egad.export`.
+  with its simulated grasps for `egad.export`. With `KIND = "cup"`, it is for suction cups, whose
+  grasps are labelled but not simulated; the others are for jaws.
 
-A module in `grasps/` with `KIND = "cup"` writes the grasps of suction cups, labelled but not
-simulated; the others are for jaws. A module may have `check(hand)`, which is called before any of
-these and raises an error if the format cannot be written. Surfaces are mesh files, which `egad.io`
-writes.
-`egad.export`, the command `egad export`, `targets.exports` and the rule `export` know every format.
+A module may have `check(hand)`, called first, which raises an error if the format cannot be
+written. Surfaces are mesh files, which `egad.io` writes. `egad.export`, the command `egad export`,
+`targets.exports` and the rule `export` know every format.
 """
 
 import importlib

@@ -32,12 +32,7 @@ def rescale_files(
     suffix: str = "",
     jobs: int = 1,
 ) -> int:
-    """Scale every mesh by the rule; return how many files could not be used.
-
-    The folder `out` has the meshes (`obj` in metres, `stl` in millimetres, with a suffix on their
-    names), a table of their scales, and `rejected.parquet`. Units are m, mm, cm, inch, or as stated
-    in the files.
-    """
+    """Scale every mesh by the rule into `out`; return how many files could not be used."""
     named = object_names(meshes)
     scales, left_out, sides = [], [], {}
     with workers(jobs) as mapper, atomic_output(out) as folder:

@@ -171,10 +171,7 @@ def _whole(shown: Mapping[str, Any]) -> NDArray[np.float32]:
 
 
 def positives(shown: Mapping[str, Any], rule: PositiveFilter) -> Rectangles:
-    """The positive grasps of a row of a shard, (n, 5), from the worst to the best.
-
-    ValueError if lists are of unequal lengths, or numbers are not pixels.
-    """
+    """Positive grasps of a row of a shard, (n, 5), worst to best; ValueError if no pixels."""
     names = [*GRASP, *rule.columns]
     if len({len(shown[name]) for name in names}) > 1:
         raise ValueError("the lists of its grasps are not of equal lengths")
@@ -258,10 +255,7 @@ def example(
     change: Change = UNCHANGED,
     crop: Crop = WHOLE,
 ) -> Example:
-    """Input and target of a network, (1, side, side) and (4, side, side), from depths in metres.
-
-    The mean of the whole changed image is subtracted, as where the network is used.
-    """
+    """Input (1, side, side), minus its mean, and target (4, side, side), from depths in m."""
     filled = fill_missing(depth)
     seen = prepare_input(change_depth(filled, change, crop), mean_depth(filled, change))
     wanted = crop_rectangles(change_rectangles(rectangles, change, SIZE), crop)
@@ -275,20 +269,11 @@ def order(
     together: Sequence[str] = ("shard", "group"),
     window: int | None = None,
 ) -> NDArray[np.int64]:
-    """Labels of an index, shuffled, so that few groups of rows are open at a time.
-
-    Groups of rows with the same values of `together` are shuffled, and then the rows within each
-    window of successive groups, about `window` rows. Another number of `times` is another order.
-    """
+    """Labels of an index, shuffled in groups of `together`, then in windows of `window` rows."""
     rng = generator(seed, "order", times)
     groups = [part.index.to_numpy() for _, part in index.groupby(list(together))]
     shuffled = [groups[number] for number in rng.permutation(len(groups))]
     ends = np.cumsum([len(part) for part in shuffled])
-    windows = np.split(np.concatenate(shuffled), _window_ends(ends, window or WINDOW))
+    first = np.flatnonzero(np.diff(ends // (window or WINDOW), prepend=0))
+    windows = np.split(np.concatenate(shuffled), ends[first])
     return np.concatenate([rng.permutation(window) for window in windows])
-
-
-def _window_ends(ends: NDArray[np.int64], window: int) -> NDArray[np.int64]:
-    """The ends of groups that are the first beyond each multiple of a window."""
-    first = np.flatnonzero(np.diff(ends // window, prepend=0))
-    return ends[first]

@@ -87,11 +87,7 @@ def score(judgements: Sequence[ImageScore]) -> float:
 
 @dataclass(frozen=True)
 class Score:
-    """What a network reached on images of held-out objects.
-
-    `n_correct` of the `n_images` with a positive grasp: the best grasp agrees with one. The
-    interval is for other objects and scenes of the same kind; `loss` is the mean over all images.
-    """
+    """What a network reached on images of held-out objects; `loss` is the mean over images."""
 
     n_correct: int
     n_images: int

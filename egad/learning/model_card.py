@@ -1,7 +1,7 @@
 """The model card of a trained network: what it was trained on, how, and how good it is."""
 
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -56,12 +56,7 @@ positive grasp, if there are any, are examples where nothing can be grasped.
 
 @dataclass(frozen=True)
 class TrainedNetwork:
-    """What the card tells about a network.
-
-    The index is that of `ImageDataset`, the history `tables.training.HISTORY`; scores, its own and
-    that of the outline alone, are on the split `test`; settings are by name, with `positive` and
-    `quality`.
-    """
+    """What the card tells about a network: scores are on the split `test`, settings by name."""
 
     title: str
     parameters: int
@@ -94,7 +89,9 @@ def card(trained: TrainedNetwork) -> str:
             ["split", "objects", "images", "without a positive grasp", "grasps", "positive"],
             counts(trained.index),
         ),
-        rule=_rule(trained.settings),
+        rule="succeeded in simulation"
+        if trained.settings["positive"] == "simulated"
+        else f"has a robust quality above {trained.settings['quality']}",
         images=int(last["images"]),
         epochs=len(trained.history),
         settings=table(["setting", "value"], trained.settings.items()),
@@ -102,14 +99,14 @@ def card(trained: TrainedNetwork) -> str:
     )
 
 
-def counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int]]:
-    """Objects, images, images without a positive grasp, grasps, positive grasps; by split."""
+def counts(index: pd.DataFrame, kinds: Sequence[str] = ()) -> list[tuple[str | int, ...]]:
+    """Objects, images or scenes of each kind, those with no positive grasp, grasps, positive."""
     parts = [(split, index[index["split"] == split]) for split in SPLITS]
     return [
         (
             split,
             part["objects"].explode().nunique(),
-            len(part),
+            *([int((part["kind"] == kind).sum()) for kind in kinds] or [len(part)]),
             int((part["positive"] == 0).sum()),
             int(part["grasps"].sum()),
             int(part["positive"].sum()),
@@ -125,10 +122,3 @@ def versions() -> list[tuple[str, str]]:
         with suppress(PackageNotFoundError):
             found.append((name, version(name)))
     return found
-
-
-def _rule(settings: Mapping[str, Any]) -> str:
-    """What makes a collision-free grasp positive."""
-    if settings["positive"] == "simulated":
-        return "succeeded in simulation"
-    return f"has a robust quality above {settings['quality']}"

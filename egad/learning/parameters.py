@@ -1,6 +1,6 @@
 """Training of grasp networks on rendered images and on labelled scenes."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -9,6 +9,12 @@ from egad.detectors import SIZE, NoiseName
 from egad.grippers import Gripper
 
 NetworkName = Literal["ggcnn", "ggcnn2", "vgn"]
+LearningRate = Annotated[
+    float,
+    Field(
+        gt=0, le=1, description="initial learning rate of Adam; it decays to 0 along half a cosine"
+    ),
+]
 
 
 class Training(Parameters):
@@ -26,12 +32,7 @@ class Training(Parameters):
         2000, ge=1, description="examples between two evaluations on the validation set"
     )
     batch: int = Field(8, ge=1, description="examples per step of the optimizer, Adam")
-    learning_rate: float = Field(
-        0.001,
-        gt=0,
-        le=1,
-        description="initial learning rate of Adam; it decays to 0 along half a cosine",
-    )
+    learning_rate: LearningRate = 0.001
     validation: int = Field(
         100, ge=1, description="maximum number of validation images to evaluate"
     )
@@ -83,12 +84,7 @@ class VgnTraining(Parameters):
         1000, ge=1, description="examples between two evaluations on the validation set"
     )
     batch: int = Field(4, ge=1, description="examples per step of the optimizer, Adam")
-    learning_rate: float = Field(
-        0.0003,
-        gt=0,
-        le=1,
-        description="initial learning rate of Adam; it decays to 0 along half a cosine",
-    )
+    learning_rate: LearningRate = 0.0003
     validation: int = Field(
         100, ge=1, description="maximum number of validation scenes to evaluate"
     )

@@ -23,41 +23,27 @@ WINDOW = 128  # scenes that are shuffled together, about
 
 
 class NetworkGrasps(NamedTuple):
-    """Grasps in the frame of a network.
+    """Grasps in the frame of a network."""
 
-    Attributes:
-        poses: (n, 4, 4) in the world.
-        success: (n,) 1 or 0.
-        widths: (n,) distances of the pads when they hold, metres; 0 for a failed grasp.
-        yaws: (n, y) whether it holds when turned about the approach by k / y of half a turn.
-    """
-
-    poses: Floats
-    success: Singles
-    widths: Singles
+    poses: Floats  # (n, 4, 4) in the world
+    success: Singles  # (n,) 1 or 0
+    widths: Singles  # (n,) distances of the pads when they hold, metres; 0 for a failed grasp
+    # (n, y) whether it holds when turned about the approach by k / y of half a turn
     yaws: NDArray[np.bool_]
 
 
 class SceneExample(NamedTuple):
-    """The input of a network, and what it should answer at some voxels.
+    """The input of a network, and what it should answer at some voxels."""
 
-    Attributes:
-        grid: (n, n, n) distances, encoded.
-        voxels: (m, 3) voxels of the grasps.
-        success: (m,) 1 or 0.
-        rotations: (m, 2 y, 4) quaternions (x, y, z, w) at which the grasp holds, in the frame of
-            VGN: those of its yaws, and half a turn further, which is the same grasp. Yaws at which
-            it does not hold are replaced by that of the label.
-        widths: (m,) voxels, at the yaw of the label; 0 for a failed grasp.
-        voxel: Side of a voxel, metres.
-    """
-
-    grid: Singles
-    voxels: NDArray[np.int64]
-    success: Singles
+    grid: Singles  # (n, n, n) distances, encoded
+    voxels: NDArray[np.int64]  # (m, 3) voxels of the grasps
+    success: Singles  # (m,) 1 or 0
+    # (m, 2 y, 4) quaternions (x, y, z, w) at which the grasp holds, in the frame of VGN: those of
+    # its yaws, and half a turn further, which is the same grasp. Yaws at which it does not hold are
+    # replaced by that of the label
     rotations: Singles
-    widths: Singles
-    voxel: float
+    widths: Singles  # (m,) voxels, at the yaw of the label; 0 for a failed grasp
+    voxel: float  # side of a voxel, metres
 
 
 class Move(NamedTuple):
@@ -138,11 +124,7 @@ class SceneStream:
         most: int | None = None,
         noise: Sequence[NoiseName] = ("none",),
     ) -> None:
-        """Show `most` scenes of the split `train`, all by default.
-
-        `rise` is the greatest number of voxels that a scene is moved up or down. Each example gets
-        one of the kinds of noise if its images have none.
-        """
+        """Show `most` scenes of `train`, all by default, moved by up to `rise` voxels."""
         self._scenes, self._gripper, self._length = scenes, gripper, length
         self._rise, self._seed, self._noise = rise, seed, tuple(noise)
         numbers = scenes.indices("train")

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 
 from egad._util.markdown import table
-from egad.learning.images import SPLITS
-from egad.learning.model_card import versions
+from egad.learning.model_card import counts, versions
 from egad.learning.scene_scores import DECISION_THRESHOLD, SceneEstimate, SceneScore
 
 PAGE = """# {title}, trained on {source}
@@ -65,11 +64,7 @@ COUNTS = ("objects", "packed", "piles", "without a positive grasp", "grasps", "p
 
 @dataclass(frozen=True)
 class TrainedOnScenes:
-    """What the card tells about a network.
-
-    The index is that of `SceneDataset`, the history `tables.training.SCENE_HISTORY`; the score is
-    on the split `test`; settings are by name.
-    """
+    """What the card tells about a network: the score is on `test`, settings are by name."""
 
     title: str
     parameters: int
@@ -83,7 +78,9 @@ class TrainedOnScenes:
 
 def scene_card(trained: TrainedOnScenes) -> str:
     """The model card as Markdown; it holds no time, so the same training gives the same card."""
-    score, best = trained.score, best_epoch(trained.history)
+    score, history = trained.score, trained.history["validation_average_precision"].to_numpy()
+    # the epoch whose weights are the result: the last one if none has a score
+    best = int(np.nanargmax(history)) if np.isfinite(history).any() else len(history) - 1
     return PAGE.format(
         title=trained.title,
         parameters=trained.parameters,
@@ -105,7 +102,7 @@ def scene_card(trained: TrainedOnScenes) -> str:
                 )
             ],
         ),
-        data=table(["split", *COUNTS], scene_counts(trained.index)),
+        data=table(["split", *COUNTS], counts(trained.index, ("packed", "pile"))),
         noise=_noise(trained.index),
         examples=int(trained.history["scenes"].iloc[-1]),
         epochs=len(trained.history),
@@ -113,29 +110,6 @@ def scene_card(trained: TrainedOnScenes) -> str:
         settings=table(["setting", "value"], trained.settings.items()),
         versions=table(["program", "version"], versions()),
     )
-
-
-def best_epoch(history: pd.DataFrame) -> int:
-    """The epoch whose weights are the result: the last one if none has a score."""
-    scores = history["validation_average_precision"].to_numpy()
-    return int(np.nanargmax(scores)) if np.isfinite(scores).any() else len(scores) - 1
-
-
-def scene_counts(index: pd.DataFrame) -> list[tuple[str, int, int, int, int, int, int]]:
-    """The numbers of `COUNTS` of each split; packed, piles and without a grasp are scenes."""
-    parts = [(split, index[index["split"] == split]) for split in SPLITS]
-    return [
-        (
-            split,
-            part["objects"].explode().nunique(),
-            int((part["kind"] == "packed").sum()),
-            int((part["kind"] == "pile").sum()),
-            int((part["positive"] == 0).sum()),
-            int(part["grasps"].sum()),
-            int(part["positive"].sum()),
-        )
-        for split, part in parts
-    ]
 
 
 def _rows(score: SceneScore) -> list[tuple[str, str, str, str]]:

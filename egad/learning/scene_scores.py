@@ -17,19 +17,13 @@ THRESHOLDS = (0.5, 0.7, 0.8, 0.9, 0.95)
 
 
 class GraspAnswers(NamedTuple):
-    """What a network answers at m labelled grasps of a scene: quality, and errors.
-
-    Attributes:
-        angles: (m,) between the predicted rotation and the nearest one that holds, degrees.
-        widths: (m,) how far the predicted width is off, metres.
-        losses: (m, 3) of quality, rotation and width, weighted.
-    """
+    """What a network answers at m labelled grasps of a scene: quality, and errors."""
 
     success: NDArray[np.bool_]
     quality: Floats
-    angles: Floats
-    widths: Floats
-    losses: Floats
+    angles: Floats  # (m,) between the predicted rotation and the nearest one that holds, degrees
+    widths: Floats  # (m,) how far the predicted width is off, metres
+    losses: Floats  # (m, 3) of quality, rotation and width, weighted
 
 
 @dataclass(frozen=True)
@@ -42,30 +36,21 @@ class SceneEstimate:
 
 @dataclass(frozen=True)
 class SceneScore:
-    """What a network reached on scenes of held-out objects.
-
-    Attributes:
-        average_precision: Of the quality; that of guesses is the share of positives.
-        balanced_accuracy: Mean of the fractions of the positive and of the negative grasps that are
-            classified correctly at a quality of 0.5.
-        angle: Mean error of the rotation at positive grasps, degrees.
-        width: Mean error of the width at positive grasps, metres.
-        loss: Mean over the grasps.
-        thresholds: Thresholds of the quality, for the next two.
-        recall: Fraction of the positive grasps with at least that quality.
-        precision: Fraction of the grasps of that quality that are positive; NaN if there are none.
-    """
+    """What a network reached on scenes of held-out objects."""
 
     scenes: int
     grasps: int
     positive: int
-    average_precision: SceneEstimate
+    average_precision: SceneEstimate  # of the quality; that of guesses is the share of positives
+    # mean of the fractions of the positive and of the negative grasps that are classified correctly
+    # at a quality of 0.5
     balanced_accuracy: SceneEstimate
-    angle: SceneEstimate
-    width: SceneEstimate
-    loss: float
-    thresholds: tuple[float, ...]
-    recall: tuple[float, ...]
+    angle: SceneEstimate  # mean error of the rotation at positive grasps, degrees
+    width: SceneEstimate  # mean error of the width at positive grasps, metres
+    loss: float  # mean over the grasps
+    thresholds: tuple[float, ...]  # thresholds of the quality, for the next two
+    recall: tuple[float, ...]  # fraction of the positive grasps with at least that quality
+    # fraction of the grasps of that quality that are positive; NaN if there are none
     precision: tuple[float, ...]
 
     @property

@@ -20,12 +20,7 @@ from egad.detectors.vgn_network import VgnNetwork
 from egad.errors import UserError
 from egad.grippers import Gripper
 from egad.learning.parameters import VgnTraining
-from egad.learning.scene_examples import (
-    SceneExample,
-    SceneStream,
-    labelled_grasps,
-    scene_example,
-)
+from egad.learning.scene_examples import SceneExample, SceneStream, labelled_grasps, scene_example
 from egad.learning.scene_scores import GraspAnswers, joint_average_precision, mean_loss
 from egad.learning.scenes import SceneDataset
 from egad.learning.training import LearningSchedule, spread, thread_pool
@@ -67,13 +62,7 @@ class SceneTask:
         rate = settings.learning_rate
         self.schedule = LearningSchedule(settings.examples, settings.epoch, settings.batch, rate)
         self._stream = SceneStream(
-            scenes,
-            gripper,
-            settings.examples,
-            settings.rise,
-            seed,
-            settings.scenes,
-            settings.noise,
+            scenes, gripper, settings.examples, settings.rise, seed, settings.scenes, settings.noise
         )
         counts = self._stream.index[["grasps", "positive"]]
         grasps, positive = (int(counts[name].sum()) for name in counts)

@@ -17,11 +17,8 @@ MIDDLE = 1 / 3  # of the opening, where the quality is 1
 def targets(rectangles: Rectangles, size: int = SIZE) -> NDArray[np.float32]:
     """Maps of quality, cos 2a, sin 2a and width, (4, size, size), of rectangles (n, 5).
 
-    The quality is 1 in the middle third along the opening of each rectangle, over its whole
-    breadth, and 0 elsewhere. There the other maps hold the angle a and the opening, clipped to 150
-    pixels, which count as 1. Where rectangles overlap, the later one counts. Elsewhere they are 0
-    (ours: in GG-CNN the angle there is 0, so its cosine 1, which smoothing then mixes into the
-    angles at the border).
+    In the middle third along the opening, the quality is 1, and the others hold angle and opening
+    (150 pixels count as 1); later rectangles win. Elsewhere all are 0 (GG-CNN: a cosine of 1).
     """
     maps = np.zeros((4, size, size), np.float32)
     _paint(np.ascontiguousarray(rectangles, dtype=np.float64), maps)

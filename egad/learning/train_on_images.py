@@ -78,13 +78,7 @@ def train(
 
 
 def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> ImageDataset:
-    """The training images.
-
-    Raises:
-        UserError: The network is not one for images, or a folder has scenes instead; a split has no
-            images, an object is in two splits, or no training image has a positive grasp.
-        TableError: A shard cannot be read.
-    """
+    """The training images; UserError if they do not suit the network or the settings."""
     plan = settings.training
     if plan.network == "vgn":
         raise UserError(

@@ -75,10 +75,7 @@ class State:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A file for the state.
-
-    A state with another fingerprint, of all that determines the result, is not used.
-    """
+    """A file for the state; one of another fingerprint, of all that matters, is not used."""
 
     path: Path
     fingerprint: str
@@ -163,11 +160,7 @@ def learn(
 
 
 def learning_rate(schedule: LearningSchedule, batch: range) -> float:
-    """The learning rate of a step: it falls along half a cosine from its largest value to 0.
-
-    Loshchilov and Hutter, "SGDR", ICLR 2017, equation 5, without restarts, at the middle of the
-    examples of the step.
-    """
+    """Half a cosine down to 0, at the middle of a step (Loshchilov and Hutter, SGDR)."""
     progress = (batch.start + batch.stop) / 2 / schedule.examples
     return schedule.learning_rate * (1 + math.cos(math.pi * progress)) / 2
 

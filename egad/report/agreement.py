@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from egad.bench.stats import Area, Bin, Rate, area, engine_names, gain, rate, reliability
@@ -54,11 +53,7 @@ class LabelledSuccess:
 
 
 def agreement(table: pd.DataFrame, rows: int) -> LabelledSuccess:
-    """Compute what the section shows from `tables.evaluation.AGREEMENT`, at least one row.
-
-    Grasps that the hand could not reach, because a convex part of the object sticks out or the
-    simulation failed, say nothing about the qualities and are left out of all rates.
-    """
+    """What the section shows of `AGREEMENT`; grasps that the hand could not reach do not count."""
     tried = table[~table["outcome"].isin(NOT_TRIED)]
     groups = [tried]
     if in_grid(set(table["label"])):
@@ -93,11 +88,7 @@ def _ratings(
 
 
 def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Sequence[Area]]) -> str:
-    """SVG of success over the rank by quality, and of ROC areas by row of the set, then over all.
-
-    Intervals of 95 % are left for other grasps of the same objects, right for other objects. Equal
-    qualities share a bin.
-    """
+    """SVG of success over the rank by quality, and of ROC areas by row of the set and over all."""
     with new_figure(8.6, 3.2) as drawing:
         left, right = drawing.figure.subplots(1, 2, width_ratios=[1, 1.25])
         for number, (name, each) in enumerate(bins.items()):
@@ -109,7 +100,10 @@ def agreement_chart(bins: Mapping[str, Sequence[Bin]], areas: Mapping[str, Seque
             show_percent(axis)
         left.grid(axis="y")
         for number, row in enumerate(areas.values()):
-            _draw_areas(right, row, LINES[number], 0.24 * (number - (len(areas) - 1) / 2))
+            offset = 0.24 * (number - (len(areas) - 1) / 2)
+            for place, one in enumerate(row):
+                right.plot(place + offset, one.value, "o", color=LINES[number], ms=5)
+                right.vlines(place + offset, *one.interval, color=LINES[number], lw=1)
         right.axhline(0.5, color=SOFT, lw=0.8, ls=DASHED)
         count = max(map(len, areas.values()))
         right.set_xticks(range(count), [*string.ascii_uppercase[: count - 1], "all"])
@@ -127,9 +121,3 @@ def _ranks(rates: Sequence[Rate]) -> list[float]:
     counts = np.array([rate.attempts for rate in rates])
     ranks: list[float] = ((np.cumsum(counts) - counts / 2) / counts.sum()).tolist()
     return ranks
-
-
-def _draw_areas(axes: Axes, areas: Sequence[Area], color: str, offset: float) -> None:
-    for row, each in enumerate(areas):
-        axes.plot(row + offset, each.value, "o", color=color, ms=5)
-        axes.vlines(row + offset, *each.interval, color=color, lw=1)

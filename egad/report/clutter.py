@@ -26,11 +26,7 @@ from egad.tables import parquet
 
 @dataclass(frozen=True)
 class ClutterView:
-    """Cleared tables of one gripper; rates by detector, addresses of pictures by kind of scene.
-
-    `thirds` has success of attempts, and share of objects cleared, by detector, axis (complexity,
-    difficulty) and third of the objects.
-    """
+    """Cleared tables of one gripper; `thirds` by detector, axis and third of the objects."""
 
     engine: str
     rates: dict[str, list[Clearing]]

@@ -31,14 +31,7 @@ PUBLISHED = pd.DataFrame(
         ("YCB", 78, 0.03, 0.11, 0.65, 0.19),
         ("Dex-Net 2.0", 1497, 0.37, 0.03, 0.26, 0.11),
     ],
-    columns=[
-        "dataset",
-        "objects",
-        "coverage",
-        "diversity_min",
-        "diversity_max",
-        "diversity_mean",
-    ],
+    columns=["dataset", "objects", "coverage", "diversity_min", "diversity_max", "diversity_mean"],
 )
 """EGAD (Morrison, Corke, Leitner 2020), Table III."""
 
@@ -83,11 +76,7 @@ def dataset_maps(
     names: AxisPair = USUAL,
     unattainable: int = 0,
 ) -> str:
-    """SVG of how many objects of each dataset lie in each cell, on the same axes and colors.
-
-    Datasets have the columns of `tables.objects.OBJECTS`; `unattainable` of the easiest rows are
-    hatched.
-    """
+    """SVG of objects of each dataset by cell, on the same axes; `unattainable` rows are hatched."""
     counts = {name: objects.groupby(CELL).size() for name, objects in datasets.items()}
     most = max([2, *(int(count.max()) for count in counts.values() if len(count))])
     rows = math.ceil(len(datasets) / COLUMNS)

@@ -26,12 +26,7 @@ def write_datasheet(
     out: Path,
     introduction: str = "",
 ) -> None:
-    """Write the datasheet of an evaluation set: objects, sizes, how to report results.
-
-    The folder `out` has a contact sheet of the objects, too, and an empty table for attempts with a
-    real robot. Manifests of print files and grasps are those for the grippers; pictures show the
-    first. The introduction above the tables says, by default, what the rows and columns are.
-    """
+    """Write the datasheet of an evaluation set, a contact sheet, and an empty table of attempts."""
     chosen = parquet.read(evaluation, EVAL49)
     known = {
         gripper: ForGripper(parquet.read(manifest, MANIFEST), _best(labelled))

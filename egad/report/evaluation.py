@@ -50,10 +50,7 @@ def evaluation_view(
     scenes: Sequence[GraspScene],
     gripper: Gripper,
 ) -> EvaluationView:
-    """What the section shows of a set, `tables.evaluation.EVAL49`.
-
-    Pictures are PNGs by label in the evaluation set or, if there is none, by label in the dataset.
-    """
+    """What the section shows of a set, `EVAL49`; PNGs are by label of the set or dataset."""
     items = {item["label"]: item for item in evalset.to_dict("records")}
     labels = labels_of(rows, columns)
     slots = [
@@ -76,10 +73,7 @@ def contact_sheet(
     meshes: Mapping[tuple[int, int], trimesh.Trimesh],
     captions: Mapping[tuple[int, int], tuple[str, str]],
 ) -> bytes:
-    """A PDF page with picture, name and size of each object of a set, to tell prints apart.
-
-    Meshes and captions, (name, size), are by row and column; the same for the same objects.
-    """
+    """A PDF page with picture, name and size of each object by row and column of a set."""
     with matplotlib.rc_context({**STYLE, "pdf.fonttype": 42}):
         figure = Figure(figsize=(PAGE[0], PAGE[1] * max(1, rows / MOST_ROWS)))
         figure.suptitle(title, fontsize=12, y=0.98)

@@ -38,10 +38,7 @@ class EvolutionView:
 def evolution_view(
     objects: pd.DataFrame, history: pd.DataFrame | None, space: MeasureSpace
 ) -> EvolutionView | None:
-    """What the section shows of `tables.objects.OBJECTS`; None if they were not evolved.
-
-    The history, `tables.evolution.HISTORY`, is None if the archive was not evolved here.
-    """
+    """What the section shows of `OBJECTS`; None if they were not evolved."""
     moves = re_evaluation(objects, space)
     if history is None:
         return None if moves is None else EvolutionView("", moves)
@@ -66,11 +63,7 @@ def re_evaluation(objects: pd.DataFrame, space: MeasureSpace) -> ReEvaluation | 
 
 
 def coverage_history(history: pd.DataFrame) -> pd.DataFrame:
-    """Offspring so far, coverage, filled_cells, qd_score of `tables.evolution.HISTORY`, in order.
-
-    Islands evolve in parallel: a row counts the evaluations of all of them, and shows the island of
-    highest coverage.
-    """
+    """Offspring, coverage, filled_cells, qd_score so far, over all islands; best island."""
     ordered = history.sort_values(["epoch", "step", "coverage"])
     steps = ordered.groupby(["epoch", "step"])
     best = steps.tail(1).set_index(["epoch", "step"])

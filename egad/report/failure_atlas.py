@@ -51,22 +51,12 @@ def write_page(
     objects: Dataset | None = None,
     jobs: int = 1,
 ) -> None:
-    """Write an HTML page that explains the failures of a detector; it needs no other file.
+    """Write an HTML page, which needs no other file, that explains the failures of a detector.
 
-    It shows the worst failures, with films of the detector and of the reference at the same drop;
-    why the detector fails; the outcomes; from ten failures on, the shape features that distinguish
-    them from solved objects; and the map of the failures next to that of the dataset.
-
-    Args:
-        atlas: An atlas from `egad.find_failures` or `FailureAtlas.load`.
-        path: HTML file to write.
-        films: How many of the 20 worst failures have films; about 10 s each.
-        objects: The dataset that the search began with; by default the released objects if it
-            began with some of these, otherwise the objects that it looked at.
-        jobs: Processes; the page does not depend on them.
-
-    Raises:
-        UserError: The atlas does not say how it was made, or `films` or `jobs` is not allowed.
+    The worst failures have films of detector and reference at the same drop, at most `films`, about
+    10 s each. From ten failures on, the page shows the shape features that distinguish them. The
+    map is beside that of the objects: by default the released ones, or those looked at. UserError
+    if the atlas does not say how it was made, or a number is not allowed.
     """
     file = as_path("path", path)
     if films:
@@ -113,11 +103,7 @@ def solved_objects(examined: pd.DataFrame, seed: int) -> pd.DataFrame:
 
 
 def film_rows(attempts: pd.DataFrame, engine: str) -> pd.DataFrame:
-    """Attempts of detector, then reference, at the drop that shows a failure best; or no rows.
-
-    Of the fresh drops at which only the reference succeeds, this is the first one at which the
-    detector fails with its most frequent outcome at these drops.
-    """
+    """Detector's and reference's attempts at the drop that shows a failure best; or no rows."""
     fresh = attempts[(attempts["purpose"] == "confirm") & (attempts["engine"] == engine)]
     drops = failed_drops(attempts, engine)
     lost = fresh[(fresh["who"] == "detector") & fresh["drop"].isin(drops)]
@@ -130,9 +116,7 @@ def film_rows(attempts: pd.DataFrame, engine: str) -> pd.DataFrame:
 
 
 def _features(
-    row: dict[str, Any],
-    attempts: Mapping[str, pd.DataFrame],
-    settings: FailureParameters,
+    row: dict[str, Any], attempts: Mapping[str, pd.DataFrame], settings: FailureParameters
 ) -> dict[str, float]:
     mesh = scaled_surface(row["voxels"], settings)
     found = shape_features(mesh, attempts[row["id"]], settings.gripper)

@@ -42,17 +42,9 @@ def lowest_difference(table: pd.DataFrame) -> pd.Series:
 
 
 def failure_map(
-    table: pd.DataFrame,
-    examined: pd.DataFrame,
-    space: MeasureSpace,
-    axes: AxisPair = USUAL,
+    table: pd.DataFrame, examined: pd.DataFrame, space: MeasureSpace, axes: AxisPair = USUAL
 ) -> str:
-    """SVG map of the difference: complexity to the right, difficulty upwards.
-
-    The color of a cell is the highest difference of its failures (`tables.failures.FAILURES`), each
-    in the engine with the lowest one; the picture is that failure. Cells are grey if objects were
-    tried (`tables.failures.EXAMINED`), but none failed.
-    """
+    """SVG map of the highest difference by cell; grey where objects were tried, but none failed."""
     tried = examined[examined["attempts"] > 0]
     cells = {
         name: MapCell(NO_FAILURE, f"{name}: {counted(len(rows), 'object')} tried, no failure")

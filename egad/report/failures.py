@@ -131,11 +131,7 @@ def page(
     space: MeasureSpace,
     axes: AxisPair,
 ) -> str:
-    """An HTML page that needs no other file, from the three tables of `tables.failures`.
-
-    The dataset has the columns complexity and graspability; examples, in the order of the page, are
-    by id.
-    """
+    """An HTML page that needs no other file, from the three tables of `tables.failures`."""
     fresh = attempts[(attempts["purpose"] == "confirm") & attempts["id"].isin(set(table["id"]))]
     labelled = table.assign(label=failure_labels(table))
     rows = {str(row["id"]): row for _, row in labelled.iterrows()}
@@ -186,10 +182,7 @@ def reasons_of(table: pd.DataFrame) -> list[Reason]:
 
 
 def lost_outcomes(fresh: pd.DataFrame) -> dict[str, tuple[int, int]]:
-    """Lost fresh attempts by outcome, most frequent first, and failures at which it is usual.
-
-    Usual: no other outcome of a lost attempt is more frequent there.
-    """
+    """Lost fresh attempts by outcome, most frequent first, and failures at which it is usual."""
     lost = fresh[(fresh["who"] == "detector") & ~fresh["success"].astype(bool)]
     usual = Counter(next(iter(outcome_counts(rows))) for _, rows in lost.groupby("id"))
     return {name: (count, usual[name]) for name, count in outcome_counts(lost).items()}
@@ -265,10 +258,7 @@ def _engine_rates(row: pd.Series) -> Iterable[EngineRates]:
 
 
 def feature_chart(features: Sequence[FeatureShare]) -> str:
-    """SVG of failures and solved objects along each feature, in units of the range of the solved.
-
-    Values further out are drawn at the edge.
-    """
+    """SVG of failures and solved objects along each feature, in units of the solved range."""
     with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
         axes = drawing.figure.add_subplot()
         axes.axvspan(0, 1, color=FAINT, lw=0)

@@ -41,8 +41,7 @@ class GraspView:
 
 
 def grasp_view(
-    grasps: Mapping[str, pd.DataFrame],
-    size_effects: Mapping[str, pd.DataFrame],
+    grasps: Mapping[str, pd.DataFrame], size_effects: Mapping[str, pd.DataFrame]
 ) -> GraspView | None:
     """What the section shows of GRASPS and SIZE_EFFECT tables by gripper; None if all are empty."""
     known = {name: table for name, table in grasps.items() if len(table)}
@@ -111,12 +110,7 @@ def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> No
 
 
 def size_chart(table: pd.DataFrame) -> str:
-    """SVG of percentiles of quality over size (`tables.grasping.SIZE_EFFECT`), a panel per object.
-
-    A line is the mean over repetitions, and its band spans from the lowest to the highest. A point
-    is hollow where only some repetitions found grasps. Below is the share of candidates that are
-    possible grasps.
-    """
+    """SVG of percentiles of quality over size (`SIZE_EFFECT`), a panel per object."""
     numbers = summarize(table)
     names = list(dict.fromkeys(numbers["name"]))
     columns = min(COLUMNS, len(names))

@@ -135,11 +135,7 @@ def _jaw_facts(gripper: Gripper, model: HandModel) -> dict[str, str]:
 
 
 def jaw_table(model: HandModel) -> list[dict[str, str]]:
-    """Openings of a hand with one moving jaw; empty for other hands.
-
-    `friction` is that at which a round body is not squeezed out; `gaps` are in millimetres, at the
-    depths of the model.
-    """
+    """Openings of a hand with one moving jaw (`gaps` in mm); empty for other hands."""
     if model.lever is None:
         return []
     turns = model.joint_kind == "revolute"

@@ -27,11 +27,7 @@ def painted(shapes: list[Colored]) -> Painted:
 
 
 def best_grasp(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) -> Painted | None:
-    """An object (metres) with the hand closed at its best collision-free grasp; None without one.
-
-    Grasps are `tables.grasping.GRASPS`, in the frame of the mesh. A mesh for the palm is shown as a
-    box. UserError if the file of the gripper cannot be used.
-    """
+    """An object (m) with the hand closed at its best collision-free grasp; None without one."""
     free = grasps[grasps["collision_free"].astype(bool)]
     if free.empty:
         return None

@@ -48,10 +48,7 @@ class Protocol:
 
 @dataclass(frozen=True)
 class SubmittedTable:
-    """A verified table, of `TRIALS` or `CLUTTER`; `simulated` attempts were simulated again.
-
-    Addresses of films are by what they show.
-    """
+    """A verified table, `TRIALS` or `CLUTTER`; `simulated` attempts were made again."""
 
     entry: str
     protocol: str
@@ -70,10 +67,7 @@ class Refusal(NamedTuple):
 
 @dataclass(frozen=True)
 class Board:
-    """Everything that the page shows: fields of entries by name, tables verified or refused.
-
-    A problem is a sentence about an entry that is missing something.
-    """
+    """All that the page shows: entries by name, tables verified or refused, problems."""
 
     entries: Mapping[str, Mapping[str, Any]]
     protocols: Mapping[str, Protocol]

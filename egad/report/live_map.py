@@ -38,10 +38,7 @@ Cells = dict[str, tuple[int, str]]  # by name: how many objects, and a picture o
 
 @dataclass(frozen=True)
 class EpochOfIsland:
-    """What a page is about: islands of the same run and epoch share one.
-
-    The number of islands is None if unknown; an earlier run may have had more.
-    """
+    """What a page is about, shared by islands of a run and epoch; their number may be unknown."""
 
     run: str
     epoch: int
@@ -69,10 +66,7 @@ class LiveMap:
         self._write((), ())
 
     def __call__(self, archive: Archive, steps: Sequence[Mapping[str, Any]]) -> None:
-        """Update the page after the steps of an epoch so far, unless it was updated recently.
-
-        A page that cannot be written does not stop evolution.
-        """
+        """Update the page, unless it was recently; a failure does not stop evolution."""
         last = sum(step["offspring"] for step in steps) >= self._epoch.evaluations
         if last or time.monotonic() >= self._next:
             if not self._pictures:  # draw those of the previous epoch once; not part of the share

@@ -46,10 +46,7 @@ def page(
     space: MeasureSpace,
     axes: AxisPair = USUAL,
 ) -> str:
-    """An HTML page that needs no other file, with located objects in the space of a dataset.
-
-    `reasons` says by name why meshes could not be used.
-    """
+    """An HTML page by itself, with objects in the space of a dataset, `reasons` for the others."""
     cells = [(each.row["complexity_cell"], each.row["difficulty_cell"]) for each in located]
     return render_template(
         "locations.html.j2",

@@ -78,15 +78,10 @@ def attempt_order(
     *,
     rounds: bool = False,
 ) -> list[PlannedAttempt]:
-    """The order of all attempts by each detector at each object, from a seed.
+    """The order of all attempts by each detector at each object, from a seed alone.
 
-    Objects are tried one after the other in random order. At each of them, all detectors make their
-    first attempt, then all make their second, and so on, each time in another random order. So
-    effects that change with time, such as worn pads, affect all detectors equally.
-
-    In rounds, all detectors make one attempt at each object, each round in a new order, before any
-    object is tried again. A test that may be looked at early needs this. The same seed gives the
-    same order, however objects and detectors are listed.
+    Objects come in random order; detectors alternate at random, so that worn pads affect all
+    equally. In rounds, every object comes once before any again, as tests on the way need.
     """
     names, objects = sorted(detectors), sorted(labels)
     if rounds:
@@ -113,10 +108,7 @@ def plan(
     blind: bool,
     rounds: bool = False,
 ) -> LogPlan:
-    """Plan a session as in `attempt_order`; blind: detectors are called A, B, ... in random order.
-
-    UserError if the names cannot be used, or there are no attempts.
-    """
+    """Plan a session as in `attempt_order`; blind: detectors are A, B, ... in random order."""
     _check_detectors(detectors)
     if attempts < 1:
         raise UserError(f"--attempts {attempts} is not allowed; allowed: 1 or more")

@@ -80,11 +80,7 @@ def render(mesh: trimesh.Trimesh, size: int = 96) -> RgbImage:
 
 
 def png_bytes(picture: RgbImage) -> bytes:
-    """The same small PNG with a palette for the same picture, (height, width, 4).
-
-    Colors are rounded to 5 bits and alpha to 6 levels, which is not visible at this size. A picture
-    that still has more than 256 colors keeps full color.
-    """
+    """A small PNG of a picture, (height, width, 4), with a palette of up to 256 colors."""
     step = np.array([8, 8, 8, 51], dtype=np.float64)
     coarse = np.minimum(np.round(picture / step) * step, 255).astype(np.uint8)
     coarse[coarse[..., 3] == 0] = 0
@@ -140,10 +136,7 @@ def _cast(scene: TriangleScene, vertices: Singles, faces: NDArray[np.int32], sid
 
 
 def _corner_normals(vertices: Singles, faces: NDArray[np.int32]) -> Singles:
-    """Normals at the corners of faces, (n, 3, 3): smooth, but flat at creases.
-
-    Faces are weighted by their angle at a vertex, so that the corners of a box are creases.
-    """
+    """Normals at the corners of faces, (n, 3, 3): smooth by angles, but flat at creases."""
     edges = vertices[np.roll(faces, -1, axis=1)] - vertices[faces]
     flat = _unit(np.cross(edges[:, 0], edges[:, 1]))
     along = _unit(edges)
@@ -168,10 +161,7 @@ def _shade(scene: TriangleScene, hits: _Hits, side: int) -> Singles:
 
 
 def _sky_visibility(scene: TriangleScene, hits: _Hits, side: int) -> Singles:
-    """Cosine-weighted fraction of the sky that each hit sees.
-
-    Pixels share one fixed set of directions, spread over their subsamples, so there is no noise.
-    """
+    """Cosine-weighted fraction of the sky that each hit sees, with one set of directions."""
     row, column = np.divmod(hits.rays, side)
     subsample = (row % SUBSAMPLES) * SUBSAMPLES + column % SUBSAMPLES
     seen = weight = np.zeros(len(hits.rays), dtype=np.float32)
@@ -217,11 +207,7 @@ def _average(rays: NDArray[np.int64], bright: Singles, size: int) -> RgbImage:
 
 
 def voxel_picture(voxels: NDArray[np.bool_], size: int) -> RgbImage:
-    """Grey and alpha, (size, size, 2), of voxels, (r, r, r), in view and light of `render` (ours).
-
-    The voxels of the surface are painted as squares, farthest first, each with the brightness of
-    its normal.
-    """
+    """Grey and alpha, (size, size, 2), of voxels, (r, r, r), in view and light of `render`."""
     solid = np.pad(voxels, MARGIN)
     surface = np.argwhere(solid & ~_interior(solid))
     seen = (surface - surface.mean(axis=0)) @ CAMERA.T.astype(np.float64)

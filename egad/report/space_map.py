@@ -99,11 +99,7 @@ def _by_diversity(objects: pd.DataFrame) -> pd.DataFrame:
 def space_map(
     objects: pd.DataFrame, pictures: Mapping[str, bytes], space: MeasureSpace
 ) -> SpaceMap:
-    """Lay out `tables.objects.OBJECTS` over the space, with PNGs by label of `shown_objects`.
-
-    A cell is colored by the mean diversity of its objects and shows the picture of the most diverse
-    one.
-    """
+    """Lay out `OBJECTS` over the space by diversity, with PNGs by label of `shown_objects`."""
     ordered = _by_diversity(objects)
     groups = list(ordered.groupby(BY_CELL, sort=True))
     means = [float(group["diversity"].mean()) for _, group in groups]
@@ -169,10 +165,7 @@ def collage(
     unit: int = 48,
     axes: AxisPair = USUAL,
 ) -> bytes:
-    """A PNG of the most diverse object of every cell, `unit` pixels along each side.
-
-    Pictures are PNGs by label, with a transparent background; objects without one are left out.
-    """
+    """A PNG of the most diverse object with a picture of every cell, `unit` pixels wide."""
     side, margin = unit * space.cells, unit
     image = Image.new("RGB", (side + margin, side + margin), "white")
     pictured = objects[objects["label"].isin(list(pictures))]

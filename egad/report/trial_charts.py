@@ -25,10 +25,7 @@ MAX_BARS = 30
 def trial_heat_map(
     grid: TrialGrid, rows: int, columns: int, present: set[str], axis_names: AxisPair = USUAL
 ) -> str:
-    """SVG of success rates of objects, rows and columns, as in the paper; easiest at the bottom.
-
-    Cells of labels that are not `present` are hatched.
-    """
+    """SVG of success rates by cell, as in the paper; labels that are not `present` are hatched."""
     with new_figure(0.8 + 0.62 * (columns + 1.62), 0.6 + 0.62 * (rows + 1.37)) as drawing:
         axes = drawing.figure.add_subplot()
         for row in range(rows):
@@ -80,8 +77,7 @@ def _heat_axes(axes: Axes, rows: int, columns: int, names: AxisPair) -> None:
     axes.set(xlim=(-0.02, columns + GAP + 1.27), ylim=(-1 - GAP - 0.02, rows + 0.02))
     axes.set_aspect("equal")
     axes.set_xticks(
-        [*(np.arange(columns) + 0.5), columns + GAP + 0.625],
-        [*map(str, range(columns)), "mean"],
+        [*(np.arange(columns) + 0.5), columns + GAP + 0.625], [*map(str, range(columns)), "mean"]
     )
     axes.set_yticks(
         [-0.5 - GAP, *(np.arange(rows) + 0.5)], ["mean", *string.ascii_uppercase[:rows]]
@@ -160,12 +156,7 @@ def outcome_chart(trials: Mapping[str, pd.DataFrame]) -> str:
 
 
 def trial_chart(trials: pd.DataFrame) -> str:
-    """SVG of results of attempts: a heat map of the evaluation set, or the outcomes by object.
-
-    It is the heat map of the paper if all labels are those of an evaluation set of the usual size,
-    such as C4. Otherwise the outcomes of all attempts and of each object; with more than `MAX_BARS`
-    objects, only of those with the lowest success rates.
-    """
+    """SVG of attempts: a heat map if labels are of a set; else outcomes, `MAX_BARS` objects."""
     objects = by_object(trials)
     names = [str(name) for name in objects.index]
     if len(names) > 1 and in_grid(names):

@@ -168,11 +168,7 @@ def _view(
 
 
 def reliability_chart(bins: Sequence[Bin]) -> str:
-    """SVG of success rate over quality from at least one bin, with Wilson intervals of 95 %.
-
-    If all qualities lie between 0 and 1, a diagonal shows where they would equal the probability of
-    success.
-    """
+    """SVG of success rate over quality, Wilson intervals of 95 %; a diagonal from 0 to 1."""
     qualities = [each.quality for each in bins]
     with new_figure(3.7, 3.0) as drawing:
         axes = drawing.figure.add_subplot()
@@ -192,11 +188,7 @@ def trend_chart(
     means: Mapping[str, Sequence[Mean]],
     names: AxisPair = USUAL,
 ) -> str:
-    """SVG of the success of each object against its difficulty and its complexity.
-
-    There is a dot per object, spread sideways by its value within the row or column; the lines join
-    the means of whole rows and columns, with their intervals of 95 %.
-    """
+    """SVG of the success of each object against its difficulty and complexity, with means."""
     keys = {"difficulty": names.upwards, "complexity": names.across}
     with new_figure(8.6, 3.0) as drawing:
         panels = drawing.figure.subplots(1, 2, sharey=True)

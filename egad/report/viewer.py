@@ -43,30 +43,22 @@ TOP = 0.98  # quantile of the quality that gets the last color
 
 @dataclass(frozen=True)
 class GraspScene:
-    """An object, metres, as it is grasped, with its grasps.
-
-    Attributes:
-        grasps: Columns contact0, contact1, approach (each with x, y and z), quality,
-            robust_quality and collision_free of `tables.grasping.GRASPS`, in the frame of the mesh;
-            `simulated_success`, if it is there, is packed too.
-        note: A remark, such as why it has no grasps.
-        paint: Number of a color in `scene3d.js` for each face; all are gray if None.
-    """
+    """An object, metres, as it is grasped, with its grasps."""
 
     name: str
     title: str
     mesh: trimesh.Trimesh
+    # columns contact0, contact1, approach (each with x, y and z), quality, robust_quality and
+    # collision_free of `tables.grasping.GRASPS`, in the frame of the mesh; `simulated_success`, if
+    # it is there, is packed too
     grasps: pd.DataFrame
-    note: str = ""
+    note: str = ""  # a remark, such as why it has no grasps
+    # number of a color in `scene3d.js` for each face; all are gray if None
     paint: NDArray[np.uint8] | None = None
 
 
 def viewer_data(scenes: Sequence[GraspScene], gripper: Gripper) -> dict[str, Any]:
-    """What the script of the viewer reads, ready for JSON, from at least one scene.
-
-    `finger` is from the contacts back to the palm, or to the top of the cup, metres; `metrics` has
-    key, name, and the value that gets the last color, the same for all objects.
-    """
+    """What the script of the viewer reads, ready for JSON; `finger` is in metres."""
     return {
         "finger": -gripper.kind.span[0],
         "objects": [pack(scene) for scene in scenes],
@@ -123,10 +115,7 @@ def label_codes(grasps: pd.DataFrame) -> NDArray[np.uint8]:
 
 
 def page(scene: GraspScene, name: str | None, gripper: Gripper) -> str:
-    """An HTML page with one object that needs no other file, and the hand at its best grasp.
-
-    The name is that of the gripper, may be empty; None: it is not named.
-    """
+    """An HTML page with one object by itself, the hand at its best grasp, its name if any."""
     scenes = [scene]
     if (held := best_grasp(scene.mesh, scene.grasps, gripper)) is not None:
         mesh, paint = held
@@ -147,10 +136,7 @@ def _steps(
 
 
 def _zigzag(rows: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """Differences of rows, sign in the lowest bit, as 32 bit: byte by byte, lowest byte first.
-
-    Most differences are small and give long runs of zeros.
-    """
+    """Differences of rows, sign in the lowest bit, 32 bit, low bytes first: runs of zeros."""
     steps = rows.astype(np.int64)
     steps[1:] -= rows[:-1]
     folded = ((steps << 1) ^ (steps >> 63)).astype("<u4")

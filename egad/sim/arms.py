@@ -48,10 +48,7 @@ class Arm(ABC):
 
     @abstractmethod
     def joints(self, hand_pose: HandPose, near: Floats | None = None) -> Floats:
-        """Joint positions that bring the hand to a pose, from nearby ones if they are given.
-
-        `UnreachableError` if the hand cannot get there from anywhere.
-        """
+        """Joint positions that bring the hand to a pose, near given ones; or UnreachableError."""
 
     @abstractmethod
     def height(self, joints: Floats) -> float:

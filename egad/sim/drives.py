@@ -14,21 +14,13 @@ DEGREE = 4  # of the polynomials between joints, as in MuJoCo
 
 
 class Drive:
-    """What closes a hand. This one has no joints.
+    """What closes a hand. This one has no joints."""
 
-    Attributes:
-        joints: Names of the joints that close it.
-        strength: Force or torque of each, N or N m.
-        closing: How far each moves per metre that its pad moves inwards; the sign is the direction.
-        mirrored: Whether the hand is its own mirror image; both fingers move, if it has any.
-        welds: Whether it can hold an object without pressing on it: see `World.attach`.
-    """
-
-    joints: tuple[str, ...] = ()
-    strength = 0.0
-    closing = -1.0
-    mirrored = True
-    welds = False
+    joints: tuple[str, ...] = ()  # names of the joints that close it
+    strength = 0.0  # force or torque of each, N or N m
+    closing = -1.0  # how far each moves per metre that its pad moves inwards, with the direction
+    mirrored = True  # whether the hand is its own mirror image; both fingers move, if it has any
+    welds = False  # whether it can hold an object without pressing on it: see `World.attach`
 
     def position(self, opening: float) -> float:
         """Position of each joint at an opening: the distance of its pad from the middle, metres."""
@@ -61,21 +53,13 @@ class FingerDrive(Drive):
 
 @dataclass(eq=False)
 class JawDrive(Drive):
-    """One moving jaw.
+    """One moving jaw."""
 
-    Attributes:
-        joint: Name of its joint.
-        openings: (k,) distances of the pads, ascending, metres.
-        positions: (k,) its positions there, metres or radians.
-        lever: Its torque per newton between the pads, metres; 1 if it slides.
-        force: Closing force, newtons.
-    """
-
-    joint: str
-    openings: Floats
-    positions: Floats
-    lever: float
-    force: float
+    joint: str  # name of its joint
+    openings: Floats  # (k,) distances of the pads, ascending, metres
+    positions: Floats  # (k,) its positions there, metres or radians
+    lever: float  # its torque per newton between the pads, metres; 1 if it slides
+    force: float  # closing force, newtons
     mirrored = False
 
     def __post_init__(self) -> None:
@@ -116,19 +100,12 @@ class CupDrive(Drive):
 
 @dataclass(frozen=True, eq=False)
 class Follower:
-    """A joint of a linkage, whose position follows from that of a finger.
+    """A joint of a linkage, whose position follows from that of a finger."""
 
-    Attributes:
-        joint: Its name.
-        side: The finger.
-        distances: (k,) distances of that finger's pad from the middle, ascending, metres.
-        positions: (k,) positions of the joint, metres or radians.
-    """
-
-    joint: str
-    side: str
-    distances: Floats
-    positions: Floats
+    joint: str  # its name
+    side: str  # the finger
+    distances: Floats  # (k,) distances of that finger's pad from the middle, ascending, metres
+    positions: Floats  # (k,) positions of the joint, metres or radians
 
     def at(self, distance: float) -> float:
         """Its position when the pad is this far from the middle."""

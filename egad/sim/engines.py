@@ -16,10 +16,7 @@ def open_world(
     robot: Robot | None = None,
     walls: float | None = None,
 ) -> World:
-    """A world in an engine, for a `with` block; `UserError` if the engine is not installed.
-
-    Walls have this inner length and width around the middle, metres, and no floor.
-    """
+    """A world in an engine, in a `with` block; walls of this inner length and width, metres."""
     check_engine(engine)
     if engine == "pybullet":
         with _no_stderr():

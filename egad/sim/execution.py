@@ -41,19 +41,12 @@ APPROACH_SPEED, RETREAT_SPEED = 0.25, 0.35  # ours: mean, m/s
 
 
 class ContactRules(NamedTuple):
-    """What contacts during the approach mean, and when a hand without an arm holds an object.
+    """What contacts during the approach mean, and when a hand without an arm holds an object."""
 
-    Attributes:
-        contact: What a contact means.
-        force: Contacts above this force count, newtons.
-        pinched: Whether both fingers must press on an object after they closed.
-        first: Whether the object that is held is the first one that the hand touches.
-    """
-
-    contact: Contact
-    force: float = COLLISION_FORCE
-    pinched: bool = True
-    first: bool = False
+    contact: Contact  # what a contact means
+    force: float = COLLISION_FORCE  # contacts above this force count, newtons
+    pinched: bool = True  # whether both fingers must press on an object after they closed
+    first: bool = False  # whether the object that is held is the first one that the hand touches
 
     @property
     def limit(self) -> float:
@@ -65,22 +58,18 @@ FAILS, CLOSES = ContactRules("collided"), ContactRules("close")
 
 
 class Execution(NamedTuple):
-    """The result of a grasp.
+    """The result of a grasp."""
 
-    Attributes:
-        outcome: One of `egad.tables.outcomes.EXECUTION`, or failed; for a suction cup also no_seal.
-        lifted: Height that the object's center of mass gained, metres.
-        end: Final pose of the object; None if the simulation broke down. If the object lay still in
-            the hand before the lift was complete, where it would be after the whole lift.
-        stopped: How far before the grasp a contact stopped the hand, metres; 0 if none did.
-        held: Number of the object in a hand without an arm; None without success. For such a hand,
-            `lifted` and `end` are not known.
-    """
-
+    # one of `egad.tables.outcomes.EXECUTION`, or failed; for a suction cup also no_seal
     outcome: Outcome
-    lifted: float = 0.0
+    lifted: float = 0.0  # height that the object's center of mass gained, metres
+    # final pose of the object; None if the simulation broke down. If the object lay still in the
+    # hand before the lift was complete, where it would be after the whole lift
     end: Pose | None = None
+    # how far before the grasp a contact stopped the hand, metres; 0 if none did
     stopped: float = 0.0
+    # number of the object in a hand without an arm; None without success. For such a hand, `lifted`
+    # and `end` are not known
     held: int | None = None
 
 
@@ -96,18 +85,11 @@ def execute(
 ) -> Execution:
     """Approach from above, close, lift and hold.
 
-    The result depends only on the arguments, if the world was reset before the object was placed.
+    An object that is `afloat` is held in the air until the hand has arrived, then weightless until
+    the fingers have closed. `contact` is the distance of the pads at which they will meet it,
+    metres, if known: pads may move on arcs.
 
-    Args:
-        world: World with the object where it is to be grasped.
-        arm: Arm that carries the hand; its robot is that of the world.
-        lifting: Settings of lift and hold.
-        grasp: A grasp that the hand can execute (`Grasp.infeasibility`).
-        afloat: Whether the object floats in the air: it is held there until the hand has arrived,
-            then free but weightless until the fingers have closed.
-        contact: Distance of the pads at which they will meet the object, metres, if it is known;
-            the height of the hand is then corrected for pads that move on arcs.
-        rules: What a contact on the way down means.
+    The result depends only on the arguments, if the world was reset before the object was placed.
     """
     try:
         before = world.pose().position[2]
@@ -152,19 +134,12 @@ def execute_pose(
 ) -> Execution:
     """Approach from 5 cm away, close, and retreat by 10 cm; `rules` say what a contact does.
 
-    A suction cup goes up to 1 cm further to find an object. For it, closing means switching the
-    vacuum on.
-
-    A hand that approaches from above, within 60 degrees, retreats along its approach; otherwise it
-    moves straight up. An object is held if the hand then touches it and is not closed.
+    The hand is a `free_hand` at `pose`, (4, 4) to the world, and opens by `width`, metres. A cup
+    goes up to 1 cm further to find an object; closing switches its vacuum on. From above, within 60
+    degrees, the hand retreats along its approach, otherwise straight up. An object is held if the
+    hand then touches it and is not closed.
 
     The result depends only on the arguments, if the world was reset before the objects were placed.
-
-    Args:
-        world: World with the objects where they lie, and the robot `egad.sim.free_hand`.
-        pose: (4, 4) from the frame of the hand (`egad.grasps.Grasps.poses`) to the world.
-        width: How far the hand opens, metres.
-        rules: What contacts mean.
     """
     try:
         return _executed(world, pose, width, rules)
@@ -227,12 +202,10 @@ def lift_and_hold(hand: Hand, lifting: Lifting) -> tuple[Outcome, Pose]:
 def place_hand_above(
     world: World, arm: Arm, grasp: Grasp, height: float, contact: float | None = None
 ) -> Hand:
-    """Open the hand with its fingertips at some height above a grasp, or raise UnreachableError.
+    """Open the hand above a grasp, fingertips at some height, or raise UnreachableError.
 
-    A jaw that does not move is `JAW_CLEARANCE` before its contact. If it is not known where the
-    hand will meet the object, the opening of the grasp tells: it is 8 mm wider on each side, and
-    the jaw is `FIXED_SIDE_CLEARANCE` before its contact. A hand that opens as far as it can is in
-    the middle.
+    A fixed jaw is `JAW_CLEARANCE` before its contact, or `FIXED_SIDE_CLEARANCE` if the opening of
+    the grasp tells where that is: it is 8 mm wider on each side.
     """
     hand_pose = HandPose(grasp.center[0], grasp.center[1], height, grasp.angle)
     gripper = arm.robot.gripper
@@ -264,11 +237,7 @@ class Stillness:
         self._before, self._steps = self._held(), 0
 
     def __call__(self) -> bool:
-        """Whether the object lies still; call this once after every step.
-
-        It does if, at the rate of the last 0.1 s, none of its points would move by more than 1 mm
-        until the end.
-        """
+        """Whether the object lies still: no point will move by 1 mm until the end."""
         self._early, self._left, self._steps = self._early - 1, self._left - 1, self._steps + 1
         if self._early == 0:
             self._before, self._steps = self._held(), 0

@@ -80,10 +80,7 @@ def draw(
     looking_at: Floats,
     camera: tuple[float, float, float] = FOLLOWED,
 ) -> RgbImage:
-    """Draw colored meshes, z up, with one light and its shadows, (height, width, 3).
-
-    The camera's distance (metres), yaw and pitch (degrees) are about the point in the middle.
-    """
+    """Draw colored meshes with one light, (height, width, 3); camera at m and degrees."""
     counts = [len(mesh.faces) for mesh, _ in bodies]
     colors = np.repeat([color for _, color in bodies], counts, axis=0)
     scene = TriangleScene(

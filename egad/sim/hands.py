@@ -41,11 +41,7 @@ OWN = "hand-"  # prefix of the names of the links of a model
 
 
 class HandParts(NamedTuple):
-    """A hand: x closes, z is the approach, and the palm begins at the origin of its frame.
-
-    The joint of the palm is left to the arm. `length` is the distance from the back of the palm to
-    the fingertips; for the other attributes see `Robot`.
-    """
+    """A hand: x closes, z approaches, the palm begins at 0; `length` from its back, metres."""
 
     links: list[Link]
     joints: list[Joint]

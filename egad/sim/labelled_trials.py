@@ -36,11 +36,7 @@ RATINGS = ("quality", "robust_quality", "robust_success_rate")
 def sample_labelled_grasps(
     grasps: pd.DataFrame, object_id: str, count: int, seed: int
 ) -> pd.DataFrame:
-    """A uniform sample of at most `count` labelled grasps of an object that the hand can reach.
-
-    The id determines it, with the seed. The rows of `tables.grasping.GRASPS` keep their order, and
-    get the numbers that they were sampled from: `n_labelled` and, among these, `n_collision_free`.
-    """
+    """A sample of at most `count` reachable `GRASPS`, in their order, with the numbers before."""
     free = grasps[grasps["collision_free"]]
     rng = generator(seed, "agreement", object_id)
     chosen = np.sort(rng.permutation(len(free))[:count])
@@ -50,10 +46,7 @@ def sample_labelled_grasps(
 def execute_labelled_grasps(
     model: Model, label: str, object_id: str, sample: pd.DataFrame, settings: LabelTrialParameters
 ) -> pd.DataFrame:
-    """Execute a sample of labelled grasps, each independently of the previous ones.
-
-    Returns one row per grasp, columns of `tables.evaluation.AGREEMENT`.
-    """
+    """Execute a sample of labelled grasps, each by itself: rows of `AGREEMENT`."""
     check_jaws(settings.gripper, "a labelled grasp of a floating object")
     found = []
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
@@ -81,11 +74,7 @@ def failed_labelled_grasps(
 
 
 def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[Pose, Grasp]:
-    """The pose of a floating object that turns a labelled grasp into one from above; that grasp.
-
-    The closing axis is the world's x. The hand is wide open, and the contacts are in the middle of
-    its pads, as they were when the label was checked for collisions.
-    """
+    """The pose that turns a labelled grasp into one from above, closing along x; that grasp."""
     center, axis, approach = (
         np.array([[row[name] for name in vector_names(part)]])
         for part in ("center", "axis", "approach")
@@ -97,10 +86,7 @@ def floating_pose(model: Model, row: dict[str, Any], gripper: Gripper) -> tuple[
 
 
 def float_before_hand(to_hand: Floats, size: float, gripper: Gripper) -> tuple[Pose, Grasp]:
-    """The same for a hand in any pose: `to_hand`, (4, 4), from the principal frame of the object.
-
-    The object is `size` metres long; it floats this high, and `CLEAR` above that.
-    """
+    """The same for a hand at `to_hand`, (4, 4); the object is `size` long and floats above it."""
     height = size + CLEAR
     above = hand_poses(
         np.array([[0.0, 0.0, height]]), np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, -1.0]])

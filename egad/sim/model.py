@@ -18,24 +18,15 @@ MIN_MASS = 0.05
 
 @dataclass(frozen=True)
 class Model:
-    """An object in its principal frame: origin in the center of mass, principal axes of inertia.
+    """An object in its principal frame: origin in the center of mass, principal axes of inertia."""
 
-    Attributes:
-        mesh: The true surface, for depth images. Metres.
-        parts: Convex meshes that represent it in contacts. Metres.
-        mass: Kilograms, at least 50 g.
-        solid_mass: Mass of the solid, which may be less, kilograms.
-        inertia: (3,) principal moments about the center of mass, kg m2.
-        volume_error: Volume of the parts / volume of the mesh - 1.
-        to_principal: (4, 4) transform from the frame that the object was given in, with its scale.
-    """
-
-    mesh: trimesh.Trimesh
-    parts: tuple[trimesh.Trimesh, ...]
-    mass: float
-    solid_mass: float
-    inertia: Floats
-    volume_error: float
+    mesh: trimesh.Trimesh  # the true surface, for depth images. Metres
+    parts: tuple[trimesh.Trimesh, ...]  # convex meshes that represent it in contacts. Metres
+    mass: float  # kilograms, at least 50 g
+    solid_mass: float  # mass of the solid, which may be less, kilograms
+    inertia: Floats  # (3,) principal moments about the center of mass, kg m2
+    volume_error: float  # volume of the parts / volume of the mesh - 1
+    # (4, 4) transform from the frame that the object was given in, with its scale
     to_principal: Floats
 
     def scaled(self, factor: float) -> "Model":
@@ -60,10 +51,7 @@ def model_of(
     physics: MassProperties,
     volume_error: float,
 ) -> Model:
-    """Model an object of the simulation bundle.
-
-    An object lighter than 50 g gets that mass, distributed as before; BURG has the same minimum.
-    """
+    """Model an object of the simulation bundle, of at least 50 g, as in BURG."""
     moments, to_principal = principal_frame(physics)
     return Model(
         mesh=mesh.copy().apply_transform(to_principal),
@@ -88,14 +76,7 @@ def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
 
 
 def build(mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh") -> Model:
-    """Model any object of uniform density, kg/m3, like one of the simulation bundle.
-
-    Raises:
-        RejectedError: The mesh does not bound a solid, or has no convex parts.
-
-    Warns:
-        PartsWarning: The parts exceed the limits of the settings; the warning has the name.
-    """
+    """Model any object of uniform density, kg/m3; RejectedError if it is no solid; PartsWarning."""
     made = make_simulation_object(mesh, density, settings, name)
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)
 

@@ -12,10 +12,7 @@ from egad.geometry.surfaces import Surface
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
 from egad.sim.robot import EFFORT, PALM, Box, HullShape, Joint, Link, Robot, wall_boxes
-from egad.sim.world import (
-    CLOSING_SPEED,
-    TIME_STEP,
-)
+from egad.sim.world import CLOSING_SPEED, TIME_STEP
 
 SUBSTEPS = 2  # of a time step
 # Contacts are soft: the stiffest that the step allows, and close to rigid.
@@ -41,20 +38,13 @@ ON_TABLE, ON_OBJECT = (
     [each.friction, surfaces.TABLE_ROLLING, surfaces.TABLE_ROLLING]
     for each in (surfaces.TABLE, surfaces.OBJECT)
 )
-_CONTACT = {
-    "condim": CONTACT_DIMENSIONS,
-    "solref": [CONTACT_TIME, 1.0],
-    "solimp": list(IMPEDANCE),
-}
+_CONTACT = {"condim": CONTACT_DIMENSIONS, "solref": [CONTACT_TIME, 1.0], "solimp": list(IMPEDANCE)}
 
 
 def scene_spec(
     models: Sequence[Model], robot: Robot | None, walls: float | None = None
 ) -> mujoco.MjSpec:
-    """Table, objects and robot for MuJoCo, with the motors of the robot.
-
-    The first weld constraints hold the objects in place, as many more hold them to a suction cup.
-    """
+    """Table, objects and robot with motors; welds hold objects, then as many to a cup."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     option = spec.option

@@ -76,19 +76,12 @@ EFFORT = 1000.0  # N or N m that no joint exceeds
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body of a robot; its inertia is that of a uniform box around its shapes.
+    """A rigid body of a robot; its inertia is that of a uniform box around its shapes."""
 
-    Attributes:
-        name: Name of the link.
-        mass: Kilograms.
-        shapes: Shapes that collide.
-        soft: Shapes that are only seen, such as a suction cup.
-    """
-
-    name: str
-    mass: float = 0.0
-    shapes: tuple[Box | HullShape, ...] = ()
-    soft: tuple[HullShape, ...] = ()
+    name: str  # name of the link
+    mass: float = 0.0  # kilograms
+    shapes: tuple[Box | HullShape, ...] = ()  # shapes that collide
+    soft: tuple[HullShape, ...] = ()  # shapes that are only seen, such as a suction cup
 
     @property
     def box(self) -> Box:
@@ -110,25 +103,16 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """How a link is attached to another one.
+    """How a link is attached to another one."""
 
-    Attributes:
-        child: Name of the link, and of the joint.
-        parent: Name of the link that carries it.
-        kind: How it moves.
-        origin: Origin of the child's frame in that of the parent at position 0, metres.
-        turn: Rotation of the child's frame, a rotation vector, radians.
-        axis: Axis that it moves along or about, in the frame of the child.
-        limits: Limits of the motion, metres or radians.
-    """
-
-    child: str
-    parent: str
-    kind: Literal["prismatic", "revolute", "fixed"] = "fixed"
+    child: str  # name of the link, and of the joint
+    parent: str  # name of the link that carries it
+    kind: Literal["prismatic", "revolute", "fixed"] = "fixed"  # how it moves
+    # origin of the child's frame in that of the parent at position 0, metres
     origin: Vector = (0.0, 0.0, 0.0)
-    turn: Vector = (0.0, 0.0, 0.0)
-    axis: Vector = (0.0, 0.0, 1.0)
-    limits: tuple[float, float] = (0.0, 0.0)
+    turn: Vector = (0.0, 0.0, 0.0)  # rotation of the child's frame, a rotation vector, radians
+    axis: Vector = (0.0, 0.0, 1.0)  # axis that it moves along or about, in the frame of the child
+    limits: tuple[float, float] = (0.0, 0.0)  # limits of the motion, metres or radians
 
 
 @dataclass(frozen=True)
@@ -138,26 +122,20 @@ class Robot:
     The joints LEFT and RIGHT move the fingers themselves, or carriages without a body that the
     joints of a linkage follow. A fixed jaw is on the right, at negative x. TIP is between the
     fingertips, or the middle of the ring of a suction cup.
-
-    Attributes:
-        gripper: Force and pads of the fingers.
-        links: The root first.
-        joints: One for each link except the root, in the same order.
-        strength: Force or torque of each joint of the arm, by its name, N or N m.
-        sides: LEFT or RIGHT for each link of a finger, by its name.
-        drive: What closes the hand.
-        followers: Joints that follow those of the fingers.
-        path: Openings, ascending, and positions of the pads along the approach, metres; the
-            fingertips are at TIP when the pads are at 0.
     """
 
-    gripper: Gripper
-    links: tuple[Link, ...]
-    joints: tuple[Joint, ...]
+    gripper: Gripper  # force and pads of the fingers
+    links: tuple[Link, ...]  # the root first
+    joints: tuple[Joint, ...]  # one for each link except the root, in the same order
+    # force or torque of each joint of the arm, by its name, N or N m
     strength: dict[str, float] = field(hash=False)
+    # LEFT or RIGHT for each link of a finger, by its name
     sides: dict[str, str] = field(hash=False)
-    drive: Drive = field(compare=False)
+    drive: Drive = field(compare=False)  # what closes the hand
+    # joints that follow those of the fingers
     followers: tuple[Follower, ...] = field(default=(), compare=False)
+    # openings, ascending, and positions of the pads along the approach, metres; the fingertips are
+    # at TIP when the pads are at 0
     path: tuple[Floats, Floats] | None = field(default=None, compare=False)
 
     def reach(self, opening: float) -> float:

@@ -36,19 +36,15 @@ NOT_A_MOTION = (np.nan, np.nan)
 
 
 class SimulatedGrasp(NamedTuple):
-    """The result of a grasp.
+    """The result of a grasp."""
 
-    Attributes:
-        outcome: `success`: held to the end; `collided`, `missed`, `slipped_closing`,
-            `slipped_shaking`, `slipped_lifting` or `dropped`, whichever came first; `failed`.
-        closing: How far the object moved relative to the hand while the fingers closed: its center
-            of mass in metres, and its rotation in radians.
-        shaking: The same while it was shaken; NaN if it was not.
-    """
-
+    # `success`: held to the end; `collided`, `missed`, `slipped_closing`, `slipped_shaking`,
+    # `slipped_lifting` or `dropped`, whichever came first; `failed`
     outcome: Outcome
+    # how far the object moved relative to the hand while the fingers closed: its center of mass in
+    # metres, and its rotation in radians
     closing: tuple[float, float] = NOT_A_MOTION
-    shaking: tuple[float, float] = NOT_A_MOTION
+    shaking: tuple[float, float] = NOT_A_MOTION  # the same while it was shaken; NaN if it was not
 
     @property
     def success(self) -> bool | None:
@@ -59,10 +55,7 @@ class SimulatedGrasp(NamedTuple):
 def simulate_labels(
     model: Model, grasps: pd.DataFrame, settings: SimulatedLabelParameters
 ) -> pd.DataFrame:
-    """Simulate collision-free grasps of an object, each independently of the others.
-
-    Returns the grasps (`tables.grasping.GRASPS`) with the columns of `SIMULATED_GRASPS`.
-    """
+    """Simulate collision-free `GRASPS` of an object, each by itself: `SIMULATED_GRASPS`."""
     chosen = chosen_grasps(grasps, settings)
     found = simulate_grasps(model, grasps.iloc[chosen], settings)
     return with_simulated_labels(grasps, chosen, found, settings)
@@ -106,10 +99,7 @@ def with_simulated_labels(
 def simulate_grasp(
     world: World, arm: Arm, start: Pose, hand_pose: HandPose, contact: float, lifting: Lifting
 ) -> SimulatedGrasp:
-    """Close the open hand on an object that floats at `start`, shake it and lift it.
-
-    The world is reset first; the contacts are `contact` metres apart; the arm can turn.
-    """
+    """Close the open hand on an object that floats at `start`, shake it and lift it."""
     world.reset()
     world.place(start)
     world.set_gravity(WEIGHTLESS)

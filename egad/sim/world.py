@@ -203,10 +203,9 @@ class World(ABC):
     def attach(self, number: int, depth: float = 0.0) -> None:
         """Let the suction cup of the robot hold an object where it is now.
 
-        The object is held as long as the cup resists its load (`Drive.resists`), which is checked
-        after every time step. A real cup gives way, but this one is rigid: so the load does not
-        count before the object has been off the table for 0.05 s. It is taken about the middle of
-        the ring, whose depth in the frame of the cup is given, metres.
+        It is held as long as the cup resists its load (`Drive.resists`) about the middle of the
+        ring, whose depth in the frame of the cup is given, metres. A real cup gives way, this one
+        is rigid: the load counts once the object has been off the table for 0.05 s.
         """
         self._contact, self._hanging = depth, 0
         palm = self._link_pose(PALM)

@@ -73,7 +73,7 @@ def table(labels, tmp_path):
 def test_objects_come_one_after_the_other_across_batches(tmp_path, monkeypatch):
     labels = [f"{number:03d}" for number in np.repeat(range(40), 7)]
     path = table(labels, tmp_path)
-    monkeypatch.setattr(parquet, "BATCH", 10)
+    monkeypatch.setattr("egad.tables.untrusted.BATCH", 10)
     found = list(by_object(path, ["grasp"]))
     assert [label for label, _ in found] == sorted(set(labels))
     assert [rows["grasp"].tolist() for _, rows in found] == [

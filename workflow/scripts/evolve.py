@@ -54,10 +54,7 @@ def run(
 def watch_of(
     settings: EvolutionParameters, epoch: int, island: int, page: Path, islands: int | None
 ) -> Watch:
-    """The live map of the archive.
-
-    It is imported by name: the page does not affect results, so its changes must not re-run jobs.
-    """
+    """The live map, imported by name: it does not affect results, so jobs do not depend on it."""
     live_map = importlib.import_module("egad.report.live_map")
     record = importlib.import_module("egad_workflow.provenance")
     axes = importlib.import_module("egad.report.axes")

@@ -95,12 +95,7 @@ def run(
     archives: list[Path] | None = None,
     jobs: int = 1,
 ) -> None:
-    """Write a static site with a map of the objects of a dataset and a page for each of them.
-
-    The page reads the data in `out`: an index, sheets of pictures, and a script for each object and
-    each of its ancestors. It works offline and on any web server, and links to the pieces and
-    archives of the release.
-    """
+    """Write a static site with a map of the objects of a dataset and a page for each of them."""
     data = GalleryData(
         objects=parquet.read(objects, OBJECTS),
         gripper=gripper,

@@ -61,11 +61,7 @@ def measure_objects(
     *,
     resample: bool = True,
 ) -> None:
-    """Repair and measure objects, whose sources are functions that return their meshes.
-
-    `known` is the graspability that evolution used for selection; empty for other meshes, which are
-    resampled (`egad.measures.measure_repeatably`).
-    """
+    """Repair and measure objects from their sources; `known` is graspability, resampled without."""
     rows, left_out = [], []
     for object_id, load in progress(sources.items(), "repairing and measuring", len(sources)):
         try:

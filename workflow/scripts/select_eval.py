@@ -54,10 +54,8 @@ def run(
 ) -> None:
     """Choose the evaluation set, or take all objects, or those that have already been chosen.
 
-    A chosen set has one printable object per cell, which maximizes the dissimilarity of the set.
-    The selection is `cells`: choose; `all`: all objects, in the cells that they are named after if
-    all of them are; `names`: those that are; `labels`: those in the file of labels by id. If the
-    objects are a user's own, each one that is not chosen is listed.
+    A chosen set has one printable object per cell, which maximizes its dissimilarity. `all`: in the
+    cells that objects are named after, if all are; `names`: those that are; `labels`: by a file.
     """
     frame = parquet.read(objects, OBJECTS)
     rows = join(solids, SOLIDS, ["id"]).set_index("id").loc[frame["id"]]

@@ -42,12 +42,7 @@ def run(
     grasps: Path | None = None,
     keep_going: bool = False,
 ) -> None:
-    """Run simulated grasping trials on the evaluation objects of a shard.
-
-    Everything runs in a separate process, which is restarted if the engine crashes or hangs. If
-    that happens twice with an object, it is marked as crashed. All attempts of an object that the
-    bundle does not contain fail.
-    """
+    """Run trials on the evaluation objects of a shard; those not in the bundle fail."""
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)
     parts = []
@@ -88,19 +83,15 @@ def open_detector(
     """A function that returns the detector of an object by its id, valid within the context."""
     config = settings.detector
     if config.detector == LABELS:
-        yield _labels(grasps)
+        if grasps is None:
+            raise UserError("the detector `labels` needs the table of labelled grasps")
+        table = parquet.read(grasps, GRASPS)
+        yield lambda object_id: Labels(table[table["id"] == object_id])
         return
     if config.detector in IN_SCENES:
         check_views_will_do(IN_SCENES[config.detector])
     with opened(config, settings.trials.planning_time) as detect:
         yield lambda _: detect
-
-
-def _labels(grasps: Path | None) -> Callable[[str], Labels]:
-    if grasps is None:
-        raise UserError("the detector `labels` needs the table of labelled grasps")
-    table = parquet.read(grasps, GRASPS)
-    return lambda object_id: Labels(table[table["id"] == object_id])
 
 
 if __name__ == "__main__":

@@ -98,10 +98,7 @@ def failed_drops(attempts: pd.DataFrame, engine: str) -> list[int]:
 
 
 def explanation(attempts: pd.DataFrame, engine: str, most: int) -> dict[str, int]:
-    """Why a detector fails at an object: columns of `tables.failures.EXPLAINED`.
-
-    `Examination.explain` tried other proposals in this engine, at `most` drops.
-    """
+    """Why a detector fails at an object: columns of `EXPLAINED`, from at most `most` drops."""
     drops = failed_drops(attempts, engine)[:most]
     chosen = attempts[(attempts["who"] == "detector") & attempts["drop"].isin(drops)]
     first = chosen[(chosen["purpose"] == "confirm") & (chosen["engine"] == engine)]
@@ -129,11 +126,7 @@ class ObjectVerdict(StrEnum):
     CELL_FULL = "cell_full"
 
 
-GRASPABLE = (
-    ObjectVerdict.FAILURE,
-    ObjectVerdict.DETECTOR_SUCCEEDS,
-    ObjectVerdict.NOT_CONFIRMED,
-)
+GRASPABLE = (ObjectVerdict.FAILURE, ObjectVerdict.DETECTOR_SUCCEEDS, ObjectVerdict.NOT_CONFIRMED)
 
 
 @dataclass(frozen=True)
@@ -151,10 +144,7 @@ class Examined:
 
     @property
     def objective(self) -> float:
-        """The objective of the search: the difference, shrunk towards 0, in steps of 0.1.
-
-        It is the lowest over engines with fresh drops, else that of all attempts of the detector.
-        """
+        """The lowest difference over engines, shrunk towards 0, in steps of 0.1."""
         if self.verdict not in GRASPABLE:
             return 0.0
         table = self.attempts

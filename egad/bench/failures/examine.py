@@ -35,10 +35,7 @@ PATIENCE = 2  # drops for each one wanted, as the object does not come to rest i
 
 
 def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
-    """The approach of a detector: from the settings, or else from the input that it asks for.
-
-    UserError if it grasps from above and asks for more than the view of a camera there.
-    """
+    """The approach of a detector: from the settings, or else from the input that it asks for."""
     sees = asked_for(detect)
     if search.approach == "above" and sees != "view":
         raise UserError(
@@ -59,10 +56,7 @@ class Examination:
         settings: FailureParameters,
         report: Callable[[int], object] = int,
     ) -> None:
-        """Prepare to examine a closed mesh, scaled to the gripper, metres.
-
-        Its id determines all drops, with the seed; `report` is called with 1 after every attempt.
-        """
+        """Prepare for a closed mesh, scaled, metres; the id and the seed determine all drops."""
         self._mesh, self._id = mesh, object_id
         self._settings, self._search = settings, settings.failures
         self._from_above = approach_of(detect, settings.failures) == "above"
@@ -95,10 +89,7 @@ class Examination:
         return ObjectVerdict.FAILURE if is_failure else ObjectVerdict.NOT_CONFIRMED, ""
 
     def explain(self, attempts: pd.DataFrame) -> pd.DataFrame:
-        """Try the other proposals of the detector where it failed and the reference did not.
-
-        Returns the further `tables.failures.FAILURE_ATTEMPTS` at each drop, until one succeeds.
-        """
+        """Try other proposals of the detector where only the reference succeeded: the attempts."""
         recorder, engine = self._recorder, self._search.engines[0]
         exact = model_of_attempts(self._mesh, "explain", self._settings, self._id)
         failed = failed_drops(attempts, engine)[: self._search.explain]
@@ -117,16 +108,10 @@ class Examination:
     def paired(
         self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
     ) -> pd.DataFrame:
-        """Try detector and reference from `count` drops with a new purpose in each engine.
+        """Try both from `count` fresh drops in each engine, with a reference that knows `before`.
 
-        The reference knows the attempts `before`, in their order. If its choice was cut short, it
-        is completed first. Trying stops once one cannot succeed `least` times in an engine.
-
-        Returns:
-            The further attempts, columns of `tables.failures.FAILURE_ATTEMPTS`.
-
-        Raises:
-            RejectedError: The object cannot be simulated, or does not come to rest.
+        Trying stops once one cannot succeed `least` times in an engine. RejectedError if the object
+        cannot be simulated, or does not come to rest.
         """
         self._reference = ReferencePolicy.of(before)
         grasps = self._labelled()
@@ -163,20 +148,11 @@ class Examination:
     def _runners(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[ObjectRunner]]:
         """A runner in each engine, for the duration of the `with` block."""
         with ExitStack() as stack:
-            yield [
-                stack.enter_context(
-                    open_runner(
-                        engine,
-                        model,
-                        grasps,
-                        self._settings.gripper,
-                        from_above=self._from_above,
-                        depth_noise=self._search.depth_noise,
-                        contact=self._settings.trials,
-                    )
-                )
+            opened = (
+                open_runner(engine, model, grasps, self._settings, from_above=self._from_above)
                 for engine in self._search.engines
-            ]
+            )
+            yield list(map(stack.enter_context, opened))
 
     def _labelled(self) -> pd.DataFrame:
         try:
@@ -235,10 +211,7 @@ class Examination:
         return False
 
     def _confirm(self, runners: Sequence[ObjectRunner]) -> bool:
-        """Try both from fresh drops until it is clear whether the object is a failure.
-
-        The engines take turns, so that the test ends early if it is not a failure in one of them.
-        """
+        """Try both from fresh drops, engines in turn, until it is clear if it is a failure."""
         search = self._search
         claim = Claim(search.least_reference, search.least_difference, search.confidence)
         open_ones = {runner: list[PairedDrop]() for runner in runners}

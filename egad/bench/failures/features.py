@@ -88,11 +88,10 @@ SHAPE_FEATURES = {
 def shape_features(
     mesh: trimesh.Trimesh, attempts: pd.DataFrame, gripper: Gripper
 ) -> dict[str, float]:
-    """The features of an object that `SHAPE_FEATURES` defines, without those of the map.
+    """`SHAPE_FEATURES` but those of the map; metres, 1/m.
 
-    The mesh is closed, wound outwards, scaled as in the search, metres. Features of grasps are
-    medians over the first twelve `tables.failures.FAILURE_ATTEMPTS` that held; NaN without any. A
-    suction cup has one contact, and so no `grasp_size`. Lengths are in metres, curvature in 1/m.
+    The mesh is closed and scaled. Those of grasps are medians over the first twelve that held; NaN
+    without any. A cup has one contact, and so no `grasp_size`.
     """
     caster = RayCaster(mesh)
     points, faces = trimesh.sample.sample_surface(mesh, POINTS, seed=0)
@@ -137,10 +136,7 @@ def _rays_of_jaws(gripper: Gripper, width: float) -> list[tuple[Floats, Floats]]
     along = np.linspace(-reach, reach, LINES)
     y, z = (grid.ravel() for grid in np.meshgrid(across, along))
     return [
-        (
-            np.stack([np.full_like(y, side * width / 2), y, z], axis=1),
-            np.array([-side, 0.0, 0.0]),
-        )
+        (np.stack([np.full_like(y, side * width / 2), y, z], axis=1), np.array([-side, 0.0, 0.0]))
         for side in (-1.0, 1.0)
     ]
 
@@ -198,11 +194,7 @@ def concavity(mesh: trimesh.Trimesh) -> float:
 
 
 def asymmetry(mesh: trimesh.Trimesh) -> float:
-    """Share of a solid whose mirror image lies outside of it, 0 to 1.
-
-    This is the minimum over the three mirror planes through the center of mass perpendicular to a
-    principal axis; a plane of symmetry is one of these, unless two principal moments are equal.
-    """
+    """Share of a solid whose mirror image lies outside, for the best of its principal planes."""
     _, to_principal = principal_frame(mass_properties(mesh, Material().density))
     caster = RayCaster(mesh.copy().apply_transform(to_principal))
     low, high = np.asarray(caster.mesh.bounds)
@@ -229,12 +221,10 @@ class ExplainedShare(NamedTuple):
 
 
 def shares(failures: pd.DataFrame, solved: pd.DataFrame) -> dict[str, ExplainedShare]:
-    """For each feature, the share of the failures that it explains.
+    """For each feature known of a failure and two solved objects, the share that it explains.
 
-    A feature explains a failure if few objects that the detector solves have such a value. The
-    shares overlap, as a thin object may also be concave: they do not add up. They are
-    associations, not causes. A feature, a column of both tables, must be known for at least one
-    failure and two solved objects.
+    It explains a failure if few solved objects have such a value. The shares are associations, not
+    causes, and overlap: a thin object may also be concave.
     """
     found = {}
     for name in failures:

@@ -163,11 +163,7 @@ def search_failures(
     jobs: int = 1,
     folder: Path | None = None,
 ) -> FailureAtlas:
-    """Run all shards of a search and join what they find.
-
-    The search begins with objects of `tables.evolution.ARCHIVE`; an interrupted one resumes from
-    its folder, if any. UserError as in `find_failures`; it says where the results so far are.
-    """
+    """Run all shards of a search that begins with `ARCHIVE`, or resume them, and join them."""
     search = settings.failures
     for engine in search.engines:
         check_engine(engine)
@@ -195,11 +191,7 @@ def run_shard(
     store: Store | None = None,
     done: Path | None = None,
 ) -> Found:
-    """Run one shard of a search, from where `store` says that it was interrupted.
-
-    It begins with objects of `tables.evolution.ARCHIVE`; `done` is a file of `shared_progress`.
-    UserError if the detector cannot be made, or fails in all attempts at the first three objects.
-    """
+    """Run one shard of a search, or resume it; `done` is a file of `shared_progress`."""
     found = [NOTHING if store is None else store.read(shard)]
     report = int if done is None else partial(count_done, done)
     written = time.monotonic()
@@ -244,10 +236,7 @@ def join(
 
 
 def _explained(
-    row: dict[str, Any],
-    known: dict[str, pd.DataFrame],
-    detect: Detect,
-    settings: FailureParameters,
+    row: dict[str, Any], known: dict[str, pd.DataFrame], detect: Detect, settings: FailureParameters
 ) -> pd.DataFrame:
     mesh = scaled_surface(row["voxels"], settings)
     with opened(detect, settings.failures.planning_time) as asked:

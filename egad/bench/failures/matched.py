@@ -88,11 +88,7 @@ class MatchedSet:
         return dataset_of(self.table, self.shape)
 
     def success_rate(
-        self,
-        engine: str,
-        *,
-        failures: bool,
-        who: Literal["detector", "reference"] = "detector",
+        self, engine: str, *, failures: bool, who: Literal["detector", "reference"] = "detector"
     ) -> Rate:
         """How often objects, the failures or their partners, were held on the fresh drops."""
         rows = self.table[self.table["is_failure"] == failures]

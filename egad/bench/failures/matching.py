@@ -49,11 +49,7 @@ class CandidateTrial(NamedTuple):
 
 
 def spread(cells: Floats, difference: Floats) -> list[int]:
-    """Order all objects, at (n, 2) cells, so that the first ones are spread over the map.
-
-    The first one has the highest difference, (n,). Each further one is farthest, in cells, from its
-    nearest predecessor; ties are broken by the highest difference, then by the order.
-    """
+    """Order all objects by farthest neighbor in cells, (n, 2); ties by the highest difference."""
     away = np.full(len(cells), np.inf)
     order: list[int] = []
     for _ in range(len(cells)):
@@ -65,11 +61,7 @@ def spread(cells: Floats, difference: Floats) -> list[int]:
 
 
 def assign(similarity: Floats, allowed: Flags) -> list[int]:
-    """Assign each row of (n, m) a different allowed column as its partner; -1 if none is left.
-
-    As many rows as possible get a partner; among all ways to do so, the sum of the similarities is
-    the largest.
-    """
+    """The most partners, (n,), -1 for none, with the largest sum of similarities, (n, m)."""
     rows, columns = linear_sum_assignment(np.where(allowed, 1 - similarity, FORBIDDEN))
     partners = np.full(len(similarity), -1)
     partners[rows] = np.where(allowed[rows, columns], columns, -1)
@@ -93,7 +85,8 @@ class Matching:
         self._failures = atlas.table.sort_values("id", ignore_index=True)
         self._candidates = _candidates(atlas, archive, settings)
         self.rows = {
-            row["id"]: row for row in map(_as_examined, parquet.records(self._failures))
+            row["id"]: row | {"verdict": ObjectVerdict.FAILURE.value, "step": row["epoch"]}
+            for row in parquet.records(self._failures)
         } | {row["id"]: row for row in parquet.records(self._candidates)}
         self._settings, self._mapper, self._rules = settings, mapper, rules
         self._known = by_object(atlas.attempts)
@@ -223,11 +216,6 @@ def _candidates(
 
 def _cells(table: pd.DataFrame) -> Floats:
     return table[CELL].to_numpy(dtype=np.float64)
-
-
-def _as_examined(row: Row) -> Row:
-    """A failure with the additional columns of an examined object."""
-    return row | {"verdict": ObjectVerdict.FAILURE.value, "step": row["epoch"]}
 
 
 def _graph(row: Row, settings: FailureParameters) -> bytes:

@@ -1,8 +1,4 @@
-"""A table with one object to try grasps on: dropped, seen by a detector, and grasped.
-
-Grasps from above need a hand on a vertical axis and a camera above (`TrialRunner`); grasps from any
-direction need a hand without an arm and six cameras (`ClearingRunner`).
-"""
+"""A table with one object to try grasps on: dropped, seen by a detector, and grasped."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,13 +9,13 @@ import numpy as np
 import pandas as pd
 
 from egad.bench.clearing_runner import ClearingRunner
+from egad.bench.failures.parameters import FailureParameters
 from egad.bench.parameters import Clutter, ContactRule, TrialProtocol
 from egad.bench.runner import Runner
 from egad.bench.scene_labels import SceneLabels
 from egad.bench.scenes import RestingObject
 from egad.bench.trial_runner import TrialRunner
 from egad.detectors import Detector, Failure, Grasp, Labels, NoiseName, ranked, try_to_plan
-from egad.grippers import Gripper
 from egad.sim import ARMS, EngineName, Model, Pose, free_hand, open_world
 from egad.tables.outcomes import Outcome
 
@@ -28,14 +24,7 @@ MAX_PROPOSALS = 10
 
 
 class ObjectRunner:
-    """A table with one object; the result of each method depends only on its arguments.
-
-    Attributes:
-        engine: The physics engine.
-        world: The table with the object and the hand.
-        gripper: The hand.
-        labelled: Labelled grasps that are possible where the object lies, at most ten, best first.
-    """
+    """A table with one object; results depend only on arguments; `labelled`: ten grasps at most."""
 
     def __init__(
         self, engine: EngineName, runner: Runner, labelled: Callable[[Pose], list[Grasp]]
@@ -84,27 +73,17 @@ def open_runner(
     engine: EngineName,
     model: Model,
     grasps: pd.DataFrame,
-    gripper: Gripper,
+    settings: FailureParameters,
     *,
     from_above: bool,
-    depth_noise: float,
-    contact: ContactRule | None = None,
 ) -> Iterator[ObjectRunner]:
-    """A runner, for the duration of the `with` block.
-
-    From any direction, any nonzero depth noise means 0.1 pixels, and the hand always closes where
-    it was stopped, as in the protocol `egad`; from above, by default, a contact is a failure.
-    """
+    """A runner; contacts are as in `egad`, any noise 0.1 pixels, unless grasps are from above."""
+    gripper, depth_noise = settings.gripper, settings.failures.depth_noise
     if from_above:
         arm = ARMS["axis"](gripper)
         with open_world(engine, [model], arm.robot) as world:
-            rule = contact or ContactRule()
-            trials = TrialProtocol(
-                engine=engine,
-                depth_noise=depth_noise,
-                contact=rule.contact,
-                stopping_force=rule.stopping_force,
-            )
+            contact = {name: getattr(settings.trials, name) for name in ContactRule.model_fields}
+            trials = TrialProtocol(engine=engine, depth_noise=depth_noise, **contact)
             runner = TrialRunner(world, arm, trials)
             yield ObjectRunner(engine, runner, partial(_best_from_above, runner, Labels(grasps)))
         return

@@ -46,9 +46,7 @@ class FailureSearch(Parameters):
         "approach `any`, everything above 0 is 0.1",
     )
     engines: tuple[EngineName, ...] = Field(
-        ENGINES,
-        min_length=1,
-        description="physics engines; a failure must be one in all of them",
+        ENGINES, min_length=1, description="physics engines; a failure must be one in all of them"
     )
     screen: int = Field(
         5,

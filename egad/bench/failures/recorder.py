@@ -28,11 +28,7 @@ class Recorder:
     """Makes attempts at one object with one detector, and keeps a row of each."""
 
     def __init__(
-        self,
-        object_id: str,
-        detect: Detector,
-        seed: int,
-        report: Callable[[int], object] = int,
+        self, object_id: str, detect: Detector, seed: int, report: Callable[[int], object] = int
     ) -> None:
         """Begin without a row; `report` is called with 1 after every attempt."""
         self._id, self._detect, self._seed, self._report = object_id, detect, seed, report

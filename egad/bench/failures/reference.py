@@ -52,11 +52,7 @@ class ReferencePolicy:
         self._tried.append(Tried(grasp.moved(np.linalg.inv(rest.matrix)), success))
 
     def ranked(self, runner: ObjectRunner, rest: Pose) -> list[Grasp]:
-        """Grasps of an object where it lies, highest expected success first.
-
-        The expectation is the mean success of all similar grasps that were tried and of a prior,
-        which counts as one more: from 0.9 for the best labelled grasp to 0.5 for the last.
-        """
+        """Grasps of an object where it lies, highest expected success first: prior and attempts."""
         labelled = runner.labelled(rest)
         known = [each.grasp.moved(rest.matrix) for each in self._tried if each.success]
         known = [grasp for grasp in known if runner.can_do(grasp)]

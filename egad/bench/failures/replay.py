@@ -24,11 +24,7 @@ def repeat_attempts(
     settings: FailureParameters,
     watch: Callable[[int, ObjectRunner], object] = lambda *_: None,
 ) -> list[Outcome]:
-    """Outcomes, in order, of `tables.failures.FAILURE_ATTEMPTS` of an object, executed again.
-
-    The mesh is scaled as in the search. Before each attempt, `watch` is called with its number and
-    its runner. UserError if an attempt has no grasp.
-    """
+    """Outcomes of attempts at an object, scaled mesh, executed again; `watch` precedes each."""
     if (attempts["pose"].map(len) == 0).any():
         raise UserError("there is no grasp to repeat: the detector proposed nothing")
     groups = defaultdict[tuple[str, EngineName], list[int]](list)
@@ -40,15 +36,8 @@ def repeat_attempts(
     }
     outcomes, tried = {}, list(map(read_attempt, records(attempts)))
     for (purpose, engine), numbers in groups.items():
-        with open_runner(
-            engine,
-            models[purpose],
-            empty(GRASPS),
-            settings.gripper,
-            from_above=settings.failures.approach == "above",
-            depth_noise=settings.failures.depth_noise,
-            contact=settings.trials,
-        ) as runner:
+        from_above, model = settings.failures.approach == "above", models[purpose]
+        with open_runner(engine, model, empty(GRASPS), settings, from_above=from_above) as runner:
             for number in numbers:
                 watch(number, runner)
                 outcomes[number] = runner.execute(*tried[number])
@@ -58,10 +47,7 @@ def repeat_attempts(
 def film_attempts(
     mesh: trimesh.Trimesh, attempts: pd.DataFrame, settings: FailureParameters
 ) -> list[list[RgbImage]]:
-    """Frames, 20 per second, of `tables.failures.FAILURE_ATTEMPTS` of an object, executed again.
-
-    The mesh is scaled as in the search. UserError if an attempt has no grasp, or ends differently.
-    """
+    """Frames, 20 per second, of attempts executed again; UserError if one ends differently."""
     films: dict[int, Film] = {}
     again = repeat_attempts(
         mesh, attempts, settings, lambda number, runner: films.update({number: Film(runner.world)})

@@ -114,8 +114,7 @@ class Search:
             self._idle = 0 if self._spent > spent else self._idle + 1
             if rows:
                 yield Found(
-                    pd.DataFrame(rows, columns=EXAMINED.names),
-                    pd.concat(tables, ignore_index=True),
+                    pd.DataFrame(rows, columns=EXAMINED.names), pd.concat(tables, ignore_index=True)
                 )
 
     def _next_targets(self) -> list[Target] | None:

@@ -26,11 +26,7 @@ class Clearing(NamedTuple):
 
 
 def clearing_rates(table: pd.DataFrame) -> list[Clearing]:
-    """Rates of each kind of scene and noise; the 95 % intervals resample rounds (`mean_of`).
-
-    A round ends when no grasp is proposed; this is no attempt, nor is what could not be simulated.
-    Rounds that never began do not count.
-    """
+    """Rates of each kind of scene and noise of the rounds that began, with 95 % intervals."""
     return [_rates(*key, _rounds(rows)) for key, rows in _groups(table)]
 
 
@@ -63,11 +59,7 @@ def compare_clearing(first: pd.DataFrame, second: pd.DataFrame) -> list[Clearing
 
 
 def by_difficulty(table: pd.DataFrame, objects: pd.DataFrame) -> pd.DataFrame:
-    """Successes, attempts and presence by thirds of the objects, by complexity and by difficulty.
-
-    A detector may avoid objects that it cannot grasp, so `present` counts rounds with an object on
-    the table. Band 1 is the simplest or easiest.
-    """
+    """Successes, attempts and presence by thirds of the objects, by complexity and difficulty."""
     tried = table[table["id"] != ""]
     first = table[table["attempt"] == 0]
     there = [name for names in first["present"] for name in names.split()]

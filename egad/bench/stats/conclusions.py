@@ -20,11 +20,7 @@ FAR = 2.80  # standard errors: a difference this far from 0 is found with the po
 
 
 def conclusion(first: str, second: str, result: Comparison, tables: Sequence[pd.DataFrame]) -> str:
-    """What two detectors' attempts (columns label and success) at the same objects show, in words.
-
-    `first` has the higher rate. Without a difference: how many attempts would show one of this size
-    with a power of 0.8, if rates vary over objects as they do here.
-    """
+    """What two detectors' attempts, the better first, show in words, or how many would."""
     if result.objects < ENOUGH_OBJECTS:
         few = f"too few objects for a test over objects (at least {ENOUGH_OBJECTS})"
         of_these = (

@@ -123,10 +123,7 @@ def compare(first: pd.DataFrame, second: pd.DataFrame) -> Comparison:
 
 
 def match_attempts(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
-    """Attempts that both made, in the order in which pairs became complete; errors as `compare`.
-
-    Other columns than label and attempt get the suffixes _1 and _2.
-    """
+    """Attempts that both made, columns with _1 and _2, as pairs became complete."""
     one, other = (table.assign(place=np.arange(len(table))) for table in (first, second))
     pairs = one.merge(other, on=["label", "attempt"], suffixes=("_1", "_2"))
     if pairs.empty:

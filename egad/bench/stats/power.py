@@ -90,30 +90,19 @@ def _beta_quantiles(a: float, b: float) -> Floats:
 
 @dataclass(frozen=True)
 class Plan:
-    """Attempts that show a difference with the requested power, at some number of objects.
-
-    Attributes:
-        attempts: Attempts of each detector at each object; None if the maximum is too low.
-        power: Probability that the test over objects then finds the better detector.
-        sequential: Total attempts of each detector after which the sequential test has found it
-            with the requested power, if objects are tried in rounds; None as above.
-        median: Attempts after which it has found it in half of the cases.
-    """
+    """Attempts that show a difference with the requested power, at some number of objects."""
 
     objects: int
-    attempts: int | None
-    power: float
+    attempts: int | None  # attempts of each detector at each object; None if the maximum is too low
+    power: float  # probability that the test over objects then finds the better detector
+    # total attempts of each detector after which the sequential test has found it with the
+    # requested power, if objects are tried in rounds; None as above
     sequential: int | None
-    median: int | None
+    median: int | None  # attempts after which it has found it in half of the cases
 
 
 def fit_object_rates(tables: Sequence[pd.DataFrame]) -> ObjectRates:
-    """Estimate rates over objects from the attempts of detectors (columns label and success).
-
-    The binomial part of their spread is subtracted. The correlation is the mean over pairs of
-    tables; with one table, or without objects that differ, it is the default. UserError if fewer
-    than two objects have two attempts, or nearly all attempts end alike.
-    """
+    """Rates over objects from attempts of detectors, without the binomial part of their spread."""
     found = [by_object(table) for table in tables]
     found = [counts[counts["attempts"] > 1] for counts in found]
     if any(len(counts) < 2 for counts in found):

@@ -15,30 +15,22 @@ MIN_OBJECTS = 5  # with both rates; intervals from fewer would be too uncertain 
 
 @dataclass(frozen=True, repr=False)
 class PredictedRate:
-    """The mean real success rate over objects, from real and simulated attempts.
-
-    Attributes:
-        interval: 95 % confidence interval for other objects of the same kind; NaN if all real
-            rates are equal.
-        plain: Mean rate of the real attempts alone, and `plain_interval`.
-        weight: How much weight a simulated difference gets; 0 means none.
-        correlation: Correlation of real and simulated rates over the objects that have both; NaN if
-            either are all equal.
-        gain: How many times as many real objects would give an equally narrow interval without the
-            simulation; below 1, the simulation has made the interval wider.
-        both: Objects with real and simulated attempts.
-        simulated_only: Further objects that were only simulated.
-    """
+    """The mean real success rate over objects, from real and simulated attempts."""
 
     value: float
+    # 95 % confidence interval for other objects of the same kind; NaN if all real rates are equal
     interval: Interval
-    plain: float
+    plain: float  # mean rate of the real attempts alone, and `plain_interval`
     plain_interval: Interval
-    weight: float
+    weight: float  # how much weight a simulated difference gets; 0 means none
+    # correlation of real and simulated rates over the objects that have both; NaN if either are all
+    # equal
     correlation: float
+    # how many times as many real objects would give an equally narrow interval without the
+    # simulation; below 1, the simulation has made the interval wider
     gain: float
-    both: int
-    simulated_only: int
+    both: int  # objects with real and simulated attempts
+    simulated_only: int  # further objects that were only simulated
 
     def __repr__(self) -> str:
         """The rate, the rate without simulation, and the gain."""

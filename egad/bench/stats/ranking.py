@@ -39,13 +39,11 @@ class Ranks(NamedTuple):
 
 
 def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
-    """All pairs of detectors, with simultaneous intervals of 95 % for other groups of their kind.
+    """All pairs of detectors, with simultaneous intervals of 95 % for other groups.
 
-    Rates are sums of successes of each group (an object, or a round of clearing a table), (n,),
-    over sums of sizes, (n,). Groups are drawn with replacement, the same for all pairs. The
-    half-width of an interval, in standard errors, is the 95 % quantile over the draws of the
-    largest deviation of any difference, widened for few groups as in `bootstrap`. Less than 6
-    groups cannot differ significantly: all pairs are ties.
+    Rates are sums of successes of each group, (n,), over sums of sizes. A half-width is the 95 %
+    quantile over draws of groups of the largest deviation in standard errors, widened as in
+    `bootstrap`. With fewer than 6 groups all pairs are ties.
     """
     pairs = list(combinations(successes, 2))
     count = len(sizes)
@@ -72,11 +70,7 @@ def leads(successes: Mapping[str, Ints], sizes: Ints) -> list[Lead]:
 
 
 def ranks(names: list[str], pairs: list[Lead]) -> dict[str, Ranks]:
-    """The ranks that each detector may have, from its leads.
-
-    The best is 1 plus the number of detectors that are certainly better; the worst is the number of
-    detectors minus those that are certainly worse (Mogstad, Romano, Shaikh and Wilhelm 2024).
-    """
+    """Best and worst rank of each detector, by those certainly better or worse (Mogstad 2024)."""
     certain = [each for each in pairs if each.is_certain]
     better = {name: sum(each.second == name for each in certain) for name in names}
     worse = {name: sum(each.first == name for each in certain) for name in names}

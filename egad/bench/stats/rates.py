@@ -153,10 +153,7 @@ def by_object(trials: pd.DataFrame) -> pd.DataFrame:
 
 
 def mean_rate(trials: pd.DataFrame) -> Mean:
-    """The success rate over objects, with a 95 % interval for others of their kind (`bootstrap`).
-
-    It is never narrower than Wilson's of all attempts, as objects may agree by chance.
-    """
+    """Success rate over objects, its 95 % interval by `bootstrap`, at least Wilson's."""
     objects = by_object(trials)
     return mean_of(objects["successes"].to_numpy(), objects["attempts"].to_numpy())
 
@@ -168,8 +165,7 @@ def mean_of(successes: Ints, attempts: Ints) -> Mean:
         return Mean(total.successes, total.attempts, 0.0, 1.0)
     with np.errstate(invalid="ignore"):  # a draw may have only groups without attempts
         low, high = bootstrap(
-            lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1),
-            len(attempts),
+            lambda drawn: successes[drawn].sum(axis=1) / attempts[drawn].sum(axis=1), len(attempts)
         )
     least, most = total.interval
     return Mean(total.successes, total.attempts, np.fmin(low, least), np.fmax(high, most))
@@ -202,11 +198,7 @@ class Trend:
 
 
 def object_positions(trials: pd.DataFrame, evalset: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Rate, difficulty (minus the graspability) and complexity of each object tried, by label.
-
-    Without an evaluation set, or where it lacks an object, they are the row and column of the
-    label; NaN for labels outside the grid.
-    """
+    """Rate, difficulty (minus graspability, or row) and complexity (or column) by label."""
     objects = by_object(trials)
     table = pd.DataFrame({"rate": objects["successes"] / objects["attempts"]})
     known = None if evalset is None else evalset.set_index("label")

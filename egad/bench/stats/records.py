@@ -176,10 +176,7 @@ def _is_valid(path: Path, line: int, row: Mapping[str, str]) -> bool:
 
 
 def _joined_sessions(path: Path, rows: pd.DataFrame) -> pd.DataFrame:
-    """The attempts of a log, each once; those of later sessions are numbered after all others.
-
-    Attempts with several results in a session are left out, as on the page.
-    """
+    """The attempts of a log, each once; later sessions count on, duplicates are left out."""
     rows = rows.drop_duplicates(["session", *ATTEMPT_KEY, "outcome", "record"])
     differ = rows.duplicated(["session", *ATTEMPT_KEY], keep=False)
     groups = rows[differ].groupby(["session", *ATTEMPT_KEY], sort=False)

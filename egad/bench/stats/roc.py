@@ -101,10 +101,7 @@ class Bin:
 
 
 def reliability(trials: pd.DataFrame) -> list[Bin]:
-    """Success rates by the detector's quality, ascending, in at most ten bins of about equal size.
-
-    Equal qualities stay together; attempts without a quality are left out.
-    """
+    """Success rates by quality, ascending, in at most ten bins; equal qualities together."""
     quality, success = _known(trials)
     if len(quality) == 0:
         return []

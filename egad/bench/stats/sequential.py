@@ -16,19 +16,15 @@ BETTER, WORSE = (2, 1), (1, 2)  # beta priors: pseudo-counts of successes and fa
 
 @dataclass(frozen=True, repr=False)
 class SequentialTest:
-    """Evidence after each pair of attempts that two detectors differ.
+    """Evidence after each pair of attempts that two detectors differ."""
 
-    Attributes:
-        e_values: E-value after each pair, (n,). If there is no difference, it reaches 1 / level
-            with a probability of at most the level, however often one looks.
-        decided_after: Pairs after which the e-value first reached 1 / level; None if it has not.
-        better: Which detector the decision is for: `first` or `second`; empty without one.
-    """
-
+    # e-value after each pair, (n,). If there is no difference, it reaches 1 / level with a
+    # probability of at most the level, however often one looks
     e_values: Floats
     level: float
+    # pairs after which the e-value first reached 1 / level; None if it has not
     decided_after: int | None
-    better: str
+    better: str  # which detector the decision is for: `first` or `second`; empty without one
 
     @property
     def e_value(self) -> float:
@@ -117,10 +113,7 @@ def attempts_in_a_row(table: pd.DataFrame) -> int:
 
 
 def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
-    """Simulated attempts as a robot should make them: every object once before any again.
-
-    The order within a round is random and depends only on labels and numbers.
-    """
+    """Simulated attempts with every object once, in random order, before any again."""
     order = [
         (attempt, entropy(0, "rounds", str(label), int(attempt)))
         for label, attempt in zip(table["label"], table["attempt"], strict=True)
@@ -131,10 +124,8 @@ def in_rounds(table: pd.DataFrame) -> pd.DataFrame:
 def log_e_values(first: Flags, second: Flags) -> Floats:
     """Logarithm of the evidence that the first of two streams, (..., n), succeeds more often.
 
-    Each pair multiplies the e-value by a ratio: its probability if the rates are their posterior
-    means so far, over its probability if both rates are the midpoint of these. The priors are
-    Beta(2, 1) for the first and Beta(1, 2) for the second. While the means do not favor the first,
-    the e-value does not change.
+    Each pair multiplies it by its probability under the posterior means, over that if both rates
+    are their midpoint; priors are Beta(2, 1) and Beta(1, 2). Means against the first count as 1.
     """
     better, worse = _rates_before(first, BETTER), _rates_before(second, WORSE)
     middle = (better + worse) / 2

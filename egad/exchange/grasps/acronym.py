@@ -53,11 +53,7 @@ COLUMNS = [
 
 @dataclass(frozen=True)
 class AcronymObject:
-    """The object of a file, scaled: metres, kilograms, in the frame of its mesh.
-
-    The file is relative to the root of the meshes; `scale` scales its mesh; the inertia is about
-    the center of mass; friction is that of the labels.
-    """
+    """The object of a file, scaled by `scale`: metres, kilograms, in the frame of its mesh."""
 
     file: str
     scale: float
@@ -82,11 +78,8 @@ def write_acronym(
 ) -> None:
     """Write the file of an object.
 
-    ACRONYM's label `flex/object_in_gripper` is 1 if both fingers still held the object after it was
-    shaken in simulation, and 0 for the others and for grasps at which the open hand collides. Its
-    motions are NaN for grasps that did not get that far. Grasps with no known outcome are left out:
-    only some grasps of an object were simulated. Our own `egad/success` is a label without
-    simulation, for the fraction `least` of perturbed copies; its attribute says what it means.
+    ACRONYM's label `flex/object_in_gripper` is 1 for grasps that held; motions are NaN for those
+    that did not get that far. Our `egad/success` is a label without simulation.
     """
     with writing(path) as file:
         for name, value in (vars(body) | {"density": body.mass / body.volume}).items():

@@ -50,17 +50,15 @@ def run(
     grasps: Path,
     out: Path,
 ) -> None:
-    """Combine the objects of all shards, and add their grasps.
-
-    A damaged shard is removed, so that the next run of the workflow makes it again.
-    """
+    """Combine the objects of all shards, and add their grasps; a damaged shard is removed."""
     check_names(dataset, gripper, grasps)
     homes, labels = _homes(parts, (dataset / "parts").resolve()), parquet.distinct(grasps, "label")
     if lost := sorted(labels - homes.keys()):
         raise UserError(f"{grasps}: object {lost[0]!r} is not among the written objects")
     found = by_object(grasps, COLUMNS)
     with writing(out) as file:
-        objects = add_dataset(file, dataset.absolute().name, metrics(settings), _meanings())
+        meanings = {name: _meaning(OBJECTS, name) for name in MEASURES}
+        objects = add_dataset(file, dataset.absolute().name, metrics(settings), meanings)
         for key in progress(sorted(homes), "writing grasps", len(homes)):
             with h5py.File(homes[key], "r") as part:
                 copy_group(part["objects"][key], objects.create_group(key))
@@ -110,10 +108,6 @@ def _grasps(
     configurations = dexnet_configurations(centers, axes, approaches, opening)
     values = {name: rows[column].to_numpy(dtype=float) for name, column in METRICS.items()}
     return configurations, values
-
-
-def _meanings() -> dict[str, str]:
-    return {name: _meaning(OBJECTS, name) for name in MEASURES}
 
 
 def _meaning(schema: pa.Schema, column: str) -> str:

@@ -70,10 +70,7 @@ def load_control_points_for_visualization():
 
 
 class GraspGenHand(NamedTuple):
-    """A hand in GraspGen's frame: z is the approach, x the closing axis, the origin at its base.
-
-    The depth is from there to the middle between the closed pads, metres.
-    """
+    """A hand in GraspGen's frame: z approaches, x closes; `depth` is from base to pads, metres."""
 
     name: str
     gripper: Gripper
@@ -86,12 +83,7 @@ def check(hand: NamedGripper) -> None:
 
 
 def graspgen_hand(name: str, gripper: Gripper) -> GraspGenHand:
-    """A gripper with its depth; UserError if its file cannot be used.
-
-    With a file, the origin is as far behind the closed pads as that of the base link. Otherwise it
-    is where GraspGen has it if the name is that of one of its hands, or else at the back of the
-    palm.
-    """
+    """A gripper with its depth: from its file, GraspGen's hand of that name, or the palm's back."""
     if (base := base_pose(gripper, 0.0)) is not None:
         return GraspGenHand(name, gripper, -float(base[2, 3]))
     back = gripper.palm[2] - finger_span(gripper)[0]
@@ -120,11 +112,8 @@ def write_graspgen(
 ) -> int:
     """Write the grasps of an object, and its name to a list; the number of successes.
 
-    Its mesh, as it is grasped, belongs in `objects/LABEL.obj`; `objects` is GraspGen's root of the
-    meshes, and the scale is 1. `object_in_gripper` is true if both fingers still held the object
-    after it was shaken in simulation, and false for the others and for grasps at which the open
-    hand collides. Grasps with no known outcome are left out. `default_split` does not keep
-    relatives together. With fewer than `MIN_POSITIVE` successes GraspGen leaves the object out.
+    `object_in_gripper` is true for those that held. With fewer than `MIN_POSITIVE` successes
+    GraspGen leaves the object out. `default_split` does not keep relatives together.
     """
     known = with_outcome(grasps)
     labelled, held = Grasps(known), held_when_shaken(known)
@@ -156,11 +145,7 @@ def start_graspgen(folder: Path, hand: GraspGenHand) -> None:
 def start_dataset(
     folder: Path, name: str, about: Mapping[str, Any], program: str, mesh: trimesh.Trimesh
 ) -> None:
-    """Make the folders of a dataset, empty lists, and what describes a gripper.
-
-    `about` becomes its YAML file, `program` is Python that GraspGen runs for it, and `mesh` is its
-    shape in the frame of the poses, metres.
-    """
+    """Make the folders of a dataset, empty lists, and YAML, program and mesh (m) of a gripper."""
     for each in ("grasp_data", "splits"):
         (folder / each / name).mkdir(parents=True)
     (folder / "objects").mkdir()
@@ -207,11 +192,7 @@ def write(
 
 
 def run(
-    settings: GripperFormat,
-    gripper: str,
-    meshes: Path,
-    simulated_grasps: Path,
-    out: Path,
+    settings: GripperFormat, gripper: str, meshes: Path, simulated_grasps: Path, out: Path
 ) -> None:
     """Write a dataset of GraspGen: grasps, meshes, lists of objects and the gripper."""
     with new_folder(out) as folder:

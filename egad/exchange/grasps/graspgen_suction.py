@@ -75,11 +75,7 @@ def start_suction(folder: Path, name: str, cup: SuctionCup) -> None:
 def write_suction(
     folder: Path, name: str, cup: SuctionCup, label: str, mesh: trimesh.Trimesh, rows: pd.DataFrame
 ) -> None:
-    """Write the grasps of an object, and its name to a list.
-
-    `object_in_gripper` is true if the cup seals and neither cup nor stem collides; `score` is the
-    share of perturbed copies that seal and hold.
-    """
+    """Write the grasps of an object, those that seal as in the gripper, and its name to a list."""
     grasps = Grasps(rows)
     poses = grasps.poses
     frames = np.ascontiguousarray(poses[:, :3, :3].transpose(0, 2, 1))

@@ -48,10 +48,7 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
 
 
 def needed_friction(grasps: Grasps) -> Floats:
-    """The smallest friction coefficient at which the contacts take a force along the axis, (n,).
-
-    It is the tangent of the larger angle between the axis and a normal; infinite from 90 degrees.
-    """
+    """The smallest friction at which contacts take a force along the axis, (n,)."""
     first, second = grasps.contacts[:, 0], grasps.contacts[:, 1]
     axes = (second - first) / np.linalg.norm(second - first, axis=1, keepdims=True)
     inward = np.stack([-grasps.normals[:, 0], grasps.normals[:, 1]], axis=1)
@@ -78,11 +75,7 @@ def write(
     write_obj(made.mesh, folder / f"meshes/{label}.obj")
 
 
-def run(
-    settings: GripperFormat,
-    simulated_grasps: Path,
-    out: Path,
-) -> None:
+def run(settings: GripperFormat, simulated_grasps: Path, out: Path) -> None:
     """Write an array for each object that has grasps, in the frame of its scaled mesh."""
     with new_folder(out) as folder:
         check_simulated(simulated_grasps)

@@ -83,11 +83,7 @@ def write(
     write_obj(made.mesh, folder / f"meshes/{label}.obj")
 
 
-def run(
-    settings: GripperFormat,
-    simulated_grasps: Path,
-    out: Path,
-) -> None:
+def run(settings: GripperFormat, simulated_grasps: Path, out: Path) -> None:
     """Write a file for each object that has grasps, in the frame of its scaled mesh."""
     with new_folder(out) as folder:
         check_simulated(simulated_grasps)

@@ -56,10 +56,7 @@ def write_simready(
     grasps: pd.DataFrame,
     hand: NamedGripper,
 ) -> None:
-    """Write the folder `LABEL/simready` with `LABEL.usd`, its thumbnail and `poses.json`.
-
-    Only grasps that succeeded in simulation are written; if none did, the log says so.
-    """
+    """Write the folder `LABEL/simready`: USD with grasps that held, thumbnail, poses."""
     held = held_at_the_end(grasps)
     if held.empty:
         log.warning("%s has no grasp that held in simulation: its prop has no grasp lines", label)

@@ -25,13 +25,9 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
 
 
 def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
-    """Write `pcdNNNNd.tiff`, `pcdNNNNcpos.txt` and `pcdNNNNcneg.txt`; false if not.
+    """Write `pcdNNNNd.tiff`, `pcdNNNNcpos.txt` and `pcdNNNNcneg.txt`; false without a free grasp.
 
-    A smaller image is placed in the middle of one of 640 x 480 pixels of the same camera, in which
-    the table continues around it. A rectangle is four lines of `x y` in pixels, from the first to
-    the second along the opening; `cpos` has the free grasps, `cneg` those that collide. Readers
-    look for the middle of the rectangles, so an image without a free grasp is not written. A larger
-    image raises UserError.
+    A smaller image is placed in the middle of 640 x 480 pixels, a larger one raises UserError.
     """
     height, width = picture.depth.shape
     if height > HEIGHT or width > WIDTH:

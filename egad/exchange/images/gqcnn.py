@@ -43,10 +43,8 @@ DIMENSIONS = ("height", "width", "channels")
 def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
     """Write a row for every reachable grasp in every image, and return how many there are.
 
-    The split `object` has the rows to train on and those to validate with; those of objects for
-    testing are in neither, but in `test_indices.npz` beside them. Numbers of objects, and of the
-    stable poses of all objects, are explained in `object_category_map.json` and
-    `pose_category_map.json`.
+    The split `object` is for training and validation; objects for testing are in neither, but in
+    `test_indices.npz`.
     """
     del gripper
     (folder / "tensors").mkdir()
@@ -74,9 +72,8 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
 def tensors(picture: RenderedImage, object_number: int, pose_number: int) -> Tensors:
     """The rows of an image: `FIELDS`, each with one row per grasp.
 
-    `hand_poses` are row, column and depth of the center, the angle of the axis in the image,
-    clockwise from its x axis in [0, 2 pi), row and column from the optical axis, and the opening in
-    pixels. Qualities are 0 for grasps that collide, as in Dex-Net.
+    `hand_poses`: row, column, depth, angle (clockwise in the image), row and column from the
+    optical axis, opening in pixels. Qualities are 0 for grasps that collide, as in Dex-Net.
     """
     grasps, camera = picture.grasps, picture.view.intrinsics
     count, pose = len(grasps.u), pose_values(picture.view.pose)
@@ -109,11 +106,7 @@ def tensors(picture: RenderedImage, object_number: int, pose_number: int) -> Ten
 
 
 def cut_out(image: Image, picture: RenderedImage, order: Literal[0, 1]) -> Image:
-    """The surroundings of each grasp, its axis along the rows: (n, 32, 32, 1).
-
-    96 x 96 pixels about the center, of which every third is taken; pixels beyond the image have the
-    values of its edge. `order` is 1 for linear interpolation, 0 for the nearest pixel.
-    """
+    """Every third of the 96 x 96 pixels about each grasp, axis along rows, (n, 32, 32, 1)."""
     grasps = picture.grasps
     steps = (np.arange(SIDE) - (SIDE - 1) / 2) * CROP / SIDE
     x, y = np.meshgrid(steps, steps)

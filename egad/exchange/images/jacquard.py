@@ -26,12 +26,7 @@ def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> 
 
 
 def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
-    """Write `I_LABEL_perfect_depth.tiff`, `I_LABEL_mask.png` and `I_LABEL_grasps.txt`.
-
-    Square images are enlarged to 1024 x 1024 pixels, each with the value of the nearest original
-    pixel. A line of the grasps is `x;y;theta;opening;jaw`: pixels, and degrees clockwise as seen in
-    the image. Only free grasps are in it; the file of an image without any is empty.
-    """
+    """Write `I_LABEL_perfect_depth.tiff`, `I_LABEL_mask.png` and the free `I_LABEL_grasps.txt`."""
     height, width = picture.depth.shape
     if height != width:
         raise UserError(f"Jacquard images are square, these have {width} x {height} pixels")

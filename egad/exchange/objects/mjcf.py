@@ -67,9 +67,7 @@ def mjcf_text(name: str, files: MeshFiles, made: SimulationObject, friction: flo
     return xml_document(model)
 
 
-def mjcf_model(
-    name: str,
-) -> tuple[ElementTree.Element, ElementTree.Element, ElementTree.Element]:
+def mjcf_model(name: str) -> tuple[ElementTree.Element, ElementTree.Element, ElementTree.Element]:
     """A model with no bodies: its root, its assets and its world."""
     model = ElementTree.Element("mujoco", model=name)
     assets = ElementTree.SubElement(model, "asset")

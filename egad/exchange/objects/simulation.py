@@ -35,11 +35,7 @@ def write_simulation_object(
 
 
 def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationObject:
-    """An object of a simulation bundle, by its row of `tables.evaluation.BUNDLE`.
-
-    UserError if a file is missing or damaged; PartsWarning if the parts do not keep to their
-    bounds.
-    """
+    """An object by its row of `BUNDLE`; UserError if a file is missing or damaged."""
     warn_of_row(row)
     folder = bundle / row["label"]
     paths = sorted((folder / PARTS).glob("*.obj"), key=lambda path: (len(path.name), path.name))
@@ -74,11 +70,7 @@ def read_simulation_object(bundle: Path, row: Mapping[str, Any]) -> SimulationOb
 def read_convex_objects(
     convex_parts: Path, meshes: Path, density: float
 ) -> Iterator[tuple[str, SimulationObject]]:
-    """The objects of a table, `CONVEX_PARTS`, by ascending labels; the density is in kg/m3.
-
-    Meshes are those that the parts were made of, metres. UserError if the table is not sorted by
-    label, TableError if it is damaged, RejectedError if a mesh cannot be read.
-    """
+    """The objects of a table, `CONVEX_PARTS`, by ascending labels; density in kg/m3."""
     columns = [name for name in CONVEX_PARTS.names if name != "label"]
     for label, rows in by_object(convex_parts, columns):
         yield label, simulation_object(read_mesh(meshes / f"{label}.obj", "m"), density, rows)

@@ -26,11 +26,7 @@ VISUALS, COLLISIONS = MESHES.AppendChild("visuals"), MESHES.AppendChild("collisi
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:
-    """Write the folder `NAME` with `NAME.usd` (binary) and `poses.json`.
-
-    Characters that a path of USD cannot have become `_` within the file, and `Meshes` becomes
-    `Meshes_`.
-    """
+    """Write the folder `NAME` with `NAME.usd` (binary) and `poses.json`."""
     (folder / name).mkdir(parents=True)
     stage = make_stage(name, made, friction)
     for child in stage.GetDefaultPrim().GetChildren():
@@ -45,7 +41,8 @@ def make_stage(name: str, made: SimulationObject, friction: float) -> Usd.Stage:
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
-    body = UsdGeom.Xform.Define(stage, _body_path(name))
+    path = Sdf.Path("/" + Tf.MakeValidIdentifier(name))
+    body = UsdGeom.Xform.Define(stage, path if path != MESHES else Sdf.Path(f"{MESHES}_"))
     stage.SetDefaultPrim(body.GetPrim())
     Usd.ModelAPI(body).SetKind(Kind.Tokens.component)
     UsdPhysics.RigidBodyAPI.Apply(body.GetPrim())
@@ -62,11 +59,6 @@ def make_stage(name: str, made: SimulationObject, friction: float) -> Usd.Stage:
 def save(stage: Usd.Stage, path: Path) -> None:
     """Write a stage to a binary file whose name ends in `.usd`."""
     stage.GetRootLayer().Export(str(path), args={"format": "usdc"})
-
-
-def _body_path(name: str) -> Sdf.Path:
-    path = Sdf.Path("/" + Tf.MakeValidIdentifier(name))
-    return path if path != MESHES else Sdf.Path(f"{MESHES}_")
 
 
 def principal_axes(inertia: Floats) -> tuple[Floats, Floats]:

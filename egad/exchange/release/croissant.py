@@ -37,11 +37,7 @@ HUB = "https://huggingface.co/datasets/"
 
 @dataclass(frozen=True)
 class Files:
-    """Files of a release that are of one kind; the meaning is that of each file, or row of a table.
-
-    The pattern is the name of the only file, relative to the release, or a glob whose `*` also
-    stands for folders.
-    """
+    """Files of a release of one kind; the meaning is that of each file or row; a glob or a name."""
 
     name: str
     meaning: str
@@ -65,10 +61,8 @@ def croissant_json(
 ) -> str:
     """The description as JSON-LD.
 
-    `about` has properties of schema.org or Croissant RAI; None is left out. With the `url` of the
-    release, the description can be read from anywhere, otherwise only beside the files. `tables`
-    can be iterated over; `sums` are SHA-256 of the files without a glob, by name. Without sums, the
-    dataset counts as one that changes.
+    `about` has properties of schema.org or Croissant RAI, None is left out. With the `url` it can
+    be read from anywhere. `sums` are SHA-256 by name; without them, the dataset may change.
     """
     url = str(about.get("url") or "")
     whole = {

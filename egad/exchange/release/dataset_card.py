@@ -43,10 +43,7 @@ SIZES = {  # bounds of Hugging Face's categories
 
 @dataclass(frozen=True)
 class ReleaseFacts:
-    """What a card says about a release; metres, kg/m3.
-
-    Friction and engine are those of the simulated labels; the engine is empty without any.
-    """
+    """What a card says about a release; metres, kg/m3; the engine is empty without any."""
 
     title: str
     gripper: str
@@ -196,11 +193,7 @@ def card_page(
     success: Mapping[str, float],
     contents: Iterable[tuple[str, str, int, int]],
 ) -> str:
-    """The page as Markdown, with the front matter, from `RELEASED_OBJECTS` of all splits.
-
-    `success` is the share of the judged grasps that held, by split; `contents` have pattern,
-    meaning, numbers of files and of bytes.
-    """
+    """The page as Markdown, with the front matter, from `RELEASED_OBJECTS` of all splits."""
     grasps = int(objects["n_grasps"].sum())
     text = PAGE.format(
         title=facts.title,

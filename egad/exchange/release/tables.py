@@ -39,11 +39,7 @@ def released_objects(
     counts: Mapping[str, int],
     evaluation: Iterable[str],
 ) -> pd.DataFrame:
-    """Columns of `RELEASED_OBJECTS` without `split`, `family` and `gripper`, sorted by label.
-
-    `simulated` has those of `tables.grasping.ANTIPODAL_RATES`, `counts` the number of released
-    grasps by label, `evaluation` the ids of the evaluation set.
-    """
+    """Columns of `RELEASED_OBJECTS` without split, family and gripper, by label."""
     factors = scales.set_index("label")[["opening", "factor"]]
     labels = simulated.drop(columns="id").set_index("label")
     table = objects.join(factors.rename(columns={"factor": "scale_factor"}), on="label")

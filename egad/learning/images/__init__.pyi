@@ -16,6 +16,7 @@ from .image_shards import pose_matrix as pose_matrix
 from .image_shards import pose_values as pose_values
 from .image_shards import read as read
 from .image_shards import shards as shards
+from .image_shards import view_of as view_of
 from .parameters import CAMERAS as CAMERAS
 from .parameters import Camera as Camera
 from .parameters import Render as Render

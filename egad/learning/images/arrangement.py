@@ -27,43 +27,26 @@ MAX_DIAGONAL = 0.2  # metres; diagonal of the bounding box of what lies beside o
 
 
 class PlacedObject(NamedTuple):
-    """An object at rest on a table, at height 0 of its frame.
-
-    Attributes:
-        factor: Size / that of the dataset's mesh.
-        mesh: Its surface at this size, closed, metres.
-        com: (3,) center of mass, metres.
-        matrix: (4, 4) from the frame of the mesh to that of the table, z up.
-        pose: Number of its stable pose; -1 if it was dropped or packed.
-    """
+    """An object at rest on a table, at height 0 of its frame."""
 
     id: str
-    factor: float
-    mesh: trimesh.Trimesh
-    com: Floats
-    matrix: Floats
-    pose: int = -1
+    factor: float  # size / that of the dataset's mesh
+    mesh: trimesh.Trimesh  # its surface at this size, closed, metres
+    com: Floats  # (3,) center of mass, metres
+    matrix: Floats  # (4, 4) from the frame of the mesh to that of the table, z up
+    pose: int = -1  # number of its stable pose; -1 if it was dropped or packed
 
 
 class TableGrasps(NamedTuple):
-    """Grasps whose approach is near to the vertical; metres, in the frame of the table.
+    """Grasps whose approach is near to the vertical; metres, in the frame of the table."""
 
-    Attributes:
-        objects: (n,) numbers of the objects.
-        centers: (n, 3) midpoints of the contacts.
-        axes: (n, 3) unit vectors from the first contact to the second.
-        widths: (n,) distances of the contacts.
-        free: (n,) whether the hand touches nothing, at the grasp and on its straight approach.
-        qualities: (n,) robust quality; 0 for those that are not free.
-        success: (n,) whether the grasp held in simulation; None if it was not simulated.
-    """
-
-    objects: Ints
-    centers: Floats
-    axes: Floats
-    widths: Floats
-    free: Flags
-    qualities: Floats
+    objects: Ints  # (n,) numbers of the objects
+    centers: Floats  # (n, 3) midpoints of the contacts
+    axes: Floats  # (n, 3) unit vectors from the first contact to the second
+    widths: Floats  # (n,) distances of the contacts
+    free: Flags  # (n,) whether the hand touches nothing, at the grasp and on its straight approach
+    qualities: Floats  # (n,) robust quality; 0 for those that are not free
+    # (n,) whether the grasp held in simulation; None if it was not simulated
     success: NDArray[np.object_]
 
 
@@ -111,11 +94,7 @@ def sample_factor(
     rng: np.random.Generator,
     wanted: Callable[[Floats], Flags] | None = None,
 ) -> float:
-    """Factor that gives a random grasp a width, metres; 0 without one, or if over 0.2 m (ours).
-
-    The closed object is then at most 0.2 m from corner to corner of its bounding box. `wanted`
-    tells which closing axes, (n, 3) unit vectors, the grasp may have.
-    """
+    """Factor that gives a random grasp a width, metres; 0 without one, or if over 0.2 m (ours)."""
     rules = sampling.model_copy(update={"approach_clearance": 0.0})
     length = float(np.linalg.norm(np.ptp(caster.triangles.reshape(-1, 3), axis=0)))
     pairs, _ = valid_contacts(caster, 1.01 * length, ROUGH, rules, rng, wanted)

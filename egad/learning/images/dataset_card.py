@@ -33,11 +33,7 @@ NARROW = 0.05  # metres
 
 
 class Summary(NamedTuple):
-    """The contents of a set of images: `COUNTS` of each split and of all, openings of grasps (m).
-
-    `in_vain` is the fraction of the drawn poses and sizes, of the images there are, that showed no
-    good grasp and were drawn again.
-    """
+    """The contents of a set of images: `COUNTS` of each split and all, openings of grasps (m)."""
 
     counts: pd.DataFrame
     openings: NDArray[np.float64]

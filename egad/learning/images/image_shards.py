@@ -69,7 +69,7 @@ def encoded(picture: RenderedImage) -> dict[str, Any]:
     """The row of `tables.images.IMAGES` of a picture."""
     height, width = picture.depth.shape
     intrinsics = picture.view.intrinsics
-    grasps = picture.grasps
+    grasps, camera = picture.grasps, pose_values(picture.view.pose)
     return {
         **{name: getattr(picture, name) for name in PLAIN},
         "objects": [each.id for each in picture.objects],
@@ -83,15 +83,13 @@ def encoded(picture: RenderedImage) -> dict[str, Any]:
         "focal": intrinsics.focal,
         "center_u": intrinsics.center[0],
         "center_v": intrinsics.center[1],
-        **_camera_columns(picture.view.pose),
+        **{f"camera_{part}": value for part, value in zip(POSE_PARTS, camera, strict=True)},
         **{name: getattr(grasps, name) for name in LISTS},
     }
 
 
 def decoded(row: Mapping[str, Any]) -> RenderedImage:
     """The picture of a row of `tables.images.IMAGES`; TableError if a PNG file is damaged."""
-    center = (float(row["center_u"]), float(row["center_v"]))
-    intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
     placements = np.reshape(row["placements"], (-1, len(POSE_PARTS)))
     return RenderedImage(
         **{name: row[name] for name in PLAIN},
@@ -101,29 +99,23 @@ def decoded(row: Mapping[str, Any]) -> RenderedImage:
                 row["objects"], row["factors"], row["poses"], placements, strict=True
             )
         ),
-        view=View(
-            depth_of(row),
-            intrinsics,
-            _camera_pose(row),
-            pixels(row, "mask", "L").astype(np.uint8),
-        ),
+        view=view_of(row, np.array([float(row[f"camera_{part}"]) for part in POSE_PARTS])),
         grasps=ImageGrasps(*(np.asarray(row[name]) for name in LISTS)),
     )
+
+
+def view_of(row: Mapping[str, Any], camera: Floats) -> View:
+    """The view of a row, given position and quaternion of its camera; errors as `pixels`."""
+    center = (float(row["center_u"]), float(row["center_v"]))
+    intrinsics = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
+    depth, mask = depth_of(row), pixels(row, "mask", "L").astype(np.uint8)
+    return View(depth, intrinsics, pose_matrix(camera), mask)
 
 
 def pose_values(matrix: Floats) -> list[float]:
     """Position and quaternion (x, y, z, w) of a transform (4, 4)."""
     quaternion = Rotation.from_matrix(matrix[:3, :3]).as_quat(canonical=True)
     return [*matrix[:3, 3].tolist(), *quaternion.tolist()]
-
-
-def _camera_columns(matrix: Floats) -> dict[str, float]:
-    pairs = zip(POSE_PARTS, pose_values(matrix), strict=True)
-    return {f"camera_{part}": value for part, value in pairs}
-
-
-def _camera_pose(row: Mapping[str, Any]) -> Floats:
-    return pose_matrix(np.array([float(row[f"camera_{part}"]) for part in POSE_PARTS]))
 
 
 def pose_matrix(values: Floats) -> Floats:

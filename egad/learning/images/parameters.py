@@ -79,9 +79,7 @@ class Render(Parameters):
     )
     camera: Name = Field("d435", description="camera, from the table `cameras`")
     grasps: int = Field(
-        100,
-        ge=1,
-        description="maximum number of grasps sampled for each object in an image",
+        100, ge=1, description="maximum number of grasps sampled for each object in an image"
     )
     tilt: float = Field(
         15.0,

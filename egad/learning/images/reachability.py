@@ -26,11 +26,8 @@ def is_reachable(
 ) -> Flags:
     """Which of n grasps can be reached from above without touching anything else, (n,).
 
-    The hand opens 8 mm wider than the contacts on either side, or as wide as it can. Its pads are
-    centered on the contacts, or as low as they get: it stays 3 mm above the table, and reaches at
-    least 3 mm beyond the contacts. A jaw that does not move is 3 mm before its contact. The hand
-    must touch nothing there or on its straight way in, `way` metres long, and the fingers must meet
-    the contacts first when they close.
+    The open hand stays 3 mm above the table and reaches at least 3 mm beyond the contacts; a fixed
+    jaw is 3 mm before its contact. It must be free there and on its way in, `way` metres long.
     """
     approaches = first_approaches(axes)
     frames = np.stack([axes, np.cross(approaches, axes), approaches], axis=1)
@@ -50,12 +47,7 @@ def is_reachable(
 
 
 def _closes(
-    scene: RayCaster,
-    centers: Floats,
-    axes: Floats,
-    widths: Floats,
-    openings: Floats,
-    aside: Floats,
+    scene: RayCaster, centers: Floats, axes: Floats, widths: Floats, openings: Floats, aside: Floats
 ) -> Flags:
     """Whether the middles of both pads meet nothing before the contacts, (n,)."""
     free = np.ones(len(centers), dtype=bool)

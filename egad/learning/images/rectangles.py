@@ -23,28 +23,17 @@ MAX_TURN = np.pi / 6
 
 
 class ImageGrasps(NamedTuple):
-    """Grasps in an image; pixels, see above.
+    """Grasps in an image; pixels, see above."""
 
-    Attributes:
-        object: (n,) numbers of the objects in the image, from 0.
-        u: (n,) column of the center.
-        v: (n,) row of the center.
-        angle: (n,) of the closing axis, radians in [-pi/2, pi/2).
-        opening: (n,) how far the hand opens, at the depth of the center.
-        depth_center: (n,) of the center, along the optical axis, metres.
-        quality: (n,) robust quality; 0 for those that are not free of collisions.
-        collision_free: (n,) whether the hand touches nothing but the contacts.
-        simulated_success: (n,) whether the grasp held in simulation; None if it was not simulated.
-    """
-
-    object: Ints
-    u: Floats
-    v: Floats
-    angle: Floats
-    opening: Floats
-    depth_center: Floats
-    quality: Floats
-    collision_free: Flags
+    object: Ints  # (n,) numbers of the objects in the image, from 0
+    u: Floats  # (n,) column of the center
+    v: Floats  # (n,) row of the center
+    angle: Floats  # (n,) of the closing axis, radians in [-pi/2, pi/2)
+    opening: Floats  # (n,) how far the hand opens, at the depth of the center
+    depth_center: Floats  # (n,) of the center, along the optical axis, metres
+    quality: Floats  # (n,) robust quality; 0 for those that are not free of collisions
+    collision_free: Flags  # (n,) whether the hand touches nothing but the contacts
+    # (n,) whether the grasp held in simulation; None if it was not simulated
     simulated_success: NDArray[np.object_]
 
     def chosen(self, which: Flags | Ints) -> "ImageGrasps":
@@ -92,9 +81,8 @@ def half_turn(angle: Any) -> Any:  # noqa: ANN401 (a number or an array)
 def agrees(proposed: NDArray[np.float64], truth: Rectangles) -> bool:
     """Whether (u, v, angle, opening) is as good as a label of (n, 5), by the usual score.
 
-    Jiang, Moseson and Saxena, "Efficient grasping from RGBD images", ICRA 2011: intersection over
-    union above 0.25 and axes less than 30 degrees apart. The breadth of the jaws is that of the
-    label (ours; GG-CNN takes half of the opening).
+    Jiang, Moseson and Saxena, ICRA 2011: overlap above 0.25, axes less than 30 degrees apart. The
+    breadth of the jaws is that of the label (ours; GG-CNN takes half of the opening).
     """
     near = truth[np.abs(half_turn(truth[:, 2] - proposed[2])) < MAX_TURN]
     return any(overlap(np.append(proposed, row[4]), row) > MIN_OVERLAP for row in near)

@@ -39,11 +39,7 @@ Draw = Callable[[np.random.Generator, int], Arrangement]
 
 
 class ImagedObject(NamedTuple):
-    """An object in an image: factor / the mesh scaled to the gripper; pose -1 if dropped or packed.
-
-    The matrix, (4, 4), is from the frame of the mesh at this size to the world, whose table is z =
-    0.
-    """
+    """An object in an image: factor / the mesh scaled; matrix to the table; pose, or -1."""
 
     id: str
     factor: float
@@ -53,11 +49,7 @@ class ImagedObject(NamedTuple):
 
 @dataclass(frozen=True)
 class RenderedImage:
-    """A depth image of objects on a table, with the grasps that can be reached from above.
-
-    `id` and `label` are those of the object, or a name for several; `draws` is how many times poses
-    and sizes were drawn.
-    """
+    """A depth image of objects on a table, with the grasps that can be reached from above."""
 
     image: int
     scene: SceneKind
@@ -95,11 +87,7 @@ def pictures(
     settings: RenderParameters,
     simulate: Simulate | None = None,
 ) -> Iterator[RenderedImage]:
-    """All images of an object that lies alone, in the order of their numbers.
-
-    The mesh is closed, metres, as it is grasped. Random choices follow from the seed, the object,
-    the pose and the number of the view there. RejectedError if it rests in no pose.
-    """
+    """All images of an object (closed, m) that lies alone; RejectedError if it has no pose."""
     seed, name = settings.seed, share.id
     with np.errstate(invalid="ignore", divide="ignore"):  # flat objects rest in no pose
         com = mass_properties(mesh, 1.0).com
@@ -126,10 +114,7 @@ def first_good(
     key: Sequence[str | int],
     simulate: Simulate | None = None,
 ) -> Labelled | None:
-    """The first of at most ten draws with a good grasp, or the very first if none is required.
-
-    Random numbers follow from the key and the number of the draw. None if there is no such draw.
-    """
+    """The first of ten draws with a good grasp, or the first if none is needed; None without."""
     for number in range(DRAWS):
         rng = generator(settings.seed, "render grasps", *key, number)
         objects = draw(rng, number)

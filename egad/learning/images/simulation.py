@@ -35,11 +35,7 @@ def model_at_size(
 def settle_scene(
     models: Sequence[Model], kind: SceneKind, engine: EngineName, rng: np.random.Generator
 ) -> list[tuple[int, Floats]]:
-    """Put objects on a table as `make_scene` does; nothing if the simulation went wrong.
-
-    For each that lies in the workspace: its number, and the (4, 4) transform to the world from the
-    frame that its model was made in.
-    """
+    """Put objects on a table: number and (4, 4) from the model's frame to the world, or none."""
     with open_world(engine, models, None, BOX if kind == "pile" else None) as world:
         try:
             present = make_scene(world, kind, rng)
@@ -51,11 +47,7 @@ def settle_scene(
 def simulate_contacts(
     model: Model, contacts: ContactPairs, approaches: Floats, settings: SimulatedLabelParameters
 ) -> list[bool | None]:
-    """Whether grasps hold, each closed on the floating object, shaken and lifted.
-
-    None if the engine failed. Contacts are free of collisions, in the frame that the model was made
-    in; approaches are (n, 3) unit vectors along which the hand moves.
-    """
+    """Whether grasps hold, each closed on the floating object and shaken; None if not known."""
     vectors = {"center": contacts.centers, "axis": contacts.axes, "approach": approaches}
     columns = {
         name: values[:, part]

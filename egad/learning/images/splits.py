@@ -27,10 +27,7 @@ def check_splits(index: pd.DataFrame, where: object) -> None:
 
 
 class Share(NamedTuple):
-    """An object, or a scene of several, and its images, from number `first` of the dataset.
-
-    Id and label of a scene are the same name; `members` are labels.
-    """
+    """An object, or a scene of several `members`, and its images, from number `first` on."""
 
     id: str
     label: str
@@ -46,11 +43,8 @@ def shares(
 ) -> list[Share]:
     """The images of all objects (columns id, label, complexity), in the order of their numbers.
 
-    Objects are shuffled, so that any run of images is a fair sample. Scenes of several objects come
-    last; all of their objects are in one split. All objects are split before the wanted ones are
-    taken: an object is in the same split whichever part of the dataset is rendered. A split has its
-    fraction of the images even if it has a larger one of the objects, so the number of training
-    images does not depend on the dataset; without objects it has none.
+    Any run of images is a fair sample; scenes of several objects come last. All objects are split
+    before the wanted ones are taken, so an object always stays in its split.
     """
     split = split_of(objects["id"].tolist(), evaluation, settings, seed)
     wanted = _drawn(objects[_within(objects, settings.complexity)], settings.subset, seed)
@@ -86,15 +80,12 @@ def _scenes(
     """Scenes of several objects of a split, each with a few images."""
     counts = evenly(images, -(-images // VIEWS)) if labels else []
     names = (f"{kind}-{split}-{number}" for number in count())
-    return [
-        Share(name, name, split, 0, shown, kind, _members(labels, objects, name, seed))
-        for name, shown in zip(names, counts, strict=False)
-    ]
-
-
-def _members(labels: list[str], objects: int, name: str, seed: int) -> tuple[str, ...]:
-    order = generator(seed, "scene", name).permutation(len(labels))[:objects]
-    return tuple(labels[number] for number in order)
+    found = []
+    for name, shown in zip(names, counts, strict=False):
+        order = generator(seed, "scene", name).permutation(len(labels))[:objects]
+        members = tuple(labels[number] for number in order)
+        found.append(Share(name, name, split, 0, shown, kind, members))
+    return found
 
 
 def shard_count(images: int) -> int:
@@ -105,11 +96,7 @@ def shard_count(images: int) -> int:
 def split_of(
     ids: Collection[str], evaluation: Collection[str], settings: Render, seed: int
 ) -> dict[str, str]:
-    """The split of each object: `test` first, which has the evaluation set, then `validation`.
-
-    The others follow in random order. Numbers are rounded, but with three objects or more, each
-    split that is to have a part has at least one, if the evaluation set leaves any.
-    """
+    """The split of each object: `test` first, with the evaluation set, then `validation`."""
     held_out = set(evaluation)
     order = sorted(ids, key=lambda name: (name not in held_out, entropy(seed, "split", name)))
     known = sum(name in held_out for name in order)

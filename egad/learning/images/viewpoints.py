@@ -14,10 +14,7 @@ from egad.learning.images.parameters import Camera
 
 
 class CameraScene(NamedTuple):
-    """Transforms to the world, (4, 4): from the frame of the table (z = 0), and from a camera's.
-
-    The camera has x to the right, y down, z forward.
-    """
+    """Transforms to the world, (4, 4): of the table (z = 0), and of a camera, z forward."""
 
     matrix: Floats
     intrinsics: Intrinsics
@@ -25,20 +22,14 @@ class CameraScene(NamedTuple):
 
 
 def sample_object_poses(poses: Sequence[StablePose], count: int, rng: np.random.Generator) -> Ints:
-    """Ascending indices of the poses of `count` images, evenly spaced in probability.
-
-    A pose comes up as often as it should, rounded up or down by chance.
-    """
+    """Ascending indices of the poses of `count` images, evenly spaced in probability."""
     ends = np.cumsum([pose.probability for pose in poses])
     levels = (rng.random() + np.arange(count)) / max(count, 1) * ends[-1]
     return np.asarray(np.minimum(np.searchsorted(ends, levels, side="right"), len(poses) - 1))
 
 
 def sample_scene(center: Floats, settings: Camera, rng: np.random.Generator) -> CameraScene:
-    """A table turned and shifted, uniformly (Mahler et al. 2017), and a camera that looks at it.
-
-    `center`, (3,) in the frame of the table, is what a centered image shows in its middle.
-    """
+    """A table turned and shifted (Mahler et al. 2017), and a camera that sees `center`, (3,)."""
     matrix = np.eye(4)
     matrix[:3, :3] = Rotation.from_rotvec([0, 0, rng.uniform(0, 2 * np.pi)]).as_matrix()
     matrix[:2, 3] = rng.uniform(-settings.shift, settings.shift, 2)

@@ -41,11 +41,7 @@ class MadeScene(NamedTuple):
 
 
 class YawTrials(NamedTuple):
-    """A grasp tried at several yaws: pose (4, 4), width (m) and outcome at the kept one.
-
-    The width is of the pads after the lift, NaN without success; `yaws` says which succeeded, from
-    the kept one on.
-    """
+    """A grasp tried at `yaws`: pose (4, 4), width (m, NaN if it fails), outcome of the best."""
 
     pose: Floats
     width: float
@@ -56,11 +52,7 @@ class YawTrials(NamedTuple):
 def make_scene(
     planned: PlannedScene, models: Mapping[str, Model], settings: SceneParameters
 ) -> MadeScene | None:
-    """Make a scene, with images and labelled grasps, from the arguments alone.
-
-    Models are by id, in the size that fits the gripper. None if the simulation goes wrong;
-    UserError if the gripper has a suction cup.
-    """
+    """Make a scene, with images and labelled grasps; None if the simulation goes wrong."""
     check_jaws(settings.gripper, "labelled scenes")
     this = planned.round
     with open_round(this, models, settings.clutter) as world:
@@ -96,24 +88,15 @@ def make_scene(
 
 
 def see(
-    world: World,
-    present: Sequence[RestingObject],
-    cameras: SceneCameras,
-    rng: np.random.Generator,
+    world: World, present: Sequence[RestingObject], cameras: SceneCameras, rng: np.random.Generator
 ) -> tuple[View, ...]:
     """What ideal cameras see of objects where they lie."""
     rendered = [DepthCamera(world.models[each.number].mesh) for each in present]
     matrices = [each.pose.matrix for each in present]
     intrinsics = intrinsics_of(cameras)
-    return tuple(
-        render_scene(rendered, matrices, intrinsics, pose)
-        for pose in training_cameras(cameras, rng)
-    )
-
-
-def training_cameras(cameras: SceneCameras, rng: np.random.Generator) -> list[Floats]:
-    """Poses of cameras around a table, (4, 4) each, each at its own distance and tilt."""
-    return [camera_poses(cameras, rng)[number] for number in range(cameras.views)]
+    # each at its own distance and tilt
+    poses = [camera_poses(cameras, rng)[number] for number in range(cameras.views)]
+    return tuple(render_scene(rendered, matrices, intrinsics, pose) for pose in poses)
 
 
 def sample_points(
@@ -128,10 +111,7 @@ def sample_points(
 def hand_poses_at(
     points: Floats, normals: Floats, settings: SceneParameters, rng: np.random.Generator
 ) -> Floats:
-    """Poses of the hand against the normals of n points, (n, yaws, 4, 4), at random depths.
-
-    The first yaw is random; the others follow evenly over half a turn.
-    """
+    """Poses against the normals of n points, (n, yaws, 4, 4), at random depths."""
     low, tip = finger_span(settings.gripper)
     count, yaws = len(points), settings.scenes.yaws
     below = rng.uniform(*DEPTHS, size=count) * (tip - low)
@@ -151,10 +131,7 @@ def hand_poses_at(
 def try_yaws(
     world: World, present: Sequence[RestingObject], poses: Floats, settings: SceneParameters
 ) -> YawTrials:
-    """Try a grasp at all its yaws, poses (yaws, 4, 4), each in the same scene.
-
-    The middle of the widest run of successes is kept, or the first yaw if none succeeds.
-    """
+    """Try a grasp at all its yaws, (yaws, 4, 4); the middle of the widest run is kept."""
     done = [try_grasp(world, present, pose, settings) for pose in poses]
     held = [result.outcome == Outcome.SUCCESS for result, _ in done]
     kept = middle_of_run(held)
@@ -166,10 +143,7 @@ def try_yaws(
 def try_grasp(
     world: World, present: Sequence[RestingObject], pose: Floats, settings: SceneParameters
 ) -> tuple[Execution, float]:
-    """The result of a grasp of the fully open hand, and how far it is open in the end, metres.
-
-    A contact on the way above the stopping force is a failure; in VGN's data, any contact is.
-    """
+    """The result of a grasp of the fully open hand, and how far it is open in the end, metres."""
     put(world, present)
     rules = settings.scenes.protocol
     contacts = ContactRules(

@@ -23,11 +23,7 @@ SHARD = 50  # scenes, about: the number of shards follows from the settings alon
 
 
 class Splits(NamedTuple):
-    """The split of each object that may be in scenes, by id.
-
-    `families` is 0 if ancestors are not known; `held_out` counts objects in no scene, as they or
-    their relatives are held out.
-    """
+    """The split of each usable object, by id; families are 0 without ancestors."""
 
     split_of: dict[str, str]
     families: int
@@ -52,12 +48,10 @@ def split_objects(
     hold_out: Collection[str],
     settings: SceneParameters,
 ) -> Splits:
-    """Split objects such that no family is in two splits.
+    """Split objects such that no family is in two splits, the largest ones for training.
 
-    The largest families are for training, until it has its fraction of the objects; of the others,
-    the largest are for validation. Without ancestors each object is a family of its own. Those to
-    hold out, which may occur only among the ancestors, are in no scene, nor are their parents and
-    children.
+    Without ancestors each object is a family. Those to hold out, and parents and children of these,
+    are in no scene.
     """
     known = lineage if lineage and all(name in lineage for name in ids) else None
     held = set(ids) if known is None else known
@@ -75,12 +69,7 @@ def split_objects(
 
 
 def planned_scenes(split_of: Mapping[str, str], settings: SceneParameters) -> list[PlannedScene]:
-    """All scenes of a dataset, in the order of their numbers; UserError if there are none.
-
-    A split has its fraction of the scenes, whatever its number of objects; a split without objects
-    has none. Kinds are spread evenly. A scene depends on the seed, its number and the objects of
-    its split.
-    """
+    """All scenes in order, kinds spread evenly; UserError if there are none."""
     scenes = settings.scenes
     test, validation = (round(p * scenes.scenes) for p in (scenes.test, scenes.validation))
     ends = np.cumsum([0, scenes.scenes - test - validation, validation, test]).tolist()
@@ -149,10 +138,7 @@ def read_plan(
     evaluation: Path | None,
     ancestry: Path | None,
 ) -> ScenePlan:
-    """Plan the scenes of a dataset; an evaluation set is held out, with ancestors if known.
-
-    Raises `UserError` if all objects are held out, or none can be simulated.
-    """
+    """Plan the scenes of a dataset; an evaluation set is held out, with ancestors if known."""
     table = parquet.read(objects, OBJECTS)[["id", "label"]]
     lineage = Lineage(parquet.read(ancestry, LINEAGE)) if ancestry else None
     held_out = parquet.distinct(evaluation, "id") if evaluation else set()

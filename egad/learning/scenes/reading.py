@@ -15,10 +15,10 @@ from egad._util.display import table_html
 from egad._util.files import as_path
 from egad._util.parameters import from_file
 from egad.bench import POINT_SIGMA, WORKSPACE, SceneKind
-from egad.detectors import Intrinsics, NoiseName, Observation, View
+from egad.detectors import NoiseName, Observation, View
 from egad.errors import TableError, UserError, check_name
 from egad.grippers import Gripper
-from egad.learning.images import SPLITS, check_splits, depth_of, pixels, pose_matrix
+from egad.learning.images import SPLITS, check_splits, pose_matrix, view_of
 from egad.random import entropy
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
@@ -104,13 +104,8 @@ class LabelledScene:
 
     def _view(self, number: int) -> View:
         row = self._row
-        image = {name: row[name] for name in ("height", "width")}
-        image |= {name: row[name][number] for name in ("depth", "mask")}
-        center = (float(row["center_u"]), float(row["center_v"]))
-        camera = Intrinsics(row["width"], row["height"], float(row["focal"]), center)
-        pose = pose_matrix(np.reshape(row["cameras"], (-1, len(POSE_PARTS)))[number])
-        mask = pixels(image, "mask", "L").astype(np.uint8)
-        return View(depth_of(image), camera, pose, mask)
+        image = row | {name: row[name][number] for name in ("depth", "mask")}
+        return view_of(image, np.reshape(row["cameras"], (-1, len(POSE_PARTS)))[number])
 
 
 class SceneDataset:

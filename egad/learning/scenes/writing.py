@@ -30,10 +30,7 @@ def write_shard(
     scenes: Path,
     grasps: Path,
 ) -> None:
-    """Write the scenes of a shard, each readable without the others, and their grasps.
-
-    Shards with other notes (`set_notes`) do not belong to the set.
-    """
+    """Write the scenes of a shard, each readable by itself, and their grasps."""
     notes = {"shard": shard, "shards": shards, **about}
     parquet.write(pd.DataFrame([each.scene for each in made]), SCENES, scenes, notes, group=1)
     tables = [each.grasps for each in made if len(each.grasps)]
@@ -59,10 +56,7 @@ def describe_set(
     splits: Splits,
     rejected: pd.DataFrame,
 ) -> SceneSet:
-    """Write `card.md`, `scene.png` and `rejected.parquet` beside the shards of a whole set.
-
-    UserError if shards are missing or of several sets, or there is no scene in them.
-    """
+    """Write `card.md`, `scene.png` and `rejected.parquet` beside the shards of a whole set."""
     pairs = shard_files(folder, TABLES, MAKERS)
     scenes = rows_of([first for first, _ in pairs], SCENES, SCENE_COLUMNS)
     grasps = rows_of([second for _, second in pairs], SCENE_GRASPS, GRASP_COLUMNS)

@@ -62,22 +62,17 @@ class GenomeText:
 
 @dataclass(frozen=True)
 class ObjectPage:
-    """What is known of an object, `tables.objects.OBJECTS`.
-
-    Attributes:
-        grasps: Columns of `GRASPS` or `SIMULATED_GRASPS`; None if there are no tables.
-        factor: Size at which it is shown / size in the dataset.
-        note: Why it has no grasps, or other remarks.
-        relatives: What `Relatives.data` returned; None if there is no lineage.
-        trials: Attempts with the object by grasp detector: a column `success`.
-    """
+    """What is known of an object, `tables.objects.OBJECTS`."""
 
     row: Row
+    # columns of `GRASPS` or `SIMULATED_GRASPS`; None if there are no tables
     grasps: pd.DataFrame | None = None
-    factor: float = 1.0
-    note: str = ""
+    factor: float = 1.0  # size at which it is shown / size in the dataset
+    note: str = ""  # why it has no grasps, or other remarks
+    # what `Relatives.data` returned; None if there is no lineage
     relatives: Mapping[str, Any] | None = None
     genome: Row | None = None
+    # attempts with the object by grasp detector: a column `success`
     trials: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     links: Sequence[Download] = ()
 
@@ -85,12 +80,7 @@ class ObjectPage:
 def object_data(
     page: ObjectPage, mesh: trimesh.Trimesh, genome: GenomeText | None, axes: AxisPair
 ) -> dict[str, Any]:
-    """The data of an object, ready for JSON; the mesh is in metres, at the size that is shown.
-
-    `facts` are name, value, standard error, unit and decimals of each measure; `labels` are numbers
-    of grasps by label in simulation; `trials` are detector, successes, attempts and ends of the 95
-    % interval.
-    """
+    """The data of an object, ready for JSON; the mesh is in metres, at the size that is shown."""
     grasps = page.grasps if page.grasps is not None else empty(GRASPS)
     counts = None if page.grasps is None else _label_counts(grasps)
     simulated = _simulated(counts) if counts else []
@@ -115,10 +105,7 @@ def ancestor_data(
     relatives: Mapping[str, Any] | None,
     axes: AxisPair,
 ) -> dict[str, Any]:
-    """The data of an unreleased ancestor, `tables.evolution.LINEAGE`, ready for JSON.
-
-    The mesh, metres, is None if its genome gives none; the relatives are from `Relatives.data`.
-    """
+    """The data of an unreleased ancestor, `LINEAGE`, ready for JSON; mesh in metres, or None."""
     grown = [
         ("epoch", row["epoch"], None, "", 0),
         ("island", row["island"], None, "", 0),

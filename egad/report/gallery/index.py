@@ -30,12 +30,7 @@ def index_data(
     gripper: Gripper | None = None,
     unattainable: int = 0,
 ) -> dict[str, Any]:
-    """The data of the first view of the gallery, ready for JSON.
-
-    `finger` is from the contacts back to the palm, or to the top of the cup, metres; `unattainable`
-    the number of hatched rows; `measures` has key, name, unit, factor and decimals of what can be
-    filtered; `columns` a list with an entry for each object, by name.
-    """
+    """The data of the first view of the gallery, ready for JSON; `finger` in metres."""
     ranks = cell_ranks(objects)
     measures = _measures(axes, bool(member.simulated))
     ids = objects["id"]
@@ -57,7 +52,10 @@ def index_data(
         "finger": _finger(gripper),
         "cells": space.cells,
         "unattainable": unattainable,
-        "sheets": [sheet_file(rank) for rank in range(int(ranks.max(initial=-1)) + 1)],
+        "sheets": [
+            file_link(FOLDER, SHEETS, f"{rank}.webp")
+            for rank in range(int(ranks.max(initial=-1)) + 1)
+        ],
         "measures": measures,
         "columns": columns,
     }
@@ -67,11 +65,6 @@ def _finger(gripper: Gripper | None) -> float:
     if gripper is None:
         return 0.0
     return -gripper.kind.span[0]
-
-
-def sheet_file(rank: int) -> str:
-    """The link to the sheet of the objects of a rank."""
-    return file_link(FOLDER, SHEETS, f"{rank}.webp")
 
 
 def _measures(axes: AxisPair, simulated: bool) -> list[dict[str, Any]]:

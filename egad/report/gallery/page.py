@@ -23,23 +23,20 @@ from egad.tables.release import MAX_FILES
 
 @dataclass(frozen=True)
 class GalleryData:
-    """A dataset for the gallery, with a gripper; empty name: nothing is scaled.
-
-    Attributes:
-        factors: Scale factors by label, without objects that cannot be scaled.
-        grasps: Labelled grasps; None if there is no table. A table with `simulated_success` also
-            needs the other columns that `antipodal_success_rates` reads.
-        trials: Attempts with the evaluation set by grasp detector: columns label and success.
-        genomes: Columns id and those of `tables.evolution.GENOME`.
-    """
+    """A dataset for the gallery, with a gripper; empty name: nothing is scaled."""
 
     objects: pd.DataFrame
     gripper: str = ""
+    # scale factors by label, without objects that cannot be scaled
     factors: Mapping[str, float] = field(default_factory=dict)
+    # labelled grasps; None if there is no table. A table with `simulated_success` also needs the
+    # other columns that `antipodal_success_rates` reads
     grasps: pd.DataFrame | None = None
     evaluation: pd.DataFrame = field(default_factory=lambda: empty(EVAL49))
+    # attempts with the evaluation set by grasp detector: columns label and success
     trials: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     lineage: Lineage | None = None
+    # columns id and those of `tables.evolution.GENOME`
     genomes: pd.DataFrame = field(default_factory=lambda: empty(GENOME).assign(id=[]))
 
     @cached_property

@@ -7,7 +7,9 @@ import pytest
 from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
 
 from egad.bench import ContactRule, TrialProtocol, TrialRunner
+from egad.bench.failures.finding import failure_parameters
 from egad.bench.failures.object_runner import ObjectRunner, open_runner
+from egad.bench.failures.parameters import FailureSearch
 from egad.detectors import Failure, Grasp, GraspPoses
 from egad.geometry import Bundle, Material
 from egad.grasps import label_parameters
@@ -21,15 +23,8 @@ EACH_WAY = pytest.mark.parametrize("from_above", [True, False])
 
 
 def runner(engine, from_above, contact=None):
-    return open_runner(
-        engine,
-        MODEL,
-        LABELLED,
-        PANDA,
-        from_above=from_above,
-        depth_noise=0.1,
-        contact=contact,
-    )
+    settings = failure_parameters(PANDA, FailureSearch(depth_noise=0.1), contact=contact)
+    return open_runner(engine, MODEL, LABELLED, settings, from_above=from_above)
 
 
 @EACH_WAY
