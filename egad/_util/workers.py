@@ -27,10 +27,7 @@ SHOWN = 100  # characters of an item
 
 @contextmanager
 def workers(count: int) -> Iterator[Mapper]:
-    """A `map` that keeps order and runs in several processes; in this one if `count` is 1.
-
-    Raises `UserError` that shows the item if a process ended, or if something cannot be sent.
-    """
+    """A `map` that keeps order, in several processes; `UserError` shows the item if one ended."""
     if check_count("jobs", count) == 1:
         with one_thread():
             yield map

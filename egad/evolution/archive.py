@@ -150,17 +150,12 @@ class Archive:
         return cell_of(elite.complexity, elite.graspability, self.space)
 
     def add(self, candidates: Iterable[Elite], refine: Refine | None = None) -> None:
-        """Insert objects, then remove elites until every cell fits.
+        """Insert objects that are not in the archive, then remove elites until every cell fits.
 
-        Objects that are already in the archive are skipped. From an overfull cell, uncertain elites
-        are removed first, then those with the lowest objective, then the least diverse ones. After
-        each removal, the diversities of the elites left in overfull cells are recomputed.
-
-        Args:
-            candidates: The objects.
-            refine: Measures objects more accurately, in the same order; None for those that it
-                rejects. Only candidates that their cell would keep are refined; they then compete
-                in the cell that the refined measures give.
+        From an overfull cell, uncertain elites are removed first, then those with the lowest
+        objective, then the least diverse; each removal changes the diversities of the others.
+        `refine` measures the candidates that their cell would keep more accurately, in order, or
+        gives None for one that it rejects; they then compete in the cell of the refined measures.
         """
         fresh = {elite.id: elite for elite in candidates if elite.id not in self}
         indices = self._neighborhood.add([elite.graph for elite in fresh.values()])
@@ -201,7 +196,7 @@ class Archive:
     def _trim(self) -> None:
         """Remove elites of overfull cells until every cell fits.
 
-        With more others than neighbors, a removal can only raise diversities: those stored are
+        With more others than neighbors, a removal can only raise diversities: stored ones are
         lower bounds.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
@@ -238,10 +233,7 @@ class Archive:
         self._neighborhood.remove(index)
 
     def to_frame(self) -> pd.DataFrame:
-        """The archive as a table with the columns of `tables.evolution.EPOCH`.
-
-        Rows are sorted by cell, then slot; slot 0 is the most diverse of its cell.
-        """
+        """The archive as a table (`EPOCH`), by cell, then slot; slot 0 is the most diverse one."""
         rows = []
         diversities = self._neighborhood.diversities(list(self._elites))
         for (index, elite), diversity in zip(self._elites.items(), diversities, strict=True):
@@ -301,9 +293,8 @@ def merge(
 def ribs_frame(archive: pd.DataFrame, space: MeasureSpace) -> pd.DataFrame:
     """The elites of an archive or `Dataset.table` as a pyribs `ArchiveDataFrame`, for its tools.
 
-    The columns: `index` (of the cell: along complexity, then graspability, both from the low end),
-    `objective` (its diversity), `measures_0` (complexity), `measures_1` (graspability, high is
-    easy), `id`. Unlike in pyribs, a cell may have several rows.
+    `index` is the cell: along complexity, then graspability, both from the low end. Unlike in
+    pyribs, a cell may have several rows.
     """
     rows = space.cells - 1 - archive["difficulty_cell"].to_numpy()  # the low end is hard
     shape = (space.cells, space.cells)

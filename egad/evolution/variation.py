@@ -47,8 +47,8 @@ class Offspring:
 def breed(elites: Sequence[Parent], settings: EvolutionParameters, *index: int) -> list[Offspring]:
     """The offspring of one step; random genomes if there are no elites (EGAD, section III-D).
 
-    The index (epoch, island, step) gives every child its own random stream. Sampling parents near
-    empty slots, litters of siblings and restarts are ours.
+    The index (epoch, island, step) seeds the children. Sparse parents, litters and restarts are
+    ours.
     """
     config = neat_config(settings.neat)
     rng = generator(settings.seed, "parents", *index)

@@ -41,10 +41,8 @@ DIRECTIONS = _directions()
 def best_plane(solid: Solid, planes_of_hull: Floats) -> Plane:
     """The plane whose two sides have the smallest hulls (ours).
 
-    The candidates are planes through the point deepest below the hull, in 13 directions and along
-    the faces there, and planes at even steps along the axes. If none makes the hulls smaller, as
-    when a ring is cut once, a side of the box is halved: the one for which a second cut of both
-    halves leaves the smallest hulls.
+    Candidates pass through the deepest point in 13 directions or along its faces, or lie at even
+    steps. If none helps, as for a ring, the side of the box is halved whose second cut is best.
     """
     cut = _best_cut(solid, planes_of_hull)
     if cut.before - cut.after > MIN_GAIN * (cut.before - solid.volume()):

@@ -102,8 +102,7 @@ def finish_all(
 ) -> tuple[list[Hull], Tolerances]:
     """Turn hulls into parts, and check them at points that they are not fitted to (ours).
 
-    If too many of these lie too deep, the hulls are fitted to both sets of points. If that does not
-    help, the bounds that are returned with the parts are looser than `kept`.
+    If too many lie too deep, both sets of points are fitted, or looser bounds than `kept` returned.
     """
     for number in count():
         finished = [finish(hull, touchable, kept, wanted) for hull in hulls]

@@ -124,8 +124,7 @@ class _Pool:
 def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
     """A hull of some of the corners of a hull, and whether its losses are within bounds (ours).
 
-    The corners farthest outside are added repeatedly, until there are `most`, or all others lie
-    within `distance` and the lost volume is within `share`.
+    The farthest outside come first, until there are `most`, or the losses are within the bounds.
     """
     chosen = _far_apart(hull.points)
     while True:

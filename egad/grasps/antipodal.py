@@ -74,27 +74,17 @@ class SamplingStatistics:
 
 def sample_contacts(
     caster: RayCaster,
-    opening: float,
-    count: int,
+    opening: float,  # metres
+    count: int,  # at most; a round samples at least twice as many candidates
     sampling: Sampling,
     rng: np.random.Generator,
-    wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
+    wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,  # which axes (n, 3); None: all
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Find grasps that are well spread over an object, and sampling statistics.
+    """Find at most `count` well-spread grasps, and sampling statistics.
 
-    First contacts are uniform over the surface; the axis deviates from the inward normal by an
-    angle whose tangent is uniform up to the cone. The second contact is where a finger that closes
-    from the opening's far end meets the object. Then the open fingers, placed symmetrically about
-    the midpoint of the contacts, must be able to close onto these contacts, and to approach in a
-    straight line of length `approach_clearance` along one of `approach_directions`.
-
-    Args:
-        caster: Ray caster of the object, metres.
-        opening: Distance between the open fingers, metres.
-        count: How many at most; a round samples at least twice as many candidates.
-        sampling: Rules.
-        rng: Random number generator.
-        wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
+    First contacts are uniform over the surface; the tangent of the angle between axis and inward
+    normal is uniform up to the cone. A finger from the far end of the opening finds the second
+    contact; open fingers must then reach both, and approach along one of `approach_directions`.
     """
     grasps, statistics = ContactPairs.empty(), SamplingStatistics()
     for _ in range(sampling.rounds):
@@ -116,10 +106,9 @@ def valid_contacts(
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Sample candidates like `sample_contacts`, and keep all that are grasps, however close.
+    """Sample candidates like `sample_contacts`, and keep all grasps, however close.
 
-    They are independent draws from one distribution, so a percentile of their quality has no bias
-    from spacing. Rounds and spacing do not matter.
+    They are independent draws, so a percentile of their quality has no bias from spacing.
     """
     starts, faces = _points(caster, candidates, rng)
     normals = caster.normals[faces]

@@ -52,13 +52,10 @@ def draw_grasps(
     robust: Robust | None = None,
     density: float = DENSITY,
 ) -> Sampled:
-    """Grasps of any sampler except the antipodal one, at most n, of a closed mesh in metres.
+    """At most n grasps of a closed mesh, metres, by any sampler except the antipodal one.
 
-    The density, kg/m3, determines the load on a cup; `robust` its perturbed copies.
-
-    Raises:
-        RejectedError: There is no grasp, or the user's sampler fails.
-        UserError: The user's sampler gives something other than grasps.
+    `density`, kg/m3, loads a cup. `RejectedError` if there is none or the user's sampler fails,
+    `UserError` if that returns something other than grasps.
     """
     if gripper.grasps_with != SUCTION:
         return _own(gripper, mesh, n, rng)

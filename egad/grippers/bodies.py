@@ -38,12 +38,7 @@ class BoxBody(HandBody):
     """Two finger boxes, and a palm that is a box or a mesh."""
 
     def __init__(self, gripper: Gripper, palm: trimesh.Trimesh | None = None) -> None:
-        """Make a body from the sizes of a gripper with jaws.
-
-        A palm mesh, metres, replaces the palm box. Its origin is the middle of the palm's face,
-        where the fingers begin, its axes are those of the hand. Each of its bodies is replaced by
-        its convex hull; `RejectedError` if one is flat.
-        """
+        """Take jaws, and a palm mesh, metres, used as hulls; `RejectedError` if one is flat."""
         check_jaws(gripper, "the body of a hand")
         self.gripper, self._palm = gripper, palm
         self.parts()

@@ -34,8 +34,7 @@ MIN_SIDE = 1e-3  # metres, of a box
 def sizes_of(model: HandModel) -> dict[str, Any]:
     """Opening, and sizes of boxes for the fingers and the palm, as in `Gripper`.
 
-    A finger is measured at its pad. It begins where the fixed links end, at the opening where the
-    pads are nearest to these links: the pads of a linkage move forward while they close.
+    A finger begins where the fixed links end, at the opening where the pads are nearest to them.
     """
     opening = float(model.openings[-1])
     closed = model.points(float(model.openings[0]))

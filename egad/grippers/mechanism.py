@@ -135,8 +135,8 @@ class Mechanism:
     def follow(self, driven: Floats, near: Floats) -> Floats:
         """Positions of all joints for (n,) positions of the driven ones, starting near known ones.
 
-        What the constraints between followers leave open is decided by the springs, as in a hand
-        that touches nothing, and by the limits.
+        Springs and limits decide what the constraints leave open, as in a hand that touches
+        nothing.
         """
         positions = near.copy()
         positions[self._driven_at] = driven
@@ -213,10 +213,7 @@ class Mechanism:
         return np.asarray(back @ self._data.xaxis[joint])
 
     def velocities(self, positions: Floats, body: int, points: Floats) -> tuple[Floats, Floats]:
-        """Velocities (n, 3) of points, per radian or metre of the joint, and levers (n,), metres.
-
-        All are in the frame of the palm; the lever of a sliding joint is 1.
-        """
+        """Velocities (n, 3) of points per radian or metre of the joint, and levers (n,), metres."""
         joint = int(self.model.body_jntadr[body])
         axis = self.axis(joint, positions)
         if self.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:

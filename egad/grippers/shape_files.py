@@ -44,9 +44,8 @@ def list_packages() -> Packages:
 def find_file(wanted: str, path: Path, packages: Callable[[], Packages] = list_packages) -> Path:
     """The path of a file that a description names; a `UserError` says where it was searched for.
 
-    A path, or a URI: file://, or package://NAME/ or model://NAME/ for ROS packages in the folders
-    above the description, and in those of ROS_PACKAGE_PATH, which `packages` lists, and
-    AMENT_PREFIX_PATH.
+    A path, file://, or package://NAME/ or model://NAME/: of ROS packages in the folders above the
+    description, ROS_PACKAGE_PATH, or AMENT_PREFIX_PATH.
     """
     folder = path.resolve().parent
     scheme = next((each for each in PACKAGE if wanted.startswith(each)), None)
@@ -100,8 +99,7 @@ def _package_name(folder: Path) -> str | None:
 def read_shape(path: Path) -> Floats | None:
     """Hull corners (n, 3) of a shape that MuJoCo does not read, in the unit of the file; or None.
 
-    MuJoCo reads OBJ, its own MSH, and binary STL of up to 200,000 faces. The unit of a Collada file
-    counts, but the up axis of Collada and glTF does not, as in RViz, MoveIt and SAPIEN.
+    The unit of a Collada file counts, the up axis does not, as in RViz, MoveIt and SAPIEN.
     """
     ending = path.suffix[1:].lower()
     if ending in ("obj", "msh") or (ending == "stl" and _is_regular_stl(path)):

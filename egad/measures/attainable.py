@@ -42,10 +42,9 @@ class Attainable(NamedTuple):
 def attainable_graspability(settings: MeasureParameters) -> Attainable:
     """The highest quality of a grasp, and the highest percentile that is expected.
 
-    The percentile is that of a model, in which every grasp spans the smallest side of the box and
-    both of its contacts lean equally, with a tangent that is uniform up to the cone of the sampler.
-    Without lean, the line of the grasp passes through the center of mass, which lies at the best
-    height between the contacts.
+    In the model, every grasp spans the smallest side of the box, and both contacts lean equally
+    with a tangent that is uniform up to the cone. Without lean, it passes through the center of
+    mass.
     """
     others = settings.robust is not None or settings.gripper.grasps_with != ANTIPODAL
     if settings.measures.graspability or others:

@@ -88,13 +88,11 @@ def graspability(
 ) -> GraspabilityEstimate:
     """A percentile of the quality of independent grasps: high values are easy objects (ours).
 
-    For a suction cup, all candidates count: those that do not seal have the quality 0. A copy of
-    the mesh is rotated until its principal axes (of the vertices) are the coordinate axes, then
-    scaled by the factor, by default until its smallest side is `side_fraction` of the opening.
-    Grasps without quality count as zeros. The number of candidates is doubled until the cell of the
-    object is as certain as the space requires, or the budget is spent. The confidence holds on
-    average over objects, but not over objects that were selected by their cell. The center of mass
-    is by default that of the volume. Raises `RejectedError` if there is no grasp, or the mesh is
+    A copy of the mesh, its principal axes (of the vertices) as axes, is scaled by the factor, by
+    default until its smallest side is `side_fraction` of the opening. Grasps without quality count
+    as zeros, and so do unsealed cups. The number of candidates doubles until the cell is as certain
+    as the space requires, or the budget is spent. The confidence holds on average over objects, but
+    not over those selected by their cell. `RejectedError` if there is no grasp, or the mesh is
     flat.
     """
     grasps, enough = _RatedGrasps(mesh, settings, rng, com, factor), settings.space.confidence

@@ -31,11 +31,9 @@ from egad.tables.grasping import SIZE_EFFECT
 
 
 def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters) -> pd.DataFrame:
-    """Quality of grasps of a closed mesh at several sizes: rows of `tables.grasping.SIZE_EFFECT`.
+    """Grasp quality of a closed mesh as its smallest side grows (`tables.grasping.SIZE_EFFECT`).
 
-    The smallest side of its box becomes each fraction of the opening; its own size does not matter.
-    Grasps without quality count as zeros; the quality is NaN where there is no grasp. The name
-    seeds the random numbers.
+    Grasps without quality count as zeros; it is NaN without grasps. The name seeds the numbers.
     """
     wanted, opening = settings.size_effect, settings.gripper.opening
     side = float(box_sides(mesh)[0])
@@ -110,9 +108,8 @@ def _others(
 def summarize(table: pd.DataFrame) -> pd.DataFrame:
     """Means and spread over the repetitions, for each name, fraction and percentile, in this order.
 
-    `mean`, `low` and `high` are the quality over the repetitions that found grasps (NaN if none
-    did), `grasps` is their mean number, `share` that of the candidates that are possible, and
-    `found` the fraction of the repetitions with grasps.
+    `mean`, `low` and `high` are the quality over those that found grasps, `found` the fraction of
+    these; `share` is that of the candidates that are possible.
     """
     groups = table.groupby(["name", "fraction", "percentile"], sort=False)
     numbers = groups.agg(
@@ -134,11 +131,7 @@ def summarize(table: pd.DataFrame) -> pd.DataFrame:
 def curves(
     settings: SizeEffectParameters, files: Mapping[str, Path], units: str | None, worker_count: int
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Compute grasp quality over size for repaired meshes, and the reasons of rejected ones.
-
-    The columns are `tables.grasping.SIZE_EFFECT`, meshes in the given order. Units, as stated in
-    the files if None, do not affect the result.
-    """
+    """Grasp quality over size (`SIZE_EFFECT`) of repaired mesh files; reasons of rejected ones."""
     work = partial(_curve, units=units, settings=settings)
     with workers(max(1, min(worker_count, len(files)))) as mapper:
         done = list(progress(mapper(work, files.items()), "measuring", len(files)))

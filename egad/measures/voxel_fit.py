@@ -121,9 +121,8 @@ def _growth(scene: TriangleScene, points: Floats, normals: Floats) -> Floats:
 def fit(target: FitTarget, grid: Grid, rounds: int) -> Fit | None:
     """Voxels whose surface is close to the target; None if no cube's center is inside.
 
-    Smoothing moves the surface away from the voxels' faces. So in each round, cubes become solid or
-    empty by how far the surface is still from the target there, and only those changes stay that
-    bring it closer. (Ours, after van Cittert's deconvolution.)
+    In each round, cubes become solid or empty by how far the smoothed surface is still off, and
+    only changes that bring it closer stay. (Ours, after van Cittert's deconvolution.)
     """
     depths = target.depths(grid.centers(), DEEP * grid.pitch).reshape(grid.shape) / grid.pitch
     if not (depths > 0).any():

@@ -75,11 +75,9 @@ def compare(
 
 @kernel(fastmath={"reassoc"})
 def bound(profiles: Floats, one: int, other: int) -> float:
-    """An upper bound of the similarity of two graphs.
+    """An upper bound of the similarity of two graphs, by the totals of each range and level.
 
-    Matched nodes lie in the same range of the same level, so what they share there is at most the
-    smaller one of the totals of the two graphs. The order of the sum is left to the compiler, as
-    several terms at once are faster; the last digits do not matter here.
+    The order of the sum is left to the compiler, for speed; the last digits do not matter here.
     """
     total = 0.0
     for k in range(profiles.shape[1]):
