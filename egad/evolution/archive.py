@@ -83,22 +83,16 @@ class Archive:
 
     def _repr_html_(self) -> str:
         """Summary for notebooks; `plot` draws the archive."""
-        counts, (across, upwards) = self.counts(), self._ranges()
+        counts, space = self.counts(), self.space
         facts = {
             "elites": len(self),
             "coverage": f"{100 * self.coverage:.1f} %",
             "filled cells": f"{np.count_nonzero(counts)} of {counts.size}",
-            "slots per cell": self.space.elites_per_cell,
-            "range of the first measure": across,
-            "range of the second measure": upwards,
+            "slots per cell": space.elites_per_cell,
+            "range of the first measure": "{:g} to {:g}".format(*space.complexity_range),
+            "range of the second measure": "{:g} to {:g}".format(*space.graspability_range),
         }
         return facts_html("Archive", facts)
-
-    def _ranges(self) -> tuple[str, str]:
-        """The ranges of the measures in words."""
-        low, high = self.space.complexity_range
-        hard, easy = self.space.graspability_range
-        return f"{low:g} to {high:g}", f"{hard:g} to {easy:g}"
 
     def plot(self, measures: tuple[str, str] | None = None) -> Picture:
         """Draw the map of the cells, with a picture of the oldest object of each.
@@ -113,7 +107,8 @@ class Archive:
         Raises:
             UserError: The names are not two strings.
         """
-        if measures is not None and not _are_two_texts(measures):
+        two = isinstance(measures, tuple | list) and [type(name) for name in measures] == [str] * 2
+        if measures is not None and not two:
             raise UserError(f"measures is {measures!r}; allowed: two names, such as ('a', 'b')")
         return draw("live_map", "archive_map", self, measures)
 
@@ -196,8 +191,7 @@ class Archive:
     def _trim(self) -> None:
         """Remove elites of overfull cells until every cell fits.
 
-        With more others than neighbors, a removal can only raise diversities: stored ones are
-        lower bounds.
+        With many others, a removal only raises diversities: those stored are lower bounds.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
         queue = self._crowded(counts)
@@ -261,10 +255,6 @@ class Archive:
         return ribs_frame(self.to_frame(), self.space)
 
 
-def _are_two_texts(given: object) -> bool:
-    return isinstance(given, tuple | list) and [type(each) for each in given] == [str, str]
-
-
 def elites_of(frame: pd.DataFrame) -> list[Elite]:
     """The elites of a table with the columns of `tables.evolution.EPOCH`, in its order."""
     return [
@@ -293,8 +283,7 @@ def merge(
 def ribs_frame(archive: pd.DataFrame, space: MeasureSpace) -> pd.DataFrame:
     """The elites of an archive or `Dataset.table` as a pyribs `ArchiveDataFrame`, for its tools.
 
-    `index` is the cell: along complexity, then graspability, both from the low end. Unlike in
-    pyribs, a cell may have several rows.
+    `index` is the cell, along complexity, then graspability, from the low ends; cells may repeat.
     """
     rows = space.cells - 1 - archive["difficulty_cell"].to_numpy()  # the low end is hard
     shape = (space.cells, space.cells)

@@ -55,10 +55,9 @@ class DistanceField(NamedTuple):
 
 
 def distance_field(mesh: trimesh.Trimesh, size: int, padding: int) -> DistanceField:
-    """The distance field of a solid, on the grid that SDFGen lays around it for Dex-Net.
+    """The distance field of a solid on Dex-Net's SDFGen grid: `size - 2 * padding` cells along it.
 
-    The longest side is `size - 2 * padding` cells; distances are rounded to a power of two, about a
-    thousandth of a cell, to compress. Sign: winding number, Barill et al., SIGGRAPH 2018.
+    Distances are rounded to a power of two, to compress. Sign: Barill et al., SIGGRAPH 2018.
     """
     with needed_for(WHAT):
         import igl  # noqa: PLC0415 (an extra)

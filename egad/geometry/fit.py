@@ -100,10 +100,7 @@ def finish_all(
     kept: Tolerances,
     wanted: Tolerances,
 ) -> tuple[list[Hull], Tolerances]:
-    """Turn hulls into parts, and check them at points that they are not fitted to (ours).
-
-    If too many lie too deep, both sets of points are fitted, or looser bounds than `kept` returned.
-    """
+    """Turn hulls into parts within bounds, loosened from `kept` if other points need it (ours)."""
     for number in count():
         finished = [finish(hull, touchable, kept, wanted) for hull in hulls]
         others = touchable_points(mesh, f"parts, check {number}")

@@ -122,10 +122,7 @@ class _Pool:
 
 
 def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
-    """A hull of some of the corners of a hull, and whether its losses are within bounds (ours).
-
-    The farthest outside come first, until there are `most`, or the losses are within the bounds.
-    """
+    """A hull of at most `most` corners if its losses permit, and whether they are within bounds."""
     chosen = _far_apart(hull.points)
     while True:
         found = ConvexHull(hull.points[chosen])

@@ -25,7 +25,7 @@ class MassProperties(NamedTuple):
 
 
 def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
-    """Exact integrals over the solid within a closed surface, metres and kg/m3; or `RejectedError`.
+    """Exact integrals over the solid in a closed surface, metres and kg/m3; or `RejectedError`.
 
     About the middle of the box, in its longest side, lest digits cancel. Source: Eberly 2002.
     """

@@ -26,8 +26,7 @@ AT_ONCE = 50  # orientations multiplied with the points at once: the products fi
 def box_sides(mesh: trimesh.Trimesh) -> Floats:
     """Sides of the minimum-volume oriented box, ascending, (3,) (ours); `RejectedError` if flat.
 
-    It need not touch a face of the hull, as trimesh's does: its box and the best of even turns are
-    each turned to the nearest local minimum.
+    It need not touch a face of the hull, as trimesh's does: several boxes are turned to a minimum.
     """
     check_mesh(mesh)
     try:

@@ -116,10 +116,9 @@ def _turn(vertices: Floats, p: int, q: int, a: int, b: int) -> float:
 
 
 def untangle(solid: Solid) -> Solid:
-    """A solid whose surface does not pass through itself, or `RejectedError` (ours).
+    """A solid whose surface does not pass through itself (ours), or `RejectedError`.
 
-    The smallest boxes around crossing triangles are cut out; the union of the bodies within has one
-    surface. A piece that crosses itself is halved, down to crumbs, which become their hulls.
+    Boxes around crossings are cut out and rebuilt as unions; what crosses itself is halved.
     """
     for _ in range(ROUNDS):
         vertices, faces = arrays(solid)

@@ -108,8 +108,7 @@ def stable_poses(
 def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
     """The poses of `stable_poses` about a center of mass, (3,), strictly inside the hull.
 
-    An object lands on the face that the vertical through its center of mass meets, by solid angle /
-    4 pi, and rolls over the nearest edge until the center is above it. Nothing slides or bounces.
+    An object lands on a face by its solid angle, then rolls over nearest edges, quasi-statically.
     """
     check_mesh(mesh)
     facets = _facets(np.asarray(mesh.vertices, dtype=np.float64), center)

@@ -12,10 +12,7 @@ AFTER = np.array([1, 1, -2])  # from a corner of a face to the next
 
 
 def wedge_pairs(vertices: Floats, faces: Ints) -> Ints:
-    """Pairs (k, 2) of half-edges, 3 face + corner, with one wedge of solid between their faces.
-
-    Only edges with more than two faces, whose wedges do not overlap, have them.
-    """
+    """Pairs (k, 2) of half-edges, 3 face + corner, at wedges of solid, if many faces share an edge."""
     starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     keys = np.minimum(starts, ends) * len(vertices) + np.maximum(starts, ends)
     _, edge, counts = np.unique(keys, return_inverse=True, return_counts=True)
@@ -39,10 +36,7 @@ def wedge_pairs(vertices: Floats, faces: Ints) -> Ints:
 
 
 def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Floats, Ints]:
-    """A surface with vertices repeated where it touches itself, so that each edge has two faces.
-
-    Faces are divided if need be. What is not closed, or overlaps at an edge, stays as it is.
-    """
+    """A closed surface with vertices repeated where it touches itself: each edge has two faces."""
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     if not (_has_doubled_edges(vertices, faces) and is_closed(mesh)):
         return vertices, faces

@@ -106,13 +106,12 @@ def valid_contacts(
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Sample candidates like `sample_contacts`, and keep all grasps, however close.
-
-    They are independent draws, so a percentile of their quality has no bias from spacing.
-    """
+    """Sample candidates like `sample_contacts`, and keep all grasps, which are independent draws."""
     starts, faces = _points(caster, candidates, rng)
     normals = caster.normals[faces]
-    axes = _axes_in_cone(normals, sampling.cone, rng)
+    turn = rng.uniform(0, 2 * np.pi, len(normals))
+    lean = rng.uniform(0, sampling.cone, len(normals))  # tangent of the angle to -normal
+    axes: Floats = _leaning(normals, lean * np.cos(turn), lean * np.sin(turn))
     if wanted is not None:
         kept = np.flatnonzero(wanted(axes))
         starts, normals, axes = starts[kept], normals[kept], axes[kept]
@@ -157,14 +156,6 @@ def _points_inside(triangles: Floats, faces: Ints, along: Floats) -> Floats:
             first, second = triangles[face, 1, k] - start, triangles[face, 2, k] - start
             points[i, k] = start + (one * first + two * second)
     return points
-
-
-def _axes_in_cone(normals: Floats, cone: float, rng: np.random.Generator) -> Floats:
-    """Unit vectors into the object; the tangent of their angle to -normal is uniform."""
-    turn = rng.uniform(0, 2 * np.pi, len(normals))
-    lean = rng.uniform(0, cone, len(normals))
-    axes: Floats = _leaning(normals, lean * np.cos(turn), lean * np.sin(turn))
-    return axes
 
 
 @kernel()

@@ -156,10 +156,7 @@ def statistics_row(
 
 
 def label_poses(caster: RayCaster, grasps: Sampled, body: HandBody, way: float) -> pd.DataFrame:
-    """Label grasps of jaws: columns of `GRASPS` but `id` and `label`; the way in is in metres.
-
-    The normals are those where rays from the open fingers meet the surface, or missing.
-    """
+    """Label grasps of jaws (`GRASPS` but `id`, `label`), with normals where open fingers meet."""
     widths, (centers, frames) = grasps.widths, _frames(grasps.poses)
     axes, approaches = frames[:, 0], frames[:, 2]
     opening = body.gripper.opening

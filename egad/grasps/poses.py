@@ -54,7 +54,7 @@ def dexnet_angles(axes: Floats, approaches: Floats) -> Floats:
 def dexnet_configurations(
     centers: Floats, axes: Floats, approaches: Floats, opening: float
 ) -> Floats:
-    """Dex-Net's (n, 10): center, axis, opening, approach angle, jaw width (0), least opening (0)."""
+    """Dex-Net's (n, 10): center, axis, opening, approach angle, jaw width (0) and opening (0)."""
     rest = np.zeros((len(centers), 4))
     rest[:, 0] = opening
     rest[:, 1] = dexnet_angles(axes, approaches)

@@ -62,8 +62,7 @@ def robust_ferrari_canny(
 ) -> tuple[Floats, Floats, Floats]:
     """Mean and deviation of the quality of n grasps over perturbed copies, and the share above 0.
 
-    Open fingers close again on each copy, which counts as 0 if a finger starts inside the object or
-    meets nothing. Copies must also be held by the `faces` of a moving jaw.
+    The open fingers close again; a copy counts as 0 if they start inside or meet nothing.
     """
     copies = len(grasps) * robust.samples
     centers, axes = _disturb(grasps, com, robust, rng)

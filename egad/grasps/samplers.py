@@ -52,11 +52,7 @@ def draw_grasps(
     robust: Robust | None = None,
     density: float = DENSITY,
 ) -> Sampled:
-    """At most n grasps of a closed mesh, metres, by any sampler except the antipodal one.
-
-    `density`, kg/m3, loads a cup. `RejectedError` if there is none or the user's sampler fails,
-    `UserError` if that returns something other than grasps.
-    """
+    """At most n grasps of a closed mesh, metres, by a cup or the user's sampler; or their errors."""
     if gripper.grasps_with != SUCTION:
         return _own(gripper, mesh, n, rng)
     cup = cup_of(gripper, "the sampler `suction`")

@@ -57,10 +57,7 @@ def _workspace() -> Workspace:
 
 
 def depths(points: NDArray[np.float64], floor: float = 0.0) -> NDArray[np.float64]:
-    """Distance from the origin to the boundary of each hull of n sets of at most 62 points, (n,).
-
-    0 where the origin is not strictly inside; one below `floor` may be an upper bound below it.
-    """
+    """Distance from the origin to each hull of n sets of at most 62 points, (n,); 0 if outside."""
     result: NDArray[np.float64] = _depths(np.ascontiguousarray(points, dtype=float), floor)
     for i in np.flatnonzero(np.isnan(result)):
         result[i] = slow_depth(points[i])

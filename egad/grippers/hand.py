@@ -69,10 +69,7 @@ class HandBody(ABC):
         return np.zeros_like(openings)
 
     def aside(self, widths: Floats, openings: Floats, clearance: float = JAW_CLEARANCE) -> Floats:
-        """Position of the middle between the pads along the closing axis, (n,) metres.
-
-        The contacts, `widths` apart, are around 0; a fixed jaw is `clearance` before the first one.
-        """
+        """Where the middle of pads lies on the closing axis, the contacts around 0, (n,) metres."""
         del openings, clearance
         return np.zeros_like(widths)
 

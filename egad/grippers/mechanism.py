@@ -133,11 +133,7 @@ class Mechanism:
         return self.follow(self.ranges().mean(axis=1), self.model.qpos0.copy())
 
     def follow(self, driven: Floats, near: Floats) -> Floats:
-        """Positions of all joints for (n,) positions of the driven ones, starting near known ones.
-
-        Springs and limits decide what the constraints leave open, as in a hand that touches
-        nothing.
-        """
+        """Positions of all joints for (n,) driven ones; springs and limits decide what is open."""
         positions = near.copy()
         positions[self._driven_at] = driven
         if not self.followers:

@@ -9,6 +9,7 @@ import trimesh
 from egad._util.arrays import Floats
 
 PALM_BODY, FIRST_FINGER, SECOND_FINGER = 0, -1, 1  # what a link belongs to
+FINGERS = (FIRST_FINGER, SECOND_FINGER)
 
 
 class LinkJoint(NamedTuple):
@@ -102,6 +103,12 @@ class HandModel:
             [shape @ turn.T + place for shape in link.shapes]
             for link, turn, place in zip(self.links, turns, places, strict=True)
         ]
+
+    def corners(self, opening: float, *bodies: int) -> list[Floats]:
+        """Corners of the convex parts of some bodies (of all: none given), each (n, 3), metres."""
+        links = zip(self.links, self.points(opening), strict=True)
+        chosen = [shapes for link, shapes in links if not bodies or link.body in bodies]
+        return [points for shapes in chosen for points in shapes]
 
     def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:
         """The convex parts as meshes in the frame of the hand, each with its `HandLink.body`."""

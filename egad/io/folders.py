@@ -128,10 +128,7 @@ def _matched(path: Path, pattern: str) -> list[str]:
 
 
 def _unique(parts: Mapping[Path, Sequence[str]]) -> dict[str, Path]:
-    """A name for each file that is safe in paths and depends on other files only in a conflict.
-
-    Files with the same name but for case get their endings, or then a hash of their paths.
-    """
+    """A safe name for each file; those that are the same get an ending, or a hash of their path."""
     names = {path: _safe("-".join(words)) for path, words in parts.items()}
     for addition in (_ending, _hash):
         times = Counter(name.lower() for name in names.values())

@@ -22,11 +22,7 @@ class Content(NamedTuple):
 
 
 def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
-    """Triangles (m, 3) of polygons in their order, whose (k,) corners follow one another.
-
-    Diagonals from the first corner cut it if valid, else its mean plane; crossing ones are
-    rejected.
-    """
+    """Triangles (m, 3) of polygons of (k,) corners, cut from the first or in the mean plane."""
     check_at_most(int(np.maximum(lengths - 2, 0).sum()), MAX_FACES, "faces")
     check_corners(corners, len(vertices))
     starts = np.cumsum(lengths) - lengths

@@ -157,9 +157,8 @@ class _RatedGrasps:
         """Draw more candidates: antipodal ones by `sample`, or those of another gripper."""
         if self._settings.gripper.grasps_with != ANTIPODAL:
             self._draw_others(candidates)
-            return
-        opening, sampling = self._settings.gripper.opening, self._settings.sampling
-        self._add(*sample(self._caster, opening, candidates, sampling, self._rng))
+        else:
+            self._draw_antipodal(candidates, sample)
 
     def _draw_others(self, candidates: int) -> None:
         """Draw grasps of another sampler; those of a cup that does not seal have the quality 0."""
@@ -181,11 +180,12 @@ class _RatedGrasps:
             quality = np.zeros(candidates if settings.gripper.grasps_with == SUCTION else 0)
         self._sample.extend(quality, exact=True)
 
-    def _add(self, grasps: ContactPairs, statistics: SamplingStatistics) -> None:
+    def _draw_antipodal(self, candidates: int, sample: _Sample) -> None:
+        settings, opening, rng = self._settings, self._settings.gripper.opening, self._rng
+        grasps, statistics = sample(self._caster, opening, candidates, settings.sampling, rng)
         self.statistics += statistics
-        quality, robust = self._settings.quality, self._settings.robust
+        quality, robust = settings.quality, settings.robust
         if robust is not None:
-            opening, rng = self._settings.gripper.opening, self._rng
             mean, _, _ = robust_ferrari_canny(
                 self._caster, grasps, self._com, opening, quality=quality, robust=robust, rng=rng
             )

@@ -68,10 +68,7 @@ def resampled_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
 
 
 def closest_voxels(target: FitTarget) -> Fit | None:
-    """The voxels that a mesh was made from, or else close ones, 25 a side; None if none fits.
-
-    They lie along the axes of its coordinates, or those that most of its faces follow.
-    """
+    """The voxels that a mesh was made from, or else close ones, 25 a side; None if none fits."""
     upright = np.eye(3)
     best = _search(target, upright, SIDES)
     if best and best.deviation > FAIR:

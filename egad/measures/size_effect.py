@@ -31,10 +31,7 @@ from egad.tables.grasping import SIZE_EFFECT
 
 
 def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters) -> pd.DataFrame:
-    """Grasp quality of a closed mesh as its smallest side grows (`tables.grasping.SIZE_EFFECT`).
-
-    Grasps without quality count as zeros; it is NaN without grasps. The name seeds the numbers.
-    """
+    """Grasp quality of a closed mesh as its smallest side grows (`tables.grasping.SIZE_EFFECT`)."""
     wanted, opening = settings.size_effect, settings.gripper.opening
     side = float(box_sides(mesh)[0])
     rows: list[dict[str, Any]] = []
@@ -53,8 +50,7 @@ def _rated(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> Iterator[dict[str, Any]]:
     """Results at one size, one row per percentile."""
-    antipodal = settings.gripper.grasps_with == ANTIPODAL
-    qualities, candidates, possible = (_antipodal if antipodal else _others)(caster, settings, rng)
+    qualities, candidates, possible = _qualities(caster, settings, rng)
     for percent in settings.size_effect.percentiles:
         yield {
             "candidates": candidates,
@@ -65,44 +61,32 @@ def _rated(
         }
 
 
-def _antipodal(
+def _qualities(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> tuple[Floats, int, int]:
-    """Qualities of antipodal grasps, the number of candidates, and of those that are possible."""
-    grasps, statistics = sample_contacts(
-        caster, settings.gripper.opening, settings.size_effect.grasps, settings.sampling, rng
-    )
+    """Qualities of grasps, and the numbers of candidates, and of those that are possible.
+
+    With another sampler than the antipodal one, a cup that does not seal has the quality 0.
+    """
+    gripper, wanted = settings.gripper, settings.size_effect.grasps
+    com = center_of_mass(caster.mesh)
+    if gripper.grasps_with != ANTIPODAL:
+        robust, density = settings.robust, settings.density
+        try:
+            quality = draw_grasps(
+                caster.mesh, com, gripper, wanted, rng, robust=robust, density=density
+            ).quality
+        except NoGraspError:
+            quality = np.empty(0)
+        return quality, wanted, len(quality)
+    grasps, statistics = sample_contacts(caster, gripper.opening, wanted, settings.sampling, rng)
     qualities = ferrari_canny(
-        grasps.points,
-        grasps.normals,
-        grasps.axes,
-        center_of_mass(caster.mesh),
-        **settings.quality.model_dump(),
+        grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
     )
     possible = (
         statistics.candidates - statistics.too_wide - statistics.not_antipodal - statistics.blocked
     )
     return qualities, statistics.candidates, possible
-
-
-def _others(
-    caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
-) -> tuple[Floats, int, int]:
-    """The same for another sampler; a cup that does not seal has the quality 0."""
-    wanted = settings.size_effect.grasps
-    try:
-        quality = draw_grasps(
-            caster.mesh,
-            center_of_mass(caster.mesh),
-            settings.gripper,
-            wanted,
-            rng,
-            robust=settings.robust,
-            density=settings.density,
-        ).quality
-    except NoGraspError:
-        quality = np.empty(0)
-    return quality, wanted, len(quality)
 
 
 def summarize(table: pd.DataFrame) -> pd.DataFrame:

@@ -119,11 +119,7 @@ def _growth(scene: TriangleScene, points: Floats, normals: Floats) -> Floats:
 
 
 def fit(target: FitTarget, grid: Grid, rounds: int) -> Fit | None:
-    """Voxels whose surface is close to the target; None if no cube's center is inside.
-
-    In each round, cubes become solid or empty by how far the smoothed surface is still off, and
-    only changes that bring it closer stay. (Ours, after van Cittert's deconvolution.)
-    """
+    """Voxels whose smoothed surface is close to the target, or None (ours, after van Cittert)."""
     depths = target.depths(grid.centers(), DEEP * grid.pitch).reshape(grid.shape) / grid.pitch
     if not (depths > 0).any():
         return None

@@ -5,6 +5,7 @@ import pyarrow as pa
 from egad.tables.columns import Result, integer, real, text
 from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, SUCCESS
 from egad.tables.outcomes import (
+    EXECUTION,
     POSE_FAILURES,
     SIMULATION_FAILURES,
     SUCTION_FAILURES,
@@ -14,14 +15,7 @@ from egad.tables.outcomes import (
 
 GRASP_POSE = tuple(f"pose_{row}{part}" for row in "xyz" for part in ("x", "y", "z", "t"))
 ROUND = ["scene", "noise", "round"]  # columns that tell rounds apart
-CARRIED_OUT = (
-    Outcome.SUCCESS,
-    Outcome.COLLIDED,
-    Outcome.MISSED,
-    Outcome.SLIPPED_CLOSING,
-    Outcome.SLIPPED_LIFTING,
-    *SUCTION_FAILURES,
-)
+CARRIED_OUT = (*(each for each in EXECUTION if each != Outcome.DROPPED), *SUCTION_FAILURES)
 
 CLUTTER = pa.schema(
     [

@@ -117,10 +117,7 @@ def suction_poses(grasps: pd.DataFrame) -> Floats:
 def collision_free(
     caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, depths: Floats
 ) -> Flags:
-    """Whether each of n cups (`seal_cups`) moves in and stays there, its top free of collisions.
-
-    Mean depths of the rings (n,), metres, beyond the height of the cup count as 0.
-    """
+    """Whether each of n cups (`seal_cups`), rings at depths (n,), metres, moves in untouched."""
     behind = -np.where(np.abs(depths) <= cup.height, depths, 0.0)
     touching = touching_turns(caster, cup_parts(cup, cup.approach), origins, frames, behind=behind)
     return np.asarray(~touching[:, 0])

@@ -84,11 +84,7 @@ def robust_suction_quality(
     seed: int,
     indices: Ints,  # (n,) identify the grasps in the random streams
 ) -> Floats:
-    """The share of perturbed copies of each of n grasps that seal and resist the load, (n,).
-
-    Object and cup rotate and shift; friction, weight and center of mass differ. The copies of a
-    grasp do not depend on the other grasps.
-    """
+    """The share of perturbed copies of each of n grasps that seal and resist the load, (n,)."""
     size = (robust.samples, RANDOM_NUMBERS)
     streams = [generator(seed, "robust_suction_quality", int(index)) for index in indices]
     drawn = np.concatenate([np.empty((0, size[1])), *(rng.normal(size=size) for rng in streams)])

@@ -111,10 +111,7 @@ def _flat(
 
 @kernel()
 def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
-    """Lower the distances of all vertices that a path from the source brings nearer, in place.
-
-    From infinity they become distances to the source, else to the nearest source so far.
-    """
+    """Lower the distances of all vertices that a path from the source brings nearer, in place."""
     starts, neighbors, lengths, scale, first, following, preceding = graph
     mask = len(first) - 1
     preceding[:] = _ABSENT
@@ -159,11 +156,7 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
 def even_integral(
     graph: EdgeGraph, vertices: Floats, faces: Ints32, areas: Floats, count: int
 ) -> Floats:
-    """The integral (n,) from farthest-point bases, each for the vertices nearest to it (ours).
-
-    The first is the vertex farthest from the center of the surface, whatever the order of vertices;
-    there are fewer than `count` if no other vertex is left.
-    """
+    """The integral (n,) from farthest-point bases (ours), each for the vertices nearest to it."""
     share = _shares(faces, areas, len(vertices))
     bases, owner, order = _farthest(graph, _farthest_from_center(vertices, share), count)
     weights = np.zeros(len(bases))

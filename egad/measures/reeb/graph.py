@@ -35,10 +35,7 @@ _MAGIC, _VERSION = b"REEB", 1
 def levels(
     parts: Parts, count: int
 ) -> tuple[Ints32, Ints32, Floats, Floats, Ints32, Ints32, Ints32, Ints32, Ints32]:
-    """Build `count` levels, each with half as many ranges as the one before: `ReebGraph`.
-
-    The finest, sorted by range, counts. A coarser node is a connected union of finer ones.
-    """
+    """Build `count` levels, coarser nodes being connected unions of finer ones: `ReebGraph`."""
     most = count * len(parts.ranges)
     starts = np.zeros(count + 1, np.int32)
     ranges, parents = np.empty(most, np.int32), np.full(most, -1, np.int32)
@@ -129,10 +126,7 @@ class ReebGraph:
 
 
 def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
-    """The multiresolutional Reeb graph of a shape of one connected piece, or `RejectedError`.
-
-    Its ranges are those of mu (`egad.measures.reeb.geodesics`), as a fraction of the largest value.
-    """
+    """The multiresolutional Reeb graph of mu of one connected shape, or `RejectedError`."""
     check_mesh(mesh)
     surface = refine(_checked(mesh), settings.vertices)
     areas = face_areas(surface)

@@ -75,10 +75,7 @@ def compare(
 
 @kernel(fastmath={"reassoc"})
 def bound(profiles: Floats, one: int, other: int) -> float:
-    """An upper bound of the similarity of two graphs, by the totals of each range and level.
-
-    The order of the sum is left to the compiler, for speed; the last digits do not matter here.
-    """
+    """An upper bound of the similarity of two graphs, by totals; its last digits do not matter."""
     total = 0.0
     for k in range(profiles.shape[1]):
         total += min(profiles[one, k], profiles[other, k])
