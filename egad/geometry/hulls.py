@@ -122,7 +122,7 @@ class _Pool:
 
 
 def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
-    """A hull of at most `most` corners if its losses permit, and whether they are within bounds."""
+    """A hull of some corners, `most` or until losses are small, and whether these are in bounds."""
     chosen = _far_apart(hull.points)
     while True:
         found = ConvexHull(hull.points[chosen])

@@ -12,7 +12,10 @@ AFTER = np.array([1, 1, -2])  # from a corner of a face to the next
 
 
 def wedge_pairs(vertices: Floats, faces: Ints) -> Ints:
-    """Pairs (k, 2) of half-edges, 3 face + corner, at wedges of solid, if many faces share an edge."""
+    """Pairs (k, 2) of half-edges, 3 face + corner, with one wedge of solid between their faces.
+
+    Only edges with more than two faces have them, unless solids overlap there.
+    """
     starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     keys = np.minimum(starts, ends) * len(vertices) + np.maximum(starts, ends)
     _, edge, counts = np.unique(keys, return_inverse=True, return_counts=True)

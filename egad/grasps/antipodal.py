@@ -106,7 +106,7 @@ def valid_contacts(
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Sample candidates like `sample_contacts`, and keep all grasps, which are independent draws."""
+    """Sample candidates like `sample_contacts`, and keep all grasps: they are independent draws."""
     starts, faces = _points(caster, candidates, rng)
     normals = caster.normals[faces]
     turn = rng.uniform(0, 2 * np.pi, len(normals))

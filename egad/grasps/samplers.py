@@ -52,7 +52,7 @@ def draw_grasps(
     robust: Robust | None = None,
     density: float = DENSITY,
 ) -> Sampled:
-    """At most n grasps of a closed mesh, metres, by a cup or the user's sampler; or their errors."""
+    """At most n grasps of a closed mesh, metres, by a cup or the user's sampler; or an error."""
     if gripper.grasps_with != SUCTION:
         return _own(gripper, mesh, n, rng)
     cup = cup_of(gripper, "the sampler `suction`")

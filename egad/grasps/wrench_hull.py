@@ -57,7 +57,10 @@ def _workspace() -> Workspace:
 
 
 def depths(points: NDArray[np.float64], floor: float = 0.0) -> NDArray[np.float64]:
-    """Distance from the origin to each hull of n sets of at most 62 points, (n,); 0 if outside."""
+    """Distance from the origin to the boundary of each hull of n sets of at most 62 points, (n,).
+
+    0 where the origin is not strictly inside; a depth below `floor` may be a bound below it.
+    """
     result: NDArray[np.float64] = _depths(np.ascontiguousarray(points, dtype=float), floor)
     for i in np.flatnonzero(np.isnan(result)):
         result[i] = slow_depth(points[i])
@@ -84,7 +87,7 @@ def _depths(points: NDArray[np.float64], floor: float) -> NDArray[np.float64]:
 
 @kernel()
 def _depth(points: NDArray[np.float64], space: Workspace, floor: float) -> float:
-    """The smallest facet offset, or 0; or an upper bound below the floor. NaN without memory."""
+    """The smallest facet offset or 0, or an upper bound below the floor; NaN if the hull fails."""
     tolerance = TOLERANCE * np.abs(points).max()
     if not _start(points, space, tolerance):
         return 0.0

@@ -42,7 +42,7 @@ def list_packages() -> Packages:
 
 
 def find_file(wanted: str, path: Path, packages: Callable[[], Packages] = list_packages) -> Path:
-    """The path of a file or package that a description names; `UserError` says where it was."""
+    """The path of a file or package that a description names; `UserError` says where it looked."""
     folder = path.resolve().parent
     scheme = next((each for each in PACKAGE if wanted.startswith(each)), None)
     if scheme is None:

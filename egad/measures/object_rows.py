@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.geometry import mass_properties
-from egad.geometry.mass import MassProperties
+from egad.geometry import MassProperties, mass_properties
 from egad.geometry.repair import Repaired, repair_for_files
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.measures.measure import measure_repeatably

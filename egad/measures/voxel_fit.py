@@ -119,7 +119,10 @@ def _growth(scene: TriangleScene, points: Floats, normals: Floats) -> Floats:
 
 
 def fit(target: FitTarget, grid: Grid, rounds: int) -> Fit | None:
-    """Voxels whose smoothed surface is close to the target, or None (ours, after van Cittert)."""
+    """Voxels whose smoothed surface is close to the target (ours, after van Cittert).
+
+    None if no cube's center is inside. Each round keeps only changes that bring the surface closer.
+    """
     depths = target.depths(grid.centers(), DEEP * grid.pitch).reshape(grid.shape) / grid.pitch
     if not (depths > 0).any():
         return None

@@ -117,7 +117,7 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
 
 
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
-    """The columns of a schema, or `TableError`; NaN if all optional ones are missing."""
+    """The columns of a schema, or `TableError`; NaN if its optional ones are all missing."""
     try:
         source = Source(path)
         missing = _missing(path, schema)

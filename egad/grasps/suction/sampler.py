@@ -117,7 +117,10 @@ def suction_poses(grasps: pd.DataFrame) -> Floats:
 def collision_free(
     caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, depths: Floats
 ) -> Flags:
-    """Whether each of n cups (`seal_cups`), rings at depths (n,), metres, moves in untouched."""
+    """Whether each of n cups (`seal_cups`) moves in and stays without a collision above its ring.
+
+    Mean depths of the rings (n,), metres, beyond the height of the cup count as 0.
+    """
     behind = -np.where(np.abs(depths) <= cup.height, depths, 0.0)
     touching = touching_turns(caster, cup_parts(cup, cup.approach), origins, frames, behind=behind)
     return np.asarray(~touching[:, 0])
