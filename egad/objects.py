@@ -85,7 +85,11 @@ class EvolvedObject:
             UserError: The mesh file of a dataset folder is missing or damaged.
         """
         if self._meshes is not None:
-            return _dataset_mesh(self._meshes / f"{self.label}.obj")
+            path = self._meshes / f"{self.label}.obj"
+            try:
+                return read_mesh(path, "m")
+            except RejectedError as reason:  # the dataset is broken, not the object
+                raise UserError(f"{path}: {reason}") from reason
         return repair_for_files(packed_surface(self._evolved["voxels"], self.shape)).mesh
 
     def mesh_at(self, resolution: int) -> trimesh.Trimesh:
@@ -126,14 +130,6 @@ class EvolvedObject:
         if self._elite is None:
             raise UserError(f"{self.label} comes from a mesh: it has no voxels and no genome")
         return self._elite
-
-
-def _dataset_mesh(path: Path) -> trimesh.Trimesh:
-    """A mesh of a dataset: if it cannot be read, the dataset is broken, not the object."""
-    try:
-        return read_mesh(path, "m")
-    except RejectedError as reason:
-        raise UserError(f"{path}: {reason}") from reason
 
 
 Some = NDArray[np.bool_ | np.str_] | pd.Series | pd.Index | list[bool] | list[str]
@@ -318,7 +314,9 @@ def load(source: str | Path | Archive = RELEASED) -> Dataset:
         )
     dataset = dataset_of(parquet.read(path, ARCHIVE), _shape(path), _ancestry(path.parent))
     if source == RELEASED:
-        dataset.table = _with_simulated(dataset.table)
+        rates = parquet.read(released_simulated(), ANTIPODAL_RATES).set_index("id")
+        shares = rates[["antipodal_success_rate", "held_shaking"]]
+        dataset.table = dataset.table.join(shares, on="id")
     return dataset
 
 
@@ -329,12 +327,6 @@ def _evaluation_set() -> Dataset:
     table = known.loc[chosen["id"]].assign(label=chosen["label"].to_numpy())
     elites = parquet.read(path, ARCHIVE)
     return Dataset(table.reset_index(drop=True), elites, _shape(path), None, released_ancestry())
-
-
-def _with_simulated(table: pd.DataFrame) -> pd.DataFrame:
-    """The table of the released objects with the shares of their simulated grasps that hold."""
-    simulated = parquet.read(released_simulated(), ANTIPODAL_RATES).set_index("id")
-    return table.join(simulated[["antipodal_success_rate", "held_shaking"]], on="id")
 
 
 def _ancestry(folder: Path) -> Path:

@@ -78,12 +78,7 @@ class Worker:
         environment: Mapping[str, str] | None = None,
         quiet: bool = False,
     ) -> None:
-        """Prepare; the process starts with the `with` block or with the first item.
-
-        `make_work` is a context manager that lasts as long as the process and gives the function
-        that does the work. The limits are seconds for one item and for the start; `environment` is
-        added to that of this process, the name is for messages, and `quiet` discards output.
-        """
+        """Prepare; `make_work` is a context manager that gives the function; limits are seconds."""
         self._environment, self._quiet = environment or {}, quiet
         self._make_work, self._limit, self._start_limit = make_work, limit, start_limit
         self._name = name
@@ -103,11 +98,7 @@ class Worker:
         return self._process is not None
 
     def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
-        """Do the work on one item, and raise what it raises, or an error with the same text.
-
-        Raises `WorkerTimeoutError`, `WorkerDiedError` or `WorkerKilledError` for its process,
-        `UserError` if it cannot be started or the item cannot be sent.
-        """
+        """Do the work on one item; raise what it raises, or a `Worker...Error` for its process."""
         message = to_bytes(item)
         if not (self.running or self._killed):
             self.start()

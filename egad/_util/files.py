@@ -24,11 +24,10 @@ def as_path(name: str, given: object) -> Path:
 
 @contextmanager
 def atomic_output(path: Path, keep: bool = True) -> Iterator[Path]:
-    """Give a temporary path beside `path`; on success it replaces `path`, a file or a folder.
+    """Give a temporary path; on success it replaces `path`, a file or folder, which else stays.
 
-    If the block fails, `path` is as it was before, and the output is kept for inspection until the
-    next attempt replaces it. Large output should not be kept: it may be what filled the disk.
-    Raises `UserError` if another process is writing it, or writing failed without saying where.
+    The output of a block that fails is kept until the next attempt, unless it is large: it may
+    have filled the disk. `UserError` if another process is writing it.
     """
     path = path.absolute()
     check_writable(path)

@@ -29,8 +29,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def kernel(**options: Any) -> Callable[[Function], Function]:  # noqa: ANN401 (of numba)
     """Compile a function, as `numba.njit`, at its first call; its code is kept in `kernel_folder`.
 
-    numba decides where when it decorates a function, so others in the same process are kept where
-    they want. A process that needs a kernel waits while another compiles it.
+    Only these kernels are kept there. A process waits while another compiles a kernel that it
+    needs.
     """
 
     def decorate(function: Function) -> Function:

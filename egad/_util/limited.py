@@ -50,12 +50,7 @@ class LimitedProcess:
         self._worker, self._owner = self._new_worker(), os.getpid()
 
     def __call__(self, function: Callable[..., T], *arguments: object) -> T:
-        """Call a function of a module. It, its arguments and its result must be picklable.
-
-        Raises `LimitError` if it took too much memory or time or its process ended, `UserError` if
-        the system killed the process, and `FailedError` for other errors than those of egad, which
-        are passed on.
-        """
+        """Call a function of a module; raises `LimitError`, `FailedError`, or an error of egad."""
         with self._lock:
             if self._owner != os.getpid():  # a fork of the program has no worker of its own yet
                 self._worker, self._owner = self._new_worker(), os.getpid()

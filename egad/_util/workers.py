@@ -27,10 +27,7 @@ SHOWN = 100  # characters of an item
 
 @contextmanager
 def workers(count: int) -> Iterator[Mapper]:
-    """A `map` that keeps order and runs in several processes; in this one if `count` is 1.
-
-    Raises `UserError` that shows the item if a process ended, or if something cannot be sent.
-    """
+    """A `map` that keeps order, in several processes; `UserError` shows the item if one ended."""
     if check_count("jobs", count) == 1:
         with one_thread():
             yield map
@@ -72,16 +69,12 @@ def _ask_idle_worker(idle: SimpleQueue[Worker], work: bytes, item: Any) -> _Answ
     try:
         answer: _Answer = process((work, item))
     except (WorkerDiedError, WorkerKilledError) as error:
-        raise UserError(f"{error} (its item: {_describe_item(item)})") from error
+        text = " ".join(repr(item).split())
+        shown = text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
+        raise UserError(f"{error} (its item: {shown})") from error
     finally:
         idle.put(process)
     return answer
-
-
-def _describe_item(item: object) -> str:
-    """An item in one line of at most `SHOWN` characters."""
-    text = " ".join(repr(item).split())
-    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
 
 
 def _with_warnings_given(answer: _Answer) -> Any:  # noqa: ANN401 (whatever the work gives)

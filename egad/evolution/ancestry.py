@@ -95,8 +95,7 @@ def ancestors(elites: Iterable[str], lineage: pd.DataFrame) -> pd.DataFrame:
     """The rows of elites, named by id, and of all their ancestors, in the order of creation.
 
     An object that was accepted more than once, or by several islands, counts from the first time.
-    Raises `UserError` if one of them is not in the lineage, which has the columns of
-    `tables.evolution.LINEAGE`.
+    `UserError` if one of them is missing in the lineage (`LINEAGE`).
     """
     born = lineage.sort_values(["epoch", "step", "island", "id"]).drop_duplicates("id")
     parents = dict(zip(born["id"], born["parents"], strict=True))

@@ -83,22 +83,16 @@ class Archive:
 
     def _repr_html_(self) -> str:
         """Summary for notebooks; `plot` draws the archive."""
-        counts, (across, upwards) = self.counts(), self._ranges()
+        counts, space = self.counts(), self.space
         facts = {
             "elites": len(self),
             "coverage": f"{100 * self.coverage:.1f} %",
             "filled cells": f"{np.count_nonzero(counts)} of {counts.size}",
-            "slots per cell": self.space.elites_per_cell,
-            "range of the first measure": across,
-            "range of the second measure": upwards,
+            "slots per cell": space.elites_per_cell,
+            "range of the first measure": "{:g} to {:g}".format(*space.complexity_range),
+            "range of the second measure": "{:g} to {:g}".format(*space.graspability_range),
         }
         return facts_html("Archive", facts)
-
-    def _ranges(self) -> tuple[str, str]:
-        """The ranges of the measures in words."""
-        low, high = self.space.complexity_range
-        hard, easy = self.space.graspability_range
-        return f"{low:g} to {high:g}", f"{hard:g} to {easy:g}"
 
     def plot(self, measures: tuple[str, str] | None = None) -> Picture:
         """Draw the map of the cells, with a picture of the oldest object of each.
@@ -113,7 +107,8 @@ class Archive:
         Raises:
             UserError: The names are not two strings.
         """
-        if measures is not None and not _are_two_texts(measures):
+        two = isinstance(measures, tuple | list) and [type(name) for name in measures] == [str] * 2
+        if measures is not None and not two:
             raise UserError(f"measures is {measures!r}; allowed: two names, such as ('a', 'b')")
         return draw("live_map", "archive_map", self, measures)
 
@@ -150,17 +145,12 @@ class Archive:
         return cell_of(elite.complexity, elite.graspability, self.space)
 
     def add(self, candidates: Iterable[Elite], refine: Refine | None = None) -> None:
-        """Insert objects, then remove elites until every cell fits.
+        """Insert objects that are not in the archive, then remove elites until every cell fits.
 
-        Objects that are already in the archive are skipped. From an overfull cell, uncertain elites
-        are removed first, then those with the lowest objective, then the least diverse ones. After
-        each removal, the diversities of the elites left in overfull cells are recomputed.
-
-        Args:
-            candidates: The objects.
-            refine: Measures objects more accurately, in the same order; None for those that it
-                rejects. Only candidates that their cell would keep are refined; they then compete
-                in the cell that the refined measures give.
+        From an overfull cell, uncertain elites are removed first, then those with the lowest
+        objective, then the least diverse; each removal changes the diversities of the others.
+        `refine` measures the candidates that their cell would keep more accurately, in order, or
+        gives None for one that it rejects; they then compete in the cell of the refined measures.
         """
         fresh = {elite.id: elite for elite in candidates if elite.id not in self}
         indices = self._neighborhood.add([elite.graph for elite in fresh.values()])
@@ -201,8 +191,7 @@ class Archive:
     def _trim(self) -> None:
         """Remove elites of overfull cells until every cell fits.
 
-        With more others than neighbors, a removal can only raise diversities: those stored are
-        lower bounds.
+        With many others, a removal only raises diversities: those stored are lower bounds.
         """
         counts, limit = Counter(self._cells.values()), self.space.elites_per_cell
         queue = self._crowded(counts)
@@ -238,10 +227,7 @@ class Archive:
         self._neighborhood.remove(index)
 
     def to_frame(self) -> pd.DataFrame:
-        """The archive as a table with the columns of `tables.evolution.EPOCH`.
-
-        Rows are sorted by cell, then slot; slot 0 is the most diverse of its cell.
-        """
+        """The archive as a table (`EPOCH`), by cell, then slot; slot 0 is the most diverse one."""
         rows = []
         diversities = self._neighborhood.diversities(list(self._elites))
         for (index, elite), diversity in zip(self._elites.items(), diversities, strict=True):
@@ -267,10 +253,6 @@ class Archive:
     def to_ribs_frame(self) -> pd.DataFrame:
         """The elites with the columns of a pyribs `ArchiveDataFrame`: see `ribs_frame`."""
         return ribs_frame(self.to_frame(), self.space)
-
-
-def _are_two_texts(given: object) -> bool:
-    return isinstance(given, tuple | list) and [type(each) for each in given] == [str, str]
 
 
 def elites_of(frame: pd.DataFrame) -> list[Elite]:
@@ -301,9 +283,7 @@ def merge(
 def ribs_frame(archive: pd.DataFrame, space: MeasureSpace) -> pd.DataFrame:
     """The elites of an archive or `Dataset.table` as a pyribs `ArchiveDataFrame`, for its tools.
 
-    The columns: `index` (of the cell: along complexity, then graspability, both from the low end),
-    `objective` (its diversity), `measures_0` (complexity), `measures_1` (graspability, high is
-    easy), `id`. Unlike in pyribs, a cell may have several rows.
+    `index` is the cell, along complexity, then graspability, from the low ends; cells may repeat.
     """
     rows = space.cells - 1 - archive["difficulty_cell"].to_numpy()  # the low end is hard
     shape = (space.cells, space.cells)

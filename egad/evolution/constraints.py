@@ -25,10 +25,9 @@ EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
 def folded(points: Points, symmetry: Symmetry) -> Points:
     """Where a network is queried in place of each point (3, n) within [-1, 1]: (3, n) float32.
 
-    A mirror takes the absolute value of a coordinate. A rotation multiplies the angle about its
-    axis by the fold: points 1 / fold of a turn apart meet, neighbors stay neighbors, and shapes may
-    still be twisted. With a mirror along the axis, all mirrors that the rotation makes of it are
-    obeyed. Points that are mirror images become equal to the last bit.
+    A mirror takes the absolute value of a coordinate; a rotation multiplies the angle about its
+    axis by the fold, so neighbors stay neighbors and shapes may be twisted. With a mirror along the
+    axis, all its rotations are mirrors, too. Mirror images become equal to the last bit.
     """
     found = points.astype(np.float64).round(6)  # so that -a and a have the same magnitude
     for axis in symmetry.mirror:
@@ -130,10 +129,7 @@ UNBOUND = Rules()
 
 
 def rules_of(settings: EvolutionParameters, resolution: int | None = None) -> Rules:
-    """The constraints on all shapes as voxels, at a resolution or that of evolution.
-
-    Raises `UserError` if nothing could grow by them, or a mesh cannot be used.
-    """
+    """The constraints as voxels, at a resolution; `UserError` if nothing could grow by them."""
     resolution = resolution or settings.shape.resolution
     mirror, shape = settings.symmetry.mirror, (resolution,) * 3
 
@@ -171,10 +167,8 @@ def solid(output: Singles, threshold: float, rules: Rules) -> Solid:
     """The one solid body that the output of a network describes within the rules.
 
     Voxels above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
-    parts are removed by an opening with the 6-neighborhood, and only the largest body is kept.
-    Required voxels are added and voxels that are not allowed are cut away, both before hidden
-    voxels are filled and after thin parts are removed. `RejectedError` if nothing is left, or it is
-    against the rules.
+    parts are removed by an opening with the 6-neighborhood, and only the largest body is kept. The
+    rules hold before and after. `RejectedError` if nothing is left, or it is against them.
     """
     filled = voxels.fill_orthographic(rules.clip(output > threshold))
     body = voxels.largest_body(rules.clip(ndimage.binary_opening(filled)))

@@ -55,10 +55,7 @@ def check_resolution(resolution: int) -> None:
 
 
 def check_regrown(genome: Row, voxels: Solid, threshold: float, rules: Rules = UNBOUND) -> None:
-    """Raise `UserError` if a genome does not describe the voxels that an archive has for it.
-
-    A few voxels at the threshold may differ: the last bit of a sine decides about them.
-    """
+    """Raise `UserError` if a genome describes other voxels than an archive has, but for a few."""
     grown = grow(genome, len(voxels), threshold, rules)
     if np.count_nonzero(grown & voxels) < SAME * np.count_nonzero(grown | voxels):
         raise UserError(

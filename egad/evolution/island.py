@@ -23,7 +23,7 @@ from egad.evolution.evaluation import Evaluate, GenomeVoxels, Measured, express,
 from egad.evolution.growth import packed_surface
 from egad.evolution.parameters import EvolutionParameters, Shape
 from egad.evolution.variation import Offspring, breed
-from egad.measures import coverage_of, filled_part
+from egad.measures import coverage_of
 from egad.tables.evolution import HISTORY, LINEAGE
 
 EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
@@ -202,7 +202,7 @@ def snapshot(archive: Archive, done: Advance, scored: bool) -> dict[str, Any]:
         "known": outcomes[KNOWN],
         "elites": len(archive),
         "coverage": coverage_of(counts, archive.space),
-        "filled_cells": filled_part(counts),
+        "filled_cells": float((counts > 0).mean()),
         "qd_score": archive.qd_score if scored else math.nan,
         "cells": counts.astype(np.uint8).tobytes(),
     }

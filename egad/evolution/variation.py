@@ -16,24 +16,17 @@ from egad.random import entropy, generator
 MIN_WEIGHT = 0.25  # weight of a parent without empty slots around it: it may still be sampled
 
 
-class Parent(Protocol):
-    """What may have children: an elite of an archive."""
+class _Parent(Protocol):
+    """What may have children: an elite of an archive, with its genome and measures."""
 
     @property
-    def id(self) -> str:
-        """Its name."""
-
+    def id(self) -> str: ...
     @property
-    def genome(self) -> Row:
-        """Columns of `tables.evolution.GENOME`."""
-
+    def genome(self) -> Row: ...
     @property
-    def complexity(self) -> float:
-        """Its first measure."""
-
+    def complexity(self) -> float: ...
     @property
-    def graspability(self) -> float:
-        """Its second measure."""
+    def graspability(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -44,12 +37,8 @@ class Offspring:
     parents: tuple[str, ...]
 
 
-def breed(elites: Sequence[Parent], settings: EvolutionParameters, *index: int) -> list[Offspring]:
-    """The offspring of one step; random genomes if there are no elites (EGAD, section III-D).
-
-    The index (epoch, island, step) gives every child its own random stream. Sampling parents near
-    empty slots, litters of siblings and restarts are ours.
-    """
+def breed(elites: Sequence[_Parent], settings: EvolutionParameters, *index: int) -> list[Offspring]:
+    """The offspring of a step (EGAD, III-D); sparse parents, litters and restarts are ours."""
     config = neat_config(settings.neat)
     rng = generator(settings.seed, "parents", *index)
     drawn = _parents(elites, settings, rng)
@@ -66,16 +55,17 @@ def breed(elites: Sequence[Parent], settings: EvolutionParameters, *index: int) 
 
 
 def _parents(
-    elites: Sequence[Parent], settings: EvolutionParameters, rng: np.random.Generator
-) -> list[list[Parent]]:
+    elites: Sequence[_Parent], settings: EvolutionParameters, rng: np.random.Generator
+) -> list[list[_Parent]]:
     """The parents of each child; none for a random genome."""
     evolution = settings.evolution
     if not elites:
         return [[]] * evolution.population
-    chances = (
-        _running(parent_odds(elites, settings.space)) if evolution.parents == "sparse" else None
-    )
-    drawn: list[list[Parent]] = []
+    chances = None
+    if evolution.parents == "sparse":
+        chances = np.cumsum(parent_odds(elites, settings.space))
+        chances /= chances[-1]
+    drawn: list[list[_Parent]] = []
     while len(drawn) < evolution.population:
         parents = [elites[_draw(rng, len(elites), chances)]]
         if rng.random() < evolution.crossover_probability:
@@ -86,12 +76,6 @@ def _parents(
     return drawn[: evolution.population]
 
 
-def _running(odds: Floats) -> Floats:
-    """Running sums of probabilities, the last one 1."""
-    sums = np.cumsum(odds)
-    return np.asarray(sums / sums[-1])
-
-
 def _draw(rng: np.random.Generator, count: int, chances: Floats | None) -> int:
     """A random index below `count`: uniform, or by the running sums of the probabilities."""
     if chances is None:
@@ -99,7 +83,7 @@ def _draw(rng: np.random.Generator, count: int, chances: Floats | None) -> int:
     return int(np.searchsorted(chances, rng.random(), side="right"))
 
 
-def parent_odds(elites: Sequence[Parent], space: MeasureSpace) -> Floats:
+def parent_odds(elites: Sequence[_Parent], space: MeasureSpace) -> Floats:
     """The probability of each of n elites to be a parent, (n,), by the empty slots near it."""
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.graspability for elite in elites], space)

@@ -1,5 +1,3 @@
-from .body import Body as Body
-from .body import repair_and_weigh as repair_and_weigh
 from .checks import ScaleWarning as ScaleWarning
 from .checks import check_mesh as check_mesh
 from .checks import check_solid as check_solid

@@ -69,18 +69,12 @@ def decompose(
 ) -> Decomposition:
     """Convex hulls that together approximate a solid (ours), and the bounds that they meet.
 
-    The solid is cut repeatedly: always the piece with the worst hull, along the plane that leaves
-    the smallest hulls. A hull is bad if it exceeds the solid, if points that a finger can touch lie
-    deep in it, or if it needs too many vertices. Then the pieces whose common hull adds the least
-    volume are merged, as long as it stays within the bounds; this undoes unlucky cuts. If there are
-    still too many, both bounds are loosened by the same factor until enough of them can be merged.
-    Finally, faces of hulls that bridge a hollow are moved inwards to lie in the middle of the
-    hollow, and corners that matter little are left out.
-
-    On about 1 % of the surface, points that fingers can touch lie deeper in a part than
-    `deviation`, metres. The parts leave out a layer that is at most about as thick. Raises
-    `RejectedError` if the mesh, wound either way, bounds no solid or has more bodies than
-    `max_parts`.
+    The piece with the worst hull is cut along the plane that leaves the smallest hulls, until none
+    exceeds the solid, lies over points that a finger can touch, or has too many vertices. Then the
+    pieces whose common hull adds least are merged within the bounds, which are loosened if there
+    are still too many; faces over hollows move to their middle. About 1 % of the touchable surface
+    may lie deeper than `deviation`, metres. `RejectedError` if it is no solid, or has more bodies
+    than `max_parts`.
     """
     with one_thread():  # several threads take twice the CPU time for such small matrices
         tolerances = Tolerances(deviation, volume_error, max_vertices, LOWERING * deviation)

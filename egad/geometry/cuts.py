@@ -29,23 +29,13 @@ class _Cut(NamedTuple):
     after: float
 
 
-def _directions() -> Floats:
-    """The axes, face diagonals and space diagonals of a cube, (13, 3)."""
-    half = np.array([v for v in product((0, 1, -1), repeat=3) if v > (0, 0, 0)], dtype=np.float64)
-    return np.asarray(half / np.linalg.norm(half, axis=1, keepdims=True))
-
-
-DIRECTIONS = _directions()
+# the axes, face diagonals and space diagonals of a cube, (13, 3)
+_HALF = np.array([v for v in product((0, 1, -1), repeat=3) if v > (0, 0, 0)], dtype=np.float64)
+DIRECTIONS = _HALF / np.linalg.norm(_HALF, axis=1, keepdims=True)
 
 
 def best_plane(solid: Solid, planes_of_hull: Floats) -> Plane:
-    """The plane whose two sides have the smallest hulls (ours).
-
-    The candidates are planes through the point deepest below the hull, in 13 directions and along
-    the faces there, and planes at even steps along the axes. If none makes the hulls smaller, as
-    when a ring is cut once, a side of the box is halved: the one for which a second cut of both
-    halves leaves the smallest hulls.
-    """
+    """The plane whose two sides have the smallest hulls, or that halves a ring well (ours)."""
     cut = _best_cut(solid, planes_of_hull)
     if cut.before - cut.after > MIN_GAIN * (cut.before - solid.volume()):
         return cut.plane

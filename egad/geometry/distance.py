@@ -55,12 +55,9 @@ class DistanceField(NamedTuple):
 
 
 def distance_field(mesh: trimesh.Trimesh, size: int, padding: int) -> DistanceField:
-    """The distance field of a solid, on the grid that SDFGen lays around it.
+    """The distance field of a solid on Dex-Net's SDFGen grid: `size - 2 * padding` cells along it.
 
-    The longest side of the box is `size - 2 * padding` cells long, and node `size // 2` lies in the
-    middle of the box. Distances are rounded to a power of two, about a thousandth of a cell, which
-    halves the size of the compressed field. Source: the grid from SDFGen as Dex-Net calls it (100
-    nodes, 5 cells); sign by the winding number, Barill et al., SIGGRAPH 2018.
+    Distances are rounded to a power of two, to compress. Sign: Barill et al., SIGGRAPH 2018.
     """
     with needed_for(WHAT):
         import igl  # noqa: PLC0415 (an extra)

@@ -100,11 +100,7 @@ def finish_all(
     kept: Tolerances,
     wanted: Tolerances,
 ) -> tuple[list[Hull], Tolerances]:
-    """Turn hulls into parts, and check them at points that they are not fitted to (ours).
-
-    If too many of these lie too deep, the hulls are fitted to both sets of points. If that does not
-    help, the bounds that are returned with the parts are looser than `kept`.
-    """
+    """Turn hulls into parts within bounds, loosened from `kept` if other points need it (ours)."""
     for number in count():
         finished = [finish(hull, touchable, kept, wanted) for hull in hulls]
         others = touchable_points(mesh, f"parts, check {number}")

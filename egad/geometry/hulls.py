@@ -122,11 +122,7 @@ class _Pool:
 
 
 def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tuple[Hull, bool]:
-    """A hull of some of the corners of a hull, and whether its losses are within bounds (ours).
-
-    The corners farthest outside are added repeatedly, until there are `most`, or all others lie
-    within `distance` and the lost volume is within `share`.
-    """
+    """A hull of some corners, `most` or until losses are small, and whether these are in bounds."""
     chosen = _far_apart(hull.points)
     while True:
         found = ConvexHull(hull.points[chosen])

@@ -25,10 +25,9 @@ class MassProperties(NamedTuple):
 
 
 def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
-    """Exact integrals over the solid within a closed surface, metres and kg/m3; or `RejectedError`.
+    """Exact integrals over the solid in a closed surface, metres and kg/m3; or `RejectedError`.
 
-    They are taken about the middle of the box, in units of its longest side: otherwise digits would
-    cancel. Source: trimesh, after Eberly, Polyhedral Mass Properties, 2002.
+    About the middle of the box, in its longest side, lest digits cancel. Source: Eberly 2002.
     """
     check_solid(mesh)
     low, high = np.asarray(mesh.bounds)

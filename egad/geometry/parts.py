@@ -166,12 +166,9 @@ def _unpacked(arrays: Arrays) -> Decomposition:
 def coacd_parts(
     mesh: trimesh.Trimesh, threshold: float, max_parts: int, max_vertices: int
 ) -> list[trimesh.Trimesh]:
-    """Convex hulls that together approximate a solid, wound outwards, by CoACD with seed 0.
+    """Convex hulls of a solid by CoACD, seed 0 (Wei et al. 2022); `RejectedError` if it fails.
 
-    It runs in a separate process because it sometimes aborts its process. Corners that matter least
-    are left out. Raises `UserError` if `coacd` is not installed or its process was killed,
-    `RejectedError` if it fails. Source: Wei et al., Approximate Convex Decomposition for 3D Meshes
-    with Collision-Aware Concavity and Tree Search, 2022.
+    It runs in a separate process because it sometimes aborts its process.
     """
     check_installed("coacd", "bundle.method: coacd")
     task = (np.array(mesh.vertices), np.array(mesh.faces), threshold, max_parts)

@@ -28,11 +28,7 @@ class Piece(NamedTuple):
 
 
 def joined_primitives(rng: np.random.Generator, longest_side: float) -> trimesh.Trimesh:
-    """A random closed body of 2 to 5 boxes, cylinders and spheres about the origin (ours), metres.
-
-    The idea of objects of random primitives, each overlapping one before it, is from Tobin et al.,
-    Domain Randomization and Generative Models for Robotic Grasping, IROS 2018.
-    """
+    """A random closed body of 2 to 5 primitives about the origin, metres (after Tobin, 2018)."""
     mesh = to_mesh(union(map(solid_of, random_pieces(rng))))
     low, high = mesh.bounds
     mesh.vertices = (mesh.vertices - (low + high) / 2) * (longest_side / (high - low).max())

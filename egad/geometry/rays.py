@@ -115,10 +115,9 @@ class Hits(NamedTuple):
 
 
 class RayCaster:
-    """Casts many rays at one mesh.
+    """Casts rays at one mesh: Embree finds the triangle; its plane gives the distance in float64.
 
-    Embree finds the triangle; the distance is computed from its plane in double precision. Its
-    `triangles`, (m, 3, 3), metres, have `areas` and outward unit `normals`, zeros without area.
+    Its `triangles`, (m, 3, 3), metres, have `areas` and outward unit `normals`, zeros without area.
     """
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:

@@ -173,7 +173,8 @@ def repair(
 
     Source: not in the EGAD paper; built on manifold3d.
     """
-    _check_options(open_surfaces, thickness)
+    check_name("open_surfaces", open_surfaces, get_args(OpenSurfaces))
+    check_positive("thickness", thickness)
     check_surface(mesh)
     merged = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     merged.merge_vertices(merge_tex=True, merge_norm=True)
@@ -219,12 +220,6 @@ def dropped_text(bodies: int, volume: float) -> str:
     if not volume:
         part = f"at most {100 * DEBRIS:.2g} % of the area"
     return f"{bodies} of {bodies + 1} bodies {was} dropped, {part}"
-
-
-def _check_options(open_surfaces: str, thickness: float) -> None:
-    allowed = get_args(OpenSurfaces)
-    check_name("open_surfaces", open_surfaces, allowed)
-    check_positive("thickness", thickness)
 
 
 def _is_sound(mesh: trimesh.Trimesh) -> bool:
@@ -286,7 +281,8 @@ def _solids(
     single, doubled = _cleaned(mesh)
     solids, failed = list[Solid](), list[trimesh.Trimesh]()
     for part in _shells(single):
-        solid = _solid_within(part)
+        closed = part if is_closed(part) else close_holes(part, MAX_HOLE)
+        solid = None if closed is None else _outward(closed)
         if solid is None:
             failed.append(part)
         else:
@@ -320,12 +316,6 @@ def _shells(mesh: trimesh.Trimesh) -> Iterator[trimesh.Trimesh]:
         if not is_closed(part) and not part.is_winding_consistent:
             trimesh.repair.fix_winding(part)
         yield part
-
-
-def _solid_within(part: trimesh.Trimesh) -> Solid | None:
-    """The solid within a shell, with small holes closed; None if it bounds nothing."""
-    closed = part if is_closed(part) else close_holes(part, MAX_HOLE)
-    return None if closed is None else _outward(closed)
 
 
 def _outward(part: trimesh.Trimesh) -> Solid | None:

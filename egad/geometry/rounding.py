@@ -22,11 +22,9 @@ FLAT = 0.15  # smallest fraction of flat folds that tells rounding from chance
 def rounding(vertices: Floats, faces: Ints) -> float:
     """Estimate how far rounded coordinates may have moved vertices, from faces in one plane (ours).
 
-    Two faces that share an edge form a fold. If they lie in one plane, the height of the fold is 0,
-    and rounded coordinates make it about as large as the rounding, far below the heights of real
-    folds. The estimate is the largest height with such a gap above it, or the usual rounding of
-    files, which also moves corners where it leaves planes parallel to the axes flat. It is 0 if few
-    folds are flat, or if heights have no gap, as on the smooth surfaces of evolved objects.
+    A fold of two faces in one plane has the height 0, or about the rounding, far below real folds.
+    The estimate is the largest height with such a gap above, or the usual rounding of files, which
+    leaves planes parallel to the axes flat; 0 if few folds are flat, or if there is no gap.
     """
     mesh = triangulation(np.ascontiguousarray(vertices), distinct_corners(faces))
     areas = face_areas(mesh)

@@ -26,9 +26,7 @@ AT_ONCE = 50  # orientations multiplied with the points at once: the products fi
 def box_sides(mesh: trimesh.Trimesh) -> Floats:
     """Sides of the minimum-volume oriented box, ascending, (3,) (ours); `RejectedError` if flat.
 
-    The smallest box need not have a face on a face of the convex hull, but trimesh only tries boxes
-    that do. So its box and the best of evenly spread orientations are each turned to the nearest
-    local minimum of the volume.
+    It need not touch a face of the hull, as trimesh's does: several boxes are turned to a minimum.
     """
     check_mesh(mesh)
     try:
@@ -122,11 +120,7 @@ def scale_suffix(rule: str, opening: float) -> str:
 def rescale(
     mesh: trimesh.Trimesh, rule: str, opening: float, side_fraction: float
 ) -> tuple[trimesh.Trimesh, dict[str, Any]]:
-    """An object scaled about the origin by a rule, and its row of `SCALES` without the label.
-
-    Coordinates in single precision stay in it. Raises `RejectedError` if the object is flat or
-    empty.
-    """
+    """An object scaled about the origin, and its row of `SCALES`; `RejectedError` if it is flat."""
     before = box_sides(mesh)
     factor = scale_factor(rule, before, opening, side_fraction)
     vertices = np.asarray(mesh.vertices) * factor

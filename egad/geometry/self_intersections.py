@@ -14,10 +14,7 @@ ROUNDS = 4
 
 
 def crossings(vertices: Floats, faces: Ints, depth: float) -> Ints:
-    """Pairs (k, 2) of triangles of which one has an edge that pierces the other (ours).
-
-    The ends of the edge lie more than `depth` off the plane. A common vertex is no crossing.
-    """
+    """Pairs (k, 2) of triangles: an edge of one pierces the other, ending beyond `depth` (ours)."""
     if len(faces) == 0:
         return np.empty((0, 2), dtype=np.int64)
     axis = int(np.argmax(np.ptp(vertices, axis=0)))
@@ -119,12 +116,9 @@ def _turn(vertices: Floats, p: int, q: int, a: int, b: int) -> float:
 
 
 def untangle(solid: Solid) -> Solid:
-    """A solid whose surface does not pass through itself, or `RejectedError` (ours).
+    """A solid whose surface does not pass through itself (ours), or `RejectedError`.
 
-    The smallest boxes around the triangles that cross are cut out. Within them the solid falls into
-    bodies that overlap: their union has one surface. A piece that crosses itself is halved until
-    its parts do not, or are crumbs, which are replaced by their convex hull. Whatever is inside out
-    is dropped.
+    Boxes around crossings are cut out and rebuilt as unions; what crosses itself is halved.
     """
     for _ in range(ROUNDS):
         vertices, faces = arrays(solid)

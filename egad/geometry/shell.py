@@ -21,12 +21,10 @@ MAX_SPREAD = 30_000  # area over thickness squared; 0.12 m2 with a wall of 2 mm:
 
 
 def shell(mesh: trimesh.Trimesh, thickness: float) -> Solid:
-    """All points within half a thickness of a surface, as a solid, without voids (ours, on libigl).
+    """All points within half a thickness of a surface, as a solid without voids (ours, on libigl).
 
-    The orientation of the faces does not matter, and they may cross. The distance to the surface is
-    taken at the nodes of an octree whose cells are a quarter of the thickness; marching cubes and a
-    simplification follow. Walls are within 5 % of the thickness. Raises `RejectedError` if the wall
-    is thicker than the surface is large, or too thin to be computed.
+    Faces may cross; marching cubes on octree cells of a quarter of the thickness keep walls within
+    5 %. `RejectedError` if the wall is thicker than the surface is large, or too thin to compute.
     """
     check_surface(mesh)
     _check_thickness(mesh, thickness)

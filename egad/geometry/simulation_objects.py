@@ -47,10 +47,7 @@ class SimulationObject:
 def make_simulation_object(
     mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh"
 ) -> SimulationObject:
-    """Prepare a closed surface, metres, of uniform density, kg/m3, for simulators.
-
-    Raises `RejectedError` if it does not bound a solid; warns if its parts exceed the bounds.
-    """
+    """Prepare a closed surface, metres, density in kg/m3, for simulators; or `RejectedError`."""
     solid = wind_outwards(mesh)
     found = make_parts(solid, settings)
     physics = mass_properties(solid, density)

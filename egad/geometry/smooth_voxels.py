@@ -10,10 +10,9 @@ from egad.geometry.parameters import Smoothing
 
 
 def voxel_surface(voxels: Flags, smoothing: Smoothing) -> tuple[Singles, trimesh.Trimesh]:
-    """The surface of solid voxels: vertices before smoothing, (v, 3), and the smooth mesh.
+    """Vertices (v, 3) before smoothing, voxel (i, j, k) at (i+1, j+1, k+1), and the smooth mesh.
 
-    The center of voxel (i, j, k) is at (i+1, j+1, k+1). Source: EGAD, section III-B; smoothing by
-    Vollmer, Mencl, Mueller 1999.
+    Source: EGAD, section III-B; smoothing by Vollmer, Mencl, Mueller 1999.
     """
     padded = np.pad(voxels, 1).astype(np.float32)
     sharp, faces, _, _ = marching_cubes(padded, 0.5, gradient_direction="ascent")

@@ -67,23 +67,17 @@ class StablePose(NamedTuple):
 
 
 class _Facets(NamedTuple):
-    """The flat faces of a hull; m of them, each of one or more triangles of the hull.
-
-    `triangles` are all triangles of the hull, (t, 3) vertices of the mesh, and `face` is the face
-    of each. `start`, `end`, `owner` and `beyond` describe the edges between two faces: the end
-    points, (k, 3), the face whose outline the edge is part of, counterclockwise, and the face
-    behind it.
-    """
+    """The m flat faces of a hull, of one or more triangles each, and the edges between them."""
 
     normals: Floats
     heights: Floats
     solid_angles: Floats
-    triangles: Ints
-    face: Ints
-    start: Floats
+    triangles: Ints  # (t, 3) vertices of the mesh: all triangles of the hull
+    face: Ints  # (t,) of each
+    start: Floats  # (k, 3) of the edges between two faces
     end: Floats
-    owner: Ints
-    beyond: Ints
+    owner: Ints  # (k,) the face whose outline the edge is part of, counterclockwise
+    beyond: Ints  # (k,) the face behind it
 
 
 def stable_poses(
@@ -114,10 +108,7 @@ def stable_poses(
 def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
     """The poses of `stable_poses` about a center of mass, (3,), strictly inside the hull.
 
-    An object in a random orientation lands on the face that the vertical through its center of mass
-    meets, with a probability of that face's solid angle / 4 pi. If the center of mass is not above
-    the face, it rolls over the edge nearest to the foot of the vertical, and so on: every roll
-    lowers the center of mass. Nothing slides, bounces or swings through.
+    An object lands on a face by its solid angle, then rolls over nearest edges, quasi-statically.
     """
     check_mesh(mesh)
     facets = _facets(np.asarray(mesh.vertices, dtype=np.float64), center)

@@ -17,15 +17,10 @@ from typing import NamedTuple
 
 
 class Surface(NamedTuple):
-    """A surface that an object touches.
+    """A surface that an object touches."""
 
-    Attributes:
-        friction: Sliding friction.
-        radius: Radius of the contact patch on a round object, metres; it resists twisting.
-    """
-
-    friction: float
-    radius: float = 0.0
+    friction: float  # sliding
+    radius: float = 0.0  # of the contact patch on a round object, metres; it resists twisting
 
     @property
     def torsion(self) -> float:

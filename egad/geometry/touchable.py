@@ -58,7 +58,8 @@ def depths(points: Floats, planes: Floats) -> Floats:
         each.astype(np.float32) for each in (points, planes[:, :3].T, planes[:, 3])
     )
     found = np.empty(len(points))
-    for rows in _blocks(len(points), len(planes)):
+    step = max(BLOCK // max(len(planes), 1), 1)  # rows that fit into a processor's cache
+    for rows in (slice(first, first + step) for first in range(0, len(points), step)):
         found[rows] = -(few[rows] @ normals + offsets).max(axis=1)
     return found
 
@@ -88,12 +89,6 @@ def deeper_points(
                 break
         found[i] = deep
     return found
-
-
-def _blocks(count: int, width: int) -> list[slice]:
-    """Rows of a matrix of a given width, in blocks that fit into a processor's cache."""
-    step = max(BLOCK // max(width, 1), 1)
-    return [slice(first, first + step) for first in range(0, count, step)]
 
 
 def buried_share(mesh: trimesh.Trimesh, parts: Iterable[trimesh.Trimesh], depth: float) -> float:

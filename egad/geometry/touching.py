@@ -14,8 +14,7 @@ AFTER = np.array([1, 1, -2])  # from a corner of a face to the next
 def wedge_pairs(vertices: Floats, faces: Ints) -> Ints:
     """Pairs (k, 2) of half-edges, 3 face + corner, with one wedge of solid between their faces.
 
-    Only edges with more than two faces have them, and only where beginnings and ends of wedges
-    alternate around the edge, unlike where solids overlap.
+    Only edges with more than two faces have them, unless solids overlap there.
     """
     starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     keys = np.minimum(starts, ends) * len(vertices) + np.maximum(starts, ends)
@@ -40,11 +39,7 @@ def wedge_pairs(vertices: Floats, faces: Ints) -> Ints:
 
 
 def separated(vertices: Floats, faces: Ints, divide: bool = True) -> tuple[Floats, Ints]:
-    """A surface with vertices repeated where it touches itself, so that each edge has two faces.
-
-    If that takes several edges between two vertices, all faces are divided into four. What is not
-    closed or wound inconsistently, or overlaps itself at an edge, is returned as it is.
-    """
+    """A closed surface with vertices repeated where it touches itself: each edge has two faces."""
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     if not (_has_doubled_edges(vertices, faces) and is_closed(mesh)):
         return vertices, faces

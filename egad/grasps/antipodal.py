@@ -74,27 +74,17 @@ class SamplingStatistics:
 
 def sample_contacts(
     caster: RayCaster,
-    opening: float,
-    count: int,
+    opening: float,  # metres
+    count: int,  # at most; a round samples at least twice as many candidates
     sampling: Sampling,
     rng: np.random.Generator,
-    wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
+    wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,  # which axes (n, 3); None: all
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Find grasps that are well spread over an object, and sampling statistics.
+    """Find at most `count` well-spread grasps, and sampling statistics.
 
-    First contacts are uniform over the surface; the axis deviates from the inward normal by an
-    angle whose tangent is uniform up to the cone. The second contact is where a finger that closes
-    from the opening's far end meets the object. Then the open fingers, placed symmetrically about
-    the midpoint of the contacts, must be able to close onto these contacts, and to approach in a
-    straight line of length `approach_clearance` along one of `approach_directions`.
-
-    Args:
-        caster: Ray caster of the object, metres.
-        opening: Distance between the open fingers, metres.
-        count: How many at most; a round samples at least twice as many candidates.
-        sampling: Rules.
-        rng: Random number generator.
-        wanted: Which of n axes, (n, 3) unit vectors, are candidates; all by default.
+    First contacts are uniform over the surface; the tangent of the angle between axis and inward
+    normal is uniform up to the cone. A finger from the far end of the opening finds the second
+    contact; open fingers must then reach both, and approach along one of `approach_directions`.
     """
     grasps, statistics = ContactPairs.empty(), SamplingStatistics()
     for _ in range(sampling.rounds):
@@ -116,14 +106,12 @@ def valid_contacts(
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
-    """Sample candidates like `sample_contacts`, and keep all that are grasps, however close.
-
-    They are independent draws from one distribution, so a percentile of their quality has no bias
-    from spacing. Rounds and spacing do not matter.
-    """
+    """Sample candidates like `sample_contacts`, and keep all grasps: they are independent draws."""
     starts, faces = _points(caster, candidates, rng)
     normals = caster.normals[faces]
-    axes = _axes_in_cone(normals, sampling.cone, rng)
+    turn = rng.uniform(0, 2 * np.pi, len(normals))
+    lean = rng.uniform(0, sampling.cone, len(normals))  # tangent of the angle to -normal
+    axes: Floats = _leaning(normals, lean * np.cos(turn), lean * np.sin(turn))
     if wanted is not None:
         kept = np.flatnonzero(wanted(axes))
         starts, normals, axes = starts[kept], normals[kept], axes[kept]
@@ -168,14 +156,6 @@ def _points_inside(triangles: Floats, faces: Ints, along: Floats) -> Floats:
             first, second = triangles[face, 1, k] - start, triangles[face, 2, k] - start
             points[i, k] = start + (one * first + two * second)
     return points
-
-
-def _axes_in_cone(normals: Floats, cone: float, rng: np.random.Generator) -> Floats:
-    """Unit vectors into the object; the tangent of their angle to -normal is uniform."""
-    turn = rng.uniform(0, 2 * np.pi, len(normals))
-    lean = rng.uniform(0, cone, len(normals))
-    axes: Floats = _leaning(normals, lean * np.cos(turn), lean * np.sin(turn))
-    return axes
 
 
 @kernel()

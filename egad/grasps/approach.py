@@ -33,10 +33,9 @@ def best_approaches(
 ) -> Approaches:
     """Find the approach with the most clearance for the open hand, for each of n grasps.
 
-    The approaches tried are spread evenly around the closing axis; the first points down (along -z)
-    as far as the axis allows. At each, the hand is tested exactly, at the grasp and swept along its
-    straight way in, metres. The free approach farthest from any that is not free is chosen; if none
-    is free, the same among those that fit at the grasp; if none fits, the first.
+    Approaches are even around the closing axis, from -z as far as it allows, and tested exactly, at
+    the grasp and swept over `way`, metres. The free one farthest from others is best, or of those
+    that fit, or the first.
     """
     first = first_approaches(grasps.axes)
     frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
@@ -76,10 +75,7 @@ def touching_turns(
     known: Flags | None = None,
     behind: Floats | None = None,
 ) -> Flags:
-    """In which poses a part of a hand shares a point with the object, surface or inside: (n, k).
-
-    The other arguments are those of `blocked_turns`.
-    """
+    """In which poses a part and the object share a point, (n, k): arguments of `blocked_turns`."""
     inside = _swallowed(caster, parts, origins, frames, turns, behind)
     known = inside if known is None else inside | known
     return blocked_turns(

@@ -30,25 +30,15 @@ def expected_distance(opening: float, gripper: Gripper) -> float | None:
 
 
 def blocked_turns(
-    triangles: Floats,
-    parts: Sequence[Part],
-    origins: Floats,
-    frames: Floats,
-    turns: Floats,
-    known: Flags | None = None,
-    behind: Floats | None = None,
+    triangles: Floats,  # (m, 3, 3), metres
+    parts: Sequence[Part],  # of the body, in its frame
+    origins: Floats,  # (n, 3) of that frame, metres
+    frames: Floats,  # (n, 3, 3) its unit vectors x, y, z in rows
+    turns: Floats,  # (k,) angles that the body turns about x, taking z towards -y, radians
+    known: Flags | None = None,  # (n, k) poses that are known to touch, and not tested
+    behind: Floats | None = None,  # (n,) metres by which the body lies behind its frame, along -z
 ) -> Flags:
-    """In which poses a body touches a surface, (n, k).
-
-    Args:
-        triangles: (m, 3, 3), metres.
-        parts: The parts of the body, in its frame.
-        origins: (n, 3) origins of that frame, metres.
-        frames: (n, 3, 3) its unit vectors x, y, z in rows.
-        turns: (k,) angles that the body turns about x, taking z towards -y, radians.
-        known: (n, k) poses that need no test, as they are known to touch.
-        behind: (n,) how far the body lies behind its frame, along -z, metres; 0 if None.
-    """
+    """In which poses a body touches a surface, (n, k)."""
     centers, radii = spheres(triangles)
     boxes = np.stack([part.box for part in parts])
     behind = np.zeros(len(origins)) if behind is None else behind

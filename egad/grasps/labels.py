@@ -156,11 +156,7 @@ def statistics_row(
 
 
 def label_poses(caster: RayCaster, grasps: Sampled, body: HandBody, way: float) -> pd.DataFrame:
-    """Label grasps of jaws: columns of `tables.grasping.GRASPS` but `id` and `label`.
-
-    The normals are those where rays from the open fingers along the closing axis meet the surface,
-    or missing. The way in is straight, metres. The robust quality is the given one.
-    """
+    """Label grasps of jaws (`GRASPS` but `id`, `label`), with normals where open fingers meet."""
     widths, (centers, frames) = grasps.widths, _frames(grasps.poses)
     axes, approaches = frames[:, 0], frames[:, 2]
     opening = body.gripper.opening
@@ -194,10 +190,7 @@ def posed_table(
     fits: Flags,
     free: Flags,
 ) -> pd.DataFrame:
-    """Columns of `tables.grasping.GRASPS` of n grasps that have one approach each.
-
-    Rows of the frames are the unit vectors x, y, z of the hand. Width and needed opening are 0.
-    """
+    """`GRASPS` columns of n grasps with one approach each; the rows of `frames` are x, y, z."""
     vectors = {
         "center": centers,
         "axis": frames[:, 0],
@@ -231,11 +224,7 @@ def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float)
 
 
 def label_cups(caster: RayCaster, grasps: Sampled, body: HandBody, _way: float) -> pd.DataFrame:
-    """Label suction grasps, with columns as of `label_poses`.
-
-    Both contacts are the origin of the pose, both normals the opposite of the approach. Deviation
-    and success rate are missing unless the quality is the share of perturbed copies that hold.
-    """
+    """Label suction grasps as `label_poses`; both contacts are the origin of the pose."""
     cup, quality = cup_of(body.gripper, "a suction grasp"), grasps.quality
     origins, frames = _frames(grasps.poses)
     depths = seal_cups(caster, cup, origins, frames).depths

@@ -30,17 +30,11 @@ SKIN = 1e-6  # of it: how far below the surface rays start
 def needed_openings(
     caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: HandBody
 ) -> Floats:
-    """The smallest opening, metres, at which both fingers stand beside the object, (n,).
+    """The smallest opening, metres, at which both whole fingers stand beside the object, (n,).
 
-    The hand is at the grasp, with its fingers equally far from the middle of the contacts and at
-    least as far apart as the contacts. The fingers are whole boxes with width, length and
-    thickness; both what they enclose and what is behind them count. The palm does not, nor does the
-    opening of the hand, which the result may exceed. If the result is larger than the width of the
-    grasp, closing pads meet something else before they reach both contacts.
-
-    The fingers of a maker's model close along their path; only openings that it tabulates are
-    tried, so the result is too large by at most the step between two of them. It is infinite if the
-    hand does not open that far.
+    Both are equally far from the middle of the contacts; the palm and the opening of the hand do
+    not count. If it exceeds the width, closing pads meet something else before the contacts. Of a
+    maker's model, tabulated openings are tried; infinite if the hand does not open that far.
     """
     return _NEEDED[type(body)](caster, grasps, approaches, body)
 

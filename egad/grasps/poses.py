@@ -14,10 +14,7 @@ PANDA_REACH = 0.11217
 
 
 def hand_poses(centers: Floats, axes: Floats, approaches: Floats) -> Floats:
-    """Poses in our own frame, (n, 4, 4): x is the closing axis, z the approach, y = z cross x.
-
-    Centers are (n, 3) metres; axes and approaches (n, 3) unit vectors at right angles.
-    """
+    """Poses (n, 4, 4) in our frame: x closes, z approaches, y = z cross x; centers in metres."""
     poses = np.tile(np.eye(4), (len(centers), 1, 1))
     poses[:, :3, 0] = axes
     poses[:, :3, 1] = np.cross(approaches, axes)
@@ -27,22 +24,14 @@ def hand_poses(centers: Floats, axes: Floats, approaches: Floats) -> Floats:
 
 
 def panda_poses(poses: Floats, fingertip: float) -> Floats:
-    """Poses of ACRONYM's hand that put its fingertips where ours are, (n, 4, 4), from our own.
-
-    Its axes are ours; its origin lies `PANDA_REACH` behind the fingertips, and ours `fingertip`
-    metres.
-    """
+    """Poses of ACRONYM's hand, (n, 4, 4), with its fingertips at ours, `fingertip` metres ahead."""
     moved = poses.copy()
     moved[:, :3, 3] -= (PANDA_REACH - fingertip) * poses[:, :3, 2]
     return moved
 
 
 def graspnet_poses(poses: Floats, depth: float) -> Floats:
-    """Poses of GraspNet's hand, (n, 4, 4), from our own.
-
-    Its x is the approach, its y the closing axis, and its z = x cross y. Contacts lie at x = depth,
-    metres, where graspnetAPI closes the fingers when it evaluates a grasp.
-    """
+    """Poses (n, 4, 4) of GraspNet's hand: x approaches, y closes; contacts at x = depth, metres."""
     moved = poses[:, :, [2, 0, 1, 3]]
     moved[:, :3, 3] -= depth * poses[:, :3, 2]
     return np.asarray(moved)
@@ -65,11 +54,7 @@ def dexnet_angles(axes: Floats, approaches: Floats) -> Floats:
 def dexnet_configurations(
     centers: Floats, axes: Floats, approaches: Floats, opening: float
 ) -> Floats:
-    """The ten numbers of Dex-Net's parallel-jaw grasps, (n, 10).
-
-    Center, closing axis, widest opening, approach angle, width of the jaws (0: points) and smallest
-    opening (0).
-    """
+    """Dex-Net's (n, 10): center, axis, opening, approach angle, jaw width (0) and opening (0)."""
     rest = np.zeros((len(centers), 4))
     rest[:, 0] = opening
     rest[:, 1] = dexnet_angles(axes, approaches)

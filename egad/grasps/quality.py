@@ -82,13 +82,11 @@ def quality_bound(
     torque_scaling: float = 100.0,
     finger_radius: float = 0.005,
 ) -> Floats:
-    """An upper bound of `ferrari_canny` in closed form, (n,); 0 where a finger slips.
+    """An upper bound of `ferrari_canny` in closed form, (n,); 0 where a finger slips (ours).
 
-    No contact force turns the object about the line of contacts; only torsion does, by no more than
-    `pi finger_radius^2 friction torque_scaling cos(a)^2`, with `a` the angle between the axis and
-    the normal of the better contact. The wrench that resists this turn about a line at the distance
-    `d` from the center of mass has the length `sqrt(1 + (torque_scaling d)^2)`. The contacts are on
-    a line along the axis. (Ours.)
+    Only torsion turns the object about the line of contacts, by at most
+    `pi finger_radius^2 friction torque_scaling cos(a)^2`; `d` from the center of mass, the wrench
+    against it has the length `sqrt(1 + (torque_scaling d)^2)`.
     """
     pressure = pressures(normals, axis)
     torsion = np.pi * finger_radius**2 * friction * torque_scaling * pressure.max(axis=1) ** 2
@@ -115,10 +113,8 @@ def wrenches(
 ) -> Floats:
     """Force and scaled torque that contacts of n grasps can apply, (n, 2 cone_faces + 4, 6).
 
-    A finger presses with the component of a unit force along its inward normal. The first edge of
-    its friction cone leans towards x; torsion acts either way about the normal. The arms (n, 2, 3)
-    are relative to the center of mass, times the torque scaling; torsion is per friction and
-    pressure.
+    Each finger presses with a unit force along its inward normal; the first edge of its cone leans
+    to x; torsion is per friction and pressure. `arms` (n, 2, 3) are times the torque scaling.
     """
     angles = 2 * np.pi * np.arange(cone_faces) / cone_faces
     result: Floats = _wrenches(

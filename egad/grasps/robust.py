@@ -22,11 +22,8 @@ from egad.grippers import HandBody, JawBody
 class JawFaces(NamedTuple):
     """The inner faces of a hand with one moving jaw, at n grasps (ours).
 
-    The faces of a jaw that turns are parallel at one opening only. An object between them touches
-    both, and the line of the closing force then leans by half the angle to either face: a body that
-    lies flat against one face presses on it off its middle, and a round one turns. So friction must
-    carry half the angle at each contact, whatever the surface of the object is like, or the object
-    is squeezed out.
+    Jaws that turn are parallel at one opening only: the closing force leans by half the angle to
+    either face, and friction must carry that at each contact, or the object is squeezed out.
     """
 
     body: JawBody
@@ -65,10 +62,7 @@ def robust_ferrari_canny(
 ) -> tuple[Floats, Floats, Floats]:
     """Mean and deviation of the quality of n grasps over perturbed copies, and the share above 0.
 
-    In every copy, the object and the hand are slightly displaced, the center of mass, (3,) metres,
-    and the friction differ, and the open fingers close again on whatever is there. A copy counts as
-    0 if a finger starts inside the object or meets nothing. The torque scaling is that of `robust`.
-    Copies must also be held by the faces of a moving jaw, if there is one.
+    The open fingers close again; a copy counts as 0 if they start inside or meet nothing.
     """
     copies = len(grasps) * robust.samples
     centers, axes = _disturb(grasps, com, robust, rng)
@@ -131,10 +125,7 @@ def _disturb(
 
 
 def face_normals(axes: Floats, approaches: Floats, angles: Floats) -> Floats:
-    """Outward normals (n, 2, 3) of objects that fit between jaws at angles (n,), radians.
-
-    Both lean equally to the axes (n, 3); the components of the approaches along them do not count.
-    """
+    """Outward normals (n, 2, 3) of objects that fit between jaws at angles (n,), radians."""
     along = np.einsum("nk,nk->n", approaches, axes)[:, None] * axes
     ahead = approaches - along
     ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)

@@ -52,14 +52,7 @@ def draw_grasps(
     robust: Robust | None = None,
     density: float = DENSITY,
 ) -> Sampled:
-    """Grasps of any sampler except the antipodal one, at most n, of a closed mesh in metres.
-
-    The density, kg/m3, determines the load on a cup; `robust` its perturbed copies.
-
-    Raises:
-        RejectedError: There is no grasp, or the user's sampler fails.
-        UserError: The user's sampler gives something other than grasps.
-    """
+    """At most n grasps of a closed mesh, metres, by a cup or the user's sampler; or an error."""
     if gripper.grasps_with != SUCTION:
         return _own(gripper, mesh, n, rng)
     cup = cup_of(gripper, "the sampler `suction`")

@@ -43,10 +43,7 @@ class Labeller:
     def __call__(
         self, mesh: trimesh.Trimesh, com: Floats, rng: np.random.Generator
     ) -> LabelledGrasps:
-        """The labelled grasps of an object as it is grasped, with a center of mass (3,), metres.
-
-        `RejectedError` if the mesh bounds no volume, no cup seals, or the user's sampler fails.
-        """
+        """The labelled grasps of an object about a center of mass (3,), metres; `RejectedError`."""
         check_solid(mesh)
         settings, caster = self.settings, RayCaster(mesh)
         gripper, wanted = settings.gripper, settings.grasp_label
@@ -126,11 +123,7 @@ def sample_grasps(
 def dataset_grasps(
     mesh: trimesh.Trimesh, object_id: str, parameters: LabelParameters
 ) -> pd.DataFrame:
-    """The labelled grasps of a scaled object, the same as in a dataset of the pipeline.
-
-    Columns of `tables.grasping.GRASPS` without `id` and `label`. The id of the object and the seed
-    determine the grasps. `RejectedError` if the mesh is open, or there is no grasp.
-    """
+    """The `GRASPS` of a scaled object, as in a dataset (id and seed decide), or `RejectedError`."""
     rng = generator(parameters.seed, "grasps", object_id)
     return _table(Labeller(parameters)(mesh, center_of_mass(mesh), rng))
 

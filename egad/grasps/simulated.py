@@ -29,10 +29,7 @@ def held_when_shaken(grasps: pd.DataFrame) -> NDArray[np.bool_]:
 
 
 def antipodal_success_rates(grasps: pd.DataFrame) -> pd.DataFrame:
-    """Success rate of the simulated antipodal grasps (`SIMULATED_GRASPS`) of each object (ours).
-
-    Grasps with no outcome do not count. One row per object that has any: `ANTIPODAL_RATES`.
-    """
+    """How often simulated antipodal grasps with an outcome succeeded: `ANTIPODAL_RATES` (ours)."""
     known = grasps[grasps["simulated_success"].notna()]
     marked = known.assign(
         success=known["simulated_success"].astype(float),

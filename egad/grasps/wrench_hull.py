@@ -59,8 +59,7 @@ def _workspace() -> Workspace:
 def depths(points: NDArray[np.float64], floor: float = 0.0) -> NDArray[np.float64]:
     """Distance from the origin to the boundary of each hull of n sets of at most 62 points, (n,).
 
-    The smallest facet offset; 0 where the origin is not strictly inside, which includes flat hulls.
-    To save time, a depth below `floor` may be replaced by an upper bound that is also below it.
+    0 where the origin is not strictly inside; a depth below `floor` may be a bound below it.
     """
     result: NDArray[np.float64] = _depths(np.ascontiguousarray(points, dtype=float), floor)
     for i in np.flatnonzero(np.isnan(result)):
@@ -88,10 +87,7 @@ def _depths(points: NDArray[np.float64], floor: float) -> NDArray[np.float64]:
 
 @kernel()
 def _depth(points: NDArray[np.float64], space: Workspace, floor: float) -> float:
-    """The smallest facet offset, or 0; or an upper bound of it that is below the floor.
-
-    NaN if the hull outgrows its memory or becomes inconsistent.
-    """
+    """The smallest facet offset or 0, or an upper bound below the floor; NaN if the hull fails."""
     tolerance = TOLERANCE * np.abs(points).max()
     if not _start(points, space, tolerance):
         return 0.0

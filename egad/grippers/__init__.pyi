@@ -1,4 +1,3 @@
-from .bodies import FINGERS as FINGERS
 from .bodies import BoxBody as BoxBody
 from .bodies import CupBody as CupBody
 from .bodies import JawBody as JawBody
@@ -16,6 +15,7 @@ from .hand import finger_span as finger_span
 from .kinds import ANTIPODAL as ANTIPODAL
 from .kinds import SUCTION as SUCTION
 from .kinds import Kind as Kind
+from .model import FINGERS as FINGERS
 from .model import FIRST_FINGER as FIRST_FINGER
 from .model import PALM_BODY as PALM_BODY
 from .model import SECOND_FINGER as SECOND_FINGER

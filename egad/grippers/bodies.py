@@ -29,8 +29,6 @@ from egad.grippers.model import FIRST_FINGER, PALM_BODY, SECOND_FINGER, HandMode
 from egad.grippers.parameters import Gripper, SuctionCup
 from egad.grippers.robot import model_of
 
-FINGERS = (FIRST_FINGER, SECOND_FINGER)
-BODIES = (PALM_BODY, *FINGERS)
 CIRCLE = 32  # corners of a drawn circle
 
 
@@ -38,12 +36,7 @@ class BoxBody(HandBody):
     """Two finger boxes, and a palm that is a box or a mesh."""
 
     def __init__(self, gripper: Gripper, palm: trimesh.Trimesh | None = None) -> None:
-        """Make a body from the sizes of a gripper with jaws.
-
-        A palm mesh, metres, replaces the palm box. Its origin is the middle of the palm's face,
-        where the fingers begin, its axes are those of the hand. Each of its bodies is replaced by
-        its convex hull; `RejectedError` if one is flat.
-        """
+        """Take jaws, and a palm mesh, metres, used as hulls; `RejectedError` if one is flat."""
         check_jaws(gripper, "the body of a hand")
         self.gripper, self._palm = gripper, palm
         self.parts()
@@ -99,8 +92,7 @@ class ModelBody(HandBody):
     def parts(self, retreat: float = 0.0) -> list[Part]:
         opening = self.gripper.opening
         shift = self.model.middle_at(np.array(opening))
-        shapes = [points for link in self.model.points(opening) for points in link]
-        return [hull_part(points - shift, retreat) for points in shapes]
+        return [hull_part(points - shift, retreat) for points in self.model.corners(opening)]
 
     @override
     def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
@@ -123,18 +115,12 @@ class ModelBody(HandBody):
         return self.model.reach_at(openings)
 
     @lru_cache(maxsize=256)  # noqa: B019 (one body lives as long as its stage)
-    def at(
-        self, level: int, retreat: float = 0.0, *, bodies: tuple[int, ...] = BODIES
-    ) -> list[Part]:
-        """The hand at a tabulated opening, by its number, with its pads at the origin."""
+    def at(self, level: int, retreat: float = 0.0, *, bodies: tuple[int, ...] = ()) -> list[Part]:
+        """The hand, or some bodies, at the opening of this number, with its pads at the origin."""
         opening = float(self.model.openings[level])
         shift = self.model.middle_at(np.array(opening))
-        return [
-            hull_part(points - shift, retreat)
-            for link, shapes in zip(self.model.links, self.model.points(opening), strict=True)
-            for points in shapes
-            if link.body in bodies
-        ]
+        corners = self.model.corners(opening, *bodies)
+        return [hull_part(points - shift, retreat) for points in corners]
 
     def _levels(self, openings: Floats) -> Ints:
         """Numbers of the smallest tabulated openings that are at least as wide, (n,)."""

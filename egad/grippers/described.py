@@ -9,7 +9,7 @@ import numpy as np
 
 from egad._util.arrays import Floats
 from egad._util.extras import needed_for
-from egad.grippers.model import PALM_BODY, SECOND_FINGER, HandModel
+from egad.grippers.model import FINGERS, PALM_BODY, SECOND_FINGER, HandModel
 
 FILE = "a gripper with a URDF or MJCF file"
 
@@ -32,28 +32,14 @@ MIN_SIDE = 1e-3  # metres, of a box
 
 
 def sizes_of(model: HandModel) -> dict[str, Any]:
-    """Opening, and sizes of boxes for the fingers and the palm, as in `Gripper`.
-
-    A finger is measured at its pad. It begins where the fixed links end, at the opening where the
-    pads are nearest to these links: the pads of a linkage move forward while they close.
-    """
+    """Opening, and sizes of boxes for fingers, measured at the pads, and palm, as in `Gripper`."""
     opening = float(model.openings[-1])
-    closed = model.points(float(model.openings[0]))
-    fixed = [
-        points
-        for link, shapes in zip(model.links, closed, strict=True)
-        for points in shapes
-        if link.body == PALM_BODY
-    ]
-    finger = [
-        points
-        for link, shapes in zip(model.links, closed, strict=True)
-        for points in shapes
-        if link.body == SECOND_FINGER
-    ]
+    closed = float(model.openings[0])
+    fixed, finger = model.corners(closed, PALM_BODY), model.corners(closed, SECOND_FINGER)
     tip = float(max(points[:, 2].max() for points in finger))
-    if model.lever is not None:
-        tip = _lowest_tip(model)
+    if model.lever is not None:  # of both jaws, over all openings
+        every = (model.corners(float(each), *FINGERS) for each in model.openings)
+        tip = float(max(points[:, 2].max() for jaws in every for points in jaws))
     low, high = _around_the_pad(finger, float(model.pad[0, 2]))
     behind = np.concatenate(fixed) if fixed else np.array([[0.0, 0.0, low[2] - MIN_SIDE]])
     face = min(float(behind[:, 2].max()), float(model.pad[0, 2]))
@@ -66,17 +52,6 @@ def sizes_of(model: HandModel) -> dict[str, Any]:
         "fingertip": _positive(tip),
         "palm": tuple(_positive(size) for size in palm),
     }
-
-
-def _lowest_tip(model: HandModel) -> float:
-    """How far the jaws reach along the approach at most, over all openings, metres."""
-    return max(
-        float(points[:, 2].max())
-        for opening in model.openings
-        for link, shapes in zip(model.links, model.points(float(opening)), strict=True)
-        if link.body != PALM_BODY
-        for points in shapes
-    )
 
 
 def _around_the_pad(finger: list[Floats], lowest: float) -> tuple[Floats, Floats]:

@@ -1,6 +1,6 @@
 """Find the two fingers of a described hand: what moves, and which way."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import product
 from typing import NamedTuple
 
@@ -155,15 +155,15 @@ def _mimics(model: mujoco.MjModel) -> set[int]:
     return set(map(int, model.eq_obj1id[equal & (model.eq_obj2id >= 0)]))
 
 
+def points_of(mechanism: Mechanism, positions: Floats, bodies: Iterable[int]) -> Floats:
+    """Points (n, 3) of the shapes of links, in the frame of the palm, metres."""
+    turns, places = mechanism.placement(positions)
+    shapes = ((body, shape) for body in bodies for shape in shapes_of(mechanism.model, body))
+    return np.concatenate([shape @ turns[body].T + places[body] for body, shape in shapes])
+
+
 def _middles(mechanism: Mechanism, positions: Floats, groups: list[frozenset[int]]) -> Floats:
     """Means of the points of groups of links, in the frame of the palm: (n, 3)."""
-    turns, places = mechanism.placement(positions)
-    means = []
-    for group in groups:
-        points = [
-            shape @ turns[body].T + places[body]
-            for body in sorted(group)
-            for shape in shapes_of(mechanism.model, body)
-        ]
-        means.append(np.concatenate(points).mean(axis=0))
-    return np.array(means)
+    return np.array(
+        [points_of(mechanism, positions, sorted(group)).mean(axis=0) for group in groups]
+    )

@@ -29,18 +29,13 @@ PRISM_SIDES = 16
 
 
 class Part(NamedTuple):
-    """A convex part of a hand.
+    """A convex part of a hand."""
 
-    Attributes:
-        box: (2, 3) low and high corner of its bounding box, metres.
-        planes: (k, 4) outward unit normals and offsets; where all `normal . point + offset` are
-            negative is the part. Without planes, it fills its box.
-        middle: (3,) a point in it, metres.
-    """
-
-    box: Floats
+    box: Floats  # (2, 3) low and high corner of its bounding box, metres
+    # (k, 4) outward unit normals and offsets; where all `normal . point + offset` are negative is
+    # the part; without planes, it fills its box
     planes: Floats
-    middle: Floats
+    middle: Floats  # (3,) a point in it, metres
 
 
 class Pieces(NamedTuple):
@@ -74,11 +69,7 @@ class HandBody(ABC):
         return np.zeros_like(openings)
 
     def aside(self, widths: Floats, openings: Floats, clearance: float = JAW_CLEARANCE) -> Floats:
-        """Position of the midpoint between the pads along the closing axis, (n,) metres.
-
-        The contacts are `widths` apart, (n,), around 0; the hand that is to close on them opens by
-        `openings`, (n,). A fixed jaw is `clearance` before the first contact.
-        """
+        """Where the middle of pads lies on the closing axis, the contacts around 0, (n,) metres."""
         del openings, clearance
         return np.zeros_like(widths)
 

@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import Delaunay, QhullError
 
-from egad._util.arrays import Flags, Floats
+from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers.jaw_solids import FACING, JawFrame, JawPads, JawSolids
 from egad.grippers.mechanism import body_name
-from egad.grippers.pads import LEVELS, MAX_OPENING, MIN_OPENING, UNEVEN
+from egad.grippers.pads import LEVELS, UNEVEN, check_opening
 
 GRID = 5e-4  # metres, between points of a jaw's face
 MARGIN = 5  # grid points around those that were found on it
@@ -52,12 +52,7 @@ def find_jaw_stroke(jaws: JawSolids, frame: JawFrame, tcp: Floats | None = None)
     gaps = np.array([jaws.gap(pads, float(joint), frame) for joint in joints])
     first, last = _useful(gaps, parallel)
     names = f"{body_name(jaws.mechanism.model, jaws.body)} and the fixed jaw"
-    if last - first < 1 or gaps[last] < MIN_OPENING:
-        raise UserError(f"its links {names} are at most {1000 * gaps[last]:.2g} mm apart")
-    if gaps[last] > MAX_OPENING:
-        raise UserError(
-            f"its links {names} open {gaps[last]:.3g} m; limits of sliding joints are in metres"
-        )
+    check_opening(float(gaps[last]), names, moves=last > first)
     levels = np.linspace(joints[first], joints[last], LEVELS)
     openings = np.array([jaws.gap(pads, float(joint), frame) for joint in levels])
     return JawStroke(
@@ -89,7 +84,10 @@ def _find_pads(jaws: JawSolids, frame: JawFrame, joints: Floats, parallel: float
     if not len(points):
         raise UserError("its jaws never face each other where their faces are parallel")
     cells = points + GRID / 2 * frame.approach  # their ends that are nearest to the tips
-    moved = _squeezes(jaws, frame, parallel, cells + gaps[:, None] * frame.closing)
+    facing = cells + gaps[:, None] * frame.closing
+    velocities, _ = jaws.mechanism.velocities(jaws.positions(parallel), jaws.body, facing)
+    along = np.abs(velocities @ frame.closing)
+    moved = along > FACING * np.linalg.norm(velocities, axis=1)  # mostly along the closing axis
     if moved.any():
         points, gaps = points[moved], gaps[moved]
     apart = _gaps_before_contact(jaws, frame, joints, points)
@@ -144,13 +142,6 @@ def _lines(height: float, middle: Floats, extent: Floats) -> Floats:
     return np.stack(
         [np.full_like(y, height), middle[0] + y * extent[0], middle[1] + z * extent[1]], axis=1
     )
-
-
-def _squeezes(jaws: JawSolids, frame: JawFrame, joint: float, points: Floats) -> Flags:
-    """Which points of the moving jaw move mostly along the closing axis."""
-    velocities, _ = jaws.mechanism.velocities(jaws.positions(joint), jaws.body, points)
-    speeds = np.abs(velocities @ frame.closing)
-    return np.asarray(speeds > FACING * np.linalg.norm(velocities, axis=1))
 
 
 def _gaps_before_contact(

@@ -58,9 +58,8 @@ def solids_of(model: mujoco.MjModel, body: int) -> list[trimesh.Trimesh]:
 def find_facing(mechanism: Mechanism, body: int, moving: RayCaster, fixed: RayCaster) -> Facing:
     """The faces with which a moving jaw closes against a fixed one, or `UserError`.
 
-    Faces that the jaw itself hides, such as those of ribs and cavities, do not count. A face is
-    taken as if it did not tilt along a hinge, or from the way that a jaw slides: so the sides of a
-    groove have the direction of its edges. The surfaces are in the frames of the jaw and of the
+    Faces that the jaw itself hides do not count. A face is taken as if it did not tilt along a
+    hinge, or from the way that a jaw slides. The surfaces are in the frames of the jaw and of the
     palm.
     """
     samples = spread(moving.mesh, SPACING)

@@ -11,22 +11,13 @@ ANTIPODAL, SUCTION = "antipodal", "suction"  # samplers
 
 
 class Kind(ABC):
-    """A kind of gripper, with the sizes of one.
+    """A kind of gripper, with the sizes of one."""
 
-    Attributes:
-        name: Key in tables.
-        noun: What such a gripper has.
-        sampler: The sampler of its grasps.
-        closes: Whether it closes on an object, and opens by some width. Otherwise, it goes on until
-            it meets the object.
-        lifts: Whether the quality of its grasps depends on the weight of the object.
-    """
-
-    name: ClassVar[str]
-    noun: ClassVar[str]
-    sampler: ClassVar[str]
-    closes: ClassVar[bool]
-    lifts: ClassVar[bool]
+    name: ClassVar[str]  # key in tables
+    noun: ClassVar[str]  # what such a gripper has
+    sampler: ClassVar[str]  # of its grasps
+    closes: ClassVar[bool]  # on an object, and opens by some width; else it goes on until contact
+    lifts: ClassVar[bool]  # whether the quality of its grasps depends on the weight of the object
 
     @property
     @abstractmethod

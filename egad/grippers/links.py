@@ -1,5 +1,7 @@
 """The links of a described hand, with their convex parts, and the gaps along its jaws."""
 
+from contextlib import suppress
+
 import mujoco
 import numpy as np
 import trimesh
@@ -117,26 +119,10 @@ def jaw_links(
     for solid in jaws.solids:
         for mesh, ahead in _cut(solid, frame.approach, root):
             (finger if ahead else palm).append(mesh)
-    name = body_name(model, static[0])
+    name, mass = body_name(model, static[0]), sum(float(model.body_mass[each]) for each in static)
     return (
-        HandLink(
-            name=name,
-            body=PALM_BODY,
-            shapes=_parts(palm, *PALM),
-            mass=sum(float(model.body_mass[each]) for each in static),
-            carrier=-1,
-            place=np.eye(4),
-            joint=None,
-        ),
-        HandLink(
-            name=f"{name}-fixed-jaw",
-            body=FIRST_FINGER,
-            shapes=_parts(finger, *JAW),
-            mass=0.0,
-            carrier=0,
-            place=np.eye(4),
-            joint=None,
-        ),
+        HandLink(name, PALM_BODY, _parts(palm, *PALM), mass, -1, np.eye(4), None),
+        HandLink(f"{name}-fixed-jaw", FIRST_FINGER, _parts(finger, *JAW), 0.0, 0, np.eye(4), None),
         _moving_link(jaws),
     )
 
@@ -147,15 +133,8 @@ def _moving_link(jaws: JawSolids) -> HandLink:
     turns, places = jaws.mechanism.placement(jaws.positions(joint.zero))
     place = np.eye(4)
     place[:3, :3], place[:3, 3] = turns[body], places[body]
-    return HandLink(
-        name=body_name(model, body),
-        body=SECOND_FINGER,
-        shapes=_parts(jaws.moving_solids, *JAW),
-        mass=float(model.body_mass[body]),
-        carrier=0,
-        place=place,
-        joint=joint,
-    )
+    name, mass = body_name(model, body), float(model.body_mass[body])
+    return HandLink(name, SECOND_FINGER, _parts(jaws.moving_solids, *JAW), mass, 0, place, joint)
 
 
 def lever_of(jaws: JawSolids, stroke: JawStroke, frame: JawFrame) -> float:
@@ -184,15 +163,11 @@ def _cut(
 
 def _parts(meshes: list[trimesh.Trimesh], deviation: float, excess: float) -> tuple[Floats, ...]:
     """Corners of convex parts of solids."""
-    return tuple(points for mesh in meshes for points in _convex(mesh, deviation, excess))
-
-
-def _convex(mesh: trimesh.Trimesh, deviation: float, excess: float) -> list[Floats]:
-    hull = trimesh.convex.convex_hull(mesh.vertices)
-    if hull.volume <= (1 + CONVEX) * abs(mesh.volume):
-        return [np.asarray(hull.vertices)]
-    try:
-        parts = decompose(mesh, MAX_PARTS, excess, deviation).parts
-    except RejectedError:
-        return [np.asarray(hull.vertices)]
-    return [np.asarray(part.vertices) for part in parts]
+    parts: list[trimesh.Trimesh] = []
+    for mesh in meshes:
+        hulls = [trimesh.convex.convex_hull(mesh.vertices)]
+        if hulls[0].volume > (1 + CONVEX) * abs(mesh.volume):
+            with suppress(RejectedError):
+                hulls = decompose(mesh, MAX_PARTS, excess, deviation).parts
+        parts += hulls
+    return tuple(np.asarray(part.vertices) for part in parts)

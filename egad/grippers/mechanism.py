@@ -133,11 +133,7 @@ class Mechanism:
         return self.follow(self.ranges().mean(axis=1), self.model.qpos0.copy())
 
     def follow(self, driven: Floats, near: Floats) -> Floats:
-        """Positions of all joints for (n,) positions of the driven ones, starting near known ones.
-
-        What the constraints between followers leave open is decided by the springs, as in a hand
-        that touches nothing, and by the limits.
-        """
+        """Positions of all joints for (n,) driven ones; springs and limits decide what is open."""
         positions = near.copy()
         positions[self._driven_at] = driven
         if not self.followers:
@@ -213,10 +209,7 @@ class Mechanism:
         return np.asarray(back @ self._data.xaxis[joint])
 
     def velocities(self, positions: Floats, body: int, points: Floats) -> tuple[Floats, Floats]:
-        """Velocities (n, 3) of points, per radian or metre of the joint, and levers (n,), metres.
-
-        All are in the frame of the palm; the lever of a sliding joint is 1.
-        """
+        """Velocities (n, 3) of points per radian or metre of the joint, and levers (n,), metres."""
         joint = int(self.model.body_jntadr[body])
         axis = self.axis(joint, positions)
         if self.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:

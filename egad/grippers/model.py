@@ -9,6 +9,7 @@ import trimesh
 from egad._util.arrays import Floats
 
 PALM_BODY, FIRST_FINGER, SECOND_FINGER = 0, -1, 1  # what a link belongs to
+FINGERS = (FIRST_FINGER, SECOND_FINGER)
 
 
 class LinkJoint(NamedTuple):
@@ -22,71 +23,46 @@ class LinkJoint(NamedTuple):
 
 
 class HandLink(NamedTuple):
-    """A rigid part of a hand.
+    """A rigid part of a hand."""
 
-    Attributes:
-        name: Name in the description.
-        body: PALM_BODY, FIRST_FINGER (the finger at negative x) or SECOND_FINGER.
-        shapes: (n, 3) arrays of corners of its convex parts, in its own frame, metres.
-        mass: Kilograms.
-        carrier: Number of the link that carries it; -1 for the palm, and for links that carry it.
-        place: (4, 4) pose in the frame of the carrier when its joint is at `zero`.
-        joint: How it moves on the carrier, if it does.
-    """
-
-    name: str
-    body: int
-    shapes: tuple[Floats, ...]
-    mass: float
-    carrier: int
-    place: Floats
-    joint: LinkJoint | None
+    name: str  # name in the description
+    body: int  # PALM_BODY, FIRST_FINGER (the finger at negative x) or SECOND_FINGER
+    shapes: tuple[Floats, ...]  # (n, 3) corners of convex parts, in its own frame, metres
+    mass: float  # kilograms
+    carrier: int  # number of the link that carries it; -1 for the palm, and for links that carry it
+    place: Floats  # (4, 4) pose in the frame of the carrier when its joint is at `zero`
+    joint: LinkJoint | None  # how it moves on the carrier, if it does
 
 
 @dataclass(frozen=True, eq=False)
 class HandModel:
-    """Shape and joints of a hand at every opening.
+    """Shape and joints of a hand at every opening, in metres and radians.
 
     The frame of the hand has its origin midway between the pads of the closed hand; x is the
-    closing axis, z the approach. It does not move when the fingers do. Lengths are metres, angles
-    radians.
-
-    Attributes:
-        links: All links; the first one is the palm.
-        openings: (k,) distances between the middles of the pads, from closed to open.
-        reach: (k,) height of the middle between the pads along z; 0 when closed.
-        aside: (k,) the same along x: half the opening of a hand that has only one moving jaw.
-        angles: (k,) angles between the inner faces of one moving jaw and the fixed one, else 0;
-            positive if they are farther apart at the tips.
-        turns: (k, l, 3, 3) rotations of the links in the frame of the hand.
-        places: (k, l, 3) positions of the links in the frame of the hand.
-        joints: Names of the joints that move, the driven ones first.
-        n_driven: How many of them are driven; several if each finger has its own drive.
-        positions: (k, j) their positions.
-        palm_to_hand: (4, 4) pose of the frame of the hand in that of the palm.
-        pad: (2, 3) low and high corner of both pads, when closed, in the frame of the hand.
-        recess: Openings are between the foremost points of the pads. The fraction of their faces
-            that lies further back, and how much farther apart their rearmost points are.
-        lever: Torque of the joint of one moving jaw per newton between the pads; 1 if it slides.
-            None if both fingers move.
-        depths: (d,) depths along its fixed jaw, beyond the pads along z.
-        gaps: (k, d) gaps between the inner faces there, along x; NaN where one of them is missing.
+    closing axis, z the approach. It does not move when the fingers do.
     """
 
-    links: tuple[HandLink, ...]
-    openings: Floats
-    reach: Floats
-    aside: Floats
-    angles: Floats
-    turns: Floats
-    places: Floats
-    joints: tuple[str, ...]
-    n_driven: int
-    positions: Floats
-    palm_to_hand: Floats
-    pad: Floats
+    links: tuple[HandLink, ...]  # the first one is the palm
+    openings: Floats  # (k,) distances between the middles of the pads, from closed to open
+    reach: Floats  # (k,) height of the middle between the pads along z; 0 when closed
+    aside: Floats  # (k,) the same along x: half the opening of a hand with one moving jaw
+    angles: Floats  # (k,) between the inner faces of one moving jaw and the fixed one, else 0;
+    # positive if they are farther apart at the tips
+    turns: Floats  # (k, l, 3, 3) rotations of the links in the frame of the hand
+    places: Floats  # (k, l, 3) positions of the links in the frame of the hand
+    joints: tuple[str, ...]  # names of the joints that move, the driven ones first
+    n_driven: int  # several if each finger has its own drive
+    positions: Floats  # (k, j) of the joints
+    palm_to_hand: Floats  # (4, 4) pose of the frame of the hand in that of the palm
+    pad: Floats  # (2, 3) low and high corner of both pads, when closed, in the frame of the hand
+    # Openings are between the foremost points of the pads. The fraction of their faces that lies
+    # further back, and how much farther apart their rearmost points are.
     recess: tuple[float, float] = (0.0, 0.0)
+    # torque of the joint of one moving jaw per newton between the pads; 1 if it slides; None if
+    # both fingers move
     lever: float | None = None
+    # (d,) depths along its fixed jaw, beyond the pads along z; (k, d) gaps between the inner faces
+    # there, along x, NaN where one of them is missing
     depths: Floats = field(default_factory=lambda: np.empty(0))
     gaps: Floats = field(default_factory=lambda: np.empty((0, 0)))
 
@@ -127,6 +103,12 @@ class HandModel:
             [shape @ turn.T + place for shape in link.shapes]
             for link, turn, place in zip(self.links, turns, places, strict=True)
         ]
+
+    def corners(self, opening: float, *bodies: int) -> list[Floats]:
+        """Corners of the convex parts of some bodies (of all: none given), each (n, 3), metres."""
+        links = zip(self.links, self.points(opening), strict=True)
+        chosen = [shapes for link, shapes in links if not bodies or link.body in bodies]
+        return [points for shapes in chosen for points in shapes]
 
     def shapes(self, opening: float) -> list[tuple[trimesh.Trimesh, int]]:
         """The convex parts as meshes in the frame of the hand, each with its `HandLink.body`."""

@@ -85,7 +85,11 @@ def _front(model: mujoco.MjModel, placement: Placement, body: int, ahead: Floats
     near = (ends[:, 2] > foremost - PAD_DEPTH) & (ends[:, 0] > foremost - PAD_TILT)
     if ends[near].max(initial=-np.inf) > heights.max() - PAD_DEPTH:
         return np.asarray(faces[near])
-    return _clipped(points[hull.simplices[looks > 0]], ahead, heights.max() - PAD_DEPTH)
+    faces = points[hull.simplices[looks > 0]]
+    numbers = np.arange(3 * len(faces)).reshape(-1, 3)
+    height = heights.max() - PAD_DEPTH
+    points, kept, _ = slice_faces_plane(faces.reshape(-1, 3), numbers, ahead, height * ahead)
+    return np.asarray(points[kept])
 
 
 def _foremost_middle(faces: Floats, ahead: Floats) -> Floats:
@@ -107,13 +111,6 @@ def _depths(model: mujoco.MjModel, body: int, faces: Floats, ahead: Floats) -> F
     return np.asarray(
         link.first_hits(samples.points + UNEVEN * outward, -outward).distances - UNEVEN
     )
-
-
-def _clipped(faces: Floats, ahead: Floats, height: float) -> Floats:
-    """The parts of triangles that lie ahead of a plane, as triangles (n, 3, 3)."""
-    numbers = np.arange(3 * len(faces)).reshape(-1, 3)
-    points, kept, _ = slice_faces_plane(faces.reshape(-1, 3), numbers, ahead, height * ahead)
-    return np.asarray(points[kept])
 
 
 def _gap(first: Floats, second: Floats, axis: Floats) -> float:
@@ -183,16 +180,20 @@ def _middles(mechanism: Mechanism, way: Sequence[Floats], pads: Pads) -> Floats:
     )
 
 
-def _useful(gaps: Floats, names: str) -> tuple[float, float]:
-    """Fractions of the way at which pads with these gaps, m, are open and meet; or `UserError`."""
-    parts, widest = np.linspace(0, 1, len(gaps)), int(gaps.argmax())
-    opening = float(gaps[widest])
-    if opening < MIN_OPENING:
-        raise UserError(f"its links {names} are at most {1000 * max(opening, 0):.2g} mm apart")
+def check_opening(opening: float, names: str, *, moves: bool = True) -> None:
+    """Raise `UserError` if links open too little or too far, metres."""
+    if opening < MIN_OPENING or not moves:
+        raise UserError(f"its links {names} are at most {1000 * opening:.2g} mm apart")
     if opening > MAX_OPENING:
         raise UserError(
             f"its links {names} open {opening:.3g} m; limits of sliding joints are in metres"
         )
+
+
+def _useful(gaps: Floats, names: str) -> tuple[float, float]:
+    """Fractions of the way at which pads with these gaps, m, are open and meet; or `UserError`."""
+    parts, widest = np.linspace(0, 1, len(gaps)), int(gaps.argmax())
+    check_opening(max(float(gaps[widest]), 0.0), names)
     last = widest
     while last + 1 < len(gaps) and gaps[last + 1] < gaps[last] and gaps[last] > 0:
         last += 1

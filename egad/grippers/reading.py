@@ -21,7 +21,14 @@ from egad.grippers.description import (
     read_description,
     shapes_of,
 )
-from egad.grippers.fingers import Sides, find_driven, find_moving_jaw, find_sides, snapped
+from egad.grippers.fingers import (
+    Sides,
+    find_driven,
+    find_moving_jaw,
+    find_sides,
+    points_of,
+    snapped,
+)
 from egad.grippers.jaw import find_jaw_stroke
 from egad.grippers.jaw_solids import JawFrame, JawSolids
 from egad.grippers.links import gaps_along, hand_link, jaw_links, jaw_root, lever_of
@@ -108,7 +115,9 @@ def _modelled(spec: mujoco.MjSpec, path: Path, choices: Choices) -> tuple[HandMo
         return _with_one_jaw(mechanism, jaw, choices), []
     sides = find_sides(mechanism, chains)
     if choices.closing_axis is not None:
-        sides = _along(sides, _unit(choices.closing_axis))
+        axis, (first, second) = _unit(choices.closing_axis), sides.links
+        swapped = axis @ sides.axis < 0
+        sides = sides._replace(links=(second, first) if swapped else (first, second), axis=axis)
     stroke = find_stroke(mechanism, sides, choices.pad_links)
     model = _tabulated(mechanism, sides, stroke, _frame(mechanism, sides, stroke, choices))
     return model, mechanism.joints_beyond_limits(stroke.positions)
@@ -208,13 +217,6 @@ def _unit(axis: Place) -> Floats:
     return np.asarray(vector / length)
 
 
-def _along(sides: Sides, axis: Floats) -> Sides:
-    """The same fingers with a given closing axis, a unit vector."""
-    if axis @ sides.axis < 0:
-        return Sides((sides.links[1], sides.links[0]), axis, sides.signs)
-    return sides._replace(axis=axis)
-
-
 def _frame(mechanism: Mechanism, sides: Sides, stroke: Stroke, choices: Choices) -> Floats:
     """Pose of the frame of the hand in that of the palm, (4, 4)."""
     origin = stroke.middles[0].mean(axis=0) if choices.tcp is None else np.array(choices.tcp)
@@ -257,15 +259,8 @@ def _approach(mechanism: Mechanism, positions: Floats, closing: Floats, ahead: F
         )
     axis = np.eye(3)[int(np.abs(ahead).argmax())]
     axis *= np.sign(axis @ ahead)
-    turns, places = mechanism.placement(positions)
     moving = set().union(*(subtree(model, int(model.jnt_bodyid[joint])) for joint in joints))
-    fingers = np.concatenate(
-        [
-            shape @ turns[body].T + places[body]
-            for body in moving
-            for shape in shapes_of(model, body)
-        ]
-    )
+    fingers = points_of(mechanism, positions, moving)
     beside, along = np.ptp(fingers @ np.stack([np.cross(closing, axis), axis], axis=1), axis=0)
     if axis @ ahead > np.cos(np.radians(LEANING if along > beside else UPRIGHT)) * length:
         return np.asarray(axis)

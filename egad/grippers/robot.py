@@ -1,7 +1,6 @@
 """Files, joints, base link and tool center point of a gripper, for other programs."""
 
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,18 +84,11 @@ def _model(gripper: Gripper) -> HandModel | None:
 ALONG_JAWS = np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
-class LinkFrame(NamedTuple):
-    """A frame on the link that carries the jaws."""
-
-    origin: tuple[float, float, float]  # metres, in the frame of the link
-    axes: Floats  # (3, 3) its axes in columns
-
-
 _SO101_AXES = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-# Sites named `gripperframe` on the link `gripper` of an SO-101
+# Sites named `gripperframe` on the link `gripper` of an SO-101: origin, metres, and axes in columns
 SO101_FRAMES = {
-    "gripperframe": LinkFrame((-0.0079, -0.000218121, -0.0981274), _SO101_AXES),
-    "menagerie": LinkFrame((0.012, -0.000218, -0.098127), _SO101_AXES),
+    "gripperframe": ((-0.0079, -0.000218121, -0.0981274), _SO101_AXES),
+    "menagerie": ((0.012, -0.000218, -0.098127), _SO101_AXES),
 }
 CONVENTIONS = ("fixed_jaw", "midpoint", *SO101_FRAMES)
 

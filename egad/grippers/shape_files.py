@@ -42,12 +42,7 @@ def list_packages() -> Packages:
 
 
 def find_file(wanted: str, path: Path, packages: Callable[[], Packages] = list_packages) -> Path:
-    """The path of a file that a description names; a `UserError` says where it was searched for.
-
-    A path, or a URI: file://, or package://NAME/ or model://NAME/ for ROS packages in the folders
-    above the description, and in those of ROS_PACKAGE_PATH, which `packages` lists, and
-    AMENT_PREFIX_PATH.
-    """
+    """The path of a file or package that a description names; `UserError` says where it looked."""
     folder = path.resolve().parent
     scheme = next((each for each in PACKAGE if wanted.startswith(each)), None)
     if scheme is None:
@@ -98,13 +93,11 @@ def _package_name(folder: Path) -> str | None:
 
 
 def read_shape(path: Path) -> Floats | None:
-    """Hull corners (n, 3) of a shape that MuJoCo does not read, in the unit of the file; or None.
-
-    MuJoCo reads OBJ, its own MSH, and binary STL of up to 200,000 faces. The unit of a Collada file
-    counts, but the up axis of Collada and glTF does not, as in RViz, MoveIt and SAPIEN.
-    """
+    """Hull corners (n, 3) of a shape, in the unit of its file; None if MuJoCo reads it itself."""
     ending = path.suffix[1:].lower()
-    if ending in ("obj", "msh") or (ending == "stl" and _is_regular_stl(path)):
+    # MuJoCo reads OBJ, its own MSH, and binary STL of the length it states and not too many faces
+    regular = ending == "stl" and 0 < (count_binary_faces(path) or 0) <= STL_FACES
+    if ending in ("obj", "msh") or regular:
         return None
     if ending not in ("stl", "ply", "off", "dae", "glb", "gltf"):
         raise UserError(
@@ -115,11 +108,6 @@ def read_shape(path: Path) -> Floats | None:
         return points[ConvexHull(points).vertices]
     except (QhullError, ValueError) as error:
         raise UserError(f"{path} is flat or damaged; a shape needs a volume") from error
-
-
-def _is_regular_stl(path: Path) -> bool:
-    """Whether a binary STL file has the length it states, and MuJoCo reads as many faces."""
-    return 0 < (count_binary_faces(path) or 0) <= STL_FACES
 
 
 def _points(path: Path) -> Floats:

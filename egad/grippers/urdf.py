@@ -23,9 +23,8 @@ INERTIA = 1e-3  # kg m2 per kilogram; the motion of a hand does not depend on it
 def read_urdf(path: Path) -> str | None:
     """The links and joints of a URDF file, as text that MuJoCo reads; None if it is MJCF.
 
-    Whatever is only seen, driven, measured or simulated is left out, and so are moments of inertia,
-    which may be impossible ones. If an element occurs several times, the first one counts, as in
-    ROS. A floating joint is treated as fixed: it belongs to what carries the hand.
+    Whatever is only seen, driven, measured or simulated is left out. The first of several elements
+    counts, as in ROS; a floating joint is treated as fixed, to what carries the hand.
     """
     root = _root(path.read_bytes())
     if root is None or root.tag == "mujoco":

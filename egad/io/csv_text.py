@@ -23,10 +23,10 @@ def csv_lines(
 ) -> list[tuple[int, list[str]]]:
     """The cells of the lines of a CSV file, with line numbers; empty lines are left out.
 
-    Cells are separated by commas or, as spreadsheets do, by semicolons or tabs, or by what a line
-    such as `sep=;` says; then, the decimal comma of `numbers`, columns in small letters, becomes a
-    point. The text is UTF-8 or UTF-16; only cells outside `columns` may have another encoding.
-    Raises `UserError` if it is not a CSV file, is too large, or a cell has another encoding.
+    Cells are separated by commas or, as in spreadsheets, by semicolons, tabs or what `sep=;` says;
+    then the decimal comma of `numbers`, columns in small letters, becomes a point. The text is
+    UTF-8 or UTF-16, but cells outside `columns` may be in another encoding. `UserError` if it is no
+    CSV.
     """
     if path.stat().st_size > MAX_BYTES:
         raise UserError(f"{path}: larger than {MAX_BYTES:,} bytes; split it")

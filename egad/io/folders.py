@@ -26,9 +26,9 @@ UNIX = 3
 def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[Path]:
     """All files in a folder and the folders in it, except hidden folders, sorted in each of them.
 
-    Links are followed as `find -L` does: a file occurs at each of its paths, but a link to a folder
-    around it, among the real paths `above`, is passed over. A link to nothing counts as a file. A
-    folder that cannot be read is left out with a warning; `UserError` if it is the first.
+    Links are followed as `find -L` does, but not to a folder around them, among the real paths
+    `above`. A folder that cannot be read is left out with a warning; `UserError` if it is the
+    first.
     """
     try:
         entries = sorted(os.scandir(folder), key=attrgetter("name"))
@@ -46,11 +46,7 @@ def files_below(folder: Path, above: frozenset[str] = frozenset()) -> Iterator[P
 
 
 def mesh_files(folder: Path, pattern: str = EVERY_FILE) -> list[Path]:
-    """The mesh files that match a pattern, sorted, except hidden ones and those in hidden folders.
-
-    In the pattern, a glob relative to the folder, `**` may stand once for any number of folders.
-    Raises `UserError` if there is no such folder or file, or it is not such a glob.
-    """
+    """The mesh files that match a glob in a folder, sorted, without hidden ones; or `UserError`."""
     _check_folder(folder)
     try:
         found = sorted(path for path in _matches(folder, pattern) if _is_mesh(path, folder))
@@ -132,12 +128,7 @@ def _matched(path: Path, pattern: str) -> list[str]:
 
 
 def _unique(parts: Mapping[Path, Sequence[str]]) -> dict[str, Path]:
-    """A name for each file that is safe in paths and depends on other files only in a conflict.
-
-    Other characters than letters, digits, `-`, `_` and `.` become `_`. Where that gives several
-    files the same name, each gets its ending, and if that is not enough, a hash of its path.
-    Names count as the same if they differ only in case, as on some disks.
-    """
+    """A safe name for each file; those that are the same get an ending, or a hash of their path."""
     names = {path: _safe("-".join(words)) for path, words in parts.items()}
     for addition in (_ending, _hash):
         times = Counter(name.lower() for name in names.values())

@@ -37,7 +37,9 @@ ROUGHNESS = 0.7  # of a matte surface
 def parse_glb(data: bytes) -> Content:
     """Read a GLB file, turned to have z up, without materials, textures and animations."""
     document, binary = _chunks(data)
-    _check_extensions(document)
+    for name in document.get("extensionsRequired", []):
+        if name not in READ and not str(name).startswith(LOOKS):
+            raise RejectedError(f"it needs the extension {name}, which is not supported")
     try:
         return _content(document, binary)
     except KeyError as error:
@@ -80,12 +82,6 @@ def _chunks(data: bytes) -> tuple[Json, bytes]:
     if not isinstance(document, dict):
         raise RejectedError("its document is not an object")
     return document, data[start + 8 : start + 8 + held]
-
-
-def _check_extensions(document: Json) -> None:
-    for name in document.get("extensionsRequired", []):
-        if name not in READ and not str(name).startswith(LOOKS):
-            raise RejectedError(f"it needs the extension {name}, which is not supported")
 
 
 def _placed_meshes(document: Json, binary: bytes) -> Iterator[tuple[int, Floats]]:

@@ -111,8 +111,7 @@ def _elements(lines: list[str]) -> tuple[str, list[Element]]:
     if order is None:
         raise RejectedError("its header does not say the format")
     for each in elements:
-        _check_vertices(each)
-        _check_faces(each)
+        _check(each)
     return order, elements
 
 
@@ -122,15 +121,11 @@ def _order(kind: str, version: str) -> str:
     return ORDERS[kind]
 
 
-def _check_vertices(element: Element) -> None:
-    if element.name != "vertex":
-        return
-    if not {"x", "y", "z"} <= {one.name for one in element.properties if not one.length}:
-        raise RejectedError("its vertices do not have the properties x, y and z")
-    check_at_most(element.size, MAX_VERTICES, "vertices")
-
-
-def _check_faces(element: Element) -> None:
+def _check(element: Element) -> None:
+    if element.name == "vertex":
+        if not {"x", "y", "z"} <= {one.name for one in element.properties if not one.length}:
+            raise RejectedError("its vertices do not have the properties x, y and z")
+        check_at_most(element.size, MAX_VERTICES, "vertices")
     if element.name in UNREAD and element.size:
         raise RejectedError(f"its element {element.name} is not supported; export triangles")
     if element.name == "face" and element.size and _used(element) is None:

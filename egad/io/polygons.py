@@ -22,11 +22,7 @@ class Content(NamedTuple):
 
 
 def triangles_of(vertices: Floats, corners: Ints, lengths: Ints) -> Ints:
-    """Triangles (m, 3) of polygons in their order, whose (k,) corners follow one another.
-
-    A polygon is cut by diagonals from its first corner where that is valid, otherwise in its mean
-    plane, and rejected if it crosses itself. Polygons of one or two corners are left out.
-    """
+    """Triangles (m, 3) of polygons of (k,) corners, cut from the first or in the mean plane."""
     check_at_most(int(np.maximum(lengths - 2, 0).sum()), MAX_FACES, "faces")
     check_corners(corners, len(vertices))
     starts = np.cumsum(lengths) - lengths

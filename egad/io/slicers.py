@@ -4,7 +4,7 @@ PrusaSlicer, SuperSlicer and Slic3r divide the triangles of an object into volum
 OrcaSlicer, which divide an object into parts, name their kinds; Cura marks whole objects.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -48,11 +48,10 @@ def sign_of(kind: str) -> int:
 def configured_volumes(root: Element) -> dict[str, list[Volume]]:
     """The volumes of each object, by its number, in one of `CONFIGS`."""
     objects = root.iterfind("object")
-    return {str(each.get("id")): [_volume(part) for part in _volumes(each)] for each in objects}
-
-
-def _volumes(configured: Element) -> Iterator[Element]:
-    return (part for part in configured if part.tag in ("volume", "part"))
+    return {
+        str(each.get("id")): [_volume(part) for part in each if part.tag in ("volume", "part")]
+        for each in objects
+    }
 
 
 def _volume(part: Element) -> Volume:

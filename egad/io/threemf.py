@@ -165,7 +165,8 @@ class _Package:
             raise RejectedError(f"the object {number} is missing")
         if (path, number) in parents:
             raise RejectedError(f"the object {number} is a part of itself")
-        matrix = _compose(_transform(reference), above)
+        matrix = _transform(reference) @ above[:3]
+        matrix[3] += above[3]
         components = found.find(f"{TAG}components")
         if components is None:
             volumes = self._volumes.get(number, []) if path == self._start else []
@@ -292,13 +293,6 @@ def _transform(element: Element) -> Floats:
     if len(numbers) != 12:
         raise RejectedError(f"a transform has {len(numbers)} numbers, not 12")
     return numbers.reshape(4, 3)
-
-
-def _compose(first: Floats, second: Floats) -> Floats:
-    """The transform that applies both, one after the other."""
-    turned = first @ second[:3]
-    turned[3] += second[3]
-    return turned
 
 
 def _attributes(elements: list[Element], names: tuple[str, ...]) -> list[bytes]:

@@ -1,5 +1,4 @@
 from .attainable import Attainable as Attainable
-from .attainable import attainable_coverage as attainable_coverage
 from .attainable import attainable_graspability as attainable_graspability
 from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
@@ -15,7 +14,6 @@ from .grid import coverage as coverage
 from .grid import coverage_of as coverage_of
 from .grid import difficulty_cells as difficulty_cells
 from .grid import filled_cells as filled_cells
-from .grid import filled_part as filled_part
 from .grid import labels as labels
 from .measure import Estimate as Estimate
 from .measure import measure_mesh as measure_mesh

@@ -8,13 +8,11 @@ import string
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from egad._util.arrays import Floats
 from egad.grasps import Quality, quality_bound
 from egad.grippers import ANTIPODAL
-from egad.measures.grid import cell_counts
-from egad.measures.parameters import MeasureParameters, MeasureSpace
+from egad.measures.parameters import MeasureParameters
 from egad.measures.percentile import percentile
 
 LEANS, HEIGHTS = 500, 81  # steps of the model
@@ -42,10 +40,9 @@ class Attainable(NamedTuple):
 def attainable_graspability(settings: MeasureParameters) -> Attainable:
     """The highest quality of a grasp, and the highest percentile that is expected.
 
-    The percentile is that of a model, in which every grasp spans the smallest side of the box and
-    both of its contacts lean equally, with a tangent that is uniform up to the cone of the sampler.
-    Without lean, the line of the grasp passes through the center of mass, which lies at the best
-    height between the contacts.
+    In the model, every grasp spans the smallest side of the box, and both contacts lean equally
+    with a tangent that is uniform up to the cone. Without lean, it passes through the center of
+    mass.
     """
     others = settings.robust is not None or settings.gripper.grasps_with != ANTIPODAL
     if settings.measures.graspability or others:
@@ -58,15 +55,10 @@ def attainable_graspability(settings: MeasureParameters) -> Attainable:
     percent = settings.graspability.percentile
     highest = max(percentile(each, percent) for each in from_both)
     best = float(_qualities(0.0, np.zeros(1), settings.quality)[0])
-    edges = _row_edges(settings.space)
+    (low, high), count = settings.space.graspability_range, settings.space.cells
+    edges = high - (high - low) * np.arange(1, count) / count  # of rows below the easiest ones
     rows = int(np.sum(edges > highest))
     return Attainable(best, highest, rows, float(edges[rows - 1]) if rows else math.inf)
-
-
-def attainable_coverage(objects: pd.DataFrame, space: MeasureSpace, rows: int) -> float:
-    """Archive coverage without some of the easiest rows: see `attainable_graspability`."""
-    filled = np.minimum(cell_counts(objects, space), space.elites_per_cell)[rows:]
-    return float(filled.sum() / (filled.size * space.elites_per_cell))
 
 
 def _qualities(height: float, leans: Floats, rules: Quality) -> Floats:
@@ -78,9 +70,3 @@ def _qualities(height: float, leans: Floats, rules: Quality) -> Floats:
     points = np.stack([np.broadcast_to(first, axes.shape), first + axes], axis=1)
     contact = rules.model_dump(exclude={"cone_faces"})
     return quality_bound(points, normals, axes, np.zeros(3), **contact)
-
-
-def _row_edges(space: MeasureSpace) -> Floats:
-    """The lowest graspability of each row, the easiest first, without the last row."""
-    low, high = space.graspability_range
-    return np.asarray(high - (high - low) * np.arange(1, space.cells) / space.cells)

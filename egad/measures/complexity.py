@@ -19,10 +19,9 @@ UNKNOWN_ROUNDING = 1e-3  # of a bin; away from flat vertices, where evolved obje
 def complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     """Entropy of the angular deficits of the vertices that have faces, bits, at most log2(bins).
 
-    Flat vertices and right angles lie on the edge of a bin. A deficit that rounded coordinates have
-    moved below the edge counts as if it were on it (ours). So the number of digits in a file does
-    not matter. It depends on the triangles: see `map_complexity`. Raises `RejectedError` if the
-    mesh is empty or not finite. Source: EGAD, section III-A.
+    Deficits of flat vertices and right angles are edges of bins; those that rounded coordinates
+    moved below count as on it (ours). It depends on the triangles: see `map_complexity`.
+    `RejectedError` if the mesh is empty or not finite. Source: EGAD, section III-A.
     """
     check_mesh(mesh)
     width = 4 * np.pi / bins

@@ -18,8 +18,11 @@ WHERE = "measures"
 def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | None = None) -> float:
     """The value of a user's measure of a closed mesh, metres; `RejectedError` if it fails."""
     function, name = _function(measure), plugin_name(measure)
+    parameters = (axes or CustomMeasures()).parameters()
     try:
-        given = function(mesh.copy(), **_parameters(function, axes or CustomMeasures()))
+        names = inspect.signature(function).parameters if parameters else {}
+        used = {key: value for key, value in parameters.items() if key in names}
+        given = function(mesh.copy(), **used)
     except MemoryError:
         raise  # says nothing about the object
     except Exception as error:
@@ -53,10 +56,3 @@ def source_hash(measure: str) -> str:
 def _function(measure: str) -> Measure:
     found: Measure = plugins.find(measure, WHERE, "function")
     return found
-
-
-def _parameters(function: Measure, axes: CustomMeasures) -> dict[str, Any]:
-    """The parameters of the axes that are arguments of a function."""
-    parameters = axes.parameters()
-    names = inspect.signature(function).parameters if parameters else {}
-    return {name: value for name, value in parameters.items() if name in names}

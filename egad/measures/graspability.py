@@ -88,13 +88,11 @@ def graspability(
 ) -> GraspabilityEstimate:
     """A percentile of the quality of independent grasps: high values are easy objects (ours).
 
-    For a suction cup, all candidates count: those that do not seal have the quality 0. A copy of
-    the mesh is rotated until its principal axes (of the vertices) are the coordinate axes, then
-    scaled by the factor, by default until its smallest side is `side_fraction` of the opening.
-    Grasps without quality count as zeros. The number of candidates is doubled until the cell of the
-    object is as certain as the space requires, or the budget is spent. The confidence holds on
-    average over objects, but not over objects that were selected by their cell. The center of mass
-    is by default that of the volume. Raises `RejectedError` if there is no grasp, or the mesh is
+    A copy of the mesh, its principal axes (of the vertices) as axes, is scaled by the factor, by
+    default until its smallest side is `side_fraction` of the opening. Grasps without quality count
+    as zeros, and so do unsealed cups. The number of candidates doubles until the cell is as certain
+    as the space requires, or the budget is spent. The confidence holds on average over objects, but
+    not over those selected by their cell. `RejectedError` if there is no grasp, or the mesh is
     flat.
     """
     grasps, enough = _RatedGrasps(mesh, settings, rng, com, factor), settings.space.confidence
@@ -159,9 +157,8 @@ class _RatedGrasps:
         """Draw more candidates: antipodal ones by `sample`, or those of another gripper."""
         if self._settings.gripper.grasps_with != ANTIPODAL:
             self._draw_others(candidates)
-            return
-        opening, sampling = self._settings.gripper.opening, self._settings.sampling
-        self._add(*sample(self._caster, opening, candidates, sampling, self._rng))
+        else:
+            self._draw_antipodal(candidates, sample)
 
     def _draw_others(self, candidates: int) -> None:
         """Draw grasps of another sampler; those of a cup that does not seal have the quality 0."""
@@ -183,11 +180,12 @@ class _RatedGrasps:
             quality = np.zeros(candidates if settings.gripper.grasps_with == SUCTION else 0)
         self._sample.extend(quality, exact=True)
 
-    def _add(self, grasps: ContactPairs, statistics: SamplingStatistics) -> None:
+    def _draw_antipodal(self, candidates: int, sample: _Sample) -> None:
+        settings, opening, rng = self._settings, self._settings.gripper.opening, self._rng
+        grasps, statistics = sample(self._caster, opening, candidates, settings.sampling, rng)
         self.statistics += statistics
-        quality, robust = self._settings.quality, self._settings.robust
+        quality, robust = settings.quality, settings.robust
         if robust is not None:
-            opening, rng = self._settings.gripper.opening, self._rng
             mean, _, _ = robust_ferrari_canny(
                 self._caster, grasps, self._com, opening, quality=quality, robust=robust, rng=rng
             )

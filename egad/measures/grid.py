@@ -70,22 +70,17 @@ def cell_counts(objects: pd.DataFrame, space: MeasureSpace) -> Cells:
     return counts
 
 
-def coverage(objects: pd.DataFrame, space: MeasureSpace) -> float:
-    """Archive coverage of a table of objects; see `coverage_of`."""
-    return coverage_of(cell_counts(objects, space), space)
+def coverage(objects: pd.DataFrame, space: MeasureSpace, rows: int = 0) -> float:
+    """Archive coverage of a table of objects, without some of the easiest rows: `coverage_of`."""
+    return coverage_of(cell_counts(objects, space)[rows:], space)
 
 
 def coverage_of(counts: Cells, space: MeasureSpace) -> float:
     """The fraction of all slots, one for each elite of a cell, that is filled (EGAD, Table III)."""
     filled = np.minimum(counts, space.elites_per_cell).sum()
-    return float(filled / (space.cells**2 * space.elites_per_cell))
+    return float(filled / (counts.size * space.elites_per_cell))
 
 
 def filled_cells(objects: pd.DataFrame, space: MeasureSpace) -> float:
     """The fraction of all cells that hold at least one object of a table."""
-    return filled_part(cell_counts(objects, space))
-
-
-def filled_part(counts: Cells) -> float:
-    """The fraction of all cells that hold at least one object, from `cell_counts`."""
-    return float((counts > 0).mean())
+    return float((cell_counts(objects, space) > 0).mean())

@@ -64,9 +64,8 @@ def measure_repeatably(
 ) -> MeasureValues:
     """Measure a closed mesh, one body, by grasps that are seeded by its triangles.
 
-    So a mesh has the same measures in every dataset, under every name and in every unit. The factor
-    is from `grasped_size`, by default that of the rule `exact`, as in the map. `resample` gives the
-    complexity that compares with evolved objects, see `map_complexity`.
+    So it has the same measures in every dataset, under every name and in every unit. `factor` is by
+    default that of the rule `exact`; `resample` gives `map_complexity`.
     """
     check_mesh(mesh)
     triangles = hashlib.sha256(np.asarray(mesh.faces, "<i8").tobytes()).hexdigest()

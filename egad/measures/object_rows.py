@@ -9,7 +9,9 @@ import trimesh
 from numpy.typing import NDArray
 
 from egad._util.progress import progress
-from egad.geometry import Body, repair_and_weigh
+from egad.errors import RejectedError
+from egad.geometry import MassProperties, mass_properties
+from egad.geometry.repair import Repaired, repair_for_files
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import CellsAndDiversities, MeasureMeshes
@@ -18,12 +20,19 @@ from egad.measures.reeb import graph as reeb
 from egad.tables.columns import inertia_columns
 
 
-def repaired_body(mesh: trimesh.Trimesh, settings: MeasureMeshes) -> Body:
+def repaired_body(
+    mesh: trimesh.Trimesh, settings: MeasureMeshes
+) -> tuple[Repaired, MassProperties]:
     """Repair a mesh, and compute its mass properties; `RejectedError` if it is too small."""
-    rules, density = settings.postprocess, settings.material.density
-    return repair_and_weigh(
-        mesh, density, rules.min_volume, rules.open_surfaces, rules.shell_thickness
-    )
+    rules = settings.postprocess
+    repaired = repair_for_files(mesh, rules.open_surfaces, rules.shell_thickness)
+    mass = mass_properties(repaired.mesh, settings.material.density)
+    if mass.volume < rules.min_volume:
+        raise RejectedError(
+            f"volume of {mass.volume:.3g} m3 is below {rules.min_volume:.3g} m3: "
+            "is the unit of the mesh right?"
+        )
+    return repaired, mass
 
 
 def solid_row(

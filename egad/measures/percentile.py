@@ -66,11 +66,7 @@ def percentile_rank(count: int, percent: float) -> int:
 
 
 def percentile_std(sample: BoundedSample, percent: float) -> float:
-    """Standard error of a percentile of n independent values; NaN if there are too few.
-
-    Half the distance between the values whose ranks lie a standard error of the rank away. Source:
-    Woodruff, Confidence Intervals for Medians and Other Position Measures, JASA 47 (1952).
-    """
+    """Standard error of a percentile of n independent values (Woodruff 1952); NaN if too few."""
     count, part = len(sample), percent / 100
     spread = np.sqrt(part * (1 - part) / count)
     low, high = np.floor(count * (part - spread)), np.ceil(count * (part + spread))
@@ -80,12 +76,7 @@ def percentile_std(sample: BoundedSample, percent: float) -> float:
 
 
 def confidence_between(sample: BoundedSample, percent: float, limits: tuple[float, float]) -> float:
-    """Probability that the percentile of a distribution lies between two limits, maybe infinite.
-
-    The number of n independent values that are less than a limit follows a binomial distribution;
-    the fraction of the distribution below the limit then has a beta distribution (with Jeffreys'
-    prior).
-    """
+    """Probability that a percentile lies between two limits, by a beta distribution (Jeffreys)."""
     low, high = (_chance_above(sample, percent / 100, limit) for limit in limits)
     return max(low - high, 0.0)
 

@@ -42,9 +42,8 @@ _STARTS = [np.eye(3), *Rotation.from_rotvec([*_TURNS, np.full(3, np.pi / 27**0.5
 def map_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
     """Complexity, bits, that places a closed mesh on the map, whatever its triangles (ours).
 
-    It is that of its own triangles if they are those of an evolved object, and otherwise the
-    resampled one; also if the own one is clearly higher, which noise does, or much lower, as on a
-    regular grid. Raises the errors of `complexity`.
+    That of its own triangles if they are of an evolved object, else resampled; also if the own one
+    is clearly higher, as by noise, or much lower, as on a regular grid. Errors are of `complexity`.
     """
     resampled = resampled_complexity(mesh, bins)
     if not _is_of_voxels(mesh):
@@ -69,11 +68,7 @@ def resampled_complexity(mesh: trimesh.Trimesh, bins: int = BINS) -> float:
 
 
 def closest_voxels(target: FitTarget) -> Fit | None:
-    """The voxels that a mesh was made from, or else some that are close to it; None if none fits.
-
-    They lie along the axes of its coordinates, or along those that most of its faces follow, if
-    they fit better: 25 along the longest side, or fewer if the mesh shows so.
-    """
+    """The voxels that a mesh was made from, or else close ones, 25 a side; None if none fits."""
     upright = np.eye(3)
     best = _search(target, upright, SIDES)
     if best and best.deviation > FAIR:
@@ -123,10 +118,7 @@ def _refined(target: FitTarget, best: Fit, times: int, rounds: int, turn: bool) 
 
 
 def _grids(target: FitTarget, frame: Floats, sides: Floats) -> Iterator[list[Grid]]:
-    """For each pitch, grids: the middle of the box is the middle of a cube or between two.
-
-    Along axes without such symmetry, planes between cubes are where most faces follow the axis.
-    """
+    """For each pitch, grids about the middle of the box, or with planes where most faces lie."""
     box = target.vertices @ frame.T
     low, high = box.min(axis=0), box.max(axis=0)
     lengths, middle = high - low, (low + high) / 2

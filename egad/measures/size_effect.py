@@ -31,12 +31,7 @@ from egad.tables.grasping import SIZE_EFFECT
 
 
 def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters) -> pd.DataFrame:
-    """Quality of grasps of a closed mesh at several sizes: rows of `tables.grasping.SIZE_EFFECT`.
-
-    The smallest side of its box becomes each fraction of the opening; its own size does not matter.
-    Grasps without quality count as zeros; the quality is NaN where there is no grasp. The name
-    seeds the random numbers.
-    """
+    """Grasp quality of a closed mesh as its smallest side grows (`tables.grasping.SIZE_EFFECT`)."""
     wanted, opening = settings.size_effect, settings.gripper.opening
     side = float(box_sides(mesh)[0])
     rows: list[dict[str, Any]] = []
@@ -55,8 +50,7 @@ def _rated(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> Iterator[dict[str, Any]]:
     """Results at one size, one row per percentile."""
-    antipodal = settings.gripper.grasps_with == ANTIPODAL
-    qualities, candidates, possible = (_antipodal if antipodal else _others)(caster, settings, rng)
+    qualities, candidates, possible = _qualities(caster, settings, rng)
     for percent in settings.size_effect.percentiles:
         yield {
             "candidates": candidates,
@@ -67,19 +61,27 @@ def _rated(
         }
 
 
-def _antipodal(
+def _qualities(
     caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
 ) -> tuple[Floats, int, int]:
-    """Qualities of antipodal grasps, the number of candidates, and of those that are possible."""
-    grasps, statistics = sample_contacts(
-        caster, settings.gripper.opening, settings.size_effect.grasps, settings.sampling, rng
-    )
+    """Qualities of grasps, and the numbers of candidates, and of those that are possible.
+
+    With another sampler than the antipodal one, a cup that does not seal has the quality 0.
+    """
+    gripper, wanted = settings.gripper, settings.size_effect.grasps
+    com = center_of_mass(caster.mesh)
+    if gripper.grasps_with != ANTIPODAL:
+        robust, density = settings.robust, settings.density
+        try:
+            quality = draw_grasps(
+                caster.mesh, com, gripper, wanted, rng, robust=robust, density=density
+            ).quality
+        except NoGraspError:
+            quality = np.empty(0)
+        return quality, wanted, len(quality)
+    grasps, statistics = sample_contacts(caster, gripper.opening, wanted, settings.sampling, rng)
     qualities = ferrari_canny(
-        grasps.points,
-        grasps.normals,
-        grasps.axes,
-        center_of_mass(caster.mesh),
-        **settings.quality.model_dump(),
+        grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
     )
     possible = (
         statistics.candidates - statistics.too_wide - statistics.not_antipodal - statistics.blocked
@@ -87,32 +89,11 @@ def _antipodal(
     return qualities, statistics.candidates, possible
 
 
-def _others(
-    caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
-) -> tuple[Floats, int, int]:
-    """The same for another sampler; a cup that does not seal has the quality 0."""
-    wanted = settings.size_effect.grasps
-    try:
-        quality = draw_grasps(
-            caster.mesh,
-            center_of_mass(caster.mesh),
-            settings.gripper,
-            wanted,
-            rng,
-            robust=settings.robust,
-            density=settings.density,
-        ).quality
-    except NoGraspError:
-        quality = np.empty(0)
-    return quality, wanted, len(quality)
-
-
 def summarize(table: pd.DataFrame) -> pd.DataFrame:
     """Means and spread over the repetitions, for each name, fraction and percentile, in this order.
 
-    `mean`, `low` and `high` are the quality over the repetitions that found grasps (NaN if none
-    did), `grasps` is their mean number, `share` that of the candidates that are possible, and
-    `found` the fraction of the repetitions with grasps.
+    `mean`, `low` and `high` are the quality over those that found grasps, `found` the fraction of
+    these; `share` is that of the candidates that are possible.
     """
     groups = table.groupby(["name", "fraction", "percentile"], sort=False)
     numbers = groups.agg(
@@ -134,11 +115,7 @@ def summarize(table: pd.DataFrame) -> pd.DataFrame:
 def curves(
     settings: SizeEffectParameters, files: Mapping[str, Path], units: str | None, worker_count: int
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Compute grasp quality over size for repaired meshes, and the reasons of rejected ones.
-
-    The columns are `tables.grasping.SIZE_EFFECT`, meshes in the given order. Units, as stated in
-    the files if None, do not affect the result.
-    """
+    """Grasp quality over size (`SIZE_EFFECT`) of repaired mesh files; reasons of rejected ones."""
     work = partial(_curve, units=units, settings=settings)
     with workers(max(1, min(worker_count, len(files)))) as mapper:
         done = list(progress(mapper(work, files.items()), "measuring", len(files)))

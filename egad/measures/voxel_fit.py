@@ -119,11 +119,9 @@ def _growth(scene: TriangleScene, points: Floats, normals: Floats) -> Floats:
 
 
 def fit(target: FitTarget, grid: Grid, rounds: int) -> Fit | None:
-    """Voxels whose surface is close to the target; None if no cube's center is inside.
+    """Voxels whose smoothed surface is close to the target (ours, after van Cittert).
 
-    Smoothing moves the surface away from the voxels' faces. So in each round, cubes become solid or
-    empty by how far the surface is still from the target there, and only those changes stay that
-    bring it closer. (Ours, after van Cittert's deconvolution.)
+    None if no cube's center is inside. Each round keeps only changes that bring the surface closer.
     """
     depths = target.depths(grid.centers(), DEEP * grid.pitch).reshape(grid.shape) / grid.pitch
     if not (depths > 0).any():

@@ -2,9 +2,10 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import FLOAT, INT, STRING, Result, column
+from egad.tables.columns import Result, integer, real, text
 from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, SUCCESS
 from egad.tables.outcomes import (
+    EXECUTION,
     POSE_FAILURES,
     SIMULATION_FAILURES,
     SUCTION_FAILURES,
@@ -14,63 +15,40 @@ from egad.tables.outcomes import (
 
 GRASP_POSE = tuple(f"pose_{row}{part}" for row in "xyz" for part in ("x", "y", "z", "t"))
 ROUND = ["scene", "noise", "round"]  # columns that tell rounds apart
-CARRIED_OUT = (
-    Outcome.SUCCESS,
-    Outcome.COLLIDED,
-    Outcome.MISSED,
-    Outcome.SLIPPED_CLOSING,
-    Outcome.SLIPPED_LIFTING,
-    *SUCTION_FAILURES,
-)
+CARRIED_OUT = (*(each for each in EXECUTION if each != Outcome.DROPPED), *SUCTION_FAILURES)
 
 CLUTTER = pa.schema(
     [
-        column("scene", STRING, "how the objects lie: single, packed or pile"),
-        column(
-            "noise", STRING, "noise in what the cameras see: none, stereo, gamma, dex or points"
-        ),
-        column("round", INT, "number of the round"),
-        column("attempt", INT, "number of the attempt in its round"),
-        column("seed", STRING, "seed of the round (hexadecimal)"),
-        column("objects", STRING, "ids of the objects of the round, separated by spaces"),
-        column(
+        text("scene", "how the objects lie: single, packed or pile"),
+        text("noise", "noise in what the cameras see: none, stereo, gamma, dex or points"),
+        integer("round", "number of the round"),
+        integer("attempt", "number of the attempt in its round"),
+        text("seed", "seed of the round (hexadecimal)"),
+        text("objects", "ids of the objects of the round, separated by spaces"),
+        text(
             "factors",
-            STRING,
             "sizes of the objects of the round / those that the scale rule gives, separated by "
             "spaces",
         ),
-        column("n_objects", INT, "objects on the table at the beginning of the round"),
-        column("n_present", INT, "objects on the table before the attempt"),
-        column(
-            "present",
-            STRING,
-            "ids of the objects on the table before the attempt, separated by spaces",
-        ),
+        integer("n_objects", "objects on the table at the beginning of the round"),
+        integer("n_present", "objects on the table before the attempt"),
+        text("present", "ids of the objects on the table before the attempt, separated by spaces"),
         SUCCESS,
-        column("outcome", STRING, listed((*CARRIED_OUT, *SIMULATION_FAILURES, *POSE_FAILURES))),
-        column(
-            "id", STRING, "id of the object that was held, or else of the one nearest to the grasp"
-        ),
+        text("outcome", listed((*CARRIED_OUT, *SIMULATION_FAILURES, *POSE_FAILURES))),
+        text("id", "id of the object that was held, or else of the one nearest to the grasp"),
         *(
-            column(
+            real(
                 name,
-                FLOAT,
                 "pose of the hand that was tried, world frame: entry of a (3, 4) matrix, named by "
                 "row and column; column t is the position between the pads in metres",
             )
             for name in GRASP_POSE
         ),
-        column("width", FLOAT, "opening that the detector asked for", "m"),
-        column("score", FLOAT, "score that the detector predicted"),
-        column(
-            "stopped", FLOAT, "distance before the grasp at which something stopped the hand", "m"
-        ),
+        real("width", "opening that the detector asked for", "m"),
+        real("score", "score that the detector predicted"),
+        real("stopped", "distance before the grasp at which something stopped the hand", "m"),
         ENGINE,
-        column(
-            "protocol",
-            STRING,
-            "rules of the round: egad, vgn, giga, edgegrasp, or custom for others",
-        ),
+        text("protocol", "rules of the round: egad, vgn, giga, edgegrasp, or custom for others"),
         ERRORS,
         FAILURE,
     ]

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,9 +31,13 @@ class Result(NamedTuple):
     columns: pa.Schema | None = None
 
 
-def column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
+def column(name: str, meaning: str, unit: str = "", *, kind: pa.DataType) -> pa.Field:
     """A column with its meaning, and its unit if it has one."""
     return pa.field(name, kind, metadata={"meaning": meaning, "unit": unit})
+
+
+text, integer, real = (partial(column, kind=each) for each in (STRING, INT, FLOAT))
+boolean, binary = (partial(column, kind=each) for each in (BOOL, BINARY))
 
 
 def optional(field: pa.Field) -> pa.Field:
@@ -55,7 +60,7 @@ def vector(
     name: str, meaning: str, unit: str = "", parts: str | tuple[str, ...] = "xyz"
 ) -> list[pa.Field]:
     """A column for each part of a vector: NAME_PART."""
-    return [column(f"{name}_{part}", FLOAT, f"{meaning}, {part}", unit) for part in parts]
+    return [real(f"{name}_{part}", f"{meaning}, {part}", unit) for part in parts]
 
 
 def vector_names(name: str) -> list[str]:
@@ -79,6 +84,10 @@ def inertia_tensor(row: Mapping[str, Any]) -> Floats:
     return tensor
 
 
+INERTIA_COLUMNS = vector(
+    "inertia", "moment of inertia about the center of mass", "kg m2", tuple(INERTIA)
+)
+
 POSE_PARTS = ("x", "y", "z", "qx", "qy", "qz", "qw")
 INITIAL = tuple(f"initial_{part}" for part in POSE_PARTS)
 
@@ -89,49 +98,39 @@ def pose(name: str, meaning: str) -> list[pa.Field]:
     return [*position, *vector(name, f"{meaning}, quaternion", parts=POSE_PARTS[3:])]
 
 
-ID = column("id", STRING, "name of the object in its dataset, never reused for another shape")
-LABEL = column(
-    "label", STRING, "readable name, used in file names: difficulty letter, complexity, index"
-)
-COMPLEXITY = column(
+ID = text("id", "name of the object in its dataset, never reused for another shape")
+LABEL = text("label", "readable name, used in file names: difficulty letter, complexity, index")
+COMPLEXITY = real(
     "complexity",
-    FLOAT,
     "entropy of the angular deficits; for meshes that were not evolved, on the closest voxels",
     "bit",
 )
-RAW_COMPLEXITY = column(
-    "raw_complexity",
-    FLOAT,
-    "entropy of the angular deficits at the vertices of the mesh as it is",
-    "bit",
+RAW_COMPLEXITY = real(
+    "raw_complexity", "entropy of the angular deficits at the vertices of the mesh as it is", "bit"
 )
-GRASPABILITY = column("graspability", FLOAT, "percentile of grasp quality, high for easy objects")
-GRASPABILITY_STD = column("graspability_std", FLOAT, "standard error of the graspability")
-CELL_CONFIDENCE = column(
-    "cell_confidence", FLOAT, "probability that the exact graspability lies in the same row"
+GRASPABILITY = real("graspability", "percentile of grasp quality, high for easy objects")
+GRASPABILITY_STD = real("graspability_std", "standard error of the graspability")
+CELL_CONFIDENCE = real(
+    "cell_confidence", "probability that the exact graspability lies in the same row"
 )
 CELLS = [
-    column("complexity_cell", INT, "cell along complexity, 0 = simplest"),
-    column("difficulty_cell", INT, "cell along difficulty, 0 = easiest"),
+    integer("complexity_cell", "cell along complexity, 0 = simplest"),
+    integer("difficulty_cell", "cell along difficulty, 0 = easiest"),
 ]
-QUALITY = column(
+QUALITY = real(
     "quality",
-    FLOAT,
     "Ferrari-Canny quality; for a cup, the fraction of perturbed copies that seal and hold; for a "
     "sampler of your own, the quality that it gives",
 )
-ROBUST_QUALITY = column(
+ROBUST_QUALITY = real(
     "robust_quality",
-    FLOAT,
     "mean quality over perturbed copies of the grasp; for cups and samplers of your own, the same "
     "as the quality",
 )
-ROBUST_SUCCESS_RATE = column(
-    "robust_success_rate",
-    FLOAT,
-    "robust success rate: fraction of perturbed copies with positive quality",
+ROBUST_SUCCESS_RATE = real(
+    "robust_success_rate", "robust success rate: fraction of perturbed copies with positive quality"
 )
-DIVERSITY = column("diversity", FLOAT, "mean distance to the nearest objects of the dataset")
+DIVERSITY = real("diversity", "mean distance to the nearest objects of the dataset")
 
 LABELS = ("label", "object_label")
 _UNSAFE = re.compile(r"[/\\\x00]|^\.{1,2}$")

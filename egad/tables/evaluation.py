@@ -3,22 +3,25 @@
 import pyarrow as pa
 
 from egad.tables.columns import (
-    BOOL,
     CELLS,
     COMPLEXITY,
     FLOAT,
     GRASPABILITY,
     ID,
+    INERTIA_COLUMNS,
     INT,
     LABEL,
     QUALITY,
     ROBUST_QUALITY,
     ROBUST_SUCCESS_RATE,
-    STRING,
     Result,
+    boolean,
     column,
+    integer,
     optional,
     pose,
+    real,
+    text,
     vector,
 )
 from egad.tables.outcomes import (
@@ -30,62 +33,55 @@ from egad.tables.outcomes import (
     listed,
 )
 
-VOLUME_ERROR = column("volume_error", FLOAT, "total volume of the parts / volume of the object - 1")
-DEVIATION = column(
-    "deviation", FLOAT, "largest distance that a part extends beyond the surface of the object", "m"
+VOLUME_ERROR = real("volume_error", "total volume of the parts / volume of the object - 1")
+DEVIATION = real(
+    "deviation", "largest distance that a part extends beyond the surface of the object", "m"
 )
-BURIED = column(
+BURIED = real(
     "buried",
-    FLOAT,
     "of the surface that fingers can touch, the fraction that lies deeper in a part than "
     "`bundle.deviation`",
 )
-DEVIATION_BOUND = column(
+DEVIATION_BOUND = real(
     "deviation_bound",
-    FLOAT,
     "deviation that the parts keep to at 99 % of the surface that fingers can touch: larger than "
     "`bundle.deviation` if that would need more than `bundle.max_parts` parts; null for coacd",
     "m",
 )
-WITHIN = column(
+WITHIN = boolean(
     "within",
-    BOOL,
     "whether the volume error is at most `bundle.volume_error`, and at most 1 % of the surface "
     "that fingers can touch is buried",
 )
-PLACE = column("label", STRING, "name in the evaluation set")
-ENGINE = column("engine", STRING, "physics engine")
-ERRORS = column(
+PLACE = text("label", "name in the evaluation set")
+ENGINE = text("engine", "physics engine")
+ERRORS = text(
     "errors",
-    STRING,
     "errors of the robot cell (`trials.errors`, `clutter.errors`): a name, or their values",
 )
-CONTACT = column("contact", STRING, "what a contact on the way down means (`trials.contact`)")
+CONTACT = text("contact", "what a contact on the way down means (`trials.contact`)")
 FAILURE = optional(
-    column("failure", STRING, "what the detector did wrong, with its traceback; empty if nothing")
+    text("failure", "what the detector did wrong, with its traceback; empty if nothing")
 )
-SUCCESS = column("success", BOOL, "whether the object was still held at the end")
+SUCCESS = boolean("success", "whether the object was still held at the end")
 
 EVAL49 = pa.schema(
     [
-        column(
+        text(
             "label",
-            STRING,
             "name in the evaluation set: A0 = easiest and simplest, or the name of an own mesh",
         ),
         ID,
-        column("object_label", STRING, "label of the object in its dataset"),
-        column("row", INT, "row of the coarse grid, 0 = easiest"),
-        column("column", INT, "column of the coarse grid, 0 = simplest"),
-        column(
-            "borrowed",
-            BOOL,
-            "whether the object comes from a neighboring cell because this one had none",
+        text("object_label", "label of the object in its dataset"),
+        integer("row", "row of the coarse grid, 0 = easiest"),
+        integer("column", "column of the coarse grid, 0 = simplest"),
+        boolean(
+            "borrowed", "whether the object comes from a neighboring cell because this one had none"
         ),
         COMPLEXITY,
         GRASPABILITY,
         *CELLS,
-        column("nearest", FLOAT, "distance to the nearest other object of the set"),
+        real("nearest", "distance to the nearest other object of the set"),
     ]
 )
 
@@ -93,46 +89,41 @@ MANIFEST = pa.schema(
     [
         PLACE,
         ID,
-        column("file", STRING, "STL file, coordinates in millimetres"),
-        column("plate", INT, "number of the 3MF plate; null if it does not fit the bed"),
+        text("file", "STL file, coordinates in millimetres"),
+        integer("plate", "number of the 3MF plate; null if it does not fit the bed"),
         *vector("place", "lowest corner of the object on the plate", "mm", "xy"),
         *vector("extents", "sides of the axis-aligned box as printed", "mm"),
-        column("volume", FLOAT, "volume of the solid", "mm3"),
-        column("filament", FLOAT, "estimated mass of the filament, without supports", "g"),
-        column("pose", STRING, "how the pose was chosen: stable or overhang"),
-        column("pose_probability", FLOAT, "probability of resting in this pose when dropped"),
-        column("overhang", FLOAT, "area that needs support", "mm2"),
-        column("contact", FLOAT, "area of the first layer", "mm2"),
-        column("factor", FLOAT, "scaled size / size of the mesh in meshes/"),
-        column("engraved", BOOL, "whether the label is engraved"),
-        column("settings", STRING, "recommended print settings"),
-        column("note", STRING, "what to know before printing; empty if nothing"),
+        real("volume", "volume of the solid", "mm3"),
+        real("filament", "estimated mass of the filament, without supports", "g"),
+        text("pose", "how the pose was chosen: stable or overhang"),
+        real("pose_probability", "probability of resting in this pose when dropped"),
+        real("overhang", "area that needs support", "mm2"),
+        real("contact", "area of the first layer", "mm2"),
+        real("factor", "scaled size / size of the mesh in meshes/"),
+        boolean("engraved", "whether the label is engraved"),
+        text("settings", "recommended print settings"),
+        text("note", "what to know before printing; empty if nothing"),
     ]
 )
 
 BUNDLE = pa.schema(
     [
-        column("label", STRING, "name in the evaluation set, and name of the folder of the object"),
+        text("label", "name in the evaluation set, and name of the folder of the object"),
         ID,
-        column("method", STRING, "how the convex parts were made: cut or coacd"),
-        column("parts", INT, "number of convex parts"),
+        text("method", "how the convex parts were made: cut or coacd"),
+        integer("parts", "number of convex parts"),
         VOLUME_ERROR,
         DEVIATION,
         BURIED,
         DEVIATION_BOUND,
         WITHIN,
-        column("poses", INT, "number of stable poses in poses.json"),
-        column("volume", FLOAT, "volume of the solid", "m3"),
-        column("density", FLOAT, "density that mass and inertia are computed with", "kg/m3"),
-        column("friction", FLOAT, "sliding friction in URDF and MJCF"),
-        column("mass", FLOAT, "mass", "kg"),
+        integer("poses", "number of stable poses in poses.json"),
+        real("volume", "volume of the solid", "m3"),
+        real("density", "density that mass and inertia are computed with", "kg/m3"),
+        real("friction", "sliding friction in URDF and MJCF"),
+        real("mass", "mass", "kg"),
         *vector("com", "center of mass in the frame of the mesh", "m"),
-        *vector(
-            "inertia",
-            "moment of inertia about the center of mass",
-            "kg m2",
-            ("xx", "yy", "zz", "xy", "xz", "yz"),
-        ),
+        *INERTIA_COLUMNS,
     ]
 )
 
@@ -140,9 +131,9 @@ CONVEX_PARTS = pa.schema(
     [
         LABEL,
         ID,
-        column("part", INT, "number of the part within its object"),
-        column("vertices", pa.list_(FLOAT), "vertex coordinates, flat", "m"),
-        column("faces", pa.list_(INT), "vertex indices of the triangles, flat"),
+        integer("part", "number of the part within its object"),
+        column("vertices", "vertex coordinates, flat", "m", kind=pa.list_(FLOAT)),
+        column("faces", "vertex indices of the triangles, flat", kind=pa.list_(INT)),
         VOLUME_ERROR,
         DEVIATION,
         BURIED,
@@ -154,18 +145,14 @@ CONVEX_PARTS = pa.schema(
 RESULTS = pa.schema(
     [
         PLACE,
-        column("id", STRING, "name of the object in its dataset; empty if not known"),
-        column("attempt", INT, "number of the attempt"),
+        text("id", "name of the object in its dataset; empty if not known"),
+        integer("attempt", "number of the attempt"),
         SUCCESS,
-        column("outcome", STRING, f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),
-        column("quality", FLOAT, "quality that the detector predicted; null if it gave none"),
-        column("detector", STRING, "name of the grasp detector"),
-        column(
-            "initial_pose",
-            STRING,
-            "initial pose of the object, in hexadecimal; empty on a real robot",
-        ),
-        optional(column("engine", STRING, "physics engine; empty on a real robot")),
+        text("outcome", f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),
+        real("quality", "quality that the detector predicted; null if it gave none"),
+        text("detector", "name of the grasp detector"),
+        text("initial_pose", "initial pose of the object, in hexadecimal; empty on a real robot"),
+        optional(text("engine", "physics engine; empty on a real robot")),
         optional(ERRORS),
         optional(CONTACT),
     ]
@@ -175,20 +162,18 @@ TRIALS = pa.schema(
     [
         PLACE,
         ID,
-        column("attempt", INT, "number of the attempt"),
-        column("seed", pa.string(), "seed of the attempt (hexadecimal)"),
-        column("calibration", STRING, "seed of the calibration, shared by several attempts"),
+        integer("attempt", "number of the attempt"),
+        text("seed", "seed of the attempt (hexadecimal)"),
+        text("calibration", "seed of the calibration, shared by several attempts"),
         ERRORS,
         CONTACT,
         SUCCESS,
-        column(
+        text(
             "outcome",
-            STRING,
             listed((*EXECUTION, *SUCTION_FAILURES, *SIMULATION_FAILURES, *DETECTOR_FAILURES)),
         ),
-        column(
+        text(
             "initial_pose",
-            STRING,
             "how the attempt began: dropped, released by the hand (from_hand) or left",
         ),
         *pose(
@@ -196,17 +181,15 @@ TRIALS = pa.schema(
             "initial pose of the object (center of mass, principal axes) in the world frame",
         ),
         *vector("grasp", "center of the grasp that was tried, world frame", "m"),
-        column("angle", FLOAT, "angle of the closing axis about the vertical", "rad"),
-        column("width", FLOAT, "opening that the detector asked for", "m"),
-        column("depth", FLOAT, "how far the fingertips should reach below the center", "m"),
-        column("quality", FLOAT, "quality that the detector predicted"),
-        column("lifted", FLOAT, "height gained by the object at the end", "m"),
+        real("angle", "angle of the closing axis about the vertical", "rad"),
+        real("width", "opening that the detector asked for", "m"),
+        real("depth", "how far the fingertips should reach below the center", "m"),
+        real("quality", "quality that the detector predicted"),
+        real("lifted", "height gained by the object at the end", "m"),
         *pose("end", "final pose of the object, in the frames of its initial pose"),
-        column(
-            "stopped", FLOAT, "distance before the grasp at which a contact stopped the hand", "m"
-        ),
-        column("parts", INT, "number of convex parts of the simulated object"),
-        column("volume_error", FLOAT, "volume of the parts / volume of the object - 1"),
+        real("stopped", "distance before the grasp at which a contact stopped the hand", "m"),
+        integer("parts", "number of convex parts of the simulated object"),
+        real("volume_error", "volume of the parts / volume of the object - 1"),
         ENGINE,
         FAILURE,
     ]
@@ -216,17 +199,16 @@ AGREEMENT = pa.schema(
     [
         PLACE,
         ID,
-        column("grasp", INT, "number of the grasp on its object, as in the table of grasps"),
+        integer("grasp", "number of the grasp on its object, as in the table of grasps"),
         QUALITY,
         ROBUST_QUALITY,
         ROBUST_SUCCESS_RATE,
         SUCCESS,
-        column("outcome", STRING, listed((*EXECUTION, *SIMULATION_FAILURES))),
-        column("lifted", FLOAT, "height gained by the object at the end", "m"),
-        column("n_labelled", INT, "number of labelled grasps of the object"),
-        column(
+        text("outcome", listed((*EXECUTION, *SIMULATION_FAILURES))),
+        real("lifted", "height gained by the object at the end", "m"),
+        integer("n_labelled", "number of labelled grasps of the object"),
+        integer(
             "n_collision_free",
-            INT,
             "number of collision-free labelled grasps of the object, from which the sample was "
             "drawn",
         ),

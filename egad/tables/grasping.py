@@ -3,18 +3,17 @@
 import pyarrow as pa
 
 from egad.tables.columns import (
-    BOOL,
-    FLOAT,
     ID,
-    INT,
     LABEL,
     QUALITY,
     ROBUST_QUALITY,
     ROBUST_SUCCESS_RATE,
-    STRING,
     Result,
-    column,
+    boolean,
+    integer,
     optional,
+    real,
+    text,
     vector,
 )
 from egad.tables.outcomes import EXECUTION, SHAKEN, SIMULATION_FAILURES, listed
@@ -23,7 +22,7 @@ GRASPS = pa.schema(
     [
         ID,
         LABEL,
-        column("grasp", INT, "number of the grasp on its object"),
+        integer("grasp", "number of the grasp on its object"),
         *vector("center", "midpoint of the contacts; for a cup, a point on the surface", "m"),
         *vector(
             "axis",
@@ -31,10 +30,9 @@ GRASPS = pa.schema(
             "perpendicular to the approach",
         ),
         *vector("approach", "unit vector along which the hand moves towards the object"),
-        column("width", FLOAT, "distance between the contacts; 0 for a cup", "m"),
-        column(
+        real("width", "distance between the contacts; 0 for a cup", "m"),
+        real(
             "needed_opening",
-            FLOAT,
             "smallest opening at which both finger boxes fit beside the object; may exceed that of "
             "the gripper",
             "m",
@@ -45,26 +43,20 @@ GRASPS = pa.schema(
         *vector("normal1", "outward unit normal at the second contact"),
         QUALITY,
         ROBUST_QUALITY,
-        column(
-            "robust_quality_std", FLOAT, "standard deviation of the quality over perturbed copies"
-        ),
+        real("robust_quality_std", "standard deviation of the quality over perturbed copies"),
         ROBUST_SUCCESS_RATE,
-        column(
+        boolean(
             "fits",
-            BOOL,
             "whether the open hand touches nothing at the grasp, at the best of the approach "
             "angles tried",
         ),
-        column(
+        boolean(
             "collision_free",
-            BOOL,
             "whether the open hand touches nothing, neither at the grasp nor on its straight "
             "approach, at the best of the approach angles tried",
         ),
-        column("angles_fit", INT, "number of approach angles tried at which the hand fits"),
-        column(
-            "angles_collision_free", INT, "number of approach angles tried that are collision-free"
-        ),
+        integer("angles_fit", "number of approach angles tried at which the hand fits"),
+        integer("angles_collision_free", "number of approach angles tried that are collision-free"),
     ]
 )
 
@@ -72,42 +64,39 @@ GRASPS = pa.schema(
 def _motion(phase: str, how: str) -> list[pa.Field]:
     moved = f"how far the object {{}} relative to the hand while {how}"
     return [
-        column(f"simulated_{phase}_shift", FLOAT, moved.format("moved"), "m"),
-        column(f"simulated_{phase}_turn", FLOAT, moved.format("turned"), "rad"),
+        real(f"simulated_{phase}_shift", moved.format("moved"), "m"),
+        real(f"simulated_{phase}_turn", moved.format("turned"), "rad"),
     ]
 
 
 _MOTIONS = [*_motion("closing", "the fingers closed"), *_motion("shaking", "it was shaken")]
 MOTIONS = tuple(field.name for field in _MOTIONS)
 _SIMULATED = [
-    column(
+    text(
         "simulated_outcome",
-        STRING,
         f"outcome of closing in free space, shaking and lifting in simulation: {listed(SHAKEN)}; "
         f"or "
         f"{listed(SIMULATION_FAILURES)}; missing if the grasp was not simulated",
     ),
-    column(
+    boolean(
         "simulated_success",
-        BOOL,
         "whether the object was still held at the end; missing if the engine could not tell, or if "
         "the grasp was not simulated",
     ),
     *_MOTIONS,
-    (_ENGINE := column("simulated_engine", STRING, "physics engine")),
+    (_ENGINE := text("simulated_engine", "physics engine")),
 ]
 SIMULATED_GRASPS = pa.schema([*GRASPS, *map(optional, _SIMULATED)])
 """Labelled grasps, with simulated labels if `targets.simulated_labels` is true."""
 
 _HELD = [
-    column("n_simulated", INT, "number of simulated antipodal grasps with an outcome"),
-    column(
+    integer("n_simulated", "number of simulated antipodal grasps with an outcome"),
+    real(
         "antipodal_success_rate",
-        FLOAT,
         "fraction of simulated antipodal grasps that held when shaken and lifted; near 1 for most "
         "objects",
     ),
-    column("held_shaking", FLOAT, "fraction of simulated antipodal grasps that held when shaken"),
+    real("held_shaking", "fraction of simulated antipodal grasps that held when shaken"),
     _ENGINE,
 ]
 ANTIPODAL_RATES = pa.schema([ID, LABEL, *_HELD])
@@ -117,43 +106,34 @@ NAIVE_GRASPS = pa.schema(
     [
         ID,
         LABEL,
-        column("place", STRING, "where the object is: free (in free space) or table"),
-        column("number", INT, "number of the grasp on its object, counted for each place"),
-        column(
+        text("place", "where the object is: free (in free space) or table"),
+        integer("number", "number of the grasp on its object, counted for each place"),
+        text(
             "outcome",
-            STRING,
             f"{listed(EXECUTION)}; no_grasp: no part of the surface faces up; or "
             f"{listed(SIMULATION_FAILURES)}",
         ),
-        column("engine", STRING, "physics engine"),
+        text("engine", "physics engine"),
     ]
 )
 
 _RATES = [
-    column("n_free", INT, "number of naive grasps in free space with an outcome"),
-    column(
+    integer("n_free", "number of naive grasps in free space with an outcome"),
+    real(
         "simulated_success_rate",
-        FLOAT,
         "fraction of naive grasps in free space that succeeded in simulation; high for easy "
         "objects",
     ),
-    column(
+    real(
         "simulated_success_rate_std",
-        FLOAT,
         "standard error of this rate; 0 if all grasps succeeded, or none",
     ),
-    column("n_table", INT, "number of naive grasps on a table with an outcome"),
-    column(
-        "table_success_rate",
-        FLOAT,
-        "fraction of naive grasps on a table that succeeded in simulation",
+    integer("n_table", "number of naive grasps on a table with an outcome"),
+    real("table_success_rate", "fraction of naive grasps on a table that succeeded in simulation"),
+    real(
+        "table_success_rate_std", "standard error of this rate; 0 if all grasps succeeded, or none"
     ),
-    column(
-        "table_success_rate_std",
-        FLOAT,
-        "standard error of this rate; 0 if all grasps succeeded, or none",
-    ),
-    column("naive_engine", STRING, "physics engine of the naive grasps"),
+    text("naive_engine", "physics engine of the naive grasps"),
 ]
 NAIVE_RATES = pa.schema([ID, LABEL, *_RATES])
 """How often naive grasps of an object succeed."""
@@ -165,10 +145,10 @@ SAMPLING = pa.schema(
     [
         ID,
         LABEL,
-        column("n_wanted", INT, "number of grasps requested"),
-        column("n_candidates", INT, "number of candidates sampled"),
+        integer("n_wanted", "number of grasps requested"),
+        integer("n_candidates", "number of candidates sampled"),
         *(
-            column(name, INT, f"number of candidates rejected: {why}")
+            integer(name, f"number of candidates rejected: {why}")
             for name, why in (
                 ("n_too_wide", "no opposite surface within the opening"),
                 ("n_not_antipodal", "second contact faces away from the axis"),
@@ -176,52 +156,46 @@ SAMPLING = pa.schema(
                 ("n_too_close", "too similar to a grasp found before"),
             )
         ),
-        column("n_surplus", INT, "number of candidates not needed: enough grasps had been found"),
-        column("n_grasps", INT, "number of candidates kept: the rows in the table of grasps"),
-        column(
-            "n_slipping", INT, "number of grasps with quality 0: the axis leaves a friction cone"
-        ),
-        column("n_in_collision", INT, "number of grasps in collision at every approach angle"),
-        column(
-            "n_unreachable", INT, "number of grasps that fit but have no collision-free approach"
-        ),
+        integer("n_surplus", "number of candidates not needed: enough grasps had been found"),
+        integer("n_grasps", "number of candidates kept: the rows in the table of grasps"),
+        integer("n_slipping", "number of grasps with quality 0: the axis leaves a friction cone"),
+        integer("n_in_collision", "number of grasps in collision at every approach angle"),
+        integer("n_unreachable", "number of grasps that fit but have no collision-free approach"),
     ]
 )
 
 SCALES = pa.schema(
     [
         LABEL,
-        column("rule", STRING, "scale rule"),
-        column("opening", FLOAT, "opening of the gripper", "m"),
-        column("factor", FLOAT, "size after scaling / size before"),
+        text("rule", "scale rule"),
+        real("opening", "opening of the gripper", "m"),
+        real("factor", "size after scaling / size before"),
         *vector("before", "sides of the minimum-volume box before scaling, ascending", "m", "123"),
         *vector("after", "sides of the minimum-volume box after scaling, ascending", "m", "123"),
-        column(
+        real(
             "graspable_fraction_before",
-            FLOAT,
             "graspable fraction before scaling: fraction of the surface with opposite surface "
             "along the normal within the opening",
         ),
-        column("graspable_fraction_after", FLOAT, "graspable fraction after scaling"),
-        column("file", STRING, "file of the scaled mesh"),
+        real("graspable_fraction_after", "graspable fraction after scaling"),
+        text("file", "file of the scaled mesh"),
     ]
 )
 
 SIZE_EFFECT = pa.schema(
     [
-        column("name", STRING, "name in the evaluation set, or name of the mesh file"),
-        column("fraction", FLOAT, "smallest side of the minimum-volume box / opening"),
-        column("repeat", INT, "number of the repetition; each has different random numbers"),
-        column("candidates", INT, "number of candidates sampled"),
-        column(
+        text("name", "name in the evaluation set, or name of the mesh file"),
+        real("fraction", "smallest side of the minimum-volume box / opening"),
+        integer("repeat", "number of the repetition; each has different random numbers"),
+        integer("candidates", "number of candidates sampled"),
+        integer(
             "possible",
-            INT,
             "number of candidates that the open fingers reach and hold, including similar ones; "
             "for another sampler, number of grasps that it gives",
         ),
-        column("grasps", INT, "number of grasps that the percentiles were computed from"),
-        column("percentile", FLOAT, "percentile of the quality", "%"),
-        column("quality", FLOAT, "quality at this percentile; null without grasps"),
+        integer("grasps", "number of grasps that the percentiles were computed from"),
+        real("percentile", "percentile of the quality", "%"),
+        real("quality", "quality at this percentile; null without grasps"),
     ]
 )
 

@@ -2,48 +2,61 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import BINARY, FLOAT, INT, STRING, Result, column, pose
+from egad.tables.columns import (
+    FLOAT,
+    INT,
+    STRING,
+    Result,
+    binary,
+    column,
+    integer,
+    pose,
+    real,
+    text,
+)
 
 SINGLE = pa.float32()
 FACTORS = column(
-    "factors", pa.list_(FLOAT), "for each object: size / size of the mesh scaled to the gripper"
+    "factors",
+    "for each object: size / size of the mesh scaled to the gripper",
+    kind=pa.list_(FLOAT),
 )
 LENS = [
-    column("focal", FLOAT, "focal length", "px"),
-    column("center_u", FLOAT, "column of the optical axis", "px"),
-    column("center_v", FLOAT, "row of the optical axis", "px"),
+    real("focal", "focal length", "px"),
+    real("center_u", "column of the optical axis", "px"),
+    real("center_v", "row of the optical axis", "px"),
 ]
 
 
 def _listed(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
-    return column(name, pa.list_(kind), f"for each grasp: {meaning}", unit)
+    return column(name, f"for each grasp: {meaning}", unit, kind=pa.list_(kind))
 
 
 IMAGES = pa.schema(
     [
-        column("image", INT, "number of the image; images of an object are consecutive"),
-        column("scene", STRING, "single, packed or pile: how the objects lie"),
-        column("id", STRING, "id of the object; for several objects, a name of the scene"),
-        column("label", STRING, "label of the object; for several objects, a name of the scene"),
-        column("split", STRING, "train, validation or test; the same for all images of an object"),
-        column("draws", INT, "how many times poses and sizes were drawn for the image"),
-        column("objects", pa.list_(STRING), "ids of the objects"),
+        integer("image", "number of the image; images of an object are consecutive"),
+        text("scene", "single, packed or pile: how the objects lie"),
+        text("id", "id of the object; for several objects, a name of the scene"),
+        text("label", "label of the object; for several objects, a name of the scene"),
+        text("split", "train, validation or test; the same for all images of an object"),
+        integer("draws", "how many times poses and sizes were drawn for the image"),
+        column("objects", "ids of the objects", kind=pa.list_(STRING)),
         FACTORS,
         column(
             "poses",
-            pa.list_(INT),
             "for each object: number of the stable pose, 0 = most probable; -1 = packed or dropped",
+            kind=pa.list_(INT),
         ),
         column(
             "placements",
-            pa.list_(FLOAT),
             "for each object, 7 numbers: position (m) and quaternion (x, y, z, w) of the frame of "
             "the mesh in the world frame",
+            kind=pa.list_(FLOAT),
         ),
-        column("depth", BINARY, "16-bit PNG: depth along the optical axis; 0 = no value", "0.1 mm"),
-        column("mask", BINARY, "8-bit PNG: k = the k-th object, 0 = everything else"),
-        column("height", INT, "height of the image", "px"),
-        column("width", INT, "width of the image", "px"),
+        binary("depth", "16-bit PNG: depth along the optical axis; 0 = no value", "0.1 mm"),
+        binary("mask", "8-bit PNG: k = the k-th object, 0 = everything else"),
+        integer("height", "height of the image", "px"),
+        integer("width", "width of the image", "px"),
         *LENS,
         *pose("camera", "pose of the camera (x right, y down, z forward) in the world frame"),
         _listed("object", INT, "number of the object in the image, from 0"),

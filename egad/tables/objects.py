@@ -3,8 +3,6 @@
 import pyarrow as pa
 
 from egad.tables.columns import (
-    BINARY,
-    BOOL,
     CELL_CONFIDENCE,
     CELLS,
     COMPLEXITY,
@@ -13,32 +11,36 @@ from egad.tables.columns import (
     GRASPABILITY,
     GRASPABILITY_STD,
     ID,
+    INERTIA_COLUMNS,
     INT,
     LABEL,
     RAW_COMPLEXITY,
     STRING,
     Result,
+    binary,
+    boolean,
     column,
+    integer,
+    real,
+    text,
     vector,
 )
 
-_SHELL = column(
+_SHELL = real(
     "shell_thickness",
-    FLOAT,
     "wall thickness that an open surface was given; 0 if the surface was closed",
     "m",
 )
 _DROPPED = [
-    column("dropped_bodies", INT, "number of bodies, closed or open, that repair left out"),
-    column(
+    integer("dropped_bodies", "number of bodies, closed or open, that repair left out"),
+    real(
         "dropped_volume",
-        FLOAT,
         "volume of the bodies left out / volume of all bodies, with holes closed; 0 if those left "
         "out have no volume",
     ),
 ]
-_GRAPH = column("graph", BINARY, "packed Reeb graph of the object")
-_GRASPS = column("grasps", INT, "number of grasps that the graspability was computed from")
+_GRAPH = binary("graph", "packed Reeb graph of the object")
+_GRASPS = integer("grasps", "number of grasps that the graspability was computed from")
 SOLIDS = pa.schema(
     [
         ID,
@@ -48,26 +50,19 @@ SOLIDS = pa.schema(
         GRASPABILITY_STD,
         CELL_CONFIDENCE,
         _GRASPS,
-        column(
-            "archive_graspability", FLOAT, "graspability measured during evolution, for selection"
-        ),
-        column("volume", FLOAT, "volume of the solid", "m3"),
-        column("area", FLOAT, "surface area", "m2"),
-        column("watertight", BOOL, "whether every edge has exactly two faces"),
-        column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
+        real("archive_graspability", "graspability measured during evolution, for selection"),
+        real("volume", "volume of the solid", "m3"),
+        real("area", "surface area", "m2"),
+        boolean("watertight", "whether every edge has exactly two faces"),
+        boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
         _SHELL,
         *_DROPPED,
         *vector("extents", "sides of the axis-aligned box", "m"),
         *vector("com", "center of mass", "m"),
-        column("mass", FLOAT, "mass at the configured density", "kg"),
-        *vector(
-            "inertia",
-            "moment of inertia about the center of mass",
-            "kg m2",
-            ("xx", "yy", "zz", "xy", "xz", "yz"),
-        ),
-        column("vertices", pa.list_(FLOAT), "vertex coordinates, flat", "m"),
-        column("faces", pa.list_(INT), "vertex indices of the triangles, flat"),
+        real("mass", "mass at the configured density", "kg"),
+        *INERTIA_COLUMNS,
+        column("vertices", "vertex coordinates, flat", "m", kind=pa.list_(FLOAT)),
+        column("faces", "vertex indices of the triangles, flat", kind=pa.list_(INT)),
         _GRAPH,
     ]
 )
@@ -88,16 +83,16 @@ GRASPABILITIES = pa.schema([LABEL, GRASPABILITY, GRASPABILITY_STD, _GRASPS])
 
 REJECTED = pa.schema(
     [
-        column("id", STRING, "object or file that was rejected"),
-        column("stage", STRING, "stage that rejected it"),
-        column("reason", STRING, "why it was rejected"),
+        text("id", "object or file that was rejected"),
+        text("stage", "stage that rejected it"),
+        text("reason", "why it was rejected"),
     ]
 )
 
-_REASON = column("reason", STRING, "why it could not be measured; empty if it was")
+_REASON = text("reason", "why it could not be measured; empty if it was")
 MEASURED = pa.schema(
     [
-        column("name", STRING, "name of the mesh file"),
+        text("name", "name of the mesh file"),
         COMPLEXITY,
         RAW_COMPLEXITY,
         GRASPABILITY,
@@ -105,12 +100,12 @@ MEASURED = pa.schema(
         *CELLS,
         CELL_CONFIDENCE,
         _GRASPS,
-        column("longest_side", FLOAT, "longest side of the axis-aligned box", "m"),
-        column("rule", STRING, "scale rule; the cells of the map use `exact`"),
-        column("opening", FLOAT, "widest opening of the gripper", "m"),
-        column("factor", FLOAT, "size at which grasps were sampled / size of the mesh"),
+        real("longest_side", "longest side of the axis-aligned box", "m"),
+        text("rule", "scale rule; the cells of the map use `exact`"),
+        real("opening", "widest opening of the gripper", "m"),
+        real("factor", "size at which grasps were sampled / size of the mesh"),
         *vector("grasped", "side of the box at that size, ascending", "m", "123"),
-        column("repaired", BOOL, "whether repair changed the mesh beyond merging vertices"),
+        boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
         _SHELL,
         *_DROPPED,
         _REASON,
@@ -119,17 +114,17 @@ MEASURED = pa.schema(
 
 LOCATED = pa.schema(
     [
-        column("name", STRING, "name of the mesh file"),
+        text("name", "name of the mesh file"),
         COMPLEXITY,
         GRASPABILITY,
         GRASPABILITY_STD,
         *CELLS,
         CELL_CONFIDENCE,
-        column("complexity_percentile", FLOAT, "percentage of the objects that are simpler", "%"),
-        column("difficulty_percentile", FLOAT, "percentage of the objects that are easier", "%"),
-        column("diversity", FLOAT, "mean distance to the nearest objects"),
-        column("nearest", pa.list_(STRING), "nearest objects, nearest first"),
-        column("distances", pa.list_(FLOAT), "distances to the nearest objects"),
+        real("complexity_percentile", "percentage of the objects that are simpler", "%"),
+        real("difficulty_percentile", "percentage of the objects that are easier", "%"),
+        real("diversity", "mean distance to the nearest objects"),
+        column("nearest", "nearest objects, nearest first", kind=pa.list_(STRING)),
+        column("distances", "distances to the nearest objects", kind=pa.list_(FLOAT)),
         _SHELL,
         *_DROPPED,
         _REASON,
@@ -138,23 +133,18 @@ LOCATED = pa.schema(
 
 COMPARISON = pa.schema(
     [
-        column("dataset", STRING, "name of the dataset"),
-        column("objects", INT, "number of objects"),
-        column(
-            "coverage",
-            FLOAT,
-            "archive coverage: fraction of the slots of all cells that are filled",
-        ),
-        column(
+        text("dataset", "name of the dataset"),
+        integer("objects", "number of objects"),
+        real("coverage", "archive coverage: fraction of the slots of all cells that are filled"),
+        real(
             "attainable_coverage",
-            FLOAT,
             "fraction of the slots that are filled, without the easiest rows, where no object is "
             "expected (studies/search/README.md)",
         ),
-        column("filled_cells", FLOAT, "fraction of the cells that hold at least one object"),
-        column("diversity_min", FLOAT, "diversity of the least diverse object"),
-        column("diversity_max", FLOAT, "diversity of the most diverse object"),
-        column("diversity_mean", FLOAT, "mean diversity"),
+        real("filled_cells", "fraction of the cells that hold at least one object"),
+        real("diversity_min", "diversity of the least diverse object"),
+        real("diversity_max", "diversity of the most diverse object"),
+        real("diversity_mean", "mean diversity"),
     ]
 )
 

@@ -51,14 +51,12 @@ class Outcome(StrEnum):
     OTHER = "other", "any other failure: say which in a note", "#7d8591"
 
 
-EXECUTION = (
-    Outcome.SUCCESS,
-    Outcome.COLLIDED,
-    Outcome.MISSED,
-    Outcome.SLIPPED_CLOSING,
-    Outcome.SLIPPED_LIFTING,
-    Outcome.DROPPED,
-)
+def _group(*names: str) -> tuple[Outcome, ...]:
+    """Some outcomes, by their values."""
+    return tuple(map(Outcome, names))
+
+
+EXECUTION = _group("success", "collided", "missed", "slipped_closing", "slipped_lifting", "dropped")
 """A grasp was carried out."""
 
 SUCTION_FAILURES = (Outcome.NO_SEAL,)
@@ -73,14 +71,7 @@ SHAKEN = (*EXECUTION[:4], Outcome.SLIPPED_SHAKING, *EXECUTION[4:])
 SIMULATION_FAILURES = (Outcome.FAILED, Outcome.CRASHED)
 """The physics engine could not tell."""
 
-DETECTOR_FAILURES = (
-    Outcome.NO_GRASP,
-    Outcome.NOT_FINITE,
-    Outcome.TOO_WIDE,
-    Outcome.BELOW_TABLE,
-    Outcome.ERROR,
-    Outcome.TIMEOUT,
-)
+DETECTOR_FAILURES = _group("no_grasp", "not_finite", "too_wide", "below_table", "error", "timeout")
 """The detector gave nothing that can be tried."""
 
 POSE_FAILURES = (Outcome.NOT_RIGID, *DETECTOR_FAILURES)
@@ -93,21 +84,13 @@ OBSERVABLE = (
     *EXECUTION,
     *SUCTION_FAILURES,
     *NOTED_BY_HAND,
-    Outcome.NO_GRASP,
-    Outcome.ERROR,
-    Outcome.TIMEOUT,
+    *_group("no_grasp", "error", "timeout"),
 )
 """The outcomes that a person beside a robot can tell apart."""
 
 CHARTED = (
-    Outcome.SUCCESS,
-    Outcome.SLIPPED_CLOSING,
-    Outcome.SLIPPED_LIFTING,
-    Outcome.SLIPPED,
-    Outcome.DROPPED,
-    Outcome.MISSED,
-    Outcome.NO_SEAL,
-    Outcome.COLLIDED,
+    *_group("success", "slipped_closing", "slipped_lifting", "slipped", "dropped", "missed"),
+    *_group("no_seal", "collided"),
     *DETECTOR_FAILURES,
     *SIMULATION_FAILURES,
     Outcome.OTHER,

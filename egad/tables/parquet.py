@@ -46,10 +46,9 @@ def write(
     notes: Mapping[str, Any] | None = None,
     group: int | None = None,
 ) -> None:
-    """Write a table atomically: exactly the columns of its schema, in that order.
+    """Write the columns of a schema as a table, atomically, sealed, with its origin and notes.
 
-    The file also records its origin (`egad.tables.origin`) and notes, and is sealed. A group of
-    rows can be read without the others (`RowGroups`): a million rows if None.
+    A `group` of rows can be read without the others (`RowGroups`): a million rows if None.
     """
     columns = frame[schema.names] if len(frame) else empty(schema)
     table = pa.Table.from_pandas(columns, schema=schema, preserve_index=False)
@@ -118,10 +117,7 @@ def _kept(path: Path, key: str) -> dict[str, Any]:
 
 
 def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
-    """Read a table, or `TableError`: exactly the columns and types of its schema.
-
-    Other columns are not read, and values converted. Optional columns are NaN if all are missing.
-    """
+    """The columns of a schema, or `TableError`; NaN if its optional ones are all missing."""
     try:
         source = Source(path)
         missing = _missing(path, schema)

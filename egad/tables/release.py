@@ -2,35 +2,32 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import BOOL, FLOAT, INT, STRING, Result, column, vector
+from egad.tables.columns import Result, boolean, integer, real, text, vector
 from egad.tables.evaluation import EVAL49
 from egad.tables.grasping import ANTIPODAL_RATES, SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS
 
 MAX_FILES = 10_000  # in a folder of a repository of Hugging Face
 
-SPLIT = column("split", STRING, "train, validation or test; the same for all rows of an object")
-MESH = column("mesh", STRING, "file of the mesh in the release, not scaled")
-PREVIEW = column("preview", STRING, "file of a picture of the object in the release")
+SPLIT = text("split", "train, validation or test; the same for all rows of an object")
+MESH = text("mesh", "file of the mesh in the release, not scaled")
+PREVIEW = text("preview", "file of a picture of the object in the release")
 
 RELEASED_OBJECTS = pa.schema(
     [
         *OBJECTS,
         SPLIT,
-        column(
+        text(
             "family",
-            STRING,
             "objects of a family have the same founder along the line of first parents; an object "
             "with unknown ancestors is a family of its own",
         ),
-        column("in_evaluation_set", BOOL, "whether the object is in the evaluation set"),
-        column("gripper", STRING, "gripper that the object is scaled to"),
-        column("opening", FLOAT, "opening of the gripper", "m"),
-        column(
-            "scale_factor", FLOAT, "size of the scaled object / size of the mesh in the release"
-        ),
+        boolean("in_evaluation_set", "whether the object is in the evaluation set"),
+        text("gripper", "gripper that the object is scaled to"),
+        real("opening", "opening of the gripper", "m"),
+        real("scale_factor", "size of the scaled object / size of the mesh in the release"),
         *[field for field in ANTIPODAL_RATES if field.name not in ("id", "label")],
-        column("n_grasps", INT, "number of grasps of the object in the release"),
+        integer("n_grasps", "number of grasps of the object in the release"),
         MESH,
         PREVIEW,
     ]

@@ -2,75 +2,84 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import BINARY, BOOL, FLOAT, INT, POSE_PARTS, STRING, Result, column
+from egad.tables.columns import (
+    BINARY,
+    BOOL,
+    FLOAT,
+    POSE_PARTS,
+    STRING,
+    Result,
+    boolean,
+    column,
+    integer,
+    real,
+    text,
+)
 from egad.tables.images import FACTORS, LENS
 
 SCENES = pa.schema(
     [
-        column("scene", INT, "number of the scene"),
-        column("kind", STRING, "packed or pile: how the objects lie"),
-        column("split", STRING, "train, validation or test; the same for all objects of the scene"),
-        column("objects", pa.list_(STRING), "ids of the objects that lie in the workspace"),
+        integer("scene", "number of the scene"),
+        text("kind", "packed or pile: how the objects lie"),
+        text("split", "train, validation or test; the same for all objects of the scene"),
+        column("objects", "ids of the objects that lie in the workspace", kind=pa.list_(STRING)),
         FACTORS,
         column(
             "placements",
-            pa.list_(FLOAT),
             "for each object, 7 numbers: position (m) and quaternion (x, y, z, w) of the frame of "
             "the mesh in the world frame; the table is z = 0",
+            kind=pa.list_(FLOAT),
         ),
-        column("noise", STRING, "noise in the depth images, as in `clutter.noise`"),
-        column("height", INT, "height of the images", "px"),
-        column("width", INT, "width of the images", "px"),
+        text("noise", "noise in the depth images, as in `clutter.noise`"),
+        integer("height", "height of the images", "px"),
+        integer("width", "width of the images", "px"),
         *LENS,
         column(
             "cameras",
-            pa.list_(FLOAT),
             "for each view, 7 numbers: position (m) and quaternion (x, y, z, w) of the camera (x "
             "right, y down, z forward) in the world frame",
+            kind=pa.list_(FLOAT),
         ),
         column(
             "depth",
-            pa.list_(BINARY),
             "for each view, a 16-bit PNG: depth along the optical axis; 0 = no value",
             "0.1 mm",
+            kind=pa.list_(BINARY),
         ),
         column(
             "mask",
-            pa.list_(BINARY),
             "for each view, an 8-bit PNG: k = the k-th object, 0 = everything else",
+            kind=pa.list_(BINARY),
         ),
     ]
 )
 
 HAND = [
-    *(column(name, FLOAT, f"origin of the hand, {name}", "m") for name in POSE_PARTS[:3]),
-    *(column(name, FLOAT, f"rotation of the hand, quaternion, {name}") for name in POSE_PARTS[3:]),
+    *(real(name, f"origin of the hand, {name}", "m") for name in POSE_PARTS[:3]),
+    *(real(name, f"rotation of the hand, quaternion, {name}") for name in POSE_PARTS[3:]),
 ]
 SCENE_GRASPS = pa.schema(
     [
-        column("scene", INT, "number of the scene"),
-        column(
-            "object",
-            INT,
-            "number of the object in the scene whose surface the grasp was sampled from",
+        integer("scene", "number of the scene"),
+        integer(
+            "object", "number of the object in the scene whose surface the grasp was sampled from"
         ),
-        column("id", STRING, "id of that object"),
+        text("id", "id of that object"),
         *HAND,
-        column(
+        real(
             "width",
-            FLOAT,
             "distance between the finger pads after the lift; no value if the grasp failed",
             "m",
         ),
-        column("success", BOOL, "whether the hand lifted an object at one of the yaws tried"),
+        boolean("success", "whether the hand lifted an object at one of the yaws tried"),
         column(
             "yaws",
-            pa.list_(BOOL),
             "whether the hand lifted an object at each of the n yaws tried: the k-th, from 0, is "
             "this pose rotated by k / n of half a turn about the approach; half a turn gives the "
             "same grasp",
+            kind=pa.list_(BOOL),
         ),
-        column("outcome", STRING, "outcome of the attempt at this pose"),
+        text("outcome", "outcome of the attempt at this pose"),
     ]
 )
 

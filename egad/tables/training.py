@@ -2,21 +2,20 @@
 
 import pyarrow as pa
 
-from egad.tables.columns import FLOAT, INT, column
+from egad.tables.columns import integer, real
 
 HISTORY = pa.schema(
     [
-        column("epoch", INT, "number of the epoch, from 0"),
-        column("images", INT, "number of training examples so far"),
-        column("loss", FLOAT, "mean over the epoch of the summed squared errors of the maps"),
-        column("quality_loss", FLOAT, "share of the quality map in the loss"),
-        column("cosine_loss", FLOAT, "share of the cos 2a map in the loss"),
-        column("sine_loss", FLOAT, "share of the sin 2a map in the loss"),
-        column("width_loss", FLOAT, "share of the width map in the loss"),
-        column("validation_loss", FLOAT, "loss on the validation set after the epoch"),
-        column(
+        integer("epoch", "number of the epoch, from 0"),
+        integer("images", "number of training examples so far"),
+        real("loss", "mean over the epoch of the summed squared errors of the maps"),
+        real("quality_loss", "share of the quality map in the loss"),
+        real("cosine_loss", "share of the cos 2a map in the loss"),
+        real("sine_loss", "share of the sin 2a map in the loss"),
+        real("width_loss", "share of the width map in the loss"),
+        real("validation_loss", "loss on the validation set after the epoch"),
+        real(
             "validation_score",
-            FLOAT,
             "fraction of the validation images whose best grasp agrees with a positive one",
         ),
     ]
@@ -24,31 +23,26 @@ HISTORY = pa.schema(
 
 SCORE = pa.schema(
     [
-        column(
-            "n_correct", INT, "number of test images whose best grasp agrees with a positive one"
-        ),
-        column("n_images", INT, "number of test images with a positive grasp"),
-        column("objects", INT, "number of objects in these images"),
-        column(
-            "ci_low", FLOAT, "lower end of the 95 % confidence interval of the fraction that agrees"
-        ),
-        column("ci_high", FLOAT, "upper end of this interval"),
-        column("loss", FLOAT, "mean loss over all test images"),
+        integer("n_correct", "number of test images whose best grasp agrees with a positive one"),
+        integer("n_images", "number of test images with a positive grasp"),
+        integer("objects", "number of objects in these images"),
+        real("ci_low", "lower end of the 95 % confidence interval of the fraction that agrees"),
+        real("ci_high", "upper end of this interval"),
+        real("loss", "mean loss over all test images"),
     ]
 )
 
 SCENE_HISTORY = pa.schema(
     [
-        column("epoch", INT, "number of the epoch, from 0"),
-        column("scenes", INT, "number of training examples so far"),
-        column("loss", FLOAT, "mean loss over the epoch"),
-        column("quality_loss", FLOAT, "share of the quality: weighted binary cross-entropy"),
-        column("rotation_loss", FLOAT, "share of the rotation at positive grasps"),
-        column("width_loss", FLOAT, "share of the width at positive grasps"),
-        column("validation_loss", FLOAT, "loss on the validation set after the epoch"),
-        column(
+        integer("epoch", "number of the epoch, from 0"),
+        integer("scenes", "number of training examples so far"),
+        real("loss", "mean loss over the epoch"),
+        real("quality_loss", "share of the quality: weighted binary cross-entropy"),
+        real("rotation_loss", "share of the rotation at positive grasps"),
+        real("width_loss", "share of the width at positive grasps"),
+        real("validation_loss", "loss on the validation set after the epoch"),
+        real(
             "validation_average_precision",
-            FLOAT,
             "average precision of the quality at the labelled grasps of the validation set",
         ),
     ]
@@ -58,17 +52,17 @@ SCENE_HISTORY = pa.schema(
 def _estimate(name: str, meaning: str, unit: str = "") -> list[pa.Field]:
     """A column, and two for its interval."""
     return [
-        column(name, FLOAT, meaning, unit),
-        column(f"{name}_ci_low", FLOAT, "lower end of its 95 % confidence interval", unit),
-        column(f"{name}_ci_high", FLOAT, "upper end of this interval", unit),
+        real(name, meaning, unit),
+        real(f"{name}_ci_low", "lower end of its 95 % confidence interval", unit),
+        real(f"{name}_ci_high", "upper end of this interval", unit),
     ]
 
 
 SCENE_SCORE = pa.schema(
     [
-        column("n_scenes", INT, "number of test scenes"),
-        column("n_grasps", INT, "number of labelled grasps in these scenes"),
-        column("n_positive", INT, "number of these grasps that succeeded"),
+        integer("n_scenes", "number of test scenes"),
+        integer("n_grasps", "number of labelled grasps in these scenes"),
+        integer("n_positive", "number of these grasps that succeeded"),
         *_estimate("average_precision", "average precision of the quality at the labelled grasps"),
         *_estimate(
             "balanced_accuracy",
@@ -79,6 +73,6 @@ SCENE_SCORE = pa.schema(
             "angle_error", "mean error of the rotation at positive grasps, up to symmetry", "degree"
         ),
         *_estimate("width_error", "mean error of the width at positive grasps", "m"),
-        column("loss", FLOAT, "mean loss over all grasps"),
+        real("loss", "mean loss over all grasps"),
     ]
 )

@@ -10,11 +10,10 @@ import trimesh
 
 import egad
 from egad.errors import EgadError, RejectedError, UserError
-from egad.geometry import repair_and_weigh
 from egad.geometry.checks import UnitsWarning, check_mesh, check_solid, check_units
 from egad.geometry.convex_parts import decompose
 from egad.geometry.mass import mass_properties
-from egad.geometry.repair import repair
+from egad.geometry.repair import repair, repair_for_files
 from egad.geometry.scaling import box_sides, rescale
 from egad.geometry.stable_poses import resting_poses
 from egad.grasps.labels import label_grasps
@@ -51,7 +50,7 @@ def with_corner(index):
 FUNCTIONS = {
     "repair": repair,
     "thicken": lambda mesh: repair(mesh, "thicken"),
-    "body": lambda mesh: repair_and_weigh(mesh, 400.0),
+    "body": repair_for_files,
     "mass_properties": lambda mesh: mass_properties(mesh, 400.0),
     "box_sides": box_sides,
     "rescale": lambda mesh: rescale(mesh, "paper", 0.075, 0.8),

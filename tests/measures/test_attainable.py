@@ -11,7 +11,6 @@ from egad.measures import (
     Attainable,
     MeasureParameters,
     MeasureSpace,
-    attainable_coverage,
     attainable_graspability,
     coverage,
     default_measures,
@@ -111,6 +110,6 @@ def test_coverage_of_attainable_rows_leaves_out_the_others_and_what_lies_there()
     space = MeasureSpace(cells=5, elites_per_cell=2)
     cells = [(0, 0), (0, 1), (0, 1), (0, 1), (3, 4)]  # of column and row
     table = pd.DataFrame(cells, columns=["complexity_cell", "difficulty_cell"])
-    assert attainable_coverage(table, space, 0) == coverage(table, space)
-    assert attainable_coverage(table, space, 1) == 3 / 40
-    assert attainable_coverage(table, space, 2) == 1 / 30
+    assert coverage(table, space, 0) == coverage(table, space)
+    assert coverage(table, space, 1) == 3 / 40
+    assert coverage(table, space, 2) == 1 / 30

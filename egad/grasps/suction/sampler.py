@@ -117,12 +117,9 @@ def suction_poses(grasps: pd.DataFrame) -> Floats:
 def collision_free(
     caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats, depths: Floats
 ) -> Flags:
-    """Whether each of n cups moves in along its approach and stays there without a collision.
+    """Whether each of n cups (`seal_cups`) moves in and stays without a collision above its ring.
 
-    No part of the object may lie where stem and cup are or were, from the top of the cup on.
-    Whatever lies below is tested with its seal. The test is exact. Origins and frames are those of
-    `seal_cups`. Mean depths of the rings (n,), metres, above the height of the cup count as 0: the
-    ring misses the object, or meets it elsewhere.
+    Mean depths of the rings (n,), metres, beyond the height of the cup count as 0.
     """
     behind = -np.where(np.abs(depths) <= cup.height, depths, 0.0)
     touching = touching_turns(caster, cup_parts(cup, cup.approach), origins, frames, behind=behind)

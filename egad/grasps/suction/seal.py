@@ -31,17 +31,11 @@ class SealFailure(StrEnum):
 
 
 class Seals(NamedTuple):
-    """How n cups meet an object.
+    """How n cups meet an object."""
 
-    Attributes:
-        failures: (n,) why each cup does not seal, a text of `SealFailure`; empty if it seals.
-        strains: (n,) largest relative change of length of a spring; infinite if the ring misses.
-        depths: (n,) mean depth of the ring, metres; infinite if it misses.
-    """
-
-    failures: NDArray[np.str_]
-    strains: Floats
-    depths: Floats
+    failures: NDArray[np.str_]  # (n,) texts of `SealFailure`; empty if the cup seals
+    strains: Floats  # (n,) largest relative change of length of a spring; infinite if it misses
+    depths: Floats  # (n,) mean depth of the ring, metres; infinite if it misses
 
     @property
     def sealed(self) -> Flags:
@@ -60,16 +54,9 @@ class Springs(NamedTuple):
 def seal_cups(caster: RayCaster, cup: SuctionCup, origins: Floats, frames: Floats) -> Seals:
     """Move cups onto an object and check whether they seal.
 
-    Each vertex of the ring moves along z until it meets the object. A cup seals if every spring
-    changes its length by less than `max_strain`, if the surface has no hole inside the ring, and if
-    it stays below the wall of the cup. Hole and wall are tested at 50 points. There is a hole where
-    a ray along z meets nothing, or meets the object deeper below the ring than the cup is high.
-
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        cup: The cup.
-        origins: (n, 3) origins of the frames of the cups, metres.
-        frames: (n, 3, 3) their unit vectors x, y, z in rows.
+    Ring vertices move along z to the object. A cup seals if every spring stays below `max_strain`,
+    no ray inside the ring meets a hole (nothing, or deeper than the cup is high), and the surface
+    stays below the wall of the cup.
     """
     ring = ring_depths(caster, cup, origins, frames)
     met = np.isfinite(ring).all(axis=1)
@@ -100,10 +87,7 @@ def ring_vertices(cup: SuctionCup) -> Floats:
 
 
 def spring_lengths(cup: SuctionCup, ring: Floats) -> Springs:
-    """Lengths of the springs of cups whose vertices lie at these depths, (n, sides), metres.
-
-    The apex lies on the axis, where its mean axial distance to the ring is the height of the cup.
-    """
+    """Lengths of the springs of cups with vertices at these depths, (n, sides), metres."""
     chords = 2 * cup.radius * np.sin(np.pi * np.array([1, 2]) / cup.sides)
     heights = cup.height + ring - ring.mean(axis=1, keepdims=True)
     return Springs(
@@ -131,11 +115,9 @@ def _failures_within(
 
 @lru_cache(maxsize=8)
 def _points_within(cup: SuctionCup) -> tuple[Floats, Ints, Floats]:
-    """Points (k, 2) in the ring of a cup, a sunflower pattern, and some on the ring, metres.
+    """Sunflower points (k, 2) in the ring, metres; (k,) the first vertex of each one's sector.
 
-    Then (k,) the first vertex of the sector that each lies in, and (k, 3) shares of this vertex,
-    the next one and the apex in the point: that of the apex is negative between the ring and its
-    chord.
+    And (k, 3) shares of this vertex, the next and the apex: negative between ring and chord.
     """
     number = np.arange(1, HOLE_POINTS + 1)
     outer = round(2 * np.sqrt(HOLE_POINTS))

@@ -40,17 +40,12 @@ def limits(cup: SuctionCup) -> CupLimits:
 
 
 def resists(cup: SuctionCup, loads: Floats, friction: ArrayLike | None = None) -> Flags:
-    """Whether a cup resists each of n loads.
+    """Whether a cup resists each of n loads (n, 6), newtons and newton metres.
 
     With the force `N = V - f_z` that presses the cup on, the eleven limits are
     `sqrt(3) |f_x| <= mu N`, `sqrt(3) |f_y| <= mu N` (friction), `sqrt(3) |t_z| <= r mu N`
     (torsion), `sqrt(2) |t_x| <= pi r kappa`, `sqrt(2) |t_y| <= pi r kappa` (bending) and `N >= 0`
     (vacuum). The bending torque may lie outside its limits by `torque_tolerance`.
-
-    Args:
-        cup: The cup.
-        loads: (n, 6) force and torque, newtons and newton metres.
-        friction: mu, one for all or (n,); by default that of the cup.
     """
     pressing = cup.vacuum_force - loads[:, 2]
     mu = np.asarray(cup.friction if friction is None else friction)
@@ -80,32 +75,16 @@ RANDOM_NUMBERS = 17  # of a copy: five vectors, friction, weight
 def robust_suction_quality(
     caster: RayCaster,
     cup: SuctionCup,
-    origins: Floats,
-    frames: Floats,
-    com: Floats,
-    weights: Floats,
+    origins: Floats,  # (n, 3) of the frames of the cups, metres
+    frames: Floats,  # (n, 3, 3) their unit vectors x, y, z in rows
+    com: Floats,  # (3,) metres
+    weights: Floats,  # (n, 3) weight of the object as a vector, newtons
     *,
     robust: RobustSuction,
     seed: int,
-    indices: Ints,
+    indices: Ints,  # (n,) identify the grasps in the random streams
 ) -> Floats:
-    """The share of perturbed copies of each of n grasps that seal and resist the load, (n,).
-
-    In every copy, the object rotates about its center of mass and shifts, the cup rotates and
-    shifts, and friction, weight and center of mass differ. The copies of a grasp depend on the seed
-    and its index, in the frame of its cup, but not on the other grasps.
-
-    Args:
-        caster: Ray caster of the object, closed, metres.
-        cup: The cup.
-        origins: (n, 3) origins of the frames of the cups, metres.
-        frames: (n, 3, 3) their unit vectors x, y, z in rows.
-        com: (3,) center of mass, metres.
-        weights: (n, 3) weight of the object as a vector, newtons.
-        robust: Number of copies and their spread.
-        seed: Seed of the copies.
-        indices: (n,) identify the grasps in the random streams.
-    """
+    """The share of perturbed copies of each of n grasps that seal and resist the load, (n,)."""
     size = (robust.samples, RANDOM_NUMBERS)
     streams = [generator(seed, "robust_suction_quality", int(index)) for index in indices]
     drawn = np.concatenate([np.empty((0, size[1])), *(rng.normal(size=size) for rng in streams)])

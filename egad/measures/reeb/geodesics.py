@@ -35,9 +35,8 @@ class EdgeGraph(NamedTuple):
 def edge_graph(mesh: Triangulation, shortcuts: bool) -> EdgeGraph:
     """The graph of the edges of a mesh, ready for searches.
 
-    With shortcuts, a path may also cross two faces from corner to corner, like the short-cut of
-    Hilaga et al. (SIGGRAPH 2001). Along edges alone, a distance depends on how they run; with
-    shortcuts, it stays nearly the same when the surface is remeshed.
+    With shortcuts, a path may also cross two faces from corner to corner (Hilaga et al. 2001), so
+    that distances hardly change when the surface is remeshed.
     """
     ends, lengths = mesh.edges, _lengths(mesh)
     if shortcuts:
@@ -112,12 +111,7 @@ def _flat(
 
 @kernel()
 def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
-    """Lower the distances of all vertices that a path from the source brings nearer, in place.
-
-    Distances that are infinite everywhere become distances to the source. Distances to the nearest
-    of some vertices become distances to the nearest of these and the source; the search ends where
-    it brings nothing nearer.
-    """
+    """Lower the distances of all vertices that a path from the source brings nearer, in place."""
     starts, neighbors, lengths, scale, first, following, preceding = graph
     mask = len(first) - 1
     preceding[:] = _ABSENT
@@ -162,13 +156,7 @@ def spread(graph: EdgeGraph, source: int, distances: Floats) -> None:
 def even_integral(
     graph: EdgeGraph, vertices: Floats, faces: Ints32, areas: Floats, count: int
 ) -> Floats:
-    """The integral (n,) from farthest-point bases, each for the vertices nearest to it.
-
-    The first base is the vertex farthest from the center of the surface, so neither the order of
-    the vertices nor the position of the mesh matters; every other one is the vertex farthest from
-    those before it. There are fewer than `count` if no other vertex is left. The choice of bases is
-    ours: the paper leaves it open.
-    """
+    """The integral (n,) from farthest-point bases (ours), each for the vertices nearest to it."""
     share = _shares(faces, areas, len(vertices))
     bases, owner, order = _farthest(graph, _farthest_from_center(vertices, share), count)
     weights = np.zeros(len(bases))
@@ -229,10 +217,8 @@ def _claim(nearest: Floats, before: Floats, owner: Ints, number: int) -> int:
 def scan_integral(graph: EdgeGraph, faces: Ints32, areas: Floats, radius: float) -> Floats:
     """The integral (n,) from the bases of the program that the published values come from.
 
-    Vertices are visited in order: one that is not covered yet becomes a base and covers all
-    vertices within the radius. It represents all faces with a vertex that it is the first to cover,
-    so faces between bases count several times, and another order of the vertices gives a different
-    mu.
+    Vertices are visited in order: one not covered yet becomes a base, covers those within the
+    radius, and represents all faces with a vertex that it is the first to cover, so order matters.
     """
     count = len(graph.starts) - 1
     result, distances = np.zeros(count), np.empty(count)

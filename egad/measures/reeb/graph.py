@@ -35,11 +35,7 @@ _MAGIC, _VERSION = b"REEB", 1
 def levels(
     parts: Parts, count: int
 ) -> tuple[Ints32, Ints32, Floats, Floats, Ints32, Ints32, Ints32, Ints32, Ints32]:
-    """Build `count` levels, each with half as many ranges as the one before: fields of `ReebGraph`.
-
-    The finest, sorted by range, counts. A coarser node is a connected union of finer ones, with the
-    sums of their areas and lengths.
-    """
+    """Build `count` levels, coarser nodes being connected unions of finer ones: `ReebGraph`."""
     most = count * len(parts.ranges)
     starts = np.zeros(count + 1, np.int32)
     ranges, parents = np.empty(most, np.int32), np.full(most, -1, np.int32)
@@ -114,9 +110,8 @@ def _rows(owners: Ints32, items: Ints32, count: int) -> tuple[Ints32, Ints32]:
 class ReebGraph:
     """Reeb graphs of one shape at several resolutions, the finest first.
 
-    A node is a connected part of the surface within one range of its level; a level has twice as
-    many ranges as the next one. The nodes of a level are sorted by range. Areas and lengths sum
-    to 1 over all nodes, and to the same over each level.
+    A node is a connected part of the surface within one range of its level; nodes are sorted by
+    range. Areas and lengths sum to 1 over all nodes, and to the same over each level.
     """
 
     level_starts: Ints32  # (levels + 1,): first node of each level
@@ -131,12 +126,7 @@ class ReebGraph:
 
 
 def extract(mesh: trimesh.Trimesh, settings: Similarity) -> ReebGraph:
-    """The multiresolutional Reeb graph of a shape of one connected piece, or `RejectedError`.
-
-    Its ranges are those of the function mu, which tells how far a point is from all the others (see
-    `egad.measures.reeb.geodesics`), from its smallest value up, as a fraction of its largest. The
-    graph does not depend on the position, orientation or size of the mesh.
-    """
+    """The multiresolutional Reeb graph of mu of one connected shape, or `RejectedError`."""
     check_mesh(mesh)
     surface = refine(_checked(mesh), settings.vertices)
     areas = face_areas(surface)

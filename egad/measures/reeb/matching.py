@@ -50,11 +50,9 @@ def match(
 ) -> tuple[float, bool]:
     """Similarity of two graphs and True, or an upper bound that is below `least` and False.
 
-    It goes level by level, as long as it can still reach the minimum. The children of a level's
-    matches share at most as much on every finer level as the level itself. The last digit of the
-    upper bounds `most` of each level, the finest first, may be wrong: `least` must leave room for
-    it. Nodes begin at the finest and end at the coarsest one; where matches are equally good, the
-    result can depend on which graph is the first.
+    It goes level by level, while it can still reach `least`, which must leave room for the last
+    digit of the upper bounds `most` of each level, the finest first. Nodes begin at the finest
+    level; where matches are equally good, the result can depend on which graph is the first.
     """
     space.ints[STATE, 0] = space.ints[STATE, 1] = 0
     space.ints[STATE, 3], space.ints[STATE, 4] = -starts[0], space.ints.shape[1] // 2 - starts[1]

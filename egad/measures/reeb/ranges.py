@@ -162,11 +162,7 @@ def distinct(low: Ints32, high: Ints32, bound: int) -> Ints32:
 
 
 def outer_shell(vertices: Floats, faces: Ints32) -> Ints32:
-    """The faces of a body without the walls of its cavities, which nothing can see or touch.
-
-    A cavity is a shell within the box of the largest one that is wound the other way. Other pieces
-    are rejected.
-    """
+    """The faces of a body without the walls of its cavities; other pieces are rejected."""
     shells = _shells(faces, len(vertices))
     count = shells.max() + 1
     if count == 1:

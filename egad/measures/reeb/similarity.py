@@ -75,12 +75,7 @@ def compare(
 
 @kernel(fastmath={"reassoc"})
 def bound(profiles: Floats, one: int, other: int) -> float:
-    """An upper bound of the similarity of two graphs.
-
-    Matched nodes lie in the same range of the same level, so what they share there is at most the
-    smaller one of the totals of the two graphs. The order of the sum is left to the compiler, as
-    several terms at once are faster; the last digits do not matter here.
-    """
+    """An upper bound of the similarity of two graphs, by totals; its last digits do not matter."""
     total = 0.0
     for k in range(profiles.shape[1]):
         total += min(profiles[one, k], profiles[other, k])

@@ -103,9 +103,8 @@ def renumber(
 def sweep(rows: VertexEdges, sources: Ints) -> Floats:
     """Distances (n, LANES) of all vertices to at most LANES sources; infinite without a source.
 
-    On the way forward, only the vertices before a vertex can have changed since the way back, where
-    it came after all the others. So half of the edges are enough in each direction. The better the
-    order of the rows fits the distances, the faster.
+    Only half of the edges are needed in each direction: others cannot have changed since the way
+    back.
     """
     count = len(rows.middles)
     distances = np.full((count, LANES), np.inf)
