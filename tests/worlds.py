@@ -9,7 +9,7 @@ import pytest
 from egad.grippers import GRIPPERS, Gripper
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
-from egad.sim.gripper import Hand
+from egad.sim.jaws import Hand
 from egad.sim.model import Model
 from egad.sim.parameters import ENGINES, EngineName
 from egad.sim.world import World

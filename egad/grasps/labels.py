@@ -10,7 +10,7 @@ from egad._util.arrays import Flags, Floats
 from egad._util.parameters import from_arguments
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, check_solid
-from egad.geometry.surfaces import FRICTION
+from egad.geometry.friction import FRICTION
 from egad.grasps.antipodal import ContactPairs, SamplingStatistics, sample_contacts
 from egad.grasps.approach import best_approaches, touching_turns
 from egad.grasps.grasps import vector_columns

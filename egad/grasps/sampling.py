@@ -12,8 +12,8 @@ from egad._util.parameters import check_count
 from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError
 from egad.geometry import RayCaster, center_of_mass, check_solid, check_units
+from egad.geometry.friction import FRICTION
 from egad.geometry.mass import center_or_given
-from egad.geometry.surfaces import FRICTION
 from egad.grasps.antipodal import SamplingStatistics
 from egad.grasps.grasps import Grasps
 from egad.grasps.labels import LABELS, label_parameters, rate_grasps, sample_for_labels

@@ -9,8 +9,8 @@ from .film import ENDINGS as ENDINGS
 from .film import ROBOT_COLOR as ROBOT_COLOR
 from .film import Film as Film
 from .film import write_film as write_film
-from .gripper import Fingers as Fingers
-from .gripper import Hand as Hand
+from .jaws import Fingers as Fingers
+from .jaws import Hand as Hand
 from .labelled_trials import execute_labelled_grasps as execute_labelled_grasps
 from .labelled_trials import failed_labelled_grasps as failed_labelled_grasps
 from .labelled_trials import sample_labelled_grasps as sample_labelled_grasps

@@ -16,7 +16,7 @@ from egad.geometry import RayCaster, joined
 from egad.grasps.suction import Seals, ring_depths, seal_cups
 from egad.grippers import SuctionCup, cup_of
 from egad.grippers.kinds import CupKind, JawKind
-from egad.sim.gripper import Fingers, FreeHand, Hand
+from egad.sim.jaws import Fingers, FreeHand, Hand
 from egad.sim.world import TIME_STEP
 from egad.tables.outcomes import Outcome
 

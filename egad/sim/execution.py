@@ -16,7 +16,7 @@ from egad.detectors import SEARCH, Grasp
 from egad.grasps import FIXED_SIDE_CLEARANCE, expected_distance
 from egad.sim.arms import Arm, HandPose, UnreachableError
 from egad.sim.cup import FREE, ON_ARM
-from egad.sim.gripper import HEAVIEST, Hand
+from egad.sim.jaws import HEAVIEST, Hand
 from egad.sim.parameters import COLLISION_FORCE, Contact, Lifting
 from egad.sim.world import DOWN, TIME_STEP, WEIGHTLESS, Pose, UnstableError, World
 from egad.tables.outcomes import Outcome

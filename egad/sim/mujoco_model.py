@@ -7,8 +7,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
-from egad.geometry import surfaces
-from egad.geometry.surfaces import Surface
+from egad.geometry import friction
+from egad.geometry.friction import TABLE_ROLLING, Surface
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
 from egad.sim.robot import EFFORT, PALM, Box, HullShape, Joint, Link, Robot, wall_boxes
@@ -35,8 +35,7 @@ OBJECT, WALL = "object", "wall"  # prefixes of their numbers
 OBJECT_BIT, TABLE_BIT = 1, 2
 CONTACT_DIMENSIONS, PAD_DIMENSIONS = 6, 4  # with torsion, that of the table with rolling, too
 ON_TABLE, ON_OBJECT = (
-    [each.friction, surfaces.TABLE_ROLLING, surfaces.TABLE_ROLLING]
-    for each in (surfaces.TABLE, surfaces.OBJECT)
+    [each.friction, TABLE_ROLLING, TABLE_ROLLING] for each in (friction.TABLE, friction.OBJECT)
 )
 _CONTACT = {"condim": CONTACT_DIMENSIONS, "solref": [CONTACT_TIME, 1.0], "solimp": list(IMPEDANCE)}
 

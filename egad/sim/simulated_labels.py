@@ -17,7 +17,7 @@ from egad.grippers import Gripper, check_jaws
 from egad.sim.arms import Arm, HandPose, TurningAxis
 from egad.sim.engines import open_world
 from egad.sim.execution import lift_and_hold
-from egad.sim.gripper import Hand
+from egad.sim.jaws import Hand
 from egad.sim.labelled_trials import floating_pose
 from egad.sim.model import Model
 from egad.sim.parameters import COLLISION_FORCE, Lifting, SimulatedLabelParameters

@@ -17,7 +17,7 @@ from egad.evolution import packed_surface
 from egad.geometry.repair import repair
 from egad.geometry.scaling import rescale
 from egad.sim import execution
-from egad.sim.gripper import Hand
+from egad.sim.jaws import Hand
 from egad.sim.model import build
 from egad.sim.parameters import ENGINES
 from egad.tables import parquet

@@ -11,7 +11,7 @@ from egad.geometry import Bundle
 from egad.grippers import finger_span
 from egad.sim.engines import open_world
 from egad.sim.execution import RETREAT, STANDOFF, ContactRules, execute_pose
-from egad.sim.gripper import FreeHand
+from egad.sim.jaws import FreeHand
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.robots import free_hand

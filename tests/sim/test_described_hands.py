@@ -11,7 +11,7 @@ from egad.sim.arms import ARMS, HandPose
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.engines import open_world
 from egad.sim.execution import execute_pose
-from egad.sim.gripper import Hand
+from egad.sim.jaws import Hand
 from egad.sim.model import build
 from egad.sim.robots import free_hand, on_axis
 from egad.sim.urdf import to_urdf

@@ -13,7 +13,7 @@ from egad.grippers import JAW_CLEARANCE, Gripper, finger_span, model_of
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
 from egad.sim.execution import execute_pose, place_hand_above
-from egad.sim.gripper import Hand
+from egad.sim.jaws import Hand
 from egad.sim.model import build
 from egad.sim.robots import free_hand, on_axis
 from egad.sim.world import WEIGHTLESS, Pose

@@ -8,7 +8,7 @@ from worlds import EACH_ENGINE, HAND
 
 from egad.geometry import Bundle
 from egad.sim import simulated_labels
-from egad.sim.gripper import Hand
+from egad.sim.jaws import Hand
 from egad.sim.model import build
 from egad.sim.parameters import Lifting, SimulatedLabel, SimulatedLabelParameters
 from egad.sim.simulated_labels import simulate_labels

@@ -13,11 +13,11 @@ from worlds import EACH_ARM, EACH_ENGINE, HAND, hand_at, start
 
 from egad.errors import UserError
 from egad.geometry import Bundle
-from egad.geometry.surfaces import TABLE
+from egad.geometry.friction import TABLE
 from egad.sim import mujoco_world
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
-from egad.sim.gripper import Hand
+from egad.sim.jaws import Hand
 from egad.sim.model import Model, build
 from egad.sim.mujoco_model import scene_spec
 from egad.sim.parameters import EngineName, check_engine

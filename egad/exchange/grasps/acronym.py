@@ -16,7 +16,7 @@ from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
 from egad.geometry import SimulationObject
-from egad.geometry.surfaces import FRICTION
+from egad.geometry.friction import FRICTION
 from egad.grasps import Grasps, held_when_shaken, panda_poses, with_outcome
 from egad.grippers import finger_span
 from egad.io import SUMS, write_obj

@@ -21,7 +21,7 @@ from egad.exchange.object_files import (
     xml_document,
 )
 from egad.geometry import SimulationObject
-from egad.geometry.surfaces import MJCF_SPIN
+from egad.geometry.friction import MJCF_SPIN
 
 
 class GeomGroups(NamedTuple):

@@ -8,7 +8,7 @@ from worlds import EACH_ARM, EACH_ENGINE, HAND, hand_at, start, twist
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS, Gripper
 from egad.sim.arms import HandPose
-from egad.sim.gripper import COLLISION_FORCE, Hand
+from egad.sim.jaws import COLLISION_FORCE, Hand
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.world import Pose, UnstableError, World
