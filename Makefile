@@ -105,7 +105,7 @@ lint: tools
 	mypy
 	snakefmt --check Snakefile workflow studies/scenes studies/training
 	snakemake --lint
-	python -m egad_workflow.manual --check
+	python docs/manual/manual.py --check
 
 lock:
 	$(PYTHON) -m venv build/lock

@@ -43,7 +43,7 @@ def settings():
     ("what", "size", "limit"),
     [
         ("lines of egad/ above the line", lines_above_the_line, 21_845),  # goal: 21,000
-        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 60_092),  # goal: 60,000
+        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 60_000),
         ("entries of egad/", entries, 25),
         ("settings", settings, 335),  # goal: 300
         ("words of README.md", words_of("README.md"), 850),

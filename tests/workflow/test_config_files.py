@@ -2,13 +2,13 @@ import copy
 from pathlib import Path
 
 import jsonschema
+import manual
 import pytest
 from snakemake.utils import update_config
 
 from egad._util.parameters import allowed
 from egad.learning.scenes import TrainingScenes
 from egad_workflow import config_files as files
-from egad_workflow import manual
 from egad_workflow.check import check, node_at, schema
 from egad_workflow.config_files import merged
 from egad_workflow.settings import Settings

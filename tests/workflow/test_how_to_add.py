@@ -82,7 +82,8 @@ def dataset(copy):
 
 def run(copy, *words, module="egad.cli"):
     """What a command in the copy prints."""
-    code = f"import sys; from {module} import main; sys.exit(main())"
+    path = "import sys; sys.path.append('docs/manual')"
+    code = f"{path}; from {module} import main; sys.exit(main())"
     done = python(
         ["-c", code, *words],
         folder=copy,
@@ -116,7 +117,7 @@ def test_a_stage_runs_and_notes_what_it_was_made_from(copy, dataset):
 
 def test_the_manuals_have_the_stage_the_format_and_the_measure(copy):
     (copy / "results").mkdir(exist_ok=True)
-    run(copy, module="egad_workflow.manual")
+    run(copy, module="manual")
     manual = (copy / "results/README.md").read_text(encoding="utf-8")
     assert "| `D/weights.parquet` | what the objects weigh on the moon |" in manual
     assert "## `D/weights.parquet`\n" in manual

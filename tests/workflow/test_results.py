@@ -16,6 +16,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 import trimesh
+from results_page import results
 from rule_texts import ROOT, script_of
 
 from egad import __version__
@@ -28,7 +29,6 @@ from egad.tables.grasping import GRASPS, SAMPLING, SCALES, SIZE_EFFECT
 from egad.tables.objects import COMPARISON, OBJECTS, REJECTED, SOLIDS
 from egad_workflow.code_version import code_version
 from egad_workflow.provenance import origin_of
-from egad_workflow.results_page import results
 from egad_workflow.settings import Settings
 from egad_workflow.verify import verify
 

@@ -2,9 +2,8 @@ import re
 from pathlib import Path
 
 import pytest
+import results_page
 from rule_texts import TEXT
-
-from egad_workflow import results_page
 
 RESULTS = results_page.results()
 

@@ -1,6 +1,6 @@
 """The list of all settings in `config/README.md`, and the manual of the results.
 
-`python -m egad_workflow.manual` writes both, `--check` says whether they are up to date.
+`python docs/manual/manual.py` writes both, `--check` says whether they are up to date.
 """
 
 import json
@@ -10,10 +10,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import results_page
+
 from egad._util.files import write_text
 from egad._util.markdown import table
 from egad._util.parameters import Node, allowed, keys_of
-from egad_workflow import results_page
 from egad_workflow.check import node_at
 from egad_workflow.config_files import defaults
 
@@ -120,7 +121,7 @@ def main() -> None:
         for path, page in pages.items():
             write_text(path, page)
     elif old := [str(path) for path, page in pages.items() if path.read_text("utf-8") != page]:
-        sys.exit(f"{', '.join(old)}: out of date; run python -m egad_workflow.manual")
+        sys.exit(f"{', '.join(old)}: out of date; run python docs/manual/manual.py")
 
 
 if __name__ == "__main__":
