@@ -5,13 +5,13 @@ from .attempts import failed_attempts as failed_attempts
 from .attempts import read_attempt as read_attempt
 from .attempts import run_attempts as run_attempts
 from .attempts import run_or_replace as run_or_replace
-from .cell_errors import NAMED_ERRORS as NAMED_ERRORS
-from .cell_errors import CellErrors as CellErrors
 from .clearing_runner import POINT_SIGMA as POINT_SIGMA
 from .clearing_runner import camera_poses as camera_poses
 from .clearing_runner import intrinsics_of as intrinsics_of
 from .naive_grasps import naive_outcomes as naive_outcomes
 from .naive_grasps import try_naive_grasps as try_naive_grasps
+from .parameters import NAMED_ERRORS as NAMED_ERRORS
+from .parameters import CellErrors as CellErrors
 from .parameters import ClearedTables as ClearedTables
 from .parameters import Clutter as Clutter
 from .parameters import ClutterParameters as ClutterParameters

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 import pandas as pd
 
-from egad.bench.cell_errors import SESSION, CellErrors, Deviation, draw
-from egad.bench.parameters import TrialParameters
+from egad.bench.cell_errors import SESSION, Deviation, draw
+from egad.bench.parameters import CellErrors, TrialParameters
 from egad.bench.runner import Attempt, InitialPose
 from egad.bench.trial_runner import TrialRunner
 from egad.detectors import Detector, Grasp, Labels

@@ -14,9 +14,8 @@ from egad._util.files import as_path
 from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.bench.cell_errors import CellErrors
 from egad.bench.clearing import check_detector, clear_rounds
-from egad.bench.parameters import Clutter, ClutterParameters, hand_of
+from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
 from egad.bench.preparation import SceneObject, prepare_objects
 from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
 from egad.bench.rounds import film_round, rounds_of

@@ -1,8 +1,9 @@
 """Settings of trials with detectors, of cleared tables, and of naive grasps."""
 
-from typing import Annotated, Literal
+from functools import partial
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.parameters import (
     SCALE_RULES,
@@ -10,9 +11,11 @@ from egad._util.parameters import (
     ParameterGroup,
     Parameters,
     Pixels,
+    Range,
     Seed,
+    UserParameters,
+    by_name,
 )
-from egad.bench.cell_errors import NAMED_ERRORS, Errors
 from egad.bench.protocols import NAMED_PROTOCOLS, SCENE_KINDS, Protocol, SceneKind
 from egad.detectors import DetectorConfig, NoiseName
 from egad.errors import check_name
@@ -21,10 +24,78 @@ from egad.grasps import Quality
 from egad.grippers import Gripper, as_gripper
 from egad.sim import COLLISION_FORCE, ENGINES, EngineName, Lifting, check_engine, contacts_in_words
 
+Offset = Annotated[float, Field(ge=0, le=0.1)]
 PlanningTime = Annotated[
     float,
     Field(gt=0, description="time limit of a detector, seconds; an attempt that exceeds it fails"),
 ]
+
+
+class CellErrors(UserParameters):
+    """Errors of a real cell: none, typical (docs/trials.md), or a section of your own.
+
+    Values are standard deviations of normal distributions; factors are uniform within ranges.
+    """
+
+    calibration: Offset = Field(
+        0.0,
+        description="error of the calibrated camera position along each axis, metres; sampled once "
+        "for 20 attempts at an object, or for a round",
+    )
+    calibration_turn: float = Field(
+        0.0,
+        ge=0,
+        le=10,
+        description="error of the calibrated camera rotation about each axis through the middle of "
+        "the table, where it was calibrated, degrees; sampled together with `calibration`",
+    )
+    positioning: Offset = Field(
+        0.0, description="error of the hand's position along each axis, metres; sampled per attempt"
+    )
+    opening: Offset = Field(
+        0.0, description="error of the hand's opening before it closes, metres; sampled per attempt"
+    )
+    friction: Range = Field(
+        (1.0, 1.0),
+        description="range of the factor on the friction of the pads; sampled per attempt",
+    )
+    mass: Range = Field(
+        (1.0, 1.0), description="range of the factor on the mass of an object; sampled per attempt"
+    )
+    stopping_force: Range = Field(
+        (1.0, 1.0),
+        description="range of the factor on the force that stops the hand; sampled per attempt",
+    )
+
+    def __str__(self) -> str:
+        """The name of these errors, or their values."""
+        names = [name for name, errors in NAMED_ERRORS.items() if errors == self]
+        return names[0] if names else super().__str__()
+
+    @model_validator(mode="after")
+    def _factors_can_be_drawn(self) -> Self:
+        for name in ("friction", "mass", "stopping_force"):
+            low, high = getattr(self, name)
+            if not 0 < low <= high:
+                raise ValueError(f"{name} must go from a positive low to high, got {low} to {high}")
+        return self
+
+
+NAMED_ERRORS = {
+    "none": CellErrors(),
+    "typical": CellErrors(
+        calibration=0.0025,
+        calibration_turn=0.5,
+        positioning=0.001,
+        opening=0.0005,
+        friction=(0.75, 1.25),
+        mass=(0.9, 1.1),
+        stopping_force=(0.8, 1.2),
+    ),
+}
+
+
+Errors = Annotated[CellErrors, BeforeValidator(partial(by_name, "errors", NAMED_ERRORS))]
 
 
 class ContactRule(Parameters):

@@ -13,8 +13,7 @@ from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.attempts import failed_attempts, run_attempts
-from egad.bench.cell_errors import CellErrors
-from egad.bench.parameters import TrialParameters, TrialProtocol, hand_of
+from egad.bench.parameters import CellErrors, TrialParameters, TrialProtocol, hand_of
 from egad.bench.preparation import prepare_object
 from egad.bench.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 from egad.detectors import (
