@@ -44,7 +44,7 @@ class LimitedProcess:
     def __init__(
         self, memory: int = input_limits.MAX_MEMORY, seconds: float = input_limits.MAX_SECONDS
     ) -> None:
-        """Prepare a process with so many bytes of memory, and seconds for a call."""
+        """Prepare a process; limits of its memory, bytes, and of the time of a call, seconds."""
         self._memory, self._seconds = memory, seconds
         self._lock = threading.Lock()
         self._worker, self._owner = self._new_worker(), os.getpid()

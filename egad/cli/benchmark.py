@@ -65,10 +65,10 @@ def benchmark(
     from egad_workflow.settings import select
 
     options = {
-        "clutter.protocol": protocol,
-        "clutter.rounds": rounds,
-        "clutter.keep_going": keep_going or None,
-        "rescale.rule": rule,
+        "--protocol": ("clutter.protocol", protocol),
+        "--rounds": ("clutter.rounds", rounds),
+        "--keep-going": ("clutter.keep_going", keep_going or None),
+        "--rule": ("rescale.rule", rule),
     }
     settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_engine(settings.clutter.engine)

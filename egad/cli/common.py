@@ -113,7 +113,7 @@ MaxCandidates = Annotated[
 def settings_in(
     config: Path | None, options: Mapping[str, tuple[str, object]] | None = None
 ) -> Settings:
-    """Settings of a YAML file over the defaults, and `options` by key, None if not set."""
+    """Settings of a YAML file over the defaults; `options` have a key and a value or None."""
     from egad_workflow.check import check
     from egad_workflow.config_files import defaults, merged, read_values
 
@@ -168,19 +168,14 @@ def detector_in(
 
 def settings_to_try(
     config: Path | None,
-    options: Mapping[str, object],
+    options: Mapping[str, tuple[str, object]],
     gripper: str,
     detector: str,
     weights: Path | None,
     command: str | None,
 ) -> tuple[Settings, str, str]:
-    """Settings of a command that tries a detector, the names of gripper and detector."""
-    named = {
-        "--" + key.rpartition(".")[2].replace("_", "-"): (key, value)
-        for key, value in options.items()
-    }
-    settings = settings_in(config, named)
-    settings, hand = gripper_in(settings, gripper)
+    """Settings with the gripper and detector that a command tries, and the names of both."""
+    settings, hand = gripper_in(settings_in(config, options), gripper)
     settings, name = detector_in(settings, detector, weights, command)
     return settings, hand, name
 

@@ -98,13 +98,13 @@ def failures(
     from egad_workflow.settings import select
 
     options = {
-        "failures.attempts": attempts,
-        "failures.strategy": strategy,
-        "failures.approach": approach,
-        "failures.depth_noise": depth_noise,
-        "failures.least_difference": least_difference,
-        "failures.engines": engines.split(",") if engines else None,
-        "rescale.rule": rule,
+        "--attempts": ("failures.attempts", attempts),
+        "--strategy": ("failures.strategy", strategy),
+        "--approach": ("failures.approach", approach),
+        "--depth-noise": ("failures.depth_noise", depth_noise),
+        "--least-difference": ("failures.least_difference", least_difference),
+        "--engines": ("failures.engines", engines.split(",") if engines else None),
+        "--rule": ("rescale.rule", rule),
     }
     settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_searchable(settings.detectors[name], settings.grippers[gripper])

@@ -62,10 +62,10 @@ def run(
     from egad_workflow.settings import select
 
     options = {
-        "trials.attempts": attempts,
-        "seed": seed,
-        "trials.keep_going": keep_going or None,
-        "rescale.rule": rule,
+        "--attempts": ("trials.attempts", attempts),
+        "--seed": ("seed", seed),
+        "--keep-going": ("trials.keep_going", keep_going or None),
+        "--rule": ("rescale.rule", rule),
     }
     settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
     check_engine(settings.trials.engine)

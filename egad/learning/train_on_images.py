@@ -62,7 +62,7 @@ def train(
     trained = TrainedNetwork(
         networks.TITLES[plan.network],
         networks.parameters(network),
-        ", ".join(path.name if path.is_absolute() else path.as_posix() for path in images),
+        folder_names(images),
         shards.index,
         pd.DataFrame(rows),
         score,
@@ -107,6 +107,11 @@ def check_folders(folders: Sequence[Path], wanted: str, others: str, text: str) 
     for folder in folders:
         if any(folder.glob(f"{others}-*.parquet")) and not any(folder.glob(f"{wanted}-*.parquet")):
             raise UserError(f"{folder}: {text}")
+
+
+def folder_names(folders: Sequence[Path]) -> str:
+    """The folders of a training run, as its card names them; absolute ones without their place."""
+    return ", ".join(path.name if path.is_absolute() else path.as_posix() for path in folders)
 
 
 def start_notes(start: Path | None) -> dict[str, str]:

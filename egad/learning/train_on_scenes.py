@@ -26,6 +26,7 @@ from egad.learning.train_on_images import (
     WEIGHTS,
     check_folders,
     fingerprint,
+    folder_names,
     start_notes,
 )
 from egad.report.training import scene_training_chart
@@ -79,7 +80,7 @@ def train_on_scenes(
     trained = TrainedOnScenes(
         title=networks.TITLES["vgn"],
         parameters=networks.parameters(network),
-        source=", ".join(path.name if path.is_absolute() else path.as_posix() for path in folders),
+        source=folder_names(folders),
         gripper=gripper,
         index=scenes.index,
         history=pd.DataFrame(rows),

@@ -150,10 +150,8 @@ class Matching:
                 each for each, partner in zip(chosen, partners, strict=True) if partner in bad
             )
             if not bad:
-                names, others = (
-                    table.loc[places, "id"].tolist()
-                    for table, places in ((self._failures, chosen), (self._candidates, partners))
-                )
+                names = self._failures.loc[chosen, "id"].tolist()
+                others = self._candidates.loc[partners, "id"].tolist()
                 return list(zip(names, others, strict=True))
             self._near[:, bad] = False
             self._near[[each for each, times in self._in_vain.items() if times >= PATIENCE]] = False

@@ -203,7 +203,7 @@ def mmrv(simulated: Floats, real: Floats) -> Floats:
 
     For each object or detector, it takes the others that the simulation orders differently from
     reality, and the largest difference of real rates among these; the result is the mean. Real
-    differences are what counts: a swap of two that are nearly equal on the robot hardly matters,
+    differences are what counts: a swap of two that are nearly equal on the robot matters little,
     however large the simulated difference. The published function takes (simulated, real), but its
     documentation has them the other way round, which weights by simulated differences.
     """
