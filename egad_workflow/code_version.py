@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 HERE = Path(__file__).parent
 PACKAGES = (HERE.parent / "egad", HERE)
-EXCLUDED = {"egad_workflow.job"}  # how scripts run, and how their provenance is recorded
+# how scripts run, how their provenance is recorded, and what is shown meanwhile
+EXCLUDED = {"egad_workflow.job", "egad_workflow.watch"}
 _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 

@@ -1,18 +1,18 @@
 """evolve: one epoch of one island."""
 
-import importlib
 import logging
 from pathlib import Path
 
 from egad._util.progress import phase
 from egad._util.workers import workers
 from egad.errors import UserError, most_common
-from egad.evolution import Archive, EvolutionParameters, Watch, elites_of, evolve, rules_of
+from egad.evolution import Archive, EvolutionParameters, elites_of, evolve, rules_of
 from egad.measures import check_measures
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY, LINEAGE
 from egad_workflow.archive_settings import check_provenance, provenance
 from egad_workflow.job import run_job
+from egad_workflow.watch import watch_of
 
 log = logging.getLogger(__name__)
 
@@ -49,21 +49,6 @@ def run(
     log.info("%d elites, coverage %.3f", len(found), found.coverage)
     for outcome, count in sorted(counts.items()):
         log.info("%6d offspring: %s", count, outcome)
-
-
-def watch_of(
-    settings: EvolutionParameters, epoch: int, island: int, page: Path, islands: int | None
-) -> Watch:
-    """The live map, imported by name: it does not affect results, so jobs do not depend on it."""
-    live_map = importlib.import_module("egad.report.live_map")
-    record = importlib.import_module("egad_workflow.provenance")
-    axes = importlib.import_module("egad.report.axes")
-    evaluations = settings.evolution.steps * settings.evolution.population
-    run = record.settings_hash(settings)
-    about = live_map.EpochOfIsland(run, epoch, island, evaluations, islands)
-    names = axes.axis_pair(settings.measures)
-    watch: Watch = live_map.LiveMap(page, about, settings.space, settings.shape.resolution, names)
-    return watch
 
 
 if __name__ == "__main__":
