@@ -1,8 +1,6 @@
 """The folder of a matched set: what is in it, and that the other commands read it."""
 
 import re
-import shutil
-import subprocess
 from contextlib import nullcontext
 
 import bars
@@ -21,7 +19,6 @@ from egad.tables.failures import MATCHED
 from egad.tables.grasping import GRASPS, SCALES
 from egad_workflow.settings import Settings
 
-SLICER = shutil.which("prusa-slicer")
 LABELS = ["A0", "A1", "B0", "B1"]
 
 
@@ -30,13 +27,6 @@ def folder(matched, tmp_path_factory):
     out = tmp_path_factory.mktemp("matched") / "bars"
     write_matched_set(Settings(), "panda", matched, "bars", out)
     return out
-
-
-def test_failures_are_read_as_a_dataset_for_training(failing, tmp_path):
-    failing.save(tmp_path)
-    objects = egad.load(tmp_path / "failures.parquet")
-    assert sorted(each.id for each in objects) == sorted([name_of("thin"), name_of("flat")])
-    assert all(each.mesh.is_watertight and each.voxels.any() and each.genome for each in objects)
 
 
 def test_the_set_is_read_as_a_dataset(folder, matched):
@@ -114,16 +104,6 @@ def test_its_objects_are_bundled_and_exported(folder, tmp_path):
     }
 
 
-def test_a_detector_clears_tables_of_its_objects(folder, tmp_path):
-    out = tmp_path / "cleared.parquet"
-    done = run(
-        *("benchmark", "random", "--objects", folder, "--rounds", 1, "--gripper", "panda"),
-        *("--out", out, "--jobs", 1, "--keep-going"),
-    )
-    assert done.returncode == 0, done.stderr
-    assert "outcomes:" in done.stdout
-
-
 def test_a_command_makes_it_of_an_atlas_with_several_processes_to_the_last_byte(
     failing, folder, tmp_path, monkeypatch
 ):
@@ -154,28 +134,3 @@ def test_a_command_makes_it_of_an_atlas_with_several_processes_to_the_last_byte(
     assert "found with another gripper" in other.stderr
     (out / "pairs.parquet").unlink()
     assert "has other files, which would be lost" in command().stderr
-
-
-@pytest.mark.slicer
-@pytest.mark.skipif(SLICER is None, reason="prusa-slicer is not installed")
-def test_its_plates_are_whole_for_a_slicer_and_take_the_filament_that_was_estimated(
-    folder, tmp_path
-):
-    manifest = parquet.read(folder / "print/panda/manifest.parquet", MANIFEST)
-    assert set(manifest["plate"]) == {1}
-    plate, code = folder / "print/panda/plate-1.3mf", tmp_path / "plate.gcode"
-    info = _said("--info", plate)
-    assert info.count("manifold = yes") == len(LABELS)
-    bed = ("--bed-shape", "0x0,220x0,220x220,0x220", "--dont-arrange")
-    like_ours = ("--layer-height", "0.2", "--fill-density", "20%", "--perimeters", "2")
-    _said("-g", plate, *bed, *like_ours, "-o", code)
-    used = float(re.search(r"filament used \[cm3\] = ([\d.]+)", code.read_text()).group(1))
-    assert 1.24 * used == pytest.approx(manifest["filament"].sum(), rel=0.06)
-
-
-def _said(*arguments):
-    done = subprocess.run(
-        [SLICER, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=600
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
