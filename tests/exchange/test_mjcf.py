@@ -112,15 +112,6 @@ def test_mass_and_inertia_are_those_of_the_solid(folder, made, compiler):
     np.testing.assert_allclose(found, made.physics.inertia, rtol=0, atol=near * found.max())
 
 
-def test_two_objects_stand_in_one_scene(made, tmp_path):
-    for name in ("ell", "elk"):
-        mjcf.write(tmp_path, name, made, 0.4)
-    includes = [f'<include file="{name}/{name}.xml"/>' for name in ("ell", "elk")]
-    model = compiled(tmp_path, *includes)
-    np.testing.assert_allclose(model.body_mass[1:], made.physics.mass)
-    assert model.ngeom == 2 * (1 + len(made.parts))
-
-
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_an_object_can_be_attached(folder, made, compiler):
     limit = COMPILERS[compiler]

@@ -79,8 +79,3 @@ def test_want_of_memory_is_no_reason_to_reject_a_file(tmp_path, monkeypatch):
     monkeypatch.setattr("egad.io.mesh.parse_obj", lambda _: np.ones(1 << 50))
     with pytest.raises(MemoryError):
         read_mesh(tmp_path / "ball.obj", "m")
-
-
-def test_a_missing_file_is_rejected(tmp_path):
-    with pytest.raises(RejectedError, match="no such file"):
-        read_mesh(tmp_path / "gone.obj", "m")
