@@ -80,11 +80,6 @@ def test_all_detectors_meet_the_same_scenes(first, idle):
         assert mine[name].tolist() == other[name].tolist()
 
 
-def test_another_seed_is_another_scene(first):
-    other = egad.run_benchmark(nothing, OBJECTS, seed=1, **FEW).table
-    assert set(other["seed"]).isdisjoint(first.table["seed"])
-
-
 def test_a_round_is_repeated_from_its_rows_and_its_objects_alone(first):
     """Bit by bit, though the settings of the rounds are not known."""
     settings = ClutterParameters(seed=9, gripper=GRIPPERS["panda"], clutter=Clutter())
@@ -167,18 +162,6 @@ def test_an_object_that_cannot_be_simulated_is_left_out(caplog):
 def test_what_is_not_allowed_is_named(changes, text):
     with pytest.raises(UserError, match=text):
         egad.run_benchmark("random", OBJECTS, **({**FEW, **changes}))
-
-
-@pytest.mark.parametrize("detect", ["graspnet", 7])
-def test_what_is_no_detector_is_named(detect):
-    with pytest.raises(UserError, match="detector"):
-        egad.run_benchmark(detect, OBJECTS, **FEW)
-
-
-def test_labels_and_antipodal_points_succeed_with_boxes():
-    for name in ("labels", "antipodal-cloud"):
-        found = egad.run_benchmark(name, OBJECTS, **{**FEW, "scenes": ["packed"]})
-        assert found.rates()[0].success.value > 0.7
 
 
 @pytest.mark.parametrize(

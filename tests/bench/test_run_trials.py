@@ -12,7 +12,6 @@ import egad
 from egad.detectors import Grasp
 from egad.errors import UserError
 
-POSE = ("initial_x", "initial_y", "initial_qw", "initial_qz")
 BAR = trimesh.creation.box((0.03, 0.12, 0.03))
 
 
@@ -76,12 +75,6 @@ def test_a_detector_that_asks_for_more_than_a_view_is_told_where_to_go():
             egad.run_trials(name, {"bar": BAR}, "panda", attempts=1)
 
 
-def test_the_shipped_network_lifts_a_bar():
-    pytest.importorskip("torch")
-    trials = egad.run_trials("ggcnn2-evolved", {"bar": BAR}, "panda", attempts=4, seed=2)
-    assert trials.table["success"].sum() >= 3
-
-
 @pytest.mark.parametrize(("detector", "outcome"), [(broken, "error"), (blind, "no_grasp")])
 def test_what_a_detector_does_wrong_is_the_outcome(good, detector, outcome):
     trials = egad.run_trials(detector, {"bar": BAR}, "panda", attempts=2, seed=2, keep_going=True)
@@ -119,15 +112,6 @@ def test_an_object_that_is_no_solid_has_failed_attempts(sheet, rule, caplog):
     assert "sheet cannot be simulated: " in caplog.text
 
 
-def test_an_object_that_is_inside_out_is_turned():
-    bar = BAR.copy()
-    bar.invert()
-    trials = egad.run_trials(across_the_bar, {"bar": bar}, "panda", attempts=4, seed=2)
-    assert trials.table["success"].all()
-    labels = egad.run_trials("labels", {"bar": bar}, "panda", attempts=1, seed=2)
-    assert labels.table["success"].all()
-
-
 def test_processes_give_the_same_table(good):
     """Meshes by name and a dataset, with a detector that cannot be imported and one by its name."""
 
@@ -147,14 +131,6 @@ def test_processes_give_the_same_table(good):
         for jobs in (1, 2)
     )
     pd.testing.assert_frame_equal(one.table, more.table)
-
-
-def test_the_labels_know_where_the_bar_lies(good):
-    """They hold it across its short sides, wherever the same drop leaves it."""
-    trials = egad.run_trials("labels", {"bar": BAR}, "panda", attempts=4, seed=2)
-    assert trials.table["outcome"].tolist() == ["success"] * 4
-    assert trials.table.loc[0, list(POSE)].tolist() == good.table.loc[0, list(POSE)].tolist()
-    assert trials.table["width"].between(0.03, 0.05).all()
 
 
 @pytest.mark.parametrize(

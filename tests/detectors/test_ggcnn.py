@@ -183,10 +183,6 @@ def test_the_hand_is_beside_and_above_all_that_stands(look, seed):
     assert sorted(found, key=lambda grasp: -grasp.quality) == found
 
 
-def test_the_hand_opens_no_wider_than_it_can(look):
-    assert answered(look(BAR), at_middle(width=2.0))[0].width == HAND.opening
-
-
 def test_gaps_are_filled_with_the_farther_side(look):
     """A gap across an edge of the bar shows the table; one within the bar shows its top."""
     view = look(BAR)

@@ -8,7 +8,6 @@ from egad.detectors import (
     DepthCamera,
     ImageNoise,
     Intrinsics,
-    NoiseName,
     View,
     add_noise,
     add_sensor_noise,
@@ -142,9 +141,3 @@ def test_the_noise_of_giga_has_its_moments() -> None:
     corners = found[rough][:, [0, 0, -1, -1], [0, -1, 0, -1]]
     apart = corners - found[rough].mean(axis=(1, 2))[:, None]
     assert apart.std() == pytest.approx(0.005, rel=0.08)  # nodes of the grid
-
-
-@pytest.mark.parametrize("noise", ["none", "points"])
-def test_noise_on_points_leaves_images_alone(noise: NoiseName) -> None:
-    view = View(np.full((12, 16), 0.6, np.float32), SMALL, np.eye(4))
-    assert add_noise(noise, view, np.random.default_rng(0)) is view

@@ -88,24 +88,6 @@ def test_the_example_clears_tables_without_egad(tmp_path):
     assert found.table.equals(egad.run_benchmark(config, boxes, jobs=2, **few).table)
 
 
-def test_a_program_that_only_fails_stops_the_run_with_what_it_says(program, caplog):
-    command = program("""
-        send(HELLO)
-        while True:
-            ask()
-            send({"error": "Traceback: line 7 of mine.py"})
-    """)
-    boxes = {"box": trimesh.creation.box((0.03, 0.04, 0.05))}
-    few = {"rule": "none", "scenes": ["single"], "noise": ["none"]}
-    config = DetectorConfig(command=tuple(command))
-    with pytest.raises(UserError, match=r"all 6 attempts of the first 3 rounds"):
-        egad.run_benchmark(config, boxes, rounds=4, **few)
-    assert "line 7 of mine" in caplog.text
-    found = egad.run_benchmark(config, boxes, rounds=1, keep_going=True, **few).table
-    assert found["outcome"].tolist() == ["error"] * 2
-    assert found["failure"].str.endswith("it says: Traceback: line 7 of mine.py").all()
-
-
 def test_the_seed_is_from_the_generator(observation, program):
     command = program("""
         send(HELLO)

@@ -62,13 +62,6 @@ def test_formats_of_simulators_have_files_of_each_object_that_is_solid(tmp_path,
     assert {name.partition(".")[0] for name in names} == {"block"}
 
 
-@pytest.mark.parametrize(("style", "unit"), [("obj", 1.0), ("stl", 1000.0), ("glb", 1.0)])
-def test_meshes_are_scaled_to_the_gripper(tmp_path, style, unit):
-    egad.export({"block": BLOCK}, style, "panda", tmp_path / "out")
-    mesh = trimesh.load_mesh(tmp_path / f"out/block.{style}")
-    assert mesh.volume == pytest.approx(BLOCK.volume * (FACTOR * unit) ** 3, rel=1e-5)
-
-
 @pytest.mark.parametrize("style", ["acronym", "simulation", "obj", "stl"])
 def test_a_mesh_is_wound_outwards_and_an_open_one_left_out(tmp_path, style):
     inverted = BLOCK.copy()

@@ -68,13 +68,6 @@ def vee(degrees):
     return SOLID - along_z([(-1e-3, -WIDE / 2), (-1e-3, WIDE / 2), (depth, 0)])
 
 
-def teeth():
-    depth = np.tan(np.radians(30)) * 5
-    return SOLID - union(
-        along_y([(-1e-3, z), (-1e-3, z + 10), (depth, z + 5)], 15) for z in range(0, 90, 10)
-    )
-
-
 FINGERS = {
     "screw hole": [SOLID - hole(0, 70.75, 2)],
     "window": [SOLID - box((-10, -6, 60), (60, 6, 80))],
@@ -162,14 +155,6 @@ def test_the_window_of_pads_is_said_to_be_open(tmp_path):
     hand = Gripper.from_file(tmp_path / "hand.urdf")
     assert re.search(r"the pads; 1\d % of their faces is open$", hand_facts(hand, model)["opening"])
     assert hand_doubts(hand, model) == []
-
-
-def test_the_tilted_closing_axis_of_serrated_jaws_that_turn_is_doubtful(tmp_path):
-    model = one_jaw(tmp_path, [teeth()], "revolute", TURN, "0 1 0")
-    off = np.degrees(np.arccos(np.abs(model.palm_to_hand[:3, 0]).max()))
-    assert off > 2
-    said = f"The closing axis is {off:.0f} degrees off the axes of the palm: check closing_axis."
-    assert said in hand_doubts(Gripper.from_file(tmp_path / "hand.urdf"), model)
 
 
 def test_opposite_pins_end_the_range_where_they_meet(tmp_path):

@@ -287,9 +287,3 @@ def test_code_that_decides_a_training_is_in_its_fingerprint(tmp_path, file, old,
     (package / file).write_text(text.replace(old, new, 1), encoding="utf-8")
     module = "egad.learning.train_on_scenes"
     assert (code_version(module, (package,)) != code_version(module)) == counts
-
-
-@pytest.mark.usefixtures("without_torch")
-def test_without_pytorch_the_message_names_the_extra(tmp_path):
-    with pytest.raises(UserError, match=r"egad\[vision\]"):
-        train_on_scenes(SETTINGS, "panda", [tmp_path], tmp_path)

@@ -2,7 +2,7 @@
 
 import pandas as pd
 import pytest
-from failing import CUBE, QUICK, USED, beside
+from failing import CUBE, QUICK, beside
 from failure_searches import coarse_objects
 
 import egad
@@ -59,13 +59,6 @@ def test_it_does_not_depend_on_processes_nor_on_interruptions(tmp_path):
     pd.testing.assert_frame_equal(
         found(out=tmp_path / "a", **options).table, first.table, check_dtype=False
     )
-
-
-def test_another_search_is_not_mixed_in(tmp_path):
-    first = found(out=tmp_path, attempts=1, engines=None)
-    assert first.settings.failures.engines == USED
-    with pytest.raises(egad.UserError, match="another folder"):
-        found(out=tmp_path, attempts=1, engines=None, seed=1)
 
 
 @pytest.mark.parametrize(

@@ -187,14 +187,6 @@ def test_objects_whose_voxels_are_other_meshes_are_refused(failing):
         match_failures(failing, thick_only, objects=objects)
 
 
-def test_an_atlas_without_any_pair_says_so(failing):
-    few = without(failing, "thick", "broad")
-    with pytest.raises(UserError, match=r"none of 2 failures .* of 1 that were tried again, none"):
-        match_failures(few, thick_only, attempts=5, objects=NONE)
-    with pytest.raises(UserError, match="none of 2 failures has an object within 2 cells"):
-        match_failures(without(few, "liar"), thick_only, objects=NONE)
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -6,7 +6,6 @@ from contextlib import nullcontext
 import bars
 import pandas as pd
 import pytest
-from bars import name_of
 from commands import egad as run
 
 import egad
@@ -14,7 +13,7 @@ from egad.bench.failures import MatchedSet
 from egad.cli.matched_folder import write_matched_set
 from egad.io import read_mesh
 from egad.tables import parquet
-from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST
+from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.failures import MATCHED
 from egad.tables.grasping import GRASPS, SCALES
 from egad_workflow.settings import Settings
@@ -60,12 +59,6 @@ def test_prints_are_scaled_and_carry_their_labels(folder):
     assert set(grasps["label"]) == set(names)
 
 
-def test_the_bundle_has_all_objects(folder):
-    bundle = parquet.read(folder / "bundle/panda/bundle.parquet", BUNDLE)
-    assert bundle["label"].tolist() == LABELS
-    assert (folder / "bundle/panda/B1/B1.xml").is_file()
-
-
 def test_the_datasheet_says_how_often_each_was_held(folder):
     text = (folder / "eval49/README.md").read_text()
     assert "Failures of the detector bars" in text
@@ -91,17 +84,6 @@ def test_a_log_sheet_of_it_is_read_by_the_report(folder, tmp_path):
     done = run("trials", "report", tmp_path / "filled.csv", "--out", tmp_path / "report.html")
     assert done.returncode == 0, done.stderr
     assert "50.0" in done.stdout
-
-
-def test_its_objects_are_bundled_and_exported(folder, tmp_path):
-    done = run("bundle", folder / "rescaled/panda", "--units", "m", "--out", tmp_path / "bundle")
-    assert done.returncode == 0, done.stderr
-    assert len(parquet.read(tmp_path / "bundle/bundle.parquet", BUNDLE)) == len(LABELS)
-    done = run("export-meshes", folder, "--out", tmp_path / "meshes")
-    assert done.returncode == 0, done.stderr
-    assert {path.stem for path in (tmp_path / "meshes").glob("*.obj")} == {
-        name_of(bar) for bar in ("thin", "flat", "thick", "broad")
-    }
 
 
 def test_a_command_makes_it_of_an_atlas_with_several_processes_to_the_last_byte(
