@@ -21,7 +21,6 @@ from egad.sim.parameters import EngineName
 from egad.sim.robots import free_hand
 from egad.tables.outcomes import Outcome
 
-BALL = build(trimesh.creation.icosphere(2, 0.02), 600.0, Bundle())
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.05)), 600.0, Bundle())
 MODELS = [BLOCK, BLOCK, BLOCK]
 Generator = np.random.Generator
@@ -85,11 +84,6 @@ def test_a_round_ends_after_two_failures_in_a_row() -> None:
     assert found == [False, True, False, False]
 
 
-def test_a_round_ends_without_a_grasp() -> None:
-    attempts = clear(lambda *_: Outcome.NO_GRASP)
-    assert [each.outcome for each in attempts] == [Outcome.NO_GRASP]
-
-
 @pytest.mark.parametrize(
     ("answer", "outcome"),
     [
@@ -110,21 +104,6 @@ def test_what_a_detector_does_wrong_is_an_outcome(answer: object, outcome: Outco
     attempts = clear(proposed_by(detect, HAND))
     assert {each.outcome for each in attempts} == {outcome}
     assert len(attempts) == (1 if outcome == Outcome.NO_GRASP else 2)
-
-
-def test_a_thousand_grasps_are_as_good_as_the_best_of_them() -> None:
-    highest = []
-
-    def detect(observation: Observation, _gripper: object, _rng: Generator) -> GraspPoses:
-        highest.append(observation.cloud.points[observation.cloud.points[:, 2].argmax()])
-        poses = np.tile(np.eye(4), (1000, 1, 1))
-        poses[:, :3, 3] = [0.1, 0.1, 0.4]
-        poses[500] = from_above(highest[-1], np.array([1.0, 0, 0])).pose
-        return GraspPoses(poses, np.full(1000, 0.05), np.where(np.arange(1000) == 500, 1.0, 0.5))
-
-    first = clear(proposed_by(detect, HAND))[0]
-    assert first.grasp is not None
-    np.testing.assert_array_equal(first.grasp.pose[:3, 3], highest[0])
 
 
 @pytest.mark.parametrize("views", [1, 6])
@@ -167,27 +146,3 @@ def test_a_round_is_repeated_bit_by_bit(engine: EngineName) -> None:
         assert (one.outcome, one.held, one.stopped) == (other.outcome, other.held, other.stopped)
         for before, after in zip(one.present, other.present, strict=True):
             np.testing.assert_array_equal(before.pose.position, after.pose.position)
-
-
-def test_noise_changes_what_is_seen_but_not_the_scene() -> None:
-    seen = {}
-
-    def look(observation: Observation, present: Sequence[RestingObject], _: Generator) -> Outcome:
-        seen[noise] = observation.views[0].depth, present[0].pose.position
-        return Outcome.NO_GRASP
-
-    with open_world("mujoco", MODELS, free_hand(HAND)) as world:
-        runner = ClearingRunner(world, Clutter())
-        for noise in ("none", "stereo", "gamma"):
-            list(runner.clear(look, "packed", noise, 3))
-    for other in ("stereo", "gamma"):
-        assert not np.array_equal(seen["none"][0], seen[other][0], equal_nan=True)
-        np.testing.assert_array_equal(seen["none"][1], seen[other][1])
-
-
-def test_what_is_done_changes_nothing_of_how_a_round_begins() -> None:
-    first, second = clear(nowhere)[0], clear(knowing)[0]
-    for one, other in zip(first.present, second.present, strict=True):
-        assert one.number == other.number
-        np.testing.assert_array_equal(one.pose.position, other.pose.position)
-        np.testing.assert_array_equal(one.pose.quaternion, other.pose.quaternion)

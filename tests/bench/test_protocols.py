@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import trimesh
 from standing_cube import CUBE, DOWN, SIDE, UPRIGHT, grasp, stand
 from test_clearing_runner import MODELS, from_above, in_turn, knowing, nowhere
 from worlds import EACH_ENGINE, HAND
@@ -20,7 +19,6 @@ from egad.bench import (
     SceneCameras,
     camera_poses,
     intrinsics_of,
-    make_scene,
     open_round,
     proposed_by,
     rounds_of,
@@ -29,19 +27,16 @@ from egad.bench.clearing_runner import ClearingRunner
 from egad.bench.runner import Attempt, Propose
 from egad.detectors import Grasp, GraspPoses, Observation
 from egad.errors import UserError
-from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
 from egad.random import generator
 from egad.sim.engines import open_world
 from egad.sim.execution import ContactRules, execute_pose
-from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.robots import free_hand
 from egad.sim.world import Pose
 from egad.tables.outcomes import Outcome
 
 PANDA = GRIPPERS["panda"]
-PLATE = build(trimesh.creation.box((0.13, 0.13, 0.02)), 600.0, Bundle())
 
 
 def clear(propose: Propose, protocol: ClutterProtocol, noise: str = "none") -> list[Attempt]:
@@ -78,21 +73,6 @@ def test_cameras_stand_where_vgn_and_giga_put_them() -> None:
     np.testing.assert_allclose(side[:3, 3] + 0.6 * side[:3, 2], [0, 0, 0.05], atol=1e-12)
 
 
-def test_the_camera_of_edgegrasp_is_anywhere_in_its_ranges() -> None:
-    eyes = []
-    for number in range(400):
-        (pose,) = camera_poses(NAMED_PROTOCOLS["edgegrasp"].cameras, generator(number, "test"))
-        eyes.append(pose[:3, 3] - [0, 0, 0.2])
-    x, y, z = np.transpose(eyes)
-    distance = np.linalg.norm(eyes, axis=1)
-    tilt, azimuth = np.degrees([np.arccos(z / distance), np.arctan2(y, x)])
-    for values, low, high in ((distance, 0.6, 0.75), (tilt, 45, 60), (azimuth, 0, 180)):
-        assert low <= values.min() < low + 0.03 * (high - low)
-        assert high - 0.03 * (high - low) < values.max() <= high
-        assert values.mean() == pytest.approx((low + high) / 2, abs=0.05 * (high - low))
-    assert abs(np.corrcoef([distance, tilt, azimuth])[np.triu_indices(3, 1)]).max() < 0.15
-
-
 @pytest.mark.parametrize(("name", "vertical"), [("egad", 59.9887), ("vgn", 47.9250)])
 def test_the_field_of_view_is_as_published(name: str, vertical: float) -> None:
     camera = intrinsics_of(NAMED_PROTOCOLS[name].cameras)
@@ -118,37 +98,6 @@ def test_a_contact_on_the_way_closes_fails_or_is_ignored(engine: EngineName) -> 
     assert results["close"].outcome == results["collided"].outcome == Outcome.COLLIDED
     assert results["ignore"].stopped == 0
     assert results["ignore"].outcome != Outcome.COLLIDED
-
-
-def test_a_stop_may_end_in_success_unless_a_contact_fails() -> None:
-    """The palm is stopped by a tall block between the fingers."""
-    tall = build(trimesh.creation.box((SIDE, SIDE, 0.2)), 500.0, Bundle())
-    found = {}
-    with open_world("mujoco", [tall], free_hand(HAND)) as world:
-        for contact in ("close", "collided"):
-            world.reset()
-            stand(world, 0.2)
-            pose = grasp([0, 0, 0.15], [1, 0, 0], DOWN)
-            found[contact] = execute_pose(world, pose, HAND.opening, ContactRules(contact)).outcome
-    assert found == {"close": Outcome.SUCCESS, "collided": Outcome.COLLIDED}
-
-
-def test_any_contact_stops_the_hand_if_no_force_is_needed() -> None:
-    """One that is 5 N strong from 20 mm of the way on."""
-    stopped = {}
-    with open_world("mujoco", [CUBE], free_hand(HAND)) as world, pytest.MonkeyPatch.context() as p:
-        world.place(Pose(np.array([0.5, 0, SIDE / 2]), UPRIGHT))
-        real = world.forces
-
-        def forces(number: int | None = None) -> object:
-            return real(number)._replace(rest=5.0 if world.arm_joints()[2] > 0.02 else 0.0)
-
-        p.setattr(world, "forces", forces)
-        for force in (0.0, 4.9, 5.1, 20.0):
-            pose = grasp([0, 0, 0.2], [1, 0, 0], DOWN)
-            stopped[force] = execute_pose(world, pose, 0.07, ContactRules("close", force)).stopped
-    assert stopped[0.0] == stopped[4.9] == pytest.approx(0.03, abs=0.004)
-    assert stopped[5.1] == stopped[20.0] == 0
 
 
 def test_a_touch_suffices_under_the_rules_of_vgn() -> None:
@@ -272,37 +221,6 @@ def test_objects_are_drawn_with_repetition_and_in_the_sizes_of_each_scene() -> N
     assert {len(ids) for ids, _ in rounds(objects=12)} == {7}
 
 
-def test_packed_objects_share_their_tries_and_their_space() -> None:
-    """Four plates of 13 cm never find space in a square of 14 cm; tries are counted."""
-    drawn = []
-    with open_world("mujoco", [PLATE] * 4) as world, pytest.MonkeyPatch.context() as patch:
-        from egad.bench import scenes  # noqa: PLC0415 (to be patched)
-
-        upright = scenes._upright
-        patch.setattr(scenes, "_upright", lambda *given: drawn.append(upright(*given)) or drawn[-1])
-        present = make_scene(world, "packed", generator(0, "test"), NAMED_PROTOCOLS["vgn"])
-        assert len(present) == 1
-        assert len(drawn) == 12
-        assert np.abs([pose.position[:2] for pose in drawn]).max() <= 0.07
-        drawn.clear()
-        rules = ClutterProtocol(packing_tries=3, packing_area=0.02)
-        make_scene(world, "packed", generator(0, "test"), rules)
-        assert len(drawn) == 1 + 3 * 3
-        assert np.abs([pose.position[:2] for pose in drawn]).max() <= 0.01
-
-
-def test_piles_are_dropped_from_where_the_protocol_says() -> None:
-    with open_world("mujoco", [CUBE, CUBE]) as world, pytest.MonkeyPatch.context() as patch:
-        placed: list[Pose] = []
-        place = world.place
-        patch.setattr(
-            world, "place", lambda pose, **which: placed.append(pose) or place(pose, **which)
-        )
-        make_scene(world, "pile", generator(0, "test"), NAMED_PROTOCOLS["vgn"])
-        high = [pose.position[2] for pose in placed if pose.position[2] < 1]
-        assert high == [0.2, 0.2]
-
-
 def test_points_are_noisy_and_images_are_not() -> None:
     seen = {}
 
@@ -340,10 +258,7 @@ def test_a_protocol_is_known_by_its_name_and_another_one_is_custom() -> None:
         ("gpd", "protocol is 'gpd'; allowed: egad, vgn, giga, edgegrasp, or a section with"),
         ({"contact": "bounce"}, "bounce"),
         ({"scale": [0.9, 0.8]}, "from a positive low to high"),
-        ({"packed_scale": [0.0, 0.8]}, "from a positive low to high"),
         ({"cameras": {"tilt": [60, 95]}}, "less than 90 degrees"),
-        ({"cameras": {"distance": [0.7, 0.6]}}, "distance must go from low to high"),
-        ({"skips": 0}, "skips"),
     ],
 )
 def test_what_is_no_protocol_is_named(given: object, text: str) -> None:

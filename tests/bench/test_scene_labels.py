@@ -71,15 +71,6 @@ def test_the_hand_is_free_and_closes_on_the_object(factor: float, turn: int) -> 
     assert nearest < 0.04
 
 
-def test_the_table_blocks_what_is_below() -> None:
-    """A plate flat on the table can only be had at its rim from above."""
-    lying = [placed(0, 0, 0, 0.015, Rotation.from_euler("y", np.pi / 2))]
-    best = propose(lying, [MODEL], [GRASPS])
-    assert isinstance(best, Grasp)
-    assert best.pose[2, 2] < -0.5
-    assert not touched(best.pose, lying, [MODEL])
-
-
 def test_without_a_free_grasp_there_is_none() -> None:
     """A plate too wide for the hand: in the air it can be had, flat on the table it cannot."""
     assert propose([], [MODEL], [GRASPS]) == Outcome.NO_GRASP

@@ -6,7 +6,7 @@ import trimesh
 from scipy.spatial import ConvexHull
 from worlds import EACH_ENGINE
 
-from egad.bench import SCENE_KINDS, WORKSPACE, RestingObject, SceneKind, make_scene, put, scenes
+from egad.bench import SCENE_KINDS, WORKSPACE, RestingObject, SceneKind, make_scene, scenes
 from egad.bench.scenes import BOX, settle_from
 from egad.geometry import Bundle
 from egad.random import generator
@@ -17,7 +17,6 @@ from egad.sim.world import UnstableError, World
 
 BLOCK = build(trimesh.creation.box((0.03, 0.04, 0.08)), 600.0, Bundle())
 CAN = build(trimesh.creation.cylinder(0.02, 0.06, sections=24), 600.0, Bundle())
-PLATE = build(trimesh.creation.box((0.18, 0.18, 0.01)), 600.0, Bundle())
 BALL = build(trimesh.creation.icosphere(3, 0.02), 600.0, Bundle())
 MODELS = [BLOCK, CAN, BLOCK, CAN, BLOCK]
 
@@ -69,13 +68,6 @@ def test_packed_objects_stand_apart_and_upright() -> None:
                 assert height == pytest.approx(0.08, abs=0.001)
 
 
-def test_packed_objects_without_space_are_left_out() -> None:
-    with open_world("mujoco", [PLATE] * 5) as world:
-        placed = make_scene(world, "packed", generator(0, "test"))
-        assert 1 <= len(placed) < 5
-        assert world.present() == [each.number for each in placed]
-
-
 def test_a_pile_is_dropped_into_a_box() -> None:
     """Balls roll away, unless walls keep them together."""
     furthest = []
@@ -124,10 +116,3 @@ def test_what_leaves_the_workspace_is_removed() -> None:
         left = settle_from(world, [outside, first[1]])
         assert [each.number for each in left] == [1]
         assert world.present() == [1]
-
-
-def test_what_was_put_is_all_there_is() -> None:
-    with open_world("mujoco", MODELS) as world:
-        first = make_scene(world, "packed", generator(0, "test"))
-        put(world, first[:2])
-        assert world.present() == [0, 1]

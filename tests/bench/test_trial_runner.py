@@ -13,7 +13,6 @@ from egad.detectors.subprocess import DetectorTimeoutError
 from egad.geometry import Bundle
 from egad.grippers import Gripper
 from egad.sim.arms import ARMS
-from egad.sim.execution import Execution, Stillness, execute
 from egad.sim.model import build
 from egad.sim.parameters import EngineName
 from egad.sim.world import Pose, World
@@ -46,38 +45,6 @@ def outcome(
     hand = HAND.model_copy(update=gripper)
     with start(engine, build(mesh, density, BUNDLE), hand) as world:
         return TrialRunner(world, ARMS["axis"](hand), TrialProtocol()).attempt(detect, 5)
-
-
-def test_the_drop_does_not_depend_on_the_detector() -> None:
-    places = []
-    with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
-        runner = TrialRunner(world, AXIS, TrialProtocol())
-
-        def thirsty(view: View, _gripper: Gripper, rng: np.random.Generator, /) -> list[Grasp]:
-            rng.random(len(places) * 10)
-            places.append(view.depth)
-            return []
-
-        for _ in range(2):
-            assert runner.attempt(thirsty, 3).outcome == "no_grasp"
-    np.testing.assert_array_equal(*places)
-
-
-def test_a_noisy_camera_has_holes_and_an_ideal_one_has_none() -> None:
-    views: list[View] = []
-
-    def watch(view: View, _gripper: Gripper, _rng: np.random.Generator, /) -> list[Grasp]:
-        views.append(view)
-        return []
-
-    with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
-        for noise in (0.0, 0.1, 0.1):
-            TrialRunner(world, AXIS, TrialProtocol(depth_noise=noise)).attempt(watch, 3)
-    ideal, first, second = (view.depth for view in views)
-    assert np.isfinite(ideal).all()
-    assert 20 < np.isnan(first).sum() < 1000
-    assert np.nanstd(first - ideal) == pytest.approx(0.0017, rel=0.05)
-    np.testing.assert_array_equal(first, second)
 
 
 @EACH_ENGINE
@@ -178,32 +145,6 @@ def test_how_an_attempt_begins(
         lowest = (CUBE.vertices @ begin[:3, :3].T + begin[:3, 3])[:, 2].min()
         assert lowest == pytest.approx(trials.drop_height)
         assert -1e-9 < begin[2, 2] < 1 - 1e-9  # tilted, by 90 degrees at most
-
-
-def held_up(world: World) -> Execution:
-    world.place(Pose.of([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))
-    return execute(world, AXIS, TrialProtocol(), Grasp((0.0, 0.0, 0.02), 0.0, 0.07, 0.01, 1.0))
-
-
-@EACH_ENGINE
-def test_an_object_that_is_lost_while_it_is_held_up_is_dropped(
-    engine: EngineName,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Somebody takes it out of the hand, in which it is never taken for still."""
-    monkeypatch.setattr(Stillness, "__call__", lambda _: False)
-    steps = []
-
-    def take(world: World) -> None:
-        steps.append(world.pose().position[2] > 0.4195)
-        if sum(steps) == 100:  # long after the lift
-            world.place(Pose.of([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0]))
-
-    with start(engine, build(CUBE, 400.0, BUNDLE)) as world:
-        assert held_up(world).outcome == "success"
-        world.reset()
-        world.watch = take
-        assert held_up(world).outcome == "dropped"
 
 
 @EACH_ENGINE

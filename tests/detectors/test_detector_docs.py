@@ -39,11 +39,6 @@ def test_it_holds_a_box_across_its_short_side(look, example, turn):
     assert grasp.tip == pytest.approx(0.02, abs=0.001)
 
 
-def test_an_empty_table_gives_nothing(look, example):
-    view = look(trimesh.creation.box((0.1, 0.1, 0.001)))
-    assert example(view, HAND, np.random.default_rng(0)) == []
-
-
 def test_its_configurations_are_allowed():
     for text in re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL):
         config = yaml.safe_load(text)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from egad.detectors.base import DetectorError, DetectorTimeoutError
+from egad.detectors.base import DetectorTimeoutError
 from egad.detectors.failures import (
     FIRST,
     Failure,
@@ -55,10 +55,6 @@ def test_a_long_traceback_keeps_its_innermost_frames():
     text = failure_text(raised.value)
     assert len(text.splitlines()) < 100
     assert text.endswith("ZeroDivisionError: division by zero")
-
-
-def test_what_another_process_said_is_left_as_it_is():
-    assert failure_text(DetectorError("it says: no")) == "it says: no"
 
 
 def test_a_timeout_is_a_failure_and_a_mistake_of_the_user_is_none():

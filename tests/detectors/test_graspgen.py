@@ -133,12 +133,6 @@ def test_an_error_of_the_server_is_one_of_the_attempt(serve, observation):
         detect(observation, HAND, np.random.default_rng(0))
 
 
-def test_a_detector_of_this_name_asks_the_server(serve, observation):
-    config = DetectorConfig(detector="graspgen", address=serve().address)
-    with opened(config, 60) as detect:
-        assert len(detect(observation, HAND, np.random.default_rng(0)).poses) == 3
-
-
 def test_a_server_of_another_gripper_is_refused(serve):
     with pytest.raises(UserError, match="single_suction_cup_30mm; known: franka_panda"):
         GraspGen(serve(gripper="single_suction_cup_30mm").address)

@@ -8,7 +8,6 @@ from egad.detectors import (
     DepthCamera,
     ImageNoise,
     Intrinsics,
-    NoiseName,
     View,
     add_noise,
     add_sensor_noise,
@@ -101,32 +100,12 @@ def test_a_sphere_has_no_depth_where_the_line_of_sight_grazes_it() -> None:
     assert not lost[sine > 1.02].any()
 
 
-@pytest.mark.parametrize(("x", "steep"), [(0.06, True), (0.2, False)])
-def test_a_wall_has_depth_if_it_is_seen_from_far_enough_beside_it(x: float, steep: bool) -> None:
-    """Its line of sight is at atan(x / 0.5) from its surface: 7 and 22 degrees."""
-    camera = Intrinsics.spanning(1201, 401, 60.0)
-    box = DepthCamera(trimesh.creation.box(bounds=[(0, -0.06, 0), (0.05, 0.06, 0.15)]))
-    view = box.render(shifted(x, 0, 0), camera, camera_above(0.6))
-    wall = (view.heights() > 0.02) & (view.heights() < 0.13)
-    assert wall.sum() > 1000
-    assert grazing(view)[wall].mean() == pytest.approx(float(steep), abs=0.01)
-    level = (view.heights() < 0.001) | (view.heights() > 0.149)
-    assert not grazing(view)[level].any()
-
-
 def test_so_many_pixels_are_lost_in_spots() -> None:
     _, found = seen(missing=0.05)
     lost = np.isnan(found.depth)
     assert lost.mean() == pytest.approx(0.05, rel=0.01)
     beside = lost[:, 1:] & lost[:, :-1]
     assert beside.mean() > 5 * 0.05**2
-
-
-def test_without_noise_a_view_is_as_it_was() -> None:
-    view, found = seen()
-    np.testing.assert_array_equal(found.depth, view.depth)
-    _, noise = seen(disparity=0.1)
-    assert (noise.depth - view.depth).std() > 1e-3
 
 
 def test_gamma_noise_scales_the_image_and_blurs_the_rest() -> None:
@@ -162,9 +141,3 @@ def test_the_noise_of_giga_has_its_moments() -> None:
     corners = found[rough][:, [0, 0, -1, -1], [0, -1, 0, -1]]
     apart = corners - found[rough].mean(axis=(1, 2))[:, None]
     assert apart.std() == pytest.approx(0.005, rel=0.08)  # nodes of the grid
-
-
-@pytest.mark.parametrize("noise", ["none", "points"])
-def test_noise_on_points_leaves_images_alone(noise: NoiseName) -> None:
-    view = View(np.full((12, 16), 0.6, np.float32), SMALL, np.eye(4))
-    assert add_noise(noise, view, np.random.default_rng(0)) is view

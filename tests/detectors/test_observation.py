@@ -1,7 +1,5 @@
 """Observations show the scene: all objects, from all around."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import trimesh
@@ -120,38 +118,6 @@ def test_every_point_belongs_to_the_object_on_whose_surface_it_lies(sigma):
         chosen = found.point_objects == number
         np.testing.assert_array_equal(cloud.points, found.cloud.points[chosen])
         np.testing.assert_array_equal(cloud.normals, found.cloud.normals[chosen])
-
-
-def test_what_noise_lifts_off_the_table_belongs_to_no_object():
-    """All depths are 2 % short, which lifts the scene by 1 cm."""
-    true = observation_of([BOX, BALL], BESIDE)
-    short = tuple(replace(view, depth=view.depth * np.float32(0.98)) for view in true.views)
-    found = replace(true, views=short)
-    points, objects = found.cloud.points, found.point_objects
-    away = surfaces_of_box_and_ball(points, *(each[:3, 3] + [0, 0, 0.01] for each in BESIDE))
-    table, high = away.min(axis=0) > 0.02, points[:, 2] > 0.02
-    assert table.sum() > 1000
-    assert not objects[table].any()
-    assert not (table & high).any()
-    assert set(objects[high].tolist()) == {1, 2}
-    own = np.where(objects == 1, *away)
-    assert np.median(own[objects > 0]) < 0.003
-    assert sum(len(each.points) for each in found.object_clouds) == (objects > 0).sum()
-
-
-def test_an_object_that_no_camera_sees_has_no_cloud():
-    inside = trimesh.creation.icosphere(2, 0.01)
-    found = observation_of([inside, BOX, BALL], [at(-0.02, 0, 0.025), *BESIDE])
-    assert set(found.point_objects.tolist()) == {2, 3}
-    assert len(found.object_clouds) == 2
-
-
-def test_a_plate_that_is_taken_for_the_table_has_no_cloud():
-    plate = trimesh.creation.box((0.1, 0.1, 0.003))
-    assert observation_of([plate], [at(0, 0, 0.0015)]).object_clouds == ()
-    lifted = observation_of([plate], [at(0, 0, 0.0015)], 0.0008)
-    assert len(lifted.cloud.points) > 0
-    assert lifted.object_clouds == ()
 
 
 def test_views_without_masks_tell_no_objects_apart():

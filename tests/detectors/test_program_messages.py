@@ -119,18 +119,6 @@ def test_answers_are_poses_or_grasps_from_above():
         ({"poses": np.eye(4), "widths": [1], "scores": [1]}, "must be"),
         ({"poses": np.eye(4)[None], "widths": [1, 2], "scores": [1]}, "must be"),
         ({"grasps": {"center": [[1, 2, 3]]}}, "no 'angle'"),
-        (
-            {
-                "grasps": {
-                    "center": [[1, 2]],
-                    "angle": [1],
-                    "width": [1],
-                    "depth": [1],
-                    "quality": [1],
-                }
-            },
-            "center",
-        ),
     ],
 )
 def test_what_is_no_answer_is_refused(message, said):

@@ -53,14 +53,6 @@ def test_missing_weights_are_named(weights):
         Vgn(weights)
 
 
-def test_weights_of_another_network_are_named(tmp_path):
-    torch = pytest.importorskip("torch")
-    path = tmp_path / "other.pth"
-    torch.save({"layer": torch.zeros(3)}, path)
-    with pytest.raises(UserError, match=r"not weights of VGN.*encoder\.conv1\.weight is missing"):
-        Vgn(str(path))
-
-
 VOXEL, CORNER, WHERE = 0.0075, np.array([-0.15, -0.15, -0.05]), (20, 10, 15)
 TURN = Rotation.from_euler("xyz", [2.5, 0.3, 0.4])
 

@@ -160,10 +160,6 @@ def test_no_cell_holds_too_many_and_coverage_counts_places(elites):
     assert archive.coverage == pytest.approx(6 / 8)
 
 
-def test_known_objects_are_passed_over(elites):
-    assert len(filled(elites[:3], elites[:3])) == 3
-
-
 def test_table_round_trip_gives_the_same_table(elites, tmp_path):
     parquet.write(filled(elites).to_frame(), EPOCH, tmp_path / "one")
     again = filled(elites_of(parquet.read(tmp_path / "one", EPOCH)))
@@ -210,17 +206,3 @@ def test_indices_are_those_of_a_grid_over_the_measures():
     second = np.searchsorted(np.linspace(0.0005, 0.004, 6), graspability) - 1
     assert frame["index"].tolist() == (5 * first + second).tolist()
     assert frame["objective"].tolist() == archive["diversity"].tolist()
-
-
-def test_an_archive_tells_its_size_and_gives_the_table_of_pyribs(elites):
-    archive = Archive(SPACE, SIMILARITY)
-    assert repr(archive) == "Archive(0 elites, coverage 0.000)"
-    assert len(archive.to_ribs_frame()) == 0
-    archive.add(elites[:3])
-    assert repr(archive) == "Archive(3 elites, coverage 0.375)"
-    frame = archive.to_ribs_frame()
-    assert set(frame["id"]) == {each.id for each in elites[:3]}
-    assert frame["objective"].sum() == pytest.approx(archive.qd_score)
-    measures = {each.id: (each.complexity, each.graspability) for each in elites}
-    for row in frame.itertuples():
-        assert (row.measures_0, row.measures_1) == measures[row.id]

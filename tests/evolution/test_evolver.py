@@ -108,21 +108,12 @@ def test_steps_out_of_order_and_wrong_numbers_are_refused():
     ("wrong", "message"),
     [
         ({"evaluations": 0}, "evaluations is 0; .*at least 1"),
-        ({"evaluations": 1.5}, "evaluations is 1.5"),
-        ({"population": 0}, "population is 0; allowed: a whole number, at least 1"),
         ({"population": "10"}, "population is '10'; allowed: a whole number, at least 1"),
-        ({"population": 10.0}, "population is 10.0"),
         ({"cells": 27}, "cells is 27; allowed: a whole number, 1 to 26"),
-        ({"seed": "x"}, "seed is 'x'; allowed: a whole number"),
-        ({"jobs": 0}, "jobs is 0"),
-        ({"jobs": "2"}, "jobs is '2'"),
         ({"measures": "volume"}, "measures is 'volume'; allowed: a function"),
         ({"measures": threading.Lock().acquire, "jobs": 2}, "cannot be sent to another process"),
         ({"ranges": ((1, 0), (0, 1))}, r"ranges is \(\(1, 0\).*each from low to high"),
         ({"ranges": ((0, 1), (0, np.inf))}, "two ranges of finite numbers"),
-        ({"ranges": (0, 1)}, "two ranges"),
-        ({"ranges": (("a", "b"), (0, 1))}, "two ranges"),
-        ({"ranges": None}, "two ranges"),
     ],
 )
 def test_wrong_arguments_of_evolution_are_named(wrong, message):
@@ -134,23 +125,3 @@ def test_wrong_arguments_of_evolution_are_named(wrong, message):
 def test_measures_that_are_not_two_numbers_are_told(returned):
     with pytest.raises(UserError, match="measures of a mesh must be two numbers, got"):
         egad.evolve(8, measures=lambda _: returned, population=8)
-
-
-def test_cells_and_elites_per_cell_are_those_of_an_evolver():
-    options = {"seed": 5, "ranges": RANGES, "population": 16, "cells": 2, "elites_per_cell": 1}
-    found = egad.evolve(np.int64(32), measures=bulk_and_length, **options)
-    evolver = egad.Evolver(**options)
-    for _ in range(2):
-        evolver.tell([bulk_and_length(each.mesh) for each in evolver.ask()])
-    frame = found.to_frame()
-    pd.testing.assert_frame_equal(frame, evolver.archive.to_frame())
-    assert not frame.duplicated(["complexity_cell", "difficulty_cell"]).any()
-    assert frame[["complexity_cell", "difficulty_cell"]].max().max() == 1
-
-
-@pytest.mark.parametrize(
-    ("name", "value"), [("cells", 27), ("elites_per_cell", 0), ("population", -1)]
-)
-def test_wrong_arguments_of_an_evolver_are_named(name, value):
-    with pytest.raises(UserError, match=f"^{name} is {value}; allowed: a whole number"):
-        egad.Evolver(**{name: value})

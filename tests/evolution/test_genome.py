@@ -90,14 +90,3 @@ def test_crossing_genomes_of_different_islands_lines_up_their_genes(config):
     assert shared
     assert links[2] <= links[0]  # genes of only one parent come from the first
     assert len(links[2]) >= len(shared)
-
-
-def test_a_twice_split_connection_gives_two_nodes(config):
-    individual = genome.from_row(config, genome.random_genome(config, 4))
-    assert len(individual.connections) == 1
-    random.seed(0)
-    individual.mutate_add_node(config)
-    first = next(iter(individual.connections))
-    individual.connections = {first: individual.connections[first]}
-    individual.mutate_add_node(config)
-    assert len(individual.nodes) == 3

@@ -62,15 +62,6 @@ def test_the_resolution_of_the_archive_gives_its_mesh(objects):
     assert np.array_equal(grow(each.genome, 25), each.voxels)
 
 
-def test_a_finer_object_is_closed_and_alike(objects):
-    each = objects["M14_3"]
-    fine = each.mesh_at(60)
-    assert fine.is_watertight
-    assert len(fine.faces) > 3 * len(each.mesh.faces)
-    assert fine.extents.max() == pytest.approx(0.1)
-    assert fine.extents == pytest.approx(each.mesh.extents, rel=0.1)
-
-
 def test_constraints_that_nobody_named_are_noticed(objects):
     each = objects["M14_3"]
     envelope = {"envelope": Envelope(kind="box", size=(1, 1, 0.6))}
@@ -111,12 +102,3 @@ def test_a_solid_that_touches_the_border_is_closed():
     mesh = surface(np.ones((8, 8, 8), bool), SHAPE)
     assert mesh.is_watertight
     assert mesh.euler_number == 2
-
-
-def test_smoothing_rounds_a_cube_and_no_rounds_leave_it():
-    cube = np.zeros((25, 25, 25), bool)
-    cube[5:20, 5:20, 5:20] = True
-    areas = [
-        surface(cube, SHAPE.model_copy(update={"smoothing_iterations": n})).area for n in (0, 10)
-    ]
-    assert areas[1] < areas[0]

@@ -9,7 +9,7 @@ import trimesh
 from egad.errors import UserError
 from egad.exchange.grasp_tables import load_grasps
 from egad.exchange.grasps import acronym
-from egad.exchange.grasps.acronym import QUALITIES, is_ours
+from egad.exchange.grasps.acronym import QUALITIES
 from egad.exchange.parameters import AcronymFiles
 from egad.geometry.mass import mass_properties
 from egad.grasps.grasps import vectors
@@ -129,29 +129,3 @@ def test_grasps_of_an_unknown_object_are_refused(dataset, settings, tmp_path):
         export(settings, dataset, tmp_path / "out", tmp_path / "objects.parquet")
     assert not (tmp_path / "out").exists()
     assert list((tmp_path).glob(".*.partial")) == []
-
-
-def test_a_write_that_fails_leaves_the_files_from_before(dataset, settings, tmp_path, monkeypatch):
-    out = export(settings, dataset, tmp_path / "out")
-    before = {path.name: path.read_bytes() for path in out.iterdir()}
-
-    def full(*_):
-        raise OSError(
-            28, "file write failed: errno = 28, error message = 'No space left on device'"
-        )
-
-    monkeypatch.setattr("egad.exchange.grasps.acronym.add_array", full)
-    with pytest.raises(UserError, match=r"A00_0\.h5 cannot be written: No space left on device"):
-        export(settings, dataset, out)
-    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
-    assert [path.name for path in tmp_path.glob("*out*")] == ["out"]
-
-
-def test_files_of_others_are_told_from_ours(files, tmp_path):
-    assert all(is_ours(path) for path in files.iterdir())
-    with h5py.File(tmp_path / "theirs.h5", "w") as file:
-        file["grasps/qualities/flex/object_in_gripper"] = [1]
-    (tmp_path / "text.h5").write_text("years of work")
-    (tmp_path / "folder.h5").mkdir()
-    (tmp_path / "thesis.txt").touch()
-    assert not any(is_ours(path) for path in tmp_path.iterdir())

@@ -6,16 +6,13 @@ import time
 
 import h5py
 import numpy as np
-import pandas as pd
 import pytest
-import trimesh
 from autolab_core import RigidTransform
 
-from egad.errors import RejectedError, TableError, UserError
+from egad.errors import RejectedError, UserError
 from egad.exchange import DexNetObjects
-from egad.exchange.dexnet_database import add_dataset, add_grasps, write_objects
+from egad.exchange.dexnet_database import write_objects
 from egad.exchange.grasps import dexnet
-from egad.exchange.hdf5 import writing
 from egad.exchange.parameters import DexNetDatabase
 from egad.io import read_mesh
 from egad.tables import parquet
@@ -35,10 +32,6 @@ def export(settings, dataset, folder, shards):
         rows = rows_in_shard(parquet.read(objects, OBJECTS), shard, shards)
         write_objects(wanted, parquet.records(rows), scaled, part)
     return joined(settings, dataset, parts, folder / f"database-{shards}.hdf5")
-
-
-def rows_of(folder):
-    return parquet.records(parquet.read(folder / "objects.parquet", OBJECTS))
 
 
 def joined(settings, dataset, parts, out):
@@ -145,14 +138,6 @@ def test_contacts_lie_on_the_surface_of_the_field(objects, labelled):
     assert data[tuple(nearest.T)].max() < 0
 
 
-def test_fields_are_compressed_floats(objects, settings):
-    for group in objects.values():
-        data = group["sdf"]["data"]
-        assert (data.dtype, data.compression) == (np.float32, "gzip")
-        assert data.shape == (settings.dexnet.field_size,) * 3
-        read_field(group["sdf"])
-
-
 def test_stable_poses_turn_the_object_onto_the_table(objects):
     for group in objects.values():
         poses = group["stable_poses"]
@@ -238,35 +223,3 @@ def test_grasps_of_an_object_that_is_not_there_are_refused(dataset, tmp_path, se
     fuller = max(parts, key=lambda part: part.stat().st_size)
     with pytest.raises(UserError, match="is not among the written objects"):
         joined(settings, dataset, [part for part in parts if part != fuller], tmp_path / "out.hdf5")
-
-
-def test_an_object_with_an_illegal_name_is_refused(dataset, tmp_path, settings):
-    rows = pd.read_parquet(dataset / "objects.parquet").assign(label="a/b")
-    parquet.write(rows, OBJECTS, tmp_path / "objects.parquet")
-    with pytest.raises(TableError, match="'a/b' is not a valid file name"):
-        write_objects(
-            select(settings, DexNetObjects),
-            rows_of(tmp_path),
-            dataset,
-            tmp_path / "a",
-        )
-
-
-def test_a_grasp_takes_about_a_kilobyte(tmp_path):
-    rng = np.random.default_rng(0)
-    metrics = {name: rng.random(500) for name in dexnet.METRICS}
-    with writing(tmp_path / "a.hdf5") as file:
-        place = add_dataset(file, "d", {}, {}).create_group("a")
-        add_grasps(place, "egad_75mm", rng.random((500, 10)), metrics)
-    assert (tmp_path / "a.hdf5").stat().st_size / 500 < 1100
-
-
-def test_an_unreadable_mesh_is_left_out(dataset, tmp_path, caplog, settings):
-    trimesh.creation.box((0.04, 0.04, 0.04)).export(tmp_path / "A00_0.obj")
-    (tmp_path / "B01_0.obj").write_text("v 0 0")
-    wanted = select(settings, DexNetObjects)
-    out = tmp_path / "part.hdf5"
-    write_objects(wanted, rows_of(dataset), tmp_path, out)
-    with h5py.File(out) as file:
-        assert list(file["objects"]) == ["A00_0"]
-    assert "C02_0 is omitted: no such file" in caplog.text

@@ -1,8 +1,6 @@
 """Exports from Python: files read again by other libraries."""
 
-import json
 from typing import get_args
-from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -14,7 +12,6 @@ from described_hands import box_urdf
 import egad
 from egad.errors import UserError
 from egad.exchange import ObjectFormat
-from egad.geometry.parameters import Material
 
 BLOCK = trimesh.creation.box((0.2, 0.1, 0.15))
 SHEET = trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
@@ -38,25 +35,6 @@ def test_acronym_files_hold_the_object_and_its_grasps(tmp_path):
     assert np.linalg.det(poses[:, :3, :3]) == pytest.approx(np.ones(8))
 
 
-def test_graspgen_and_graspnet_hold_the_same_grasps(tmp_path):
-    for style in ("graspgen", "graspnet"):
-        assert (
-            list(egad.export({"block": BLOCK}, style, "panda", tmp_path / style, grasps=6).left_out)
-            == []
-        )
-    file = tmp_path / "graspgen/grasp_data/panda/block.json"
-    grasps = json.loads(file.read_text())["grasps"]
-    array = np.load(tmp_path / "graspnet/block.npy")
-    assert len(array) == len(grasps["transforms"]) == 6
-    assert (array[:, 0] > 0).tolist() == grasps["object_in_gripper"]
-    middles = array[:, 13:16] + array[:, 3:4] * array[:, 4:13].reshape(-1, 3, 3)[:, :, 0]
-    assert np.mean(grasps["contact_locations"], axis=1) == pytest.approx(middles, abs=1e-8)
-    for mesh in ("graspgen/objects", "graspnet/meshes"):
-        assert trimesh.load_mesh(tmp_path / mesh / "block.obj").volume == pytest.approx(
-            BLOCK.volume * FACTOR**3
-        )
-
-
 def test_isaac_grasp_needs_a_gripper_with_joints(tmp_path):
     with pytest.raises(UserError, match="'panda' is made of boxes"):
         egad.export({"block": BLOCK}, "isaac_grasp", "panda", tmp_path / "out")
@@ -73,28 +51,6 @@ def test_isaac_grasp_needs_a_gripper_with_joints(tmp_path):
     assert (tmp_path / "out/meshes/block.obj").exists()
 
 
-def test_simulation_files_have_the_mass_of_the_solid(tmp_path):
-    assert (
-        list(egad.export({"block": BLOCK}, "simulation", "panda", tmp_path / "out").left_out) == []
-    )
-    urdf = ElementTree.parse(tmp_path / "out/block/block.urdf").getroot()  # noqa: S314 (our own)
-    mass = float(urdf.find("link/inertial/mass").get("value"))
-    assert mass == pytest.approx(Material().density * BLOCK.volume * FACTOR**3)
-    parts = [trimesh.load_mesh(path) for path in (tmp_path / "out/block/parts").iterdir()]
-    assert sum(part.volume for part in parts) == pytest.approx(BLOCK.volume * FACTOR**3)
-
-
-def test_simready_props_have_lines_of_the_size_of_the_hand(tmp_path):
-    usd = pytest.importorskip("pxr.Usd")
-    egad.export({"block": BLOCK}, "simready", "panda", tmp_path / "out", grasps=6)
-    stage = usd.Stage.Open(str(tmp_path / "out/block/simready/block.usd"))
-    lines = [prim for prim in stage.Traverse() if prim.GetTypeName() == "BasisCurves"]
-    assert 0 < len(lines) <= 6
-    for line in lines:
-        start, end = np.array(line.GetAttribute("points").Get())
-        assert np.linalg.norm(end - start) == pytest.approx(0.08, abs=1e-7)
-
-
 @pytest.mark.parametrize("style", get_args(ObjectFormat))
 def test_formats_of_simulators_have_files_of_each_object_that_is_solid(tmp_path, style):
     if style == "usd":
@@ -104,13 +60,6 @@ def test_formats_of_simulators_have_files_of_each_object_that_is_solid(tmp_path,
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names
     assert {name.partition(".")[0] for name in names} == {"block"}
-
-
-@pytest.mark.parametrize(("style", "unit"), [("obj", 1.0), ("stl", 1000.0), ("glb", 1.0)])
-def test_meshes_are_scaled_to_the_gripper(tmp_path, style, unit):
-    egad.export({"block": BLOCK}, style, "panda", tmp_path / "out")
-    mesh = trimesh.load_mesh(tmp_path / f"out/block.{style}")
-    assert mesh.volume == pytest.approx(BLOCK.volume * (FACTOR * unit) ** 3, rel=1e-5)
 
 
 @pytest.mark.parametrize("style", ["acronym", "simulation", "obj", "stl"])
@@ -125,14 +74,6 @@ def test_a_mesh_is_wound_outwards_and_an_open_one_left_out(tmp_path, style):
     for path in files:
         assert trimesh.load_mesh(path).volume > 0
         assert "tray" not in path.name
-
-
-def test_objects_need_not_be_scaled(tmp_path):
-    assert (
-        list(egad.export({"block": BLOCK}, "obj", "panda", tmp_path / "out", rule="none").left_out)
-        == []
-    )
-    assert trimesh.load_mesh(tmp_path / "out/block.obj").extents == pytest.approx(BLOCK.extents)
 
 
 def test_a_wrong_name_is_told_before_anything_is_made(tmp_path):

@@ -1,5 +1,4 @@
 import importlib
-import shutil
 
 import h5py
 import pytest
@@ -72,13 +71,6 @@ def archive(tmp_path):
     return path
 
 
-def test_the_objects_of_an_archive_are_exported(archive, tmp_path):
-    out = tmp_path / "objects"
-    done = egad("export", archive, "--gripper", GRIPPER, "--format", "obj", "--out", out)
-    assert done.returncode == 0, done.stderr
-    assert {path.stem for path in out.iterdir()} == set(load(archive).table["label"])
-
-
 @pytest.mark.parametrize(
     ("source", "options", "expected"),
     [
@@ -149,15 +141,3 @@ def test_another_gripper_of_that_name_is_refused(export, tmp_path, style, name):
     assert refused.returncode == 1
     assert "'yumi' opens 0.06 m in the settings, but 0.05 m in" in refused.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["config.yaml"]
-
-
-@pytest.mark.parametrize(("style", "name"), [("dexnet", "out.hdf5"), ("acronym", "out")])
-def test_a_table_cut_short_leaves_no_export(export, dataset, tmp_path, style, name):
-    broken = shutil.copytree(dataset, tmp_path / "broken")
-    table = broken / "grasps" / f"{GRIPPER}.parquet"
-    table.write_bytes(table.read_bytes()[:-20])
-    done = export(style, tmp_path / name, broken)
-    assert done.returncode == 1
-    assert f"{GRIPPER}.parquet: not a readable Parquet file" in done.stderr
-    assert "Traceback" not in done.stderr
-    assert {path.name for path in tmp_path.iterdir()} == {"broken", "config.yaml"}

@@ -11,7 +11,7 @@ from commands import egad
 from egad.exchange import write_bundle
 from egad.exchange.bundle import Item
 from egad.geometry import SimulationBundle
-from egad.io import read_mesh, write_obj
+from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS
@@ -85,10 +85,3 @@ def test_what_is_not_made_yet_is_named_with_the_command(folder, tmp_path, more, 
     said = f"{bare / file} is missing; make it first: snakemake --cores 2 {bare / file}"
     assert said in " ".join(done.stderr.split())
     assert not (tmp_path / "out").exists()
-
-
-def test_a_folder_that_holds_something_is_spared(folder, tmp_path):
-    write_obj(trimesh.creation.box(), tmp_path / "out" / "mine.obj")
-    done = export(folder, "urdf", tmp_path / "out")
-    assert done.returncode == 1
-    assert "is not empty" in done.stderr

@@ -100,8 +100,3 @@ def test_a_format_that_reads_results_of_a_run_says_so(tmp_path, made):
     assert {name for name in FORMATS if needs_run(name)} == {"dexnet", *IMAGES}
     with pytest.raises(UserError, match="'dexnet' is written from the results of a run"):
         egad.export({"ball": made.mesh}, "dexnet", "panda", tmp_path / "out")
-
-
-def test_a_format_that_there_is_not_is_an_error():
-    with pytest.raises(KeyError, match="nonsense"):
-        check_format("nonsense", HAND)

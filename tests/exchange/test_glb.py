@@ -5,7 +5,6 @@ import struct
 
 import numpy as np
 import pytest
-import trimesh
 
 from egad.io import read_mesh
 from egad.io.gltf import write_glb
@@ -51,13 +50,6 @@ def test_up_is_y_in_the_file_and_z_in_the_frame_of_the_mesh(file, made):
     material = document["materials"][primitive["material"]]["pbrMetallicRoughness"]
     assert material["metallicFactor"] == 0
     assert "NORMAL" not in primitive["attributes"]  # faces are then flat, by the specification
-
-
-def test_trimesh_sees_the_solid_with_y_up(file, made):
-    found = trimesh.load_mesh(file)
-    assert found.is_watertight
-    assert found.volume == pytest.approx(made.mesh.volume, rel=1e-5)
-    assert found.extents == pytest.approx(made.mesh.extents[[0, 2, 1]], rel=1e-5)
 
 
 def test_our_reader_gives_the_mesh_back_as_it_was(file, made):

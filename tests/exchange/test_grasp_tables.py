@@ -56,13 +56,6 @@ def test_the_opening_must_be_that_of_the_dataset(dataset, tmp_path):
         check_opening(tmp_path, "yumi", 0.05)
 
 
-def test_a_table_cut_short_is_a_sentence(dataset, tmp_path):
-    whole = (dataset / "grasps" / "yumi.parquet").read_bytes()
-    (tmp_path / "cut.parquet").write_bytes(whole[:-100])
-    with pytest.raises(TableError, match="not a readable Parquet file"):
-        egad.load_grasps(tmp_path / "cut.parquet")
-
-
 def table(labels, tmp_path):
     frame = pd.DataFrame({name: [None] * len(labels) for name in GRASPS.names})
     frame["label"], frame["grasp"] = labels, range(len(labels))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 import yaml
-from described_hands import box_urdf, jaw_urdf
+from described_hands import jaw_urdf
 
 from egad import Gripper
 from egad.exchange.grasps import graspgen
@@ -126,18 +126,6 @@ def test_a_list_can_be_chosen(labelled, tmp_path):
 def test_about_one_object_in_ten_is_for_validation():
     splits = [default_split(f"object {number}") for number in range(2000)]
     assert 150 < splits.count("valid") < 250
-
-
-def test_a_hand_with_a_file_is_as_deep_as_its_palm_is_far(labelled, tmp_path):
-    hand = graspgen_hand("mine", Gripper.from_file(box_urdf(tmp_path / "hand.urdf")))
-    assert hand.depth == pytest.approx(0.0445 / 2)  # its pads are the whole fingers
-    start_graspgen(tmp_path, hand)
-    write_graspgen(tmp_path, hand, "A00_0", labelled[labelled["label"] == "A00_0"])
-    (tmp_path / "objects/A00_0.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    (one,) = read(tmp_path, "mine").values()
-    assert seen_by_hand(one)[:, :, 2] == pytest.approx(hand.depth, abs=1e-8)
-    mesh = trimesh.load(tmp_path / "gripper/mine.obj")
-    assert mesh.bounds[:, 2] == pytest.approx([-0.06, 0.0445])
 
 
 def test_a_fixed_jaw_is_at_the_first_contact_of_each_grasp(labelled, tmp_path):

@@ -7,7 +7,6 @@ import yaml
 
 import egad
 from egad.errors import UserError
-from egad.exchange.grasps.graspgen_suction import OUTWARDS
 
 BOX = trimesh.creation.box((0.07, 0.08, 0.09))
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=0.04)
@@ -84,8 +83,3 @@ def test_formats_are_for_jaws_or_for_cups(tmp_path):
     with pytest.raises(UserError, match="'graspgen_suction' is not for panda, which has jaws"):
         egad.export({"box": BOX}, "graspgen_suction", "panda", tmp_path / "b")
     assert egad.export({"box": BOX}, "stl", "cup_30mm", tmp_path / "c").labels == ["box"]
-
-
-def test_the_turn_to_their_frame_is_a_half_turn_about_x():
-    np.testing.assert_array_equal(OUTWARDS @ OUTWARDS, np.eye(4))
-    assert np.linalg.det(OUTWARDS[:3, :3]) == 1

@@ -11,10 +11,7 @@ from trimesh.transformations import translation_matrix
 
 import egad
 from egad import Gripper
-from egad.exchange.grasps import isaac_grasp
 from egad.exchange.grasps.isaac_grasp import write_isaac_grasp
-from egad.exchange.parameters import GripperFormat
-from egad_workflow.settings import select
 
 LABEL = "A00_0"
 
@@ -145,14 +142,3 @@ def test_an_object_of_which_nothing_is_known_has_no_grasps(rows, tmp_path):
     unknown = rows.assign(simulated_success=None, collision_free=True)
     write_isaac_grasp(tmp_path / "a.yaml", LABEL, gripper, unknown)
     assert read(tmp_path / "a.yaml")[0] == []
-
-
-def test_each_object_has_a_file(dataset, settings, tmp_path):
-    chosen = select(settings, GripperFormat, "yumi")
-    hand = Gripper.from_file(box_urdf(tmp_path / "hand.urdf"))
-    chosen = chosen.model_copy(update={"gripper": hand})
-    isaac_grasp.run(chosen, dataset / "grasps/yumi.parquet", tmp_path / "out")
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
-        "A00_0.yaml",
-        "B01_0.yaml",
-    ]

@@ -99,29 +99,6 @@ def test_a_scene_and_an_object_in_it_are_as_they_are_alone(folder, compiler, ine
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_mass_and_inertia_are_those_of_the_solid(folder, made, compiler):
-    model = compiled(folder, compiler, '<include file="ell/ell.xml"/>')
-    body = object_bodies(model)[-1]
-    assert model.body_mass.sum() == pytest.approx(made.physics.mass, rel=1e-9)
-    axes = np.zeros(9)
-    mujoco.mju_quat2Mat(axes, model.body_iquat[body])
-    turn = axes.reshape(3, 3)
-    found = turn @ np.diag(model.body_inertia[body]) @ turn.T
-    near = precision(compiler)
-    np.testing.assert_allclose(model.body_ipos[body], made.physics.com, atol=near * 1e-3)
-    np.testing.assert_allclose(found, made.physics.inertia, rtol=0, atol=near * found.max())
-
-
-def test_two_objects_stand_in_one_scene(made, tmp_path):
-    for name in ("ell", "elk"):
-        mjcf.write(tmp_path, name, made, 0.4)
-    includes = [f'<include file="{name}/{name}.xml"/>' for name in ("ell", "elk")]
-    model = compiled(tmp_path, *includes)
-    np.testing.assert_allclose(model.body_mass[1:], made.physics.mass)
-    assert model.ngeom == 2 * (1 + len(made.parts))
-
-
-@pytest.mark.parametrize("compiler", COMPILERS)
 def test_an_object_can_be_attached(folder, made, compiler):
     limit = COMPILERS[compiler]
     door = DOOR.format(inertial="", limit=limit)

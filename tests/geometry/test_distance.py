@@ -36,10 +36,6 @@ def test_triangles_without_area_are_left_out():
     assert nearest(np.array([[0.0, 0.0, 0.9]]), broken)[0] == pytest.approx(0.4)
 
 
-def test_no_points_have_no_distances():
-    assert nearest(np.empty((0, 3)), trimesh.creation.box((1, 1, 1)))[0].shape == (0,)
-
-
 def test_a_surface_does_not_stray_from_itself_however_it_is_meshed():
     coarse = trimesh.creation.box((0.1, 0.1, 0.1))
     fine = coarse

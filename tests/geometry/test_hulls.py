@@ -70,11 +70,6 @@ def test_blocks_in_a_row_become_one_and_a_step_stays():
     assert sorted(hull.volume for hull in hulls) == pytest.approx([3, 4])
 
 
-def test_hulls_that_lie_apart_are_not_joined():
-    apart = [block([10 * k, 0, 0], [10 * k + 1, 1, 1]) for k in range(3)]
-    assert len(merge_hulls(apart, 99.0, always)) == 3
-
-
 def test_hulls_that_would_not_fit_are_not_joined():
     row = [block([k, 0, 0], [k + 1, 1, 1]) for k in range(4)]
 

@@ -8,7 +8,6 @@ from egad.geometry.primitives import (
     attach,
     joined_primitives,
     loose_piece,
-    random_pieces,
     solid_of,
 )
 from egad.random import generator
@@ -36,12 +35,6 @@ def test_the_same_number_is_the_same_object_and_another_one_is_not():
     assert len(volumes) == 30
 
 
-def test_size_changes_nothing_but_the_scale():
-    small, large = made(5, 0.05), made(5, 0.2)
-    assert np.array_equal(small.faces, large.faces)
-    assert 4 * small.vertices == pytest.approx(large.vertices)
-
-
 @pytest.mark.parametrize(
     ("kind", "volume"), [("box", 1.0), ("cylinder", np.pi / 4), ("sphere", np.pi / 6)]
 )
@@ -64,21 +57,3 @@ def test_attached_pieces_overlap_their_base_and_lie_further_out():
         assert (piece.rotation @ piece.rotation.T) == pytest.approx(np.eye(3))
         nearest = 0.8 * base.sides.min() / 2
         assert np.linalg.norm(piece.middle - base.middle) > nearest
-
-
-def test_objects_have_two_to_five_pieces_that_hang_together():
-    sets = [random_pieces(np.random.default_rng(number)) for number in range(80)]
-    assert {len(pieces) for pieces in sets} == {2, 3, 4, 5}
-    for pieces in sets:
-        solids = [solid_of(piece) for piece in pieces]
-        for number in range(1, len(solids)):
-            assert any((solids[number] ^ before).volume() > 0 for before in solids[:number])
-
-
-def test_all_kinds_and_turns_are_as_likely():
-    pieces = [loose_piece(np.random.default_rng(number)) for number in range(600)]
-    counts = [sum(piece.kind == kind for piece in pieces) for kind in KINDS]
-    assert all(160 < count < 240 for count in counts)  # 3.5 standard deviations
-    ups = np.array([piece.rotation[:, 2] for piece in pieces])
-    assert np.abs(ups.mean(axis=0)).max() < 0.1
-    assert np.abs(ups.T @ ups / len(ups) - np.eye(3) / 3).max() < 0.06

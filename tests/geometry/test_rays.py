@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-import egad
-from egad.geometry.rays import LibiglScene, RayCaster, TriangleScene, embree_scene
+from egad.geometry.rays import LibiglScene, RayCaster, TriangleScene
 
 
 def blob(seed=0):
@@ -112,66 +111,6 @@ def test_a_scene_meets_the_same_triangles_in_single_precision():
     np.testing.assert_allclose(np.einsum("ij,ijk->ik", weights, corners), met, atol=1e-6)
     across = np.cross(found.normals[hit], exact.normals[hit])
     assert np.linalg.norm(across, axis=1).max() < 1e-4 * np.abs(found.normals).max()
-
-
-def scenes(mesh):
-    """A mesh for both sources of Embree, and rays from everywhere in every direction."""
-    vertices, faces = mesh.vertices.astype(np.float32), mesh.faces.astype(np.int32)
-    size = np.ptp(vertices, axis=0).max()
-    rng = np.random.default_rng(1)
-    directions = rng.normal(size=(4000, 3)).astype(np.float32)
-    origins = (mesh.bounds.mean(axis=0) + rng.normal(0, size / 2, (4000, 3))).astype(np.float32)
-    return embree_scene(vertices, faces), LibiglScene(vertices, faces), (origins, directions)
-
-
-def spikes():
-    """Needles that share their tips: triangles of 600 by 1."""
-    angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
-    ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(200)], axis=1) * 0.05
-    vertices = np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]])
-    following = np.roll(np.arange(200), -1)
-    sides = [(np.arange(200), following, 200), (following, np.arange(200), 201)]
-    faces = np.concatenate([np.stack(np.broadcast_arrays(*side), axis=1) for side in sides])
-    return trimesh.Trimesh(vertices, faces, process=False)
-
-
-AWKWARD = {
-    "blob": blob,
-    "box": lambda: trimesh.creation.box([0.1, 0.1, 0.1]),
-    "needles": spikes,
-    "without area": lambda: trimesh.Trimesh(
-        blob().vertices, [*blob().faces, [0, 0, 1], [2, 2, 2]], process=False
-    ),
-    "soup": lambda: trimesh.Trimesh(
-        np.random.default_rng(0).normal(size=(900, 3)), np.arange(900).reshape(-1, 3), process=False
-    ),
-    "far away": lambda: blob().apply_translation([100, 0, 0]),
-}
-
-
-@pytest.mark.parametrize("name", [*AWKWARD, "A0", "G6"])
-def test_libigl_gives_the_hits_of_embreex(name, monkeypatch):
-    """It replaces embreex where that has no wheel."""
-    pytest.importorskip("igl")
-    mesh = AWKWARD[name]() if name in AWKWARD else egad.load("evaluation-set")[name].mesh
-    embreex, libigl, rays = scenes(mesh)
-    expected = embreex.run(*rays, query="INTERSECT", output=1)
-    hits = libigl.run(*rays, query="INTERSECT", output=1)
-    hit, same = expected["primID"] >= 0, expected["primID"] == hits["primID"]
-    assert hit.sum() > 20
-    np.testing.assert_array_equal(hits["primID"] >= 0, hit)
-    rounding = 8 * np.finfo(np.float32).eps * np.abs(rays[0]).max()
-    np.testing.assert_allclose(hits["tfar"][hit], expected["tfar"][hit], rtol=0, atol=rounding)
-    assert (~same).sum() <= 4  # at an edge, either neighbor is right
-    across = rounding * np.ptp(mesh.vertices, axis=0).max()
-    np.testing.assert_allclose(hits["Ng"][same], expected["Ng"][same], rtol=1e-4, atol=across)
-    for query in ("DISTANCE", "OCCLUDED"):
-        both = [scene.run(*rays, query=query) for scene in (embreex, libigl)]
-        np.testing.assert_allclose(*both, rtol=1e-6, atol=rounding)
-    exact = RayCaster(mesh).first_hits(*rays)
-    monkeypatch.setattr("egad.geometry.rays.embree_scene", LibiglScene)
-    distances = RayCaster(mesh).first_hits(*rays).distances
-    np.testing.assert_allclose(distances[same], exact.distances[same], rtol=1e-6)
 
 
 @pytest.mark.parametrize(

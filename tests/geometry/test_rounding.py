@@ -97,25 +97,12 @@ def test_rounding_is_that_of_the_files():
     assert np.abs(rounded / values - 1).max() <= 2**-24
 
 
-def test_what_is_too_large_is_not_single():
-    assert not is_single([1e39])
-    assert to_single([1e39])[0] == np.inf
-
-
 def test_a_repaired_mesh_is_rounded_and_keeps_its_faces():
     exact, rounded = repair(BALL), repair_for_files(BALL)
     assert not is_single(exact.mesh.vertices)
     assert np.array_equal(rounded.mesh.vertices, to_single(exact.mesh.vertices))
     assert np.array_equal(rounded.mesh.faces, exact.mesh.faces)
     assert rounded._replace(mesh=None) == exact._replace(mesh=None)
-
-
-def test_what_was_mended_is_rounded_too():
-    other = BALL.copy().apply_translation((0.03, 0.01, 0.02))
-    found = repair_for_files(trimesh.util.concatenate([BALL, other]))
-    assert found.changed
-    assert is_single(found.mesh.vertices)
-    assert repair(found.mesh).changed is False
 
 
 def test_details_that_rounding_would_destroy_stay_as_they_are():
@@ -151,9 +138,3 @@ def check_rounded(mesh, exact):
     assert mesh.area_faces.min() > 0
     assert mesh.is_watertight
     assert not repair(mesh).changed  # it neither crosses itself nor has another body
-
-
-def test_the_library_measures_what_a_dataset_would_publish():
-    """So it has the values that `egad measure` and tables have."""
-    raw, published = (egad.measure(each, max_candidates=512) for each in (BALL, ROUNDED))
-    assert raw == published

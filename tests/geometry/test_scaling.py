@@ -3,7 +3,6 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from egad._util.parameters import SCALE_RULES
 from egad.errors import RejectedError, UserError
 from egad.geometry.scaling import box_sides, rescale, scale_factor, size_text
 from egad.tables.grasping import SCALES
@@ -37,13 +36,6 @@ def test_no_random_box_is_smaller_and_turning_changes_little(seed):
     assert np.prod(box_sides(turned(mesh, 8))) == pytest.approx(volume, rel=0.01)
 
 
-def test_sides_scale_with_the_object_and_ascend():
-    mesh = blob()
-    sides = box_sides(mesh)
-    assert (np.diff(sides) >= 0).all()
-    assert np.allclose(box_sides(mesh.copy().apply_scale(1000)), sides * 1000, rtol=1e-3)
-
-
 @pytest.mark.parametrize(
     ("rule", "sides", "factor"),
     [
@@ -74,28 +66,9 @@ def test_the_row_says_what_was_done(rule):
     assert (rule, 0.02) == (row["rule"], row["opening"])
 
 
-def test_without_a_rule_an_object_stays_as_it_is():
-    mesh = blob()
-    scaled, row = rescale(mesh, "none", 0.02, 0.8)
-    assert (scaled.vertices == mesh.vertices).all()
-    assert row["factor"] == 1
-    assert [row[f"after_{n}"] for n in (1, 2, 3)] == [row[f"before_{n}"] for n in (1, 2, 3)]
-
-
-def test_every_rule_has_a_factor():
-    for rule in SCALE_RULES:
-        assert scale_factor(rule, np.ones(3), 0.075, 0.8) > 0
-
-
 def test_a_size_is_said_in_millimetres_without_exponents():
     assert size_text([0.04, 4, 4], 40.0) == "40 x 4000 x 4000 mm, 40 times its size"
     assert size_text([0.0004, 0.0123456, 0.1], 1 / 3) == "0.4 x 12.3 x 100 mm, 0.333 times its size"
-
-
-def test_the_released_script_makes_the_longest_side_the_opening():
-    _, row = rescale(trimesh.creation.box((0.02, 0.05, 0.3)), "egad-script", 0.1, 0.8)
-    assert row["after_3"] == pytest.approx(0.1)
-    assert row["after_1"] <= 0.08
 
 
 def test_an_unknown_rule_and_a_flat_object_are_named():

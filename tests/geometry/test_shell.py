@@ -5,7 +5,6 @@ import trimesh
 
 from egad.errors import RejectedError, UserError
 from egad.geometry.manifold import to_mesh
-from egad.geometry.rays import RayCaster
 from egad.geometry.repair import repair
 from egad.geometry.self_intersections import crossings
 from egad.geometry.shell import MAX_SPREAD, shell
@@ -106,40 +105,6 @@ def test_a_shell_is_one_closed_body_with_the_volume_of_all_points_near_the_surfa
     assert found.changed
     assert found.shell_thickness == WALL
     assert found.mesh.volume == pytest.approx(volume(), rel=0.01)
-
-
-@pytest.mark.parametrize("name", SURFACES)
-def test_the_box_grows_by_no_more_than_the_thickness(name, thickened):
-    surface = SURFACES[name][0]()
-    grown = thickened[name].mesh.bounds - surface.bounds
-    assert (-grown[0] <= HALF + 1e-5 * WALL).all()
-    assert (grown[1] <= HALF + 1e-5 * WALL).all()
-    assert np.ptp(grown, axis=0).max() == pytest.approx(WALL, rel=0.05)
-
-
-@pytest.mark.parametrize("name", SURFACES)
-def test_walls_are_as_thick_as_stated_along_rays_across_them(name, thickened):
-    """Rays from both sides to points of the surface that are off its rim and its creases."""
-    surface, caster = SURFACES[name][0](), RayCaster(thickened[name].mesh)
-    points, faces = trimesh.sample.sample_surface(surface, 2000, seed=1)
-    normals = surface.face_normals[faces]
-    far = _distance_to_edges(surface, points) > WALL
-    points, normals = points[far], normals[far]
-    assert len(points) > 500
-    above = caster.first_hits(points + WALL * normals, -normals).distances
-    below = caster.first_hits(points - WALL * normals, normals).distances
-    assert 2 * WALL - above - below == pytest.approx(np.full(len(points), WALL), rel=0.05)
-    assert above == pytest.approx(np.full(len(points), WALL - HALF), rel=0.05)
-
-
-def _distance_to_edges(surface, points):
-    """From points to the corners of a dense sampling of the rim and of creases of the surface."""
-    once = trimesh.grouping.group_rows(surface.edges_sorted, require_count=1)
-    sharp = surface.face_adjacency_edges[surface.face_adjacency_angles > 0.5]
-    ends = surface.vertices[np.vstack([surface.edges_sorted[once], sharp])]
-    along = np.linspace(0, 1, 200)[:, None, None]
-    dense = (ends[None, :, 0] * (1 - along) + ends[None, :, 1] * along).reshape(-1, 3)
-    return trimesh.proximity.cKDTree(dense).query(points)[0]
 
 
 def test_points_are_inside_if_they_are_within_half_the_thickness(thickened):

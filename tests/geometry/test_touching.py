@@ -78,16 +78,6 @@ def test_what_is_wound_inconsistently_is_no_solid():
         assert separated(mesh.vertices, torn)[1] is torn
 
 
-def test_solids_that_overlap_at_a_shared_edge_are_left_as_they_are():
-    first = trimesh.creation.box((0.02, 0.02, 0.02))
-    turn = trimesh.transformations.rotation_matrix(0.5, (0, 0, 1), (0.01, 0.01, 0))
-    both = merged(trimesh.util.concatenate([first, first.copy().apply_transform(turn)]))
-    assert len(both.vertices) == 14
-    vertices, faces = separated(np.asarray(both.vertices), np.asarray(both.faces))
-    assert np.array_equal(vertices, both.vertices)
-    assert np.array_equal(faces, both.faces)
-
-
 def test_voxels_that_touch_are_one_body():
     for filled, mesh in voxels(20):
         labels = ndimage.label(filled, np.ones((3, 3, 3)))[0]
@@ -114,18 +104,6 @@ def test_all_cubes_are_kept_and_the_print_check_says_where_they_touch(
         assert mesh.volume == pytest.approx(len(places) * (scale * SIDE) ** 3)
         (problem,) = print_problems(mesh, PrintCheck())
         assert problem.startswith(f"touches itself {where}" if scale == 1 else "touches itself ")
-
-
-def test_a_plate_with_cubes_that_share_an_edge_is_unchanged():
-    """Two cubes on a plate: the edge that they share has four faces."""
-    plate = trimesh.creation.box((0.04, 0.04, 0.01)).apply_translation([0, 0, -0.005])
-    parts = [cubes([(a, a, 1)]).apply_translation([-a * 0.01, -a * 0.01, -0.01]) for a in (-1, 1)]
-    whole = trimesh.boolean.union([plate, *parts])
-    repaired = repair(merged(whole))
-    assert not repaired.changed
-    assert 1e9 * repaired.mesh.volume == pytest.approx(32_000)
-    (problem,) = print_problems(repaired.mesh, PrintCheck())
-    assert problem.startswith("touches itself along an edge near (0.00, 0.00, 10.00) mm")
 
 
 def test_boxes_that_share_a_face_become_one():

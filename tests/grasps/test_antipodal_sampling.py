@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from egad.geometry.rays import RayCaster
-from egad.grasps import ContactPairs, Sampling, SamplingStatistics, sample_contacts, valid_contacts
+from egad.grasps import ContactPairs, Sampling, SamplingStatistics, sample_contacts
 from egad.grasps.antipodal import _keep_apart, approach_directions
 from egad.grasps.quality import ferrari_canny
 from egad.measures.percentile import percentile
@@ -119,25 +119,6 @@ def test_wide_objects_have_no_grasp_and_say_why():
     assert str(statistics).startswith(f"of 600 candidates: {statistics.too_wide} too wide, ")
 
 
-def test_inside_out_objects_have_no_grasp():
-    mesh = box(0.04, 0.04, 0.04)
-    mesh.invert()
-    assert len(draw(mesh)[0]) == 0
-
-
-def test_without_spacing_all_valid_candidates_are_kept():
-    caster, rules = RayCaster(ell()), Sampling(spacing=0.0, rounds=1, candidates=500)
-    grasps, statistics = valid_contacts(caster, OPENING, 500, rules, np.random.default_rng(3))
-    all_rounds, same = sample_contacts(caster, OPENING, 250, rules, np.random.default_rng(3))
-    assert statistics == same
-    assert (
-        len(grasps)
-        == 500 - statistics.too_wide - statistics.not_antipodal - statistics.blocked
-        > 50
-    )
-    np.testing.assert_array_equal(grasps.points[: len(all_rounds)], all_rounds.points)
-
-
 def test_tally_counts_every_candidate_once():
     grasps, statistics = draw(ell(), count=10_000, rounds=1)
     failed = (
@@ -172,16 +153,6 @@ def test_same_seed_gives_the_same_grasps_and_another_gives_others():
     first, again, other = draw(mesh)[0], draw(mesh)[0], draw(mesh, seed=1)[0]
     np.testing.assert_array_equal(first.points, again.points)
     assert not np.array_equal(first.points, other.points)
-
-
-def test_approach_is_at_right_angles_to_the_axis_and_to_z():
-    axes = np.random.default_rng(0).normal(size=(50, 3))
-    axes[0] = [0, 0, 1]
-    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    approach = approach_directions(axes)
-    np.testing.assert_allclose(np.linalg.norm(approach, axis=1), 1)
-    np.testing.assert_allclose(np.einsum("nk,nk->n", approach, axes), 0, atol=1e-12)
-    assert (approach[:, 2] == 0).all()
 
 
 def test_quality_percentiles_agree_with_dex_net_on_analytic_shapes():

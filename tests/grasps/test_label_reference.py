@@ -17,7 +17,6 @@ SETTINGS = select(Settings(), LabelParameters, gripper="yumi").model_copy(
     update={"grasp_label": GraspLabel(grasps=10)}
 )
 HAND = SETTINGS.gripper
-BLUR = 6e-4  # metres between points that are sampled on a surface
 
 
 def lump():
@@ -156,61 +155,3 @@ def quality_turned(points, normals, axis, com, friction, rotation):
     """The quality in the frame of the object: there the edges of a friction cone start."""
     back = rotation.inv().apply
     return quality(back(points), back(normals), back(axis), back(com), friction, 1000)
-
-
-def boxes(margin, way):
-    """The hand in its frame, larger by a margin, straight from the table of grippers."""
-    inner, outer = HAND.opening / 2, HAND.opening / 2 + HAND.finger_thickness
-    side, tip = HAND.finger_width / 2, HAND.finger_width / 2
-    base = tip - HAND.finger_length
-    width, depth, length = HAND.palm
-    found = [
-        ((sign * (inner + outer) / 2, 0), (outer - inner, 2 * side), base - way, tip)
-        for sign in (-1, 1)
-    ]
-    found.append(((0, 0), (width, depth), base - length - way, base))
-    return [
-        (np.array([*middle, (low + high) / 2]), np.array([*size, high - low]) / 2 + margin)
-        for middle, size, low, high in found
-    ]
-
-
-def hits(points, hand):
-    """Whether any point is in a box of the hand; if so, one in a hundred mostly shows it."""
-    return any(
-        (np.abs(some - middle) < half).all(axis=1).any()
-        for some in (points[::100], points)
-        for middle, half in hand
-    )
-
-
-def test_collisions_equal_points_on_the_surface(labelled):
-    mesh, frame, _, _ = labelled
-    points = trimesh.sample.sample_surface(mesh, int(8 * mesh.area / BLUR**2), seed=2)[0]
-    for i, row in frame.iterrows():
-        axis, down = vectors(frame, "axis")[i], np.array([0, 0, -1.0])
-        first = down - down @ axis * axis
-        first /= np.linalg.norm(first)
-        local = points - vectors(frame, "center")[i]
-        # only points beside the open fingers, and above where they begin, can be in a box
-        aside = np.abs(local @ axis) > HAND.opening / 2 - BLUR
-        root = HAND.finger_width / 2 - HAND.finger_length + BLUR
-        blocked = np.zeros((2, 2, 16), dtype=bool)
-        for k, turn in enumerate(2 * np.pi * np.arange(16) / 16):
-            approach = np.cos(turn) * first - np.sin(turn) * np.cross(first, axis)
-            near = local[aside | (local @ approach < root)]
-            inside = near @ np.array([axis, np.cross(approach, axis), approach]).T
-            for way, length in enumerate((0.0, 0.1)):
-                for size, margin in enumerate((-BLUR, BLUR)):
-                    blocked[way, size, k] = hits(inside, boxes(margin, length))
-            if np.allclose(approach, vectors(frame, "approach")[i]):
-                best = blocked[:, :, k]
-        free = 16 - blocked.sum(axis=2)
-        assert free[0, 1] <= row["angles_fit"] <= free[0, 0]
-        assert free[1, 1] <= row["angles_collision_free"] <= free[1, 0]
-        assert best[0, 0] <= (not row["fits"]) <= best[0, 1]
-        assert best[1, 0] <= (not row["collision_free"]) <= best[1, 1]
-        assert row["collision_free"] == (row["angles_collision_free"] > 0)
-        assert row["fits"] == (row["angles_fit"] > 0)
-        assert row["width"] <= row["needed_opening"]
-        assert not row["fits"] or row["needed_opening"] <= HAND.opening

@@ -39,22 +39,6 @@ def test_columns_are_those_of_the_table(tmp_path):
     assert len(parquet.read(path, GRASPS)) == 40
 
 
-def test_columns_agree_with_each_other():
-    frame = labels()
-    first, second = vectors(frame, "contact0"), vectors(frame, "contact1")
-    np.testing.assert_allclose(vectors(frame, "center"), (first + second) / 2, atol=1e-15)
-    np.testing.assert_allclose(np.linalg.norm(second - first, axis=1), frame["width"])
-    axis, approach = vectors(frame, "axis"), vectors(frame, "approach")
-    np.testing.assert_allclose(axis * frame[["width"]].to_numpy(), second - first, atol=1e-12)
-    np.testing.assert_allclose(np.einsum("nk,nk->n", axis, approach), 0, atol=1e-12)
-    assert (np.einsum("nk,nk->n", vectors(frame, "normal0"), axis) < 0).all()
-    assert (np.einsum("nk,nk->n", vectors(frame, "normal1"), axis) > 0).all()
-    assert frame["robust_success_rate"].between(0, 1).all()
-    assert ((frame["robust_success_rate"] > 0) == (frame["robust_quality"] > 0)).all()
-    assert frame["collision_free"].any()
-    assert (frame["quality"] > 0).any()
-
-
 def test_same_seed_gives_the_same_rows():
     assert labels().equals(labels())
     assert not labels().equals(labels(seed=1))

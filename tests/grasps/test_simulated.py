@@ -58,13 +58,6 @@ def test_the_standard_error_is_that_of_resampled_grasps():
         assert found.std <= 0.04
 
 
-def test_grasps_of_which_the_engine_could_not_tell_do_not_count():
-    assert success_rate(["success", "failed", "crashed", "no_grasp"])[:2] == (2, 0.5)
-    nothing = success_rate(["failed"])
-    assert nothing.n == 0
-    assert np.isnan([nothing.rate, nothing.std]).all()
-
-
 def test_rates_in_free_space_and_on_the_table_are_apart():
     table = pd.DataFrame(
         {

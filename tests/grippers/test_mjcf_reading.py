@@ -29,10 +29,6 @@ HARMLESS = {
         ASSET: f'{ASSET}<mesh name="cover" file="no.obj"/>',
         LEFT: LEFT + SEEN,
     },
-    "a mesh that is only seen is in another format": {
-        ASSET: f'{ASSET}<mesh name="cover" file="hand.step"/>',
-        LEFT: LEFT + SEEN,
-    },
     "a texture is missing": {ASSET: f'{ASSET}<texture name="t" type="2d" file="no.png"/>'},
     "a height field is missing": {
         ASSET: f'{ASSET}<hfield name="land" file="no.png" size="1 1 1 1"/>',
@@ -42,7 +38,6 @@ HARMLESS = {
         "<worldbody>": '<deformable><skin file="no.skn"/></deformable><worldbody>'
     },
     "an asset twice": {TEXTURE: 2 * TEXTURE},
-    "an asset again in another block": {"<worldbody>": f"<asset>{TEXTURE}</asset><worldbody>"},
     "an attribute of defaults": {"<default>": '<default><default class="a" group="1"/>'},
 }
 

@@ -6,7 +6,6 @@ import pytest
 from described_hands import PAD, box_urdf, linkage_mjcf
 
 import egad
-from egad.errors import UserError
 from egad.grippers import Gripper, base_link, base_pose, joint_values
 
 
@@ -49,11 +48,3 @@ def test_boxes_have_no_joints_and_no_links():
     assert joint_values(panda, 0.04) == {}
     assert base_link(panda) is None
     assert base_pose(panda, 0.04) is None
-
-
-def test_a_file_that_is_gone_is_named(tmp_path):
-    path = box_urdf(tmp_path / "hand.urdf")
-    gripper = Gripper.from_file(path)
-    path.unlink()
-    with pytest.raises(UserError, match=r"hand\.urdf: there is no such file"):
-        joint_values(gripper, 0.04)

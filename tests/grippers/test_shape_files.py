@@ -4,7 +4,6 @@ import os
 import re
 import struct
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -116,14 +115,12 @@ def box_text():
 
 
 BROKEN = {
-    "it is empty": b"",
     "is flat": b"solid a\nendsolid a\n",
     "it is neither a binary file nor text": b"hello world\n" * 20,
     "it is truncated: its header says 12": trimesh.creation.box(FINGER).export(file_type="stl")[
         :-60
     ],
     "it is truncated: .* facets begin": box_text()[:700].encode(),
-    "it has a decimal comma": box_text().replace(".", ",").encode(),
     "is flat or damaged": bytes(80) + struct.pack("<I12fHI", 1, *np.eye(4)[:, :3].ravel(), 0, 0),
 }
 
@@ -263,39 +260,6 @@ def test_linked_packages_are_found_and_links_in_circles_end(tmp_path, monkeypatc
     for name in ("maker", "renamed"):
         found = find_file(f"package://{name}/meshes/finger.stl", tmp_path / "hand.urdf")
         assert found == maker / "meshes/finger.stl"
-
-
-def test_slashes_after_the_name_of_a_package_may_be_doubled(tmp_path):
-    maker = package(tmp_path / "maker", "maker")
-    found = find_file("package://maker//meshes/finger.stl", tmp_path / "hand.urdf")
-    assert found == maker / "meshes" / "finger.stl"
-    with pytest.raises(UserError, match=rf"looked for {maker}/no\.stl"):
-        find_file("package://maker//no.stl", tmp_path / "hand.urdf")
-
-
-def test_the_name_of_a_package_is_not_read_from_a_comment(tmp_path):
-    maker = package(tmp_path / "maker-main", "maker")
-    text = "<!-- <name>other</name> --><package><author><name>a</name></author><name>maker</name>"
-    (maker / "package.xml").write_text(f"{text}</package>")
-    found = find_file("package://maker/meshes/finger.stl", maker / "urdf" / "hand.urdf")
-    assert found == maker / "meshes" / "finger.stl"
-    with pytest.raises(UserError, match="the package other is in none"):
-        find_file("package://other/meshes/finger.stl", maker / "urdf" / "hand.urdf")
-
-
-def test_ros_packages_are_listed_once_for_all_meshes_of_a_file(tmp_path, monkeypatch):
-    package(tmp_path / "elsewhere" / "maker", "maker")
-    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "elsewhere"))
-    walk = Mock(wraps=os.walk)
-    monkeypatch.setattr(os, "walk", walk)
-    path = hand_with(tmp_path, "package://maker/meshes/finger.stl")
-    (tmp_path / "elsewhere/maker/meshes/other.stl").write_bytes(
-        (tmp_path / "elsewhere/maker/meshes/finger.stl").read_bytes()
-    )
-    head, tail = path.read_text().rsplit("finger.stl", 1)
-    path.write_text(f"{head}other.stl{tail}")
-    assert len(description_files(path)) == 3
-    assert walk.call_count == 1
 
 
 def test_uris_of_files_are_read(tmp_path, boxes):

@@ -1,4 +1,4 @@
-"""Fingers with holes, windows, ribs, grooves and ridges open as far as plain ones of their outline.
+"""Fingers with holes, windows, ribs and grooves open as far as plain ones of their outline.
 
 The face towards the other finger is the plane x = 0, or the foremost points lie in it.
 """
@@ -68,39 +68,12 @@ def vee(degrees):
     return SOLID - along_z([(-1e-3, -WIDE / 2), (-1e-3, WIDE / 2), (depth, 0)])
 
 
-def ridge(degrees):
-    depth = np.tan(np.radians(degrees)) * WIDE / 2
-    sides = [
-        along_z([(-1, 0), (0, 0), (depth, s * WIDE / 2), (-1, s * WIDE / 2)]) for s in (-1.01, 1.01)
-    ]
-    return SOLID - union(sides)
-
-
-def teeth():
-    depth = np.tan(np.radians(30)) * 5
-    return SOLID - union(
-        along_y([(-1e-3, z), (-1e-3, z + 10), (depth, z + 5)], 15) for z in range(0, 90, 10)
-    )
-
-
 FINGERS = {
     "screw hole": [SOLID - hole(0, 70.75, 2)],
-    "holes": [SOLID - union(hole(y, z, 2.2) for y in (-5, 0, 5) for z in range(8, 88, 16))],
     "window": [SOLID - box((-10, -6, 60), (60, 6, 80))],
-    "slot along": [SOLID - box((-10, -2, 20), (60, 2, 85))],
-    "groove across": [SOLID - box((-10, -30, 68), (4, 30, 74))],
-    "hollow": [SOLID - box((2, -30, 4), (60, 30, 84)) + box((1, -10, 40), (8, 10, 42))],
     "fin-ray": fin_ray(),
-    "V of 15 degrees": [vee(15)],
     "V of 30 degrees": [vee(30)],
-    "V of 45 degrees": [vee(45)],
-    "teeth": [teeth()],
     "flutes": [SOLID - union(box((-1, y, -1), (0.9, y + 2, 91)) for y in range(-9, 9, 3))],
-    "cross grooves": [
-        SOLID - union(box((-1, -30, z), (0.9, 30, z + 1.9)) for z in range(1, 90, 3))
-    ],
-    "ridge": [ridge(30)],
-    "round": [SOLID ^ manifold3d.Manifold.cylinder(200, 15, 15, 64).translate((15, 0, -10))],
 }
 
 
@@ -144,27 +117,18 @@ def one_jaw(folder, bodies, kind, limit, axis):
     return found
 
 
-QUICK = ("fin-ray", "window", "V of 30 degrees", "screw hole", "flutes")
-
-
-def marked(kinds):
-    slow = pytest.mark.slow
-    return [kind if kind in QUICK else pytest.param(kind, marks=slow) for kind in sorted(kinds)]
-
-
-@pytest.mark.parametrize("kind", marked(FINGERS))
+@pytest.mark.parametrize("kind", FINGERS)
 def test_parallel_fingers_open_as_far_as_they_slide(tmp_path, kind):
     found = parallel(tmp_path, FINGERS[kind])
-    tolerance = 5e-4 if kind in ("ridge", "fin-ray") else 1e-4
+    tolerance = 5e-4 if kind == "fin-ray" else 1e-4
     assert found.openings[[0, -1]] == pytest.approx([0, 2 * STROKE], abs=tolerance)
     np.testing.assert_allclose(found.palm_to_hand[:3, 0], [1, 0, 0], atol=1e-9)
     pad = 1000 * np.ptp(found.pad, axis=0)
-    narrow = kind in ("ridge", "round")
-    assert pad[1] == pytest.approx(WIDE, abs=0.1) if not narrow else pad[1] < WIDE
+    assert pad[1] == pytest.approx(WIDE, abs=0.1)
     assert pad[2] == pytest.approx(LENGTH, abs=0.5)
 
 
-@pytest.mark.parametrize("kind", marked(FINGERS))
+@pytest.mark.parametrize("kind", FINGERS)
 def test_a_jaw_that_slides_opens_as_far_as_it_slides(tmp_path, kind):
     found = one_jaw(tmp_path, FINGERS[kind], "prismatic", STROKE, "1 0 0")
     assert found.openings[[0, -1]] == pytest.approx([0, STROKE], abs=1e-4)
@@ -172,7 +136,7 @@ def test_a_jaw_that_slides_opens_as_far_as_it_slides(tmp_path, kind):
     assert 1000 * np.ptp(found.pad, axis=0)[2] == pytest.approx(LENGTH, abs=1)
 
 
-@pytest.mark.parametrize("kind", marked(set(FINGERS) - {"teeth"}))
+@pytest.mark.parametrize("kind", FINGERS)
 def test_a_jaw_that_turns_opens_by_the_angle_at_its_pads(tmp_path, kind):
     """The plane of its foremost points turns about the hinge, and is closed at 0."""
     found = one_jaw(tmp_path, FINGERS[kind], "revolute", TURN, "0 1 0")
@@ -181,7 +145,7 @@ def test_a_jaw_that_turns_opens_by_the_angle_at_its_pads(tmp_path, kind):
     gaps = hinge - hinge / np.cos(angle) + z * np.tan(angle)
     np.testing.assert_allclose(found.openings, gaps, atol=2e-4)
     np.testing.assert_allclose(found.palm_to_hand[:3, 0], [1, 0, 0], atol=1e-9)
-    if kind in ("screw hole", "holes", "window", "slot along", "hollow", "fin-ray"):
+    if kind in ("screw hole", "window", "fin-ray"):
         assert 1000 * found.openings[-1] == pytest.approx(84.7, abs=0.5)
         assert 1000 * np.ptp(found.pad, axis=0)[2] == pytest.approx(38.5, abs=0.5)
 
@@ -191,14 +155,6 @@ def test_the_window_of_pads_is_said_to_be_open(tmp_path):
     hand = Gripper.from_file(tmp_path / "hand.urdf")
     assert re.search(r"the pads; 1\d % of their faces is open$", hand_facts(hand, model)["opening"])
     assert hand_doubts(hand, model) == []
-
-
-def test_the_tilted_closing_axis_of_serrated_jaws_that_turn_is_doubtful(tmp_path):
-    model = one_jaw(tmp_path, [teeth()], "revolute", TURN, "0 1 0")
-    off = np.degrees(np.arccos(np.abs(model.palm_to_hand[:3, 0]).max()))
-    assert off > 2
-    said = f"The closing axis is {off:.0f} degrees off the axes of the palm: check closing_axis."
-    assert said in hand_doubts(Gripper.from_file(tmp_path / "hand.urdf"), model)
 
 
 def test_opposite_pins_end_the_range_where_they_meet(tmp_path):

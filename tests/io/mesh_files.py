@@ -44,79 +44,12 @@ def box_of(data, units="mm"):
     return Case(data if isinstance(data, bytes) else data.encode("latin-1"), units=units)
 
 
-class Polyhedron(NamedTuple):
-    """A closed surface of polygons, with its size and volume."""
-
-    vertices: np.ndarray
-    faces: list
-    size: tuple[float, ...]
-    volume: float
-
-
-def prism(outline, height, size, volume):
-    """A prism over a polygon that runs counter-clockwise: its two ends are polygons."""
-    n, flat = len(outline), np.asarray(outline, dtype=float)
-    low, high = (np.column_stack([flat, np.full(n, z)]) for z in (0.0, height))
-    walls = [(k, (k + 1) % n, n + (k + 1) % n, n + k) for k in range(n)]
-    faces = [tuple(range(n))[::-1], tuple(range(n, 2 * n)), *walls]
-    return Polyhedron(np.vstack([low, high]), faces, (*size, height), volume)
-
-
-def turned(solid, matrix):
-    """The same polygons in another plane; their size is computed from the vertices."""
-    vertices = solid.vertices @ np.asarray(matrix).T
-    return solid._replace(vertices=vertices, size=tuple(np.ptp(vertices, axis=0)))
-
-
 MIXED = [*QUADS[:3], *[(a, b, c) for q in QUADS[3:] for a, b, c in (q[:3], (q[0], *q[2:]))]]
-L_SHAPE = [(20, 20), (20, 60), (0, 60), (0, 0), (60, 0), (60, 20)]  # a fan from the 1st folds not
-L_FOLDED = [L_SHAPE[(k + 2) % 6] for k in range(6)]  # one from this corner does
 U_SHAPE = [(0, 0), (60, 0), (60, 50), (40, 50), (40, 10), (20, 10), (20, 50), (0, 50)]
-ANGLES = np.arange(10) * np.pi / 5
-STAR = np.where(np.arange(10) % 2, 12.0, 30.0)[:, None] * np.column_stack(
-    [np.cos(ANGLES), np.sin(ANGLES)]
-)
-STAR_AREA = 10 * 0.5 * 30 * 12 * np.sin(np.pi / 5)
-SPLIT = [  # an L with corners in the middle of its sides
-    *[(0, 0), (30, 0), (60, 0), (60, 20), (40, 20), (20, 20), (20, 40), (20, 60), (0, 60), (0, 30)]
+U_FACES = [  # of a prism over it: two ends and eight walls
+    *[tuple(range(8))[::-1], tuple(range(8, 16))],
+    *[(k, (k + 1) % 8, 8 + (k + 1) % 8, 8 + k) for k in range(8)],
 ]
-KEYHOLE = [  # a square with a square hole, as one polygon that goes there and back
-    *[(0, 0), (60, 0), (60, 60), (0, 60), (0, 0), (20, 20), (20, 40), (40, 40), (40, 20), (20, 20)]
-]
-SOLIDS = {
-    "l": prism(L_SHAPE, 15.0, (60, 60), 2000 * 15.0),
-    "l_folded": prism(L_FOLDED, 15.0, (60, 60), 2000 * 15.0),
-    "u": prism(U_SHAPE, 15.0, (60, 50), 2200 * 15.0),
-    "star": prism(STAR, 10.0, np.ptp(STAR, axis=0), STAR_AREA * 10.0),
-    "split": prism(SPLIT, 15.0, (60, 60), 2000 * 15.0),
-    "tilted_u": turned(
-        prism(U_SHAPE, 15.0, (60, 50), 2200 * 15.0),
-        trimesh.transformations.rotation_matrix(1.0, [1, 2, 3])[:3, :3],
-    ),
-}
-
-
-def keyhole():
-    """A square tube whose ends are polygons with a hole, as modelling programs write it."""
-    square, hole = KEYHOLE[:4], KEYHOLE[5:9]
-    flat = np.array([*square, *hole], dtype=float)
-    vertices = np.vstack([np.column_stack([flat, np.full(8, z)]) for z in (0.0, 15.0)])
-    top = (0, 1, 2, 3, 0, 4, 5, 6, 7, 4)
-    outside = [(k, (k + 1) % 4, 8 + (k + 1) % 4, 8 + k) for k in range(4)]
-    inside = [(4 + k, 4 + (k + 1) % 4, 12 + (k + 1) % 4, 12 + k) for k in range(4)]
-    ends = [top[::-1], tuple(8 + k for k in top)]
-    return Polyhedron(vertices, [*ends, *outside, *inside], (60, 60, 15), 3200 * 15.0)
-
-
-def bent(solid):
-    """One corner of the ends is lifted: polygons that are not flat."""
-    vertices = solid.vertices.copy()
-    vertices[[0, len(vertices) // 2], 2] += 0.5
-    size = (*solid.size[:2], float(np.ptp(vertices[:, 2])))
-    return solid._replace(vertices=vertices, size=size, volume=None)
-
-
-SOLIDS |= {"keyhole": keyhole(), "bent_u": bent(SOLIDS["u"])}
 
 
 def numbers(rows):
@@ -141,19 +74,7 @@ def relative(vertices, faces):
     return text
 
 
-def two_objects(end="\n"):
-    """A base and a knob, both with relative indices."""
-    knob = trimesh.creation.box((20.0, 20.0, 20.0), transform=np.eye(4))
-    parts = [("base", BOX.vertices), ("knob", knob.vertices + np.array([0, 0, 24.9]))]
-    text = ""
-    for name, vertices in parts:
-        text += f"o {name}\n" + obj(vertices, [])
-        text += "".join(f"f {a - 8} {b - 8} {c - 8}\n" for a, b, c in BOX.faces)
-    return text.replace("\n", end).encode()
-
-
 V, F = BOX.vertices, BOX.faces
-TWO_SIZE, TWO_VOLUME = (60, 40, 49.9), 80_000.0
 PLAIN_OBJ = obj(V, F)
 TEXTURED = (
     "mtllib box.mtl\no box\n"
@@ -170,51 +91,29 @@ def slashes(form, faces=F):
 
 OBJ = {
     "relative.obj": box_of(relative(V, QUADS)),
-    "two_relative.obj": Case(two_objects(), TWO_SIZE, TWO_VOLUME),
-    "two_relative_cr.obj": Case(two_objects("\r"), TWO_SIZE, TWO_VOLUME),
-    "two_relative_crlf.obj": Case(two_objects("\r\n"), TWO_SIZE, TWO_VOLUME),
     "quads.obj": box_of(obj(V, QUADS)),
-    "v_vt.obj": box_of(slashes("{0}/1")),
     "v_vn.obj": box_of(slashes("{0}//1")),
     "v_vt_vn.obj": box_of(slashes("{0}/1/1", QUADS)),
     "relative_v_vt_vn.obj": box_of(slashes("{1}/-1/-1")),
     "colours.obj": box_of(obj(np.hstack([V, np.full((8, 3), 0.5)]), F)),
     "homogeneous.obj": box_of(obj(np.hstack([V, np.ones((8, 1))]), F)),
     "weights.obj": refused(obj(np.hstack([2 * V, np.full((8, 1), 2.0)]), F), "weight"),
-    "tabs.obj": box_of(PLAIN_OBJ.replace(" ", "\t")),
     "continued.obj": box_of(PLAIN_OBJ.replace("f 2 4 1", "f 2 4 \\\n 1")),
-    "continued_at_end.obj": box_of(PLAIN_OBJ.removesuffix("\n") + " \\"),
-    "materials_within.obj": box_of("newmtl red\nKd 1 0 0\nmap_Kd red.png\n" + PLAIN_OBJ),
     "bom.obj": box_of(b"\xef\xbb\xbf" + PLAIN_OBJ.encode()),
     "cr.obj": box_of(PLAIN_OBJ.replace("\n", "\r")),
     "crlf_comments.obj": box_of(obj(V, QUADS, "# K\xf6rper\n", "\n# end\n").replace("\n", "\r\n")),
     "lines_and_points.obj": box_of(PLAIN_OBJ + "l 1 2\np 1\n"),
-    "face_comment.obj": box_of(PLAIN_OBJ.replace("f 2 4 1", "f 2 4 1 # first")),
     "faces_first.obj": box_of(obj(V, F).replace(obj(V, []), "") + obj(V, [])),
     "curves.obj": refused(obj(V, F) + "cstype bezier\ndeg 2\ncurv 0 1 1 2 3\nend\n", "curv"),
     "surfaces.obj": refused(obj(V, []) + "cstype bspline\nsurf 0 1 0 1 1 2 3 4\nend\n", "surf"),
     "decimal_commas.obj": refused(PLAIN_OBJ.replace(".5", ",5").replace("30 ", "30,0 "), "comma"),
     "utf16.obj": refused(PLAIN_OBJ.encode("utf-16"), "UTF-16"),
-    "utf16_without_mark.obj": refused(PLAIN_OBJ.encode("utf-16-be"), "UTF-16"),
-    "separators.obj": refused(PLAIN_OBJ.replace(" -20 ", ", -20, "), r"'-30,' is not a number$"),
     "underscores.obj": refused(PLAIN_OBJ.replace("-30", "-3_0"), r"line 1: '-3_0' is not a number"),
-    "underscore_index.obj": refused(PLAIN_OBJ + "f 1 2 0_3\n", "'0_3' is not a number"),
     "html.obj": refused("<!DOCTYPE html>\n<html>Not found</html>", "no faces"),
-    "html_at_end.obj": refused(PLAIN_OBJ + "</html>\n", "line 21: '</html>' is not OBJ"),
     "upper_case.obj": refused(PLAIN_OBJ.replace("f ", "F "), "line 9: 'F' is not OBJ"),
-    "renamed_ply.obj": refused(b"ply\nformat ascii 1.0\nend_header\n", "no faces"),
-    "zero_index.obj": refused(
-        obj(V, F).replace("f 2 4 1", "f 2 4 0"), "vertices that do not exist"
-    ),
     "too_far_back.obj": refused(obj(V, F).replace("f 2 4 1", "f 2 4 -9"), "do not exist"),
     "nan.obj": refused(PLAIN_OBJ.replace("v -30 ", "v nan ", 1), "not finite"),
-    "only_points.obj": refused(obj(V, []), "no faces"),
-    "word.obj": refused(PLAIN_OBJ.replace("v -30 ", "v x ", 1), "line 1"),
-    "two_numbers.obj": refused(PLAIN_OBJ.replace("v -30 -20 -15", "v -30 -20", 1), "line 1"),
-    "says_inch.obj": refused("# units: inches\n" + PLAIN_OBJ, "inch"),
-    "says_mm.obj": box_of("# File units = millimeters\n" + PLAIN_OBJ, None),
     "says_dm.obj": refused("# unit: dm\n" + PLAIN_OBJ, "states the unit dm, but mm"),
-    "units_in_mm.obj": box_of("# units in mm\n" + PLAIN_OBJ, None),
     "says_nothing.obj": refused(PLAIN_OBJ, "units", None),
 }
 
@@ -237,55 +136,33 @@ def ascii_stl(name="box", mesh=BOX, end=True):
 
 
 OBJ["binary.obj"] = refused(facets(), "binary, not text")
-OBJ["binary_of_text_header.obj"] = refused(facets(header=b"solid box"), "binary, not text")
 UPPER = BOX.copy().apply_translation([0, 0, 40])
 STL = {
-    "plain.stl": box_of(facets()),
     "solid_header.stl": box_of(facets(header=b"solid box facet")),
-    "count_zero.stl": box_of(facets(count=0)),
     "count_small.stl": refused(facets(count=7), "says 7 .* holds 12"),
-    "count_large.stl": refused(facets(count=13), "truncated"),
     "cut.stl": refused(facets()[:-20], "truncated"),
     "trailing_bytes.stl": box_of(facets(tail=bytes(34))),
-    "trailing_text.stl": box_of(facets(tail=b"made with a demo licence\r\n")),
-    "trailing_facet_of_zeros.stl": box_of(facets(tail=bytes(70))),
     "header_only.stl": refused(facets()[:84].replace(b"\x0c", b"\0"), "no faces"),
     "solid_header_count_large.stl": refused(facets(count=99, header=b"solid box"), "truncated"),
     "says_mm.stl": box_of(facets(header=b"egad, unit: millimetre"), None),
-    "says_mm_asked_m.stl": refused(facets(header=b"egad, unit: millimetre"), "mm", "m"),
     "says_cm.stl": Case(facets(header=b"UNITS=cm"), (600, 400, 300), BOX_VOLUME * 1000, "", None),
     "silent.stl": refused(facets(), "units", None),
-    "ascii.stl": box_of(ascii_stl()),
-    "ascii_crlf_upper.stl": box_of(ascii_stl().upper().replace("\n", "\r\n")),
     "ascii_cr.stl": box_of(ascii_stl().replace("\n", "\r")),
-    "ascii_bom.stl": box_of(b"\xef\xbb\xbf" + ascii_stl().encode()),
     "ascii_blank_start.stl": box_of("\n\n" + ascii_stl()),
-    "ascii_latin1.stl": box_of(ascii_stl("Gehäuse")),
     "ascii_no_name.stl": box_of(ascii_stl("")),
     "ascii_named_vertex.stl": box_of(ascii_stl("my facet vertex 1 2")),
-    "ascii_no_endsolid.stl": box_of(ascii_stl(end=False)),
-    "ascii_two.stl": Case(
-        (ascii_stl("a") + ascii_stl("b", UPPER)).encode(), (60, 40, 70), 2 * BOX_VOLUME
-    ),
     "ascii_two_no_endsolid.stl": Case(
         (ascii_stl("a", end=False) + ascii_stl("b", UPPER)).encode(), (60, 40, 70), 2 * BOX_VOLUME
     ),
-    "ascii_cut.stl": refused(ascii_stl()[:-130], "truncated"),
     "ascii_cut_number.stl": refused(ascii_stl()[: ascii_stl().rindex("vertex") + 12], "truncated"),
     "ascii_commas.stl": refused(ascii_stl().replace(".", ","), "comma"),
-    "ascii_nan.stl": refused(ascii_stl().replace("vertex 3", "vertex nan 3", 1), "not finite"),
-    "ascii_word.stl": refused(ascii_stl().replace("vertex 3", "vertex x3", 1), "vertex|number"),
-    "utf16.stl": refused(ascii_stl().encode("utf-16"), "UTF-16"),
     "quads.stl": refused(
         ascii_stl().replace("    endloop", "      vertex 0 0 0\n    endloop", 1), "3 corners"
     ),
     "empty.stl": refused(b"", "empty"),
     "count_zero_cut.stl": refused(facets(count=0)[:-20], "truncated within face 12"),
-    "count_zero_padded.stl": box_of(facets(count=0, tail=bytes(30))),
     "starts_with_facet.stl": refused(ascii_stl().partition("\n")[2], "starts with `solid`"),
-    "starts_with_comment.stl": refused("# made here\n" + ascii_stl(), "starts with `solid`"),
     "utf16_without_mark.stl": refused(ascii_stl().encode("utf-16-le"), "UTF-16"),
-    "html.stl": refused(b"<!DOCTYPE html><html>Not found</html>", "not a"),
 }
 
 
@@ -303,26 +180,15 @@ UP = np.tile([0.0, 0, 1], (8, 1))
 COLOUR, TEXTURE = np.tile([255, 0, 0, 255], (8, 1)), np.zeros((8, 2))
 OFF = {
     "plain.off": box_of(off("OFF", V, F)),
-    "quads.off": box_of(off("OFF", V, QUADS)),
-    "coff.off": box_of(off("COFF", np.hstack([V, COLOUR]), F)),
     "coff_rgb.off": box_of(off("COFF", np.hstack([V, COLOUR[:, :3] / 255]), QUADS)),
-    "noff.off": box_of(off("NOFF", np.hstack([V, UP]), F)),
     "cnoff.off": box_of(off("CNOFF", np.hstack([V, UP, COLOUR]), F)),
     "stoff.off": box_of(off("STOFF", np.hstack([V, TEXTURE]), F)),
     "stcnoff.off": box_of(off("STCNOFF", np.hstack([V, UP, COLOUR, TEXTURE]), QUADS)),
-    "glued.off": box_of(off("OFF8 12 0", V, F)),
-    "same_line.off": box_of(off("OFF 8 12 18", V, F)),
     "no_header.off": box_of(off("8 12 0", V, F)),
     "two_counts.off": box_of(off("OFF 8 12", V, F)),
-    "comments.off": box_of(
-        "# a part\n" + off("OFF", V, F).replace("\n8 12 0", "\n\n# n\n8 12 0 # end")
-    ),
     "between.off": box_of(off("OFF", V, F).replace("\n3 ", "\n# a face\n3 ")),
-    "blank.off": box_of(off("OFF", V, F).replace("\n", "\n\n")),
     "one_line.off": box_of(off("OFF", V, F).replace("\n", " ")),
     "word_a_line.off": box_of(off("OFF", V, MIXED).replace(" ", "\n")),
-    "counts_apart.off": box_of(off("OFF", V, F).replace("8 12 0", "8\n12\n0")),
-    "face_of_two_lines.off": box_of(off("OFF", V, F).replace("3 1 3 0", "3 1\n3 0")),
     "colours_on_one_line.off": refused(
         off("COFF", np.hstack([V, COLOUR]), F).replace("\n", " "), "one vertex or face per line"
     ),
@@ -330,12 +196,10 @@ OFF = {
         (off("OFF 8 12 0", V, []) + coloured(F, "3")).replace("\n", " "), "one vertex or face per"
     ),
     "one_line_cut.off": refused(off("OFF", V, F).replace("\n", " ")[:-4], "truncated"),
-    "one_line_cut_early.off": refused("OFF 8 12 0 1 2", "truncated"),
     "negative_length.off": refused(off("OFF", V, F).replace("3 1 3 0", "-3 1 3 0"), "-3 corners"),
     "cr.off": box_of(off("OFF", V, F).replace("\n", "\r")),
     "bom_crlf.off": box_of(b"\xef\xbb\xbf" + off("OFF", V, F).replace("\n", "\r\n").encode()),
     "face_rgb.off": box_of(off("OFF 8 6 0", V, []) + coloured(QUADS, "0.9 0.1 0.1")),
-    "face_rgba_int.off": box_of(off("OFF 8 12 0", V, []) + coloured(F, "255 0 0 128")),
     "face_index.off": box_of(off("OFF 8 12 0", V, []) + coloured(F, "3")),
     "face_mixed.off": box_of(
         off("OFF 8 9 0", V, [])
@@ -347,13 +211,8 @@ OFF = {
     "four.off": refused(off("4OFF", np.hstack([V, UP[:, :1]]), F), "4OFF"),
     "n.off": refused("nOFF 3\n8 12 0\n" + numbers(V), "nOFF"),
     "cut.off": refused(off("OFF", V, F)[:-40], "truncated"),
-    "cut_face.off": refused(off("OFF", V, F)[:-4], "truncated"),
     "index.off": refused(off("OFF", V, F).replace("3 1 3 0", "3 1 3 8", 1), "do not exist"),
-    "commas.off": refused(off("OFF", V + 0.5, F).replace(".", ","), "comma"),
-    "underscores.off": refused(off("OFF", V, F).replace("-20", "-2_0", 1), "'-2_0' is not a num"),
     "word.off": refused(off("OFF", V, F).replace("-20", "x", 1), "number"),
-    "nan.off": refused(off("OFF", V, F).replace("-20", "nan", 1), "not finite"),
-    "utf16.off": refused(off("OFF", V, F).encode("utf-16"), "UTF-16"),
     "other.off": refused("OBJ\n" + off("OFF", V, F), "OFF"),
 }
 
@@ -413,17 +272,7 @@ def plys(kind):
     mixed = [(face,) for face in MIXED]
     return {
         "plain": made(("vertex", XYZ, ROWS), ("face", FACE, faces)),
-        "vertex_index": made(
-            ("vertex", XYZ, ROWS), ("face", [("uint8", "uint", "vertex_index")], faces)
-        ),
         "mixed": made(("vertex", XYZ, ROWS), ("face", FACE, mixed)),
-        "doubles": made(
-            ("vertex", [("double", name) for _, name in XYZ], ROWS), ("face", FACE, mixed)
-        ),
-        "int_count": made(
-            ("vertex", [("float32", name) for _, name in XYZ], ROWS),
-            ("face", [("int32", "ushort", "vertex_indices")], mixed),
-        ),
         "shuffled": made(
             (
                 "vertex",
@@ -431,14 +280,6 @@ def plys(kind):
                 [(9, z, x, 0.25, y) for x, y, z in ROWS],
             ),
             ("face", [("uchar", "flag"), *FACE, ("float", "area")], [(1, *f, 2.5) for f in mixed]),
-        ),
-        "lists_on_vertices": made(
-            (
-                "vertex",
-                [*XYZ, ("uchar", "int", "neighbours")],
-                [(*row, tuple(range(k % 3))) for k, row in enumerate(ROWS)],
-            ),
-            ("face", [*FACE, ("uchar", "float", "texcoord")], [(*f, (0.5,) * 6) for f in mixed]),
         ),
         "extra_elements": made(
             ("camera", [("float", "f"), ("uchar", "int", "views")], [(1.0, (1, 2)), (2.0, ())]),
@@ -459,8 +300,6 @@ ASCII_PLY = PLY["plain_ascii.ply"].data
 PLY |= {
     "crlf.ply": box_of(ASCII_PLY.replace(b"\n", b"\r\n")),
     "cr.ply": box_of(ASCII_PLY.replace(b"\n", b"\r")),
-    "bom.ply": box_of(b"\xef\xbb\xbf" + ASCII_PLY),
-    "blank_end.ply": box_of(ASCII_PLY + b"\n\n"),
     **{
         f"more_faces_{name}_{kind}.ply": refused(
             PLY[f"{name}_{kind}.ply"].data.replace(b"element face " + count, b"element face 6"),
@@ -490,17 +329,12 @@ PLY |= {
         )
     },
     "trailing_lines.ply": box_of(PLY["plain_binary_big_endian.ply"].data + b"\r\nmade here\n\0"),
-    "trailing.ply": box_of(PLY["plain_binary_little_endian.ply"].data + b"end"),
     "header_crlf.ply": box_of(
         PLY["mixed_binary_little_endian.ply"].data.replace(b"\n", b"\r\n", 11)
     ),
     "cut_ascii.ply": refused(ASCII_PLY[:-20], "truncated"),
     "cut_binary.ply": refused(PLY["mixed_binary_little_endian.ply"].data[:-9], "truncated"),
-    "cut_plain.ply": refused(PLY["plain_binary_big_endian.ply"].data[:-9], "truncated"),
     "commas.ply": refused(ASCII_PLY.replace(b"0.0 ", b"0,0 "), "comma"),
-    "word.ply": refused(ASCII_PLY.replace(b"-20.0", b"x", 1), "number"),
-    "nan.ply": refused(ASCII_PLY.replace(b"-20.0", b"nan", 1), "not finite"),
-    "utf16.ply": refused(ASCII_PLY.decode().encode("utf-16"), "UTF-16"),
     "negative.ply": refused(ASCII_PLY.replace(b"3 1 3 0", b"-3 1 3 0", 1), "negative"),
     "negative_binary.ply": refused(
         ply(
@@ -522,10 +356,6 @@ PLY |= {
         ply("ascii", [("vertex", XYZ, ROWS), ("face", [("uchar", "int", "vertices")], TRIANGLES)]),
         "faces do not have a list vertex_indices",
     ),
-    "corners_apart.ply": refused(
-        ply("ascii", [("vertex", XYZ, ROWS), ("face", [("int", name) for name in "abc"], F)]),
-        "faces do not have a list vertex_indices",
-    ),
     **{
         f"{name}.ply": refused(
             ply("binary_big_endian", [("vertex", XYZ, ROWS), (name, FACE, TRIANGLES)]),
@@ -542,19 +372,19 @@ PLY |= {
     ),
     "index.ply": refused(ASCII_PLY.replace(b"3 1 3 0", b"3 1 3 8"), "do not exist"),
     "version.ply": refused(ASCII_PLY.replace(b"ascii 1.0", b"ascii 2.0"), "2.0"),
-    "kind.ply": refused(ASCII_PLY.replace(b"ascii 1.0", b"gzip 1.0"), "gzip"),
     "type.ply": refused(ASCII_PLY.replace(b"float x", b"half x"), "half"),
     "says_metres.ply": refused(ASCII_PLY.replace(b"made for a test", b"unit: metre"), r"\bm\b"),
 }
 
-for name, solid in SOLIDS.items():
-    expected = (solid.size, solid.volume)
-    OBJ[f"{name}_polygons.obj"] = Case(obj(solid.vertices, solid.faces).encode(), *expected)
-    OFF[f"{name}_polygons.off"] = Case(off("OFF", solid.vertices, solid.faces).encode(), *expected)
+for lift in (0.0, 0.5):  # of one corner of each end: polygons that are not flat
+    points = np.array([(*place, z) for z in (0.0, 15.0) for place in U_SHAPE])
+    points[[0, 8], 2] += lift
+    name, expected = f"u{lift:g}", ((60, 50, 15 + lift), 2200 * 15.0)
+    OBJ[f"{name}.obj"] = Case(obj(points, U_FACES).encode(), *expected)
+    OFF[f"{name}.off"] = Case(off("OFF", points, U_FACES).encode(), *expected)
     for kind in PLY_KINDS:
-        rows = [(face,) for face in solid.faces]
-        data = ply(kind, [("vertex", XYZ, solid.vertices.tolist()), ("face", FACE, rows)])
-        PLY[f"{name}_polygons_{kind}.ply"] = Case(data, *expected)
+        elements = ("vertex", XYZ, points.tolist()), ("face", FACE, [(each,) for each in U_FACES])
+        PLY[f"{name}_{kind}.ply"] = Case(ply(kind, elements), *expected)
 
 
 METRES_BOX = np.asarray(V) / 1000  # glTF is in metres, with y up
@@ -706,7 +536,7 @@ def changed(data, change):
     return glb(document, data[28 + size :])
 
 
-def morphed(usual, **node):
+def morphed(usual):
     """A box with two other shapes that it may turn into."""
 
     def change(document):
@@ -714,7 +544,7 @@ def morphed(usual, **node):
         mesh["primitives"][0]["targets"] = [{"POSITION": 2}, {"POSITION": 2}]
         mesh["weights"] = usual
 
-    return changed(gltf(POINTS, CORNERS, [{"mesh": 0, **node}], more=[POINTS * 0.1]), change)
+    return changed(gltf(POINTS, CORNERS, [{"mesh": 0}], more=[POINTS * 0.1]), change)
 
 
 def many_primitives():
@@ -741,48 +571,25 @@ def packed_views():
 
 
 HALF = float(np.sqrt(0.5))
-NESTED = (
-    {"children": [1], "scale": [2, 2, 2]},
-    {"mesh": 0, "translation": [0.1, 0, 0], "children": [2]},
-    {"mesh": 0, "translation": [0, 0, 0.0299], "scale": [0.5, 0.5, 0.5]},
-)
-TURN = {"mesh": 0, "rotation": [-HALF, 0, 0, HALF]}
 MATRIX = [0, 2.0, 0, 0, -1.0, 0, 0, 0, 0, 0, 1.0, 0, 0.5, 0, 0, 1]  # x to 2 y, y to -x, by columns
 STRIP = [0, 1, 2, 3, 6, 7, 4, 5, 0, 1]
 FAN = [0, 1, 3, 2, 6, 4, 5, 1]  # around corner 0
-REST = [7, 5, 4, 6, 2, 3, 1, 5]  # around the opposite one
 VISIBILITY = "KHR_node_visibility"
 HIDDEN = {"extensions": {VISIBILITY: {"visible": False}}}
 ONE_MORE = {"mesh": 0, "translation": [0.2, 0, 0]}
 GLB = {
     "plain.glb": upright(box_glb()),
     "uint32.glb": upright(gltf(POINTS, CORNERS.astype("uint32"))),
-    "uint8.glb": upright(gltf(POINTS, CORNERS.astype("uint8"))),
     "no_indices.glb": upright(gltf(POINTS[F].reshape(-1, 3))),
     "sparse.glb": upright(sparse(True)),
     "sparse_alone.glb": upright(sparse(False)),
-    "nested.glb": upright(box_glb(*NESTED), 9 * 72_000, (120, 104.8, 80)),
-    "turned.glb": upright(box_glb(TURN), size=(60, 40, 30)),
     "matrix.glb": upright(box_glb({"mesh": 0, "matrix": MATRIX}), 2 * 72_000, (40, 30, 120)),
     "mirrored.glb": upright(box_glb({"mesh": 0, "scale": [-1, 1, 1]})),
-    "mirrored_twice.glb": upright(
-        box_glb({"children": [1], "scale": [-1, 1, 1]}, {"mesh": 0, "scale": [1, -1, 1]})
-    ),
-    "centimetres.glb": upright(gltf(POINTS * 100, CORNERS, [{"mesh": 0, "scale": [0.01] * 3}])),
     "default_scene.glb": upright(
         box_glb({"mesh": 0}, ONE_MORE, scenes=[{"nodes": [1]}, {"nodes": [0]}], scene=1)
     ),
-    "one_scene_unnamed.glb": upright(box_glb({"mesh": 0}, ONE_MORE, scene=None)),
-    "two_roots.glb": upright(
-        box_glb({"mesh": 0}, ONE_MORE, scenes=[{"nodes": [0, 1]}]), 2 * 72_000, (260, 30, 40)
-    ),
     "mm_asked.glb": Case(gltf(POINTS * 1000, CORNERS), UP_SIZE, BOX_VOLUME, "", "mm"),
     "instanced.glb": upright(
-        instanced("TRANSLATION", TRANSLATION=[[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]]),
-        3 * 72_000,
-        (260, 30, 40),
-    ),
-    "instanced_scaled.glb": upright(
         instanced(
             "TRANSLATION",
             "ROTATION",
@@ -796,9 +603,6 @@ GLB = {
     ),
     "strip.glb": Case(gltf(POINTS, np.array(STRIP, "uint16"), mode=5), UP_SIZE, None, "", None),
     "fan.glb": Case(gltf(POINTS, np.array(FAN, "uint16"), mode=6), UP_SIZE, None, "", None),
-    "unused_extension.glb": upright(
-        box_glb(extensionsUsed=["KHR_materials_unlit", "VENDOR_thing"])
-    ),
     "hidden.glb": upright(
         box_glb(
             *({"children": [1, 2]}, {"mesh": 0}, {**ONE_MORE, **HIDDEN, "children": [3]}, ONE_MORE),
@@ -806,21 +610,15 @@ GLB = {
             extensionsRequired=[VISIBILITY],
         )
     ),
-    "not_hidden.glb": upright(box_glb({"mesh": 0, "extensions": {VISIBILITY: {"visible": True}}})),
     "all_hidden.glb": no_glb("no faces", {"mesh": 0, **HIDDEN}),
     "unlit_required.glb": upright(
         box_glb(extensionsRequired=["KHR_materials_unlit", "KHR_texture_transform"])
     ),
-    "draco.glb": no_glb(DRACO, extensionsRequired=[DRACO]),
     "meshopt.glb": no_glb(MESHOPT, extensionsRequired=[MESHOPT]),
     "meshopt_fallback.glb": no_glb(MESHOPT, packed_views()),
-    "unknown.glb": no_glb("ACME_fold", extensionsRequired=["ACME_fold"]),
     "lines.glb": no_glb("no faces", mode=1),
-    "points.glb": no_glb("no faces", gltf(POINTS, mode=0)),
     "skinned.glb": no_glb("skin", {"mesh": 0, "skin": 0}, skins=[{"joints": [0]}]),
     "morphed.glb": no_glb("morph", morphed([0, 0.5])),
-    "morphed_by_node.glb": no_glb("morph", morphed([0, 0], weights=[1, 0])),
-    "not_morphed.glb": upright(morphed([0, 0])),
     "many_primitives.glb": upright(many_primitives()),
     "no_scene.glb": no_glb("no faces", gltf(POINTS, CORNERS, nodes=[], scenes=[{"nodes": []}])),
     "other_file.glb": no_glb("other file", buffers=[{"byteLength": 136, "uri": "box.bin"}]),
@@ -829,7 +627,6 @@ GLB = {
         "refers to something that is missing",
         changed(sparse(True), lambda document: document["accessors"][0].update(count=5)),
     ),
-    "scene_outside.glb": no_glb("refers to something that is", scene=3),
     "no_positions.glb": no_glb(
         "has no POSITION",
         changed(box_glb(), lambda doc: doc["meshes"][0]["primitives"][0]["attributes"].clear()),
@@ -837,10 +634,7 @@ GLB = {
     "component_type.glb": no_glb("component type 5199", accessor={"componentType": 5199}),
     "instanced_nowhere.glb": no_glb("does not say where", instanced()),
     "not_json.glb": no_glb("JSON", box_glb().replace(b'"asset"', b"'asset'")),
-    "list_of_nodes.glb": no_glb("it is damaged", []),
     "version_1.glb": no_glb("version 1", struct.pack("<III", 0x46546C67, 1, 20) + bytes(8)),
-    "beyond.glb": no_glb("do not exist", gltf(POINTS, CORNERS + 1)),
-    "nan.glb": no_glb("not finite", gltf(POINTS * np.nan, CORNERS)),
 }
 GLB |= {
     f"quantised_{kind}{'_normalized' * normalized}.glb": upright(quantised(kind, normalized))
@@ -932,7 +726,6 @@ def unit(name, length):
 SHIFT = "1 0 0 0 1 0 0 0 1 0 0 24.9"
 SMALL = solid_xml(2, V / 2)
 UPRIGHT_TURN = "0 1 0 -1 0 0 0 0 1 5 6 7"  # x to y, y to -x
-MIRROR = "-1 0 0 0 1 0 0 0 1 0 0 0"
 PART = 'p:path="/3D/part.model"'
 
 
@@ -958,21 +751,11 @@ def part_of_unit(root, part):
 
 BOTH = ['objectid="1"', 'objectid="2"']
 THREEMF = {
-    "plain.3mf": asked(unit("millimeter", 1), None),
     "asked_mm.3mf": asked(unit("millimeter", 1), "mm"),
-    "inch.3mf": asked(unit("inch", 25.4), None),
-    "inch_asked.3mf": asked(unit("inch", 25.4), "inch"),
     "inch_asked_mm.3mf": refused(unit("inch", 25.4), "inch.*mm"),
-    "meter.3mf": asked(unit("meter", 1000), None),
-    "meter_asked_mm.3mf": refused(unit("meter", 1000), r"\bm\b.*mm"),
-    "centimeter.3mf": asked(unit("centimeter", 10), None),
     "foot.3mf": asked(unit("foot", 304.8), None),
-    "micron.3mf": asked(unit("micron", 0.001), None),
-    "foot_asked_inch.3mf": refused(unit("foot", 304.8), "foot.*inch", "inch"),
     "silent.3mf": asked(unit("", 1), None),
-    "silent_asked_inch.3mf": asked(unit("", 25.4), "inch"),
     "cubit.3mf": refused(unit("cubit", 1), "cubit", None),
-    "no_type.3mf": built(solid_xml(1, kind="")),
     "components.3mf": built(
         solid_xml(1) + SMALL + assembly(3, 'objectid="1"', f'objectid="2" transform="{SHIFT}"'),
         ['objectid="3"'],
@@ -985,16 +768,8 @@ THREEMF = {
         (80, 60, 30),
         144_000,
     ),
-    "two_items.3mf": built(
-        solid_xml(1),
-        ['objectid="1"', 'objectid="1" transform="1 0 0 0 1 0 0 0 1 100 0 0"'],
-        (160, 40, 30),
-        144_000,
-    ),
     "not_built.3mf": built(solid_xml(1) + solid_xml(7, V * 9)),
-    "mirrored.3mf": built(solid_xml(1), [f'objectid="1" transform="{MIRROR}"']),
     "support.3mf": built(solid_xml(1) + solid_xml(2, V * 3, kind=' type="support"'), BOTH),
-    "other.3mf": built(solid_xml(1) + solid_xml(2, V * 3, kind=' type="other"'), BOTH),
     "only_support.3mf": not_built("support", solid_xml(1, kind=' type="support"')),
     "surface.3mf": built(solid_xml(1) + solid_xml(2, V * 3, F[:4], kind=' type="surface"'), BOTH),
     "other_place.3mf": asked(package(model(solid_xml(1)), "parts/body.model"), None),
@@ -1010,13 +785,6 @@ THREEMF = {
         (60, 40, 54.9),
         144_000,
     ),
-    "production_item.3mf": asked(
-        package(
-            model("", [f'objectid="5" {PART}'], head=' requiredextensions="p"'),
-            others={"3D/part.model": model(solid_xml(5), [])},
-        ),
-        None,
-    ),
     **{
         f"unit_{'stated' if root else 'silent'}_part_{'stated' if part else 'silent'}.3mf": asked(
             part_of_unit(root, part), None
@@ -1026,22 +794,13 @@ THREEMF = {
     },
     "unit_of_part_asked_inch.3mf": refused(part_of_unit("", MILLIMETER), "mm, but inch", "inch"),
     "unit_inch_part_silent.3mf": refused(part_of_unit(INCH, ""), "different units", None),
-    "unit_silent_part_inch.3mf": refused(part_of_unit("", INCH), "different units", None),
     "not_printed.3mf": built(
         solid_xml(1) + solid_xml(2, V * 3), ['objectid="1"', 'objectid="2" printable="0"']
     ),
-    "nothing_printed.3mf": not_built("printable", solid_xml(1), ['objectid="1" printable="0"']),
-    "vendor.3mf": built('<v:thing a="1"/>' + solid_xml(1), head=' xmlns:v="urn:vendor"'),
     "lattice.3mf": refused(
         package(
-            model(
-                solid_xml(1),
-                head=' xmlns:b="http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02"'
-                ' requiredextensions="b"',
-            ).replace(
-                "</triangles>",
-                '</triangles><b:beamlattice minlength="0.1" radius="1"><b:beams>'
-                '<b:beam v1="0" v2="1"/></b:beams></b:beamlattice>',
+            model(solid_xml(1), head=' xmlns:b="urn:beams"').replace(
+                "</triangles>", "</triangles><b:beamlattice/>"
             )
         ),
         "beamlattice",
@@ -1053,12 +812,6 @@ THREEMF = {
     "missing_object.3mf": not_built("object 9", solid_xml(1), ['objectid="9"']),
     "nothing_built.3mf": not_built("build|no faces", solid_xml(1), []),
     "not_a_zip.3mf": refused(b"PK\x03\x04 but no more", "zip", None),
-    "word.3mf": refused(
-        package(model(solid_xml(1)).replace('x="-30.0"', 'x="a"', 1)), "number|not a", None
-    ),
-    "index.3mf": refused(
-        package(model(solid_xml(1)).replace('v1="1"', 'v1="8"', 1)), "do not exist", None
-    ),
     "cut_xml.3mf": refused(package(model(solid_xml(1))[:-200]), "it is damaged: .*line 1", None),
     "encrypted.3mf": refused(encrypted(package(model(solid_xml(1)))), "encrypted", None),
     "utf16.3mf": asked(

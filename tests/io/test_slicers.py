@@ -1,8 +1,5 @@
 """Volumes that slicers do not print: project files as these programs write them."""
 
-import io
-import zipfile
-
 import numpy as np
 import pytest
 import trimesh
@@ -80,13 +77,6 @@ def test_volumes_that_only_change_settings_are_left_out(tmp_path, what, first, w
         meshes, kinds = meshes[::-1], kinds[::-1]
     text = model(joined_xml(1, *meshes))
     assert_size(read(tmp_path, text, config(prusa(*kinds)), where), 20, 8000)
-
-
-def test_a_later_type_overrides_the_older_note_on_modifiers(tmp_path):
-    both = '<metadata type="volume" key="modifier" value="1"/>' + kind("ModelPart")
-    settings = config(prusa(kind("ModelPart"), both))
-    mesh = read(tmp_path, model(joined_xml(1, CUBE, box(20, (40, 0, 0)))), settings)
-    assert_size(mesh, (60, 20, 20), 16_000)
 
 
 def test_slic3r_notes_volumes_within_the_mesh(tmp_path):
@@ -203,25 +193,6 @@ def test_parts_of_bambu_studio(tmp_path, usual, name, volume):
     assert_size(mesh, 20, volume)
 
 
-@pytest.mark.parametrize("change", [str.lower, str.upper])
-def test_the_case_of_the_names_of_parts_does_not_matter(tmp_path, change):
-    """As in the Open Packaging Conventions."""
-    data = package(
-        model(assembly(4, *components(1, 2)), ['objectid="4"']),
-        others={
-            BAMBU: config(bambu(4, (1, "normal_part"), (2, "modifier_part"))),
-            OBJECTS: in_parts(CUBE, LARGE, kinds=("model", "model")),
-        },
-    )
-    with (
-        zipfile.ZipFile(io.BytesIO(data)) as old,
-        zipfile.ZipFile(tmp_path / "cased.3mf", "w") as new,
-    ):
-        for name in old.namelist():
-            new.writestr(change(name), old.read(name))
-    assert_size(read_mesh(tmp_path / "cased.3mf", None), 20, 8000)
-
-
 def test_parts_that_share_a_mesh(tmp_path):
     """The same mesh twice: the first solid, the second cut out of it, moved by half a side."""
     moved = components(1, more=' transform="1 0 0 0 1 0 0 0 1 10 0 0"')
@@ -233,17 +204,6 @@ def test_parts_that_share_a_mesh(tmp_path):
         {OBJECTS: in_parts(CUBE, kinds=("model",))},
     )
     assert_size(mesh, (10, 20, 20), 4000)
-
-
-def test_parts_in_the_order_of_another_program_are_known_by_number(tmp_path):
-    mesh = read(
-        tmp_path,
-        model(assembly(4, *components(1, 2)), ['objectid="4"']),
-        config(bambu(4, (2, "modifier_part"), (1, "normal_part"))),
-        BAMBU,
-        {OBJECTS: in_parts(CUBE, LARGE, kinds=("model", "model"))},
-    )
-    assert_size(mesh, 20, 8000)
 
 
 @pytest.mark.parametrize(

@@ -90,13 +90,3 @@ def test_files_are_in_the_order_of_their_names_whatever_that_on_disk(tmp_path, m
         file.touch()
     monkeypatch.setattr(Path, "rglob", lambda *_: iter(files))
     assert files_of(tmp_path) == sorted(files)
-
-
-def test_linked_folders_are_listed(folder, tmp_path):
-    (folder / "deep").rename(tmp_path / "kept")
-    (folder / "deep").symlink_to(tmp_path / "kept")
-    before = checksum(folder)
-    (folder / "round").symlink_to(".")
-    assert checksum(folder) == before
-    write_sums(folder)
-    assert {path.name for path in read_sums(folder / SUMS)[0]} == {"a.obj", "b c.stl"}

@@ -6,7 +6,6 @@ from egad.learning.augmentation import (
     Crop,
     change_depth,
     change_rectangles,
-    crop_rectangles,
     mean_depth,
     sample_change,
     sample_crop,
@@ -40,20 +39,6 @@ def test_angles_turn_with_the_image(turns):
     off = moved[0, 2] - np.arctan2(-away[1], away[0])
     assert np.sin(off) == pytest.approx(0, abs=1e-9)
     assert -np.pi / 2 <= moved[0, 2] < np.pi / 2
-
-
-def test_four_turns_and_no_turn_are_the_same():
-    depth = np.random.default_rng(0).random((300, 300))
-    np.testing.assert_array_equal(change_depth(depth, Change(4)), depth)
-    rows = np.random.default_rng(0).uniform(-1, 1, (5, 5))
-    np.testing.assert_allclose(
-        change_rectangles(rows, Change(4), 300), change_rectangles(rows, Change(), 300)
-    )
-
-
-def test_the_depths_stay_as_they_are():
-    seen = change_depth(np.full((300, 300), 0.6), Change(1, 0.6))
-    np.testing.assert_allclose(seen, 0.6)
 
 
 def test_changes_are_drawn_within_their_bounds():
@@ -115,9 +100,3 @@ def test_a_grasp_outside_the_image_is_not_aimed_at():
     outside, inside = [310, 150, 0, 40, 20], [20, 20, 0, 40, 20]
     assert shows(crops([outside, inside]), 20, 20).mean() > 0.7
     assert shows(crops([outside]), 20, 20).mean() < 0.1
-
-
-def test_grasps_move_with_the_crop():
-    rows = np.array([[100.0, 50.0, 0.3, 40.0, 20.0]])
-    moved = crop_rectangles(rows, Crop(row=30, column=60, side=96))
-    np.testing.assert_array_equal(moved, [[40, 20, 0.3, 40, 20]])

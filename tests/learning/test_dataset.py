@@ -7,7 +7,7 @@ import pytest
 
 from egad.errors import TableError, UserError
 from egad.learning.augmentation import Change, Crop
-from egad.learning.dataset import ImageDataset, PositiveFilter, Stream, example, order, positive
+from egad.learning.dataset import ImageDataset, PositiveFilter, Stream, example, order
 
 RULE = PositiveFilter(0.002, 0.02)
 
@@ -83,20 +83,6 @@ def test_by_simulation_a_positive_grasp_is_free_and_succeeded(write, changed, tm
     assert by_quality.index["positive"][0] == count - 2
 
 
-def test_the_two_rules_need_their_own_columns_alone():
-    free = [True, True, False]
-    by_quality = positive(
-        {"collision_free": free, "quality": [0.1, 0.3, 0.3]}, PositiveFilter(0.2, 0.02)
-    )
-    assert by_quality.tolist() == [False, True, False]
-    shown = {"collision_free": free, "simulated_success": [True, None, True]}
-    assert positive(shown, PositiveFilter(0.2, 0.02, simulated=True)).tolist() == [
-        True,
-        False,
-        False,
-    ]
-
-
 def test_several_folders_are_one_set(write, pictures, tmp_path):
     parts = [
         write(tmp_path / name, rows) for name, rows in zip("ab", halves(pictures), strict=True)
@@ -118,13 +104,6 @@ def halves(pictures):
     """Images of different objects in two sets, which are numbered alike."""
     cut = 30
     return pictures[:cut], [{**row, "image": n} for n, row in enumerate(pictures[cut:])]
-
-
-def test_a_damaged_image_of_several_folders_is_named_with_its_folder(write, pictures, tmp_path):
-    first, second = halves(pictures)
-    parts = [write(tmp_path / "a", first), write(tmp_path / "b", [{**second[0], "depth": b""}], 1)]
-    with pytest.raises(TableError, match=r"/b: image 0: its depth cannot be read"):
-        ImageDataset(parts, RULE).image(len(first))
 
 
 def test_an_object_in_two_splits_is_a_mistake(write, pictures, tmp_path):
@@ -259,22 +238,6 @@ def test_an_example_depends_on_its_number_alone(shards):
     assert not np.array_equal(Stream(shards, 100, seed=2)[0][0], forth[0][0])
 
 
-def test_a_stream_has_an_end(shards):
-    stream = Stream(shards, 3)
-    assert len(stream) == 3
-    assert len(list(stream)) == 3
-    with pytest.raises(IndexError):
-        stream[3]
-
-
-def test_an_example_is_what_networks_take(shards):
-    seen, wanted = Stream(shards, 100)[5]
-    assert (seen.shape, wanted.shape) == ((1, 300, 300), (4, 300, 300))
-    assert seen.dtype == wanted.dtype == np.float32
-    assert np.isfinite(seen).all()
-    assert abs(seen.mean()) < 1e-3
-
-
 @pytest.mark.parametrize("number", [1, 4])
 def test_a_cropped_example_is_a_part_of_the_whole_one(shards, number):
     """Depths are less the mean of the whole image, as when a network is used."""
@@ -287,30 +250,3 @@ def test_a_cropped_example_is_a_part_of_the_whole_one(shards, number):
         np.testing.assert_allclose(cropped[0], seen[part], atol=1e-6)
         np.testing.assert_array_equal(cropped[1], wanted[part])
         assert wanted[part].any()
-
-
-def test_a_stream_of_crops_shows_grasps_more_often_than_not(shards):
-    stream = Stream(shards, 120, crop=96, seed=2)
-    examples = [stream[number] for number in range(60)]
-    assert {(seen.shape, wanted.shape) for seen, wanted in examples} == {((1, 96, 96), (4, 96, 96))}
-    # A third of the images have no positive grasp; most crops of the others are aimed at one.
-    share = np.mean([wanted.any() for _, wanted in examples])
-    assert 0.4 < share < 0.67
-
-
-def test_an_image_without_a_good_grasp_is_a_negative(shards):
-    depth, rectangles = shards.image(0)
-    assert len(rectangles) == 0
-    assert not example(depth, rectangles)[1].any()
-
-
-def test_grasps_stay_on_the_object_whatever_is_changed(shards):
-    """Where the quality is 1, what is seen is mostly the object, which is nearer than the mean."""
-    stream = Stream(shards, 120, seed=4)
-    shares = []
-    for number in range(0, 120, 6):
-        seen, wanted = stream[number]
-        if wanted[0].any():
-            shares.append((seen[0][wanted[0] == 1] < 0).mean())
-    assert len(shares) > 8
-    assert np.mean(shares) > 0.9

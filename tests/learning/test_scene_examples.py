@@ -7,14 +7,13 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from shapes import ShapeScenes, look_at_a_box
 
-from egad.detectors import DepthCamera, Intrinsics, Tsdf, cameras_around, encode, fuse
+from egad.detectors import DepthCamera, Intrinsics, Tsdf, cameras_around, fuse
 from egad.grippers import GRIPPERS, finger_span
 from egad.learning.scene_examples import (
     Move,
     NetworkGrasps,
     SceneStream,
     labelled_grasps,
-    moved_grid,
     scene_example,
 )
 
@@ -87,13 +86,6 @@ def test_every_yaw_that_holds_is_a_right_answer_and_no_other():
         assert set(np.round(z).astype(int) % 360) == right
 
 
-def test_failed_grasps_have_no_width():
-    scene = OneScene(np.tile(np.eye(4), (2, 1, 1)), [False, True], [np.nan, 0.06])
-    grasps = labelled_grasps(scene, HAND)
-    assert grasps.success.tolist() == [0, 1]
-    np.testing.assert_allclose(grasps.widths, [0, 0.06])
-
-
 def test_grasps_outside_the_cube_are_left_out_and_those_at_its_sides_are_not():
     poses = np.tile(np.eye(4), (6, 1, 1))
     places = [[0, 0, 0], [39.4, 39.4, 39.4], [-0.4, 5, 5], [39.6, 5, 5], [5, -0.6, 5], [5, 5, 40]]
@@ -140,15 +132,6 @@ def test_raising_a_scene_moves_grid_and_grasps_alike(rise):
     values = example.grid[tuple(example.voxels.T)]
     np.testing.assert_allclose(values, [[0.6, 0.7, 0.8, 0.9][k] for k in kept])
     assert np.count_nonzero(example.grid) == len(kept)
-
-
-def test_four_quarter_turns_change_nothing():
-    grid = np.random.default_rng(0).random((6, 6, 6)).astype(np.float32)
-    turned = grid
-    for _ in range(4):
-        turned = moved_grid(turned, Move(1))
-    np.testing.assert_array_equal(turned, grid)
-    assert not np.array_equal(moved_grid(grid, Move(1)), grid)
 
 
 class TestStream:
@@ -221,9 +204,3 @@ class TestStream:
         assert (counts[1:] > 55).all()
         assert {move.turns for move in moves} == {0, 1, 2, 3}
         assert {move.rise for move in moves} == {-2, -1, 0, 1, 2}
-
-
-def test_the_grid_is_that_of_the_detector():
-    tsdf = ShapeScenes(1, 1).scene(0).tsdf
-    example = scene_example(tsdf, grasps_at(sampled_poses(1)))
-    np.testing.assert_array_equal(example.grid, encode(tsdf))

@@ -8,9 +8,7 @@ from egad.learning.scene_scores import (
     average_precision,
     joint_average_precision,
     scene_score,
-    scene_score_table,
 )
-from egad.tables.training import SCENE_SCORE
 
 
 def slow_precision(success, quality):
@@ -113,17 +111,3 @@ def scene_score_value(drawn):
     success, quality = (np.concatenate([each[k] for each in drawn]) for k in range(2))
     right = (quality >= 0.5) == success
     return (right[success].mean() + right[~success].mean()) / 2
-
-
-def test_intervals_contain_the_values():
-    score = scene_score(answers(2))
-    for estimate in (score.average_precision, score.balanced_accuracy, score.angle, score.width):
-        low, high = estimate.interval
-        assert low < estimate.value < high
-
-
-def test_the_table_has_all_columns():
-    table = scene_score_table(scene_score(answers(0)))
-    assert list(table) == SCENE_SCORE.names
-    assert len(table) == 1
-    assert not table.isna().to_numpy().any()

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from shapes import ShapeScenes, look_at_a_box
+from shapes import ShapeScenes
 
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
 from egad.learning import VgnTraining
-from egad.learning.scene_examples import SceneExample, SceneStream
+from egad.learning.scene_examples import SceneExample
 from egad.learning.scene_scores import scene_score
 from egad.tables.training import SCENE_HISTORY
 
@@ -54,22 +54,6 @@ class TestNetwork:
         gradients = [torch.autograd.grad(each.square().sum(), weights) for each in both]
         for one, other in zip(*gradients, strict=True):
             torch.testing.assert_close(one, other, atol=1e-3, rtol=1e-3)
-
-    def test_no_channel_is_silent_before_training(self, scenes):
-        example = SceneStream(scenes, HAND, 1)[0]
-        features = vgn.new_vgn(0)._features(torch.from_numpy(example.grid)[None, None])
-        assert (features.flatten(2).amax(dim=2) > 0).all()
-
-
-def test_the_noise_of_the_settings_is_learnt_from():
-    """The first example is of a scene without noise, with grasps at the same voxels."""
-    network, scenes = vgn.new_vgn(0), look_at_a_box(ShapeScenes(5, 20))
-    tasks = (
-        lessons.SceneTask(scenes, HAND, SHORT.model_copy(update={"noise": noise}), 0)
-        for noise in (("none",), ("dex",))
-    )
-    clear, noisy = (task.losses(network, 0) for task in tasks)
-    assert not torch.allclose(clear, noisy)
 
 
 def example_of(success, rotations, widths, turns=(0, 180)):
@@ -118,57 +102,12 @@ class TestLoss:
         read = lessons.read_answers(answers, losses.double().numpy(), example)
         assert read.angles == pytest.approx(10, abs=0.05)
 
-    def test_both_rotations_that_mean_a_grasp_are_right(self):
-        turn = Rotation.from_euler("xyz", [2.5, 0.3, 0.4])
-        example = example_of([1, 1, 1], [turn] * 3, [2] * 3)
-        half, off = Rotation.from_euler("z", np.pi), Rotation.from_rotvec([0, np.radians(30), 0])
-        quaternions = [-turn.as_quat(), (turn * half).as_quat(), (turn * off).as_quat()]
-        answers = np.column_stack([[1 - 1e-6] * 3, quaternions, [2, 2, 4]])
-        weights = lessons.ClassWeights(1, 1)
-        losses = lessons.grasp_losses(torch.from_numpy(answers).float(), example, weights)
-        np.testing.assert_allclose(losses[:2], 0, atol=1e-5)
-        read = lessons.read_answers(answers, losses.double().numpy(), example)
-        np.testing.assert_allclose(read.angles, [0, 0, 30], atol=0.05)
-        np.testing.assert_allclose(read.widths, [0, 0, 0.03], atol=1e-9)
-
     def test_both_classes_count_alike(self):
         weights = lessons.class_weights(100, 20)
         assert 20 * weights.positive == 80 * weights.negative == 50
         for positive in (0, 100):
             with pytest.raises(UserError, match="nothing can be learnt"):
                 lessons.class_weights(100, positive)
-
-    def test_the_loss_of_a_set_does_not_depend_on_its_parts(self, scenes):
-        """The mean over the examples of a pass is the mean over all of its grasps."""
-        network = vgn.new_vgn(0)
-        count = len(scenes.indices("train"))
-        settings = SHORT.model_copy(update={"examples": count, "rise": 0})
-        task = lessons.SceneTask(scenes, HAND, settings, 0)
-        with torch.inference_mode():
-            each = [task.losses(network, number) for number in range(count)]
-            stream = SceneStream(scenes, HAND, count)
-            examples = [stream[number] for number in range(count)]
-            losses = [
-                lessons.grasp_losses(lessons.answers_at(network, example), example, task.weights)
-                for example in examples
-            ]
-        assert sum(len(example.voxels) for example in examples) == 20 * count  # all are inside
-        torch.testing.assert_close(sum(each) / count, torch.cat(losses).mean(dim=0))
-
-    def test_a_scene_without_grasps_changes_nothing(self, scenes):
-        network = vgn.new_vgn(0)
-        example = SceneStream(scenes, HAND, 1)[0]
-        none = example._replace(
-            voxels=example.voxels[:0],
-            success=example.success[:0],
-            rotations=example.rotations[:0],
-            widths=example.widths[:0],
-        )
-        found = lessons.answers_at(network, none)
-        loss = lessons.grasp_losses(found, none, lessons.ClassWeights(1, 1)).sum()
-        assert all(
-            (each == 0).all() for each in torch.autograd.grad(loss, list(network.parameters()))
-        )
 
 
 class TestTraining:
@@ -242,10 +181,3 @@ class TestLearning:
         assert score.average_precision.interval[0] > score.share + 0.1
         assert score.balanced_accuracy.value > 0.75
         assert score.width.value < 0.01
-
-    def test_shuffled_labels_are_not(self):
-        score = self.score(shuffled=True)
-        low, high = score.average_precision.interval
-        assert low < score.share + 0.02
-        assert high < score.share + 0.12
-        assert score.balanced_accuracy.value < 0.6

@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 
 from egad.detectors import prepare_input, read_maps
 from egad.detectors.maps import MAX_PEAKS, best, peaks
@@ -29,23 +28,6 @@ def test_maps_are_those_of_an_obvious_twin():
     np.testing.assert_allclose(targets(rectangles, 60), twin(rectangles, 60), atol=1e-6)
 
 
-def test_quality_is_in_the_middle_third_along_the_opening():
-    quality, cosine, sine, width = targets(np.array([[150.0, 100.0, 0.0, 60.0, 10.0]]))
-    rows, columns = np.nonzero(quality)
-    assert (rows.min(), rows.max()) == (95, 105)
-    assert (columns.min(), columns.max()) == (140, 160)
-    assert (cosine[100, 150], sine[100, 150]) == (1, 0)
-    assert width[100, 150] == pytest.approx(0.4)
-    assert cosine.sum() == quality.sum()
-
-
-def test_angles_are_anticlockwise_as_seen():
-    """Up and to the right is positive: rows count downwards."""
-    quality = targets(np.array([[150.0, 150.0, np.pi / 4, 90.0, 1.5]]))[0]
-    assert quality[145, 155] == 1
-    assert quality[155, 155] == 0
-
-
 def test_what_is_painted_can_be_read_again():
     """The best grasp of a painted map is the one that was painted."""
     for turn in (-1.5, -0.7, 0.0, 0.4, 1.2):
@@ -59,18 +41,6 @@ def test_depths_go_in_less_their_mean_and_clipped():
     depth = np.array([[0.5, 0.7], [0.6, 9.0]])
     np.testing.assert_allclose(prepare_input(depth), [[-1, -1], [-1, 1]])
     np.testing.assert_allclose(prepare_input(depth[:1]), [[-0.1, 0.1]], atol=1e-7)
-
-
-def test_maps_are_read_as_they_are_coded():
-    angle = 0.4
-    maps = (
-        np.ones((4, 60, 60))
-        * np.array([0.5, np.cos(2 * angle), np.sin(2 * angle), 0.3])[:, None, None]
-    )
-    answer = read_maps(maps)
-    np.testing.assert_allclose(answer.quality, 0.5)
-    np.testing.assert_allclose(answer.angle, angle)
-    np.testing.assert_allclose(answer.opening, 90)
 
 
 def test_half_certain_networks_do_not_ask_for_half_of_the_opening():
@@ -101,12 +71,3 @@ def test_peaks_come_from_the_best_on_and_lie_apart():
     rows, columns = np.array(found).T
     apart = np.maximum(np.abs(rows[:, None] - rows), np.abs(columns[:, None] - columns))
     assert apart[~np.eye(len(found), dtype=bool)].min() > 10
-
-
-def test_the_best_grasp_is_a_column_a_row_an_angle_and_an_opening():
-    maps = np.zeros((4, 100, 100))
-    maps[0, 30, 70] = 1
-    maps[1], maps[3] = 1, 0.2
-    found = best(read_maps(maps))
-    np.testing.assert_allclose(found[:3], [70, 30, 0])
-    assert found[3] > 30  # less certain than 1 after smoothing

@@ -14,7 +14,6 @@ from egad.learning import Training, TrainNetwork
 from egad.learning.train_on_images import open_dataset, train
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
-from egad_workflow.settings import Settings, select
 
 PLAN = Training(
     images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn", crop=96
@@ -75,12 +74,6 @@ def test_the_card_says_what_it_learnt_from_and_how(trained, pictures):
     assert "4 examples in 2 epochs" in text
 
 
-def test_the_chart_is_drawn(trained):
-    text = (trained / "words/history.svg").read_text()
-    assert text.startswith("<?xml")
-    assert "validation" in text
-
-
 def test_the_detector_takes_the_weights(trained, view):
     safetensors = pytest.importorskip("safetensors.torch")
     networks = pytest.importorskip("egad.detectors.networks")
@@ -102,20 +95,6 @@ def test_training_begins_with_given_weights(trained, images, check_start, tmp_pa
     other = SETTINGS.model_copy(update={"training": PLAN.model_copy(update={"network": "ggcnn2"})})
     with pytest.raises(UserError, match="not weights of GG-CNN2; most similar to GG-CNN, but"):
         train(other, [images], tmp_path / "wrong", start=start)
-
-
-def test_a_network_that_is_not_there_is_a_mistake(images, tmp_path):
-    words = ["train", str(images), "--out", str(tmp_path), "--network", "resnet"]
-    result = CliRunner().invoke(app, words)
-    assert result.exit_code == 2
-    assert "--network" in result.output
-    assert "'ggcnn', 'ggcnn2'" in " ".join(result.output.replace("│", " ").split())
-
-
-def test_the_default_settings_are_read():
-    assert select(Settings(), TrainNetwork).training == Training()
-    with pytest.raises(ValueError, match="low to high"):
-        Training(zoom=(0.9, 0.5))
 
 
 def test_nothing_to_learn_from_is_a_mistake(write, pictures, tmp_path):
@@ -141,32 +120,6 @@ def test_simulated_labels_are_asked_for_if_they_decide(write, pictures, tmp_path
     folder = write(tmp_path / "colliding", rows)
     with pytest.raises(UserError, match="collision-free grasp that succeeded in simulation"):
         open_dataset([folder], settings)
-
-
-def test_several_folders_are_trained_on_as_one_set(images, write, pictures, tmp_path):
-    """Also if one of them has no images of some splits."""
-    pytest.importorskip("torch")
-    others = [
-        {**row, "id": f"o-{row['id']}", "objects": [f"o-{row['id']}"]} for row in pictures[:30]
-    ]
-    assert {row["split"] for row in others} == {"train"}
-    both = [str(images), str(write(tmp_path / "others", others))]
-    out = tmp_path / "out"
-    words = ["--config", configuration(tmp_path / "config.yaml"), "--out", str(out)]
-    result = CliRunner().invoke(app, ["train", *both, *words])
-    assert result.exit_code == 0, result.output
-    count = [row["split"] for row in pictures].count("train") + 30
-    assert f"| train | {count // 3} | {count} |" in (out / "README.md").read_text()
-    origin = parquet.origin_of(out / "history.parquet")
-    assert len(origin["inputs"]) == 2
-
-
-def test_a_folder_of_something_else_is_a_mistake(tmp_path):
-    with pytest.raises(UserError, match="no images found"):
-        open_dataset([tmp_path], SETTINGS)
-    (tmp_path / "images-0.parquet").write_text("hello")
-    with pytest.raises(TableError, match="not a readable Parquet file"):
-        open_dataset([tmp_path], SETTINGS)
 
 
 @pytest.mark.usefixtures("without_torch")

@@ -93,18 +93,6 @@ def test_the_learning_rate_falls_along_half_a_cosine():
     np.testing.assert_allclose(rates, [0.04, 0.03, 0.02, 0.01, 0], atol=1e-12)
 
 
-def test_each_step_has_its_learning_rate(shards, monkeypatch):
-    """Adam changes no weight by more than a few times the learning rate; without it, by nothing."""
-    network = Tiny()
-    before = network.weight.detach().clone()
-    monkeypatch.setattr(training, "learning_rate", lambda _, batch: 0.5 * (batch.start == 3))
-    settings = SHORT.model_copy(update={"images": 3})
-    training.train(network, shards, settings, 0)
-    assert torch.equal(network.weight, before)
-    training.train(network, shards, settings.model_copy(update={"images": 6, "epoch": 6}), 0)
-    assert (network.weight - before).abs().max() > 0.1
-
-
 def test_a_loss_that_is_not_finite_ends_it(shards):
     with pytest.raises(UserError, match="no longer finite; try a lower learning_rate"):
         training.train(Tiny(math.inf), shards, SHORT, 0)

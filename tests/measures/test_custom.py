@@ -5,7 +5,7 @@ import trimesh
 
 from egad.errors import RejectedError, UserError
 from egad.measures import CustomMeasures
-from egad.measures.custom import check_measures, plugin_name, plugin_value, source_hash
+from egad.measures.custom import check_measures, plugin_value, source_hash
 from egad.measures.graspability import rough_graspability
 from egad.measures.measure import measure_mesh
 from egad.measures.parameters import MeasureParameters
@@ -84,12 +84,6 @@ def test_a_measure_that_is_not_there_is_the_users_mistake(file, measure, words):
         check_measures(CustomMeasures(complexity=measure.format(file=file)))
 
 
-def test_a_file_that_cannot_be_run_is_the_users_mistake(tmp_path):
-    (tmp_path / "broken.py").write_text("def f(:")
-    with pytest.raises(UserError, match="SyntaxError"):
-        check_measures(CustomMeasures(graspability=f"{tmp_path}/broken.py:f"))
-
-
 def test_own_measures_take_the_place_of_the_coordinates(file):
     usual = placed(CustomMeasures())
     across = placed(CustomMeasures(complexity=f"{file}:longest"))
@@ -111,8 +105,3 @@ def test_a_module_that_is_installed_will_do():
     measure = "egad.measures.complexity:complexity"
     assert plugin_value(measure, BOX) == pytest.approx(placed(CustomMeasures()).complexity)
     assert len(source_hash(measure)) == 16
-
-
-def test_the_name_is_the_function_in_words():
-    assert plugin_name("some/file.py:wall_thickness") == "wall thickness"
-    assert plugin_name("") == ""

@@ -160,11 +160,6 @@ def test_a_given_center_of_mass_moves_with_the_mesh():
     assert measure(box, com=end)[0] < 0.8 * measure(box)[0]
 
 
-def test_side_fraction_sets_the_size():
-    mesh = wedge()
-    assert measure(mesh, side_fraction=0.3)[0] > measure(mesh, side_fraction=0.8)[0]
-
-
 def test_the_robust_metric_is_lower_for_objects_as_wide_as_the_hand():
     ball = trimesh.creation.icosphere(subdivisions=3)
     plain, robust = measure(ball), measure(ball, metric="robust")

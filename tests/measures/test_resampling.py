@@ -30,7 +30,6 @@ def decimated(mesh):
 
 COPIES = {
     "as released": lambda mesh: mesh,
-    "subdivided": lambda mesh: mesh.subdivide(),
     "noisy": noisy,
     "decimated": decimated,
 }
@@ -41,15 +40,6 @@ COPIES = {
 def test_any_mesh_of_a_released_object_has_its_complexity(label, copy):
     mesh = RELEASED[label].mesh
     assert resampled_complexity(COPIES[copy](mesh)) == pytest.approx(complexity(mesh), abs=0.15)
-
-
-def test_evolved_objects_keep_the_complexity_of_their_triangles():
-    for label in ("I04_1", "M14_3", "U18_1"):
-        mesh = RELEASED[label].mesh
-        assert map_complexity(mesh) == complexity(mesh)
-        noise = np.random.default_rng(0).normal(0, 1e-4, mesh.vertices.shape)
-        scan = trimesh.Trimesh(mesh.vertices + noise, mesh.faces, process=False)
-        assert map_complexity(scan) == pytest.approx(complexity(mesh), abs=0.15)
 
 
 @pytest.mark.slow

@@ -61,23 +61,6 @@ def test_the_share_of_possible_grasps_of_a_brick_falls_as_its_sides_outgrow_the_
     assert share[0.9] < 0.7 * share[0.3]
 
 
-def test_every_possible_grasp_is_kept_where_grasps_may_be_alike():
-    """Of an L, where one leg is in the way of many grasps of the other."""
-    ell = trimesh.boolean.union(
-        [
-            trimesh.creation.box(bounds=[[0, 0, 0], [1, 3, 1]]),
-            trimesh.creation.box(bounds=[[0, 0, 0], [1, 1, 3]]),
-        ],
-        engine="manifold",
-    )
-    wanted = SizeEffect(fractions=[0.8], percentiles=[50], grasps=200, repeats=1)
-    alike = SETTINGS.sampling.model_copy(update={"spacing": 0.0, "rounds": 1})
-    settings = SETTINGS.model_copy(update={"size_effect": wanted, "sampling": alike})
-    row = size_effect(ell, "ell", settings).iloc[0]
-    assert 0 < row["grasps"] < 200
-    assert row["possible"] == row["grasps"]
-
-
 def test_a_ball_gives_the_quality_of_a_grasp_through_its_middle():
     """Torsion is what the fingers resist least; it does not depend on the size of a ball."""
     settings = SETTINGS.model_copy(

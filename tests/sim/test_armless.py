@@ -68,14 +68,6 @@ def test_an_object_is_held_from_any_side(
 
 
 @EACH_ENGINE
-def test_the_number_of_the_held_object_is_told(engine: EngineName) -> None:
-    with open_world(engine, [CUBE, CUBE], free_hand(HAND)) as world:
-        world.place(Pose(np.array([0.2, 0, SIDE / 2]), UPRIGHT), number=0)
-        world.place(Pose(np.array([0, 0, SIDE / 2]), UPRIGHT), number=1)
-        assert execute_pose(world, grasp([0, 0, 0.02], [1, 0, 0], DOWN), 0.07).held == 1
-
-
-@EACH_ENGINE
 @pytest.mark.parametrize("contact", ["close", "collided"])
 def test_a_hand_that_the_table_stops_closes_only_if_it_may(
     engine: EngineName, contact: str
@@ -85,26 +77,6 @@ def test_a_hand_that_the_table_stops_closes_only_if_it_may(
         result = execute_pose(world, grasp([0, 0, 0], [1, 0, 0], DOWN), 0.07, ContactRules(contact))
         assert result.stopped > 0.005
         assert result.outcome == (Outcome.SUCCESS if contact == "close" else Outcome.COLLIDED)
-
-
-@EACH_ENGINE
-def test_closing_beside_an_object_is_a_miss(engine: EngineName) -> None:
-    with open_world(engine, [CUBE], free_hand(HAND)) as world:
-        stand(world, SIDE)
-        result = execute_pose(world, grasp([0, 0.1, 0.02], [1, 0, 0], DOWN), 0.07)
-        assert (result.outcome, result.held) == (Outcome.MISSED, None)
-
-
-@EACH_ENGINE
-def test_a_finger_that_comes_down_on_the_object_is_stopped(engine: EngineName) -> None:
-    """The left finger is above the cube: it is stopped at its top, and cannot hold it."""
-    with open_world(engine, [CUBE], free_hand(HAND)) as world:
-        stand(world, SIDE)
-        pose = grasp([0.045, 0, 0.02], [1, 0, 0], DOWN)
-        result = execute_pose(world, pose, 0.07)
-        assert result.outcome == Outcome.COLLIDED
-        bottom = 0.02 - finger_span(HAND)[1]
-        assert result.stopped == pytest.approx(SIDE - bottom, abs=0.003)
 
 
 @EACH_ENGINE

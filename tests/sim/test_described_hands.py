@@ -8,7 +8,6 @@ from described_hands import box_urdf, linkage_mjcf
 from egad.geometry import Bundle
 from egad.grippers import Gripper, model_of
 from egad.sim.arms import ARMS, HandPose
-from egad.sim.drives import LEFT, RIGHT
 from egad.sim.engines import open_world
 from egad.sim.execution import execute_pose
 from egad.sim.jaws import Hand
@@ -114,9 +113,3 @@ def test_a_free_hand_grasps_where_its_pads_are(gripper, engine):
 def test_urdf_has_no_long_lines(gripper):
     """PyBullet cuts them."""
     assert max(map(len, to_urdf(on_axis(gripper)).splitlines())) < 8192
-
-
-def test_every_link_of_a_finger_belongs_to_a_side(gripper):
-    robot = on_axis(gripper)
-    assert set(robot.sides.values()) == {LEFT, RIGHT}
-    assert len(robot.sides) == sum(link.body != 0 for link in model_of(gripper).links)

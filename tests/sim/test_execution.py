@@ -120,21 +120,6 @@ def test_a_hand_that_meets_the_table_closes_there_if_the_protocol_says_so(
         assert each.stopped == pytest.approx(0.01, abs=0.004)
 
 
-@EACH_ENGINE
-def test_a_hand_that_was_stopped_and_closes_on_nothing_has_missed(
-    engine: EngineName,
-) -> None:
-    """The open fingers come down on a slab that is wider than the hand."""
-    model = build(trimesh.creation.box((0.2, 0.2, 0.03)), 400.0, BUNDLE)
-    with start(engine, model) as world:
-        world.place(Pose(np.array([0.0, 0.0, 0.015]), UPRIGHT))
-        grasp = Grasp((0.0, 0.0, 0.02), 0.0, 0.065, 0.01, 1.0)
-        arm, closing = ARMS["axis"](HAND), ContactRules("close", 10.0)
-        found = execute(world, arm, TrialProtocol(), grasp, rules=closing)
-    assert found.outcome == Outcome.MISSED
-    assert found.stopped == pytest.approx(0.02, abs=0.004)
-
-
 def in_full(monkeypatch: pytest.MonkeyPatch) -> None:
     """From now on everything is lifted all the way and held as long as it says."""
     monkeypatch.setattr(Stillness, "__call__", lambda _: False)
@@ -196,18 +181,6 @@ def test_loads_around_what_friction_carries_end_as_if_simulated_in_full(
     assert len({each.outcome for each in full}) > 1
     for one, other in zip(early, full, strict=True):
         assert one.lifted == pytest.approx(other.lifted, abs=0.001)
-
-
-@EACH_ENGINE
-def test_grasps_near_an_edge_end_as_if_simulated_in_full(
-    engine: EngineName, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Off the middle the weight turns the cube between the pads, which are 20 mm wide."""
-    cases = [(engine, 1.0 / SIDE**3, "axis", shift, 25.0) for shift in (0.005, 0.015, 0.025)]
-    early = [held_up(*case) for case in cases]
-    in_full(monkeypatch)
-    full = [held_up(*case) for case in cases]
-    assert [each.outcome for each in early] == [each.outcome for each in full]
 
 
 def attempts(engine: EngineName, model: Model, count: int) -> list[Attempt]:

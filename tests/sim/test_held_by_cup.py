@@ -146,16 +146,6 @@ def test_a_weight_above_the_friction_of_a_level_cup_falls(
         assert (world.attached == 0) == kept
 
 
-@EACH_ENGINE
-def test_the_load_is_that_of_the_mass_that_an_object_has(engine: EngineName) -> None:
-    with open_world(engine, [box()], free_hand(with_cup())) as world:
-        world.mass_factor = 1.1
-        world.reset()
-        hang(world, DOWN, [0.0, 0.0, 0.02])
-        world.step(240)
-        assert world.load()[2] == pytest.approx(1.1 * 0.144 * GRAVITY, rel=1e-3)
-
-
 def stand(world: World, height: float = SIDES[2]) -> None:
     world.reset()
     world.place(Pose(np.array([0.0, 0.0, height / 2]), own_axes(world.model).as_quat()))

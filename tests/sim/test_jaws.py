@@ -164,18 +164,6 @@ def test_a_hand_says_whether_it_was_lifted_all_the_way(engine: EngineName, arm: 
 
 
 @EACH_ENGINE
-def test_the_fingers_are_mirror_images_even_off_center(engine: EngineName) -> None:
-    with start(engine, LIGHT) as world:
-        world.place(Pose(np.array([0.01, 0, SIDE / 2]), np.array([0, 0, 0, 1.0])))
-        hand = hand_at(world, HandPose(0.0, 0.0, 0.01, 0.0), 0.07)
-        hand.close()
-        left, right = world.fingers()[0]
-        assert left == pytest.approx(right, abs=0.0005)
-        assert world.pose().position[0] == pytest.approx(0, abs=0.0005)
-        assert hand.pinches()
-
-
-@EACH_ENGINE
 def test_a_hand_closes_on_nothing(engine: EngineName) -> None:
     with start(engine, LIGHT, GRIPPERS["yumi"]) as world:
         hand = hand_at(world, HandPose(0.3, 0.0, 0.01, 0.5), 0.05)

@@ -168,11 +168,6 @@ def test_an_object_that_went_astray_is_noticed(
             world.pose()
 
 
-def test_pose_matrix_moves_the_mesh() -> None:
-    quarter = Pose(np.array([1.0, 2.0, 3.0]), np.array([0, 0, np.sqrt(0.5), np.sqrt(0.5)]))
-    np.testing.assert_allclose(quarter.matrix @ [1, 0, 0, 1], [1, 3, 3, 1], atol=1e-12)
-
-
 def test_an_engine_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(UserError, match="did you mean pybullet"):
         check_engine("bullet")
@@ -239,23 +234,6 @@ def test_several_objects_take_no_part_until_they_are_placed(engine: EngineName) 
         world.place(at(0, 0, 0.5), number=1)
         world.step(60)
         assert world.pose(1).position[2] < 0.25  # it falls again
-
-
-@EACH_ENGINE
-@pytest.mark.parametrize(("slope", "slides"), [(0.4, False), (0.6, True)])
-def test_an_object_slides_off_another_beyond_their_friction(
-    engine: EngineName, slope: float, slides: bool
-) -> None:
-    """Gravity is tilted instead of the lower one, which is held: their friction is 0.5."""
-    slab = build(trimesh.creation.box((0.2, 0.2, 0.02)), 1000.0, BUNDLE)
-    with open_world(engine, [slab, CUBE]) as world:
-        world.place(at(0, 0, 0.5), number=0)
-        world.place(at(0, 0, 0.51 + SIDE / 2), number=1)
-        world.set_gravity((GRAVITY * slope, 0.0, -GRAVITY))
-        with world.pinned():
-            world.step(60)
-            moved = world.pose(1).position[0]
-    assert (moved > 0.01) == slides
 
 
 @EACH_ENGINE

@@ -1,24 +1,22 @@
 """The page of an atlas: what it is made from, and that it needs no other file."""
 
-import io
 import re
 
 import numpy as np
 import pandas as pd
 import pytest
 from partial_tables import fill_columns
-from PIL import Image
 
 import egad
 from egad.bench.failures import Examination, FailureAtlas, FailureSearch, Found, features, join
-from egad.bench.failures.finding import failure_parameters, name_of
+from egad.bench.failures.finding import failure_parameters
 from egad.bench.failures.models import scaled_surface
-from egad.detectors import DetectorConfig, Grasp
+from egad.detectors import Grasp
 from egad.errors import UserError
 from egad.evolution import evolution_parameters
 from egad.evolution.voxels import pack
-from egad.report.failure_atlas import animation, film_rows, solved_objects, write_page
-from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS
+from egad.report.failure_atlas import write_page
+from egad.tables.failures import EXAMINED
 
 
 def beside(_view, gripper, rng):
@@ -75,16 +73,6 @@ def test_what_a_saved_atlas_knows_comes_back(atlas, tmp_path):
     assert again.shape == atlas.shape
 
 
-def test_detectors_have_names():
-    class Mine:
-        def __call__(self, view, gripper, rng):
-            del view, gripper, rng
-
-    assert name_of(beside) == "beside"
-    assert name_of(Mine()) == "Mine"
-    assert name_of(DetectorConfig(detector="random")) == "random"
-
-
 def test_a_page_needs_no_other_file(atlas, tmp_path, monkeypatch):
     drawn = np.random.default_rng(0).integers(0, 255, (48, 64, 3), np.uint8)
     monkeypatch.setattr("egad.sim.film.draw", lambda *_: drawn)
@@ -107,84 +95,8 @@ def test_a_page_needs_no_other_file(atlas, tmp_path, monkeypatch):
     assert "<h2>By shape" in text
 
 
-def test_films_that_end_differently_are_left_out_with_a_note(atlas, tmp_path, monkeypatch):
-    monkeypatch.setattr("egad.sim.film.draw", lambda *_: np.zeros((1, 1, 3), np.uint8))
-    broken = atlas.attempts.copy()
-    lost = (broken["who"] == "reference") & broken["success"]
-    broken.loc[lost, "outcome"] = "dropped"
-    other = FailureAtlas(atlas.table, atlas.examined, broken, atlas.shape, atlas.settings)
-    write_page(other, tmp_path / "page.html", films=1)
-    text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert "dropped became success" in text
-    assert "data:image/webp" not in text
-
-
-@pytest.mark.parametrize("films", [-1, 1.5, "all"])
-def test_numbers_of_films_are_checked(atlas, tmp_path, films):
-    with pytest.raises(UserError, match="films"):
-        write_page(atlas, tmp_path / "page.html", films)
-
-
 def test_an_atlas_without_settings_has_a_map_but_no_page(atlas, tmp_path):
     bare = FailureAtlas(atlas.table, atlas.examined, atlas.attempts)
     assert bare.plot().svg == atlas.plot().svg
     with pytest.raises(UserError, match="gripper"):
         write_page(bare, tmp_path / "page.html")
-
-
-def test_solved_objects_are_a_sample_of_those_with_voxels():
-    rows = [
-        {"id": str(number), "verdict": verdict, "voxels": voxels}
-        for number, (verdict, voxels) in enumerate(
-            [("failure", b"x"), ("detector_succeeds", b"")] + [("detector_succeeds", b"x")] * 300
-        )
-    ]
-    examined = fill_columns(EXAMINED, rows)
-    found = solved_objects(examined, seed=1)
-    assert len(found) == 200
-    assert found["id"].is_unique
-    assert set(found["id"]) <= {str(number) for number in range(2, 302)}
-    assert list(found["id"]) == list(solved_objects(examined, seed=1)["id"])
-    assert list(found["id"]) != list(solved_objects(examined, seed=2)["id"])
-
-
-def test_films_are_of_the_first_drop_with_the_most_frequent_loss():
-    def row(drop, who, outcome, **more):
-        known = {"engine": "mujoco", "purpose": "confirm", "success": outcome == "success"}
-        return {"drop": drop, "who": who, "outcome": outcome} | known | more
-
-    rows = []
-    for drop, outcome in enumerate(["success", "missed", "collided", "collided"]):
-        rows += [row(drop, "reference", "success"), row(drop, "detector", outcome)]
-    # At drop 4 the reference fails, too; drops in the other engine do not count.
-    rows += [row(4, "reference", "dropped"), *[row(4, "detector", "missed")] * 3]
-    rows += [row(5, "reference", "success", engine="pybullet")]
-    rows += [row(5, "detector", "missed", engine="pybullet")]
-    attempts = fill_columns(FAILURE_ATTEMPTS, rows)
-    found = film_rows(attempts, "mujoco")
-    assert list(zip(found["drop"], found["who"], found["outcome"], strict=True)) == [
-        (2, "detector", "collided"),
-        (2, "reference", "success"),
-    ]
-    assert film_rows(attempts[attempts["drop"] == 0], "mujoco").empty
-
-
-def test_animations_keep_every_other_frame_and_the_last_one():
-    frames = []
-    for number in range(8):
-        frame = np.zeros((32, 128, 3), np.uint8)
-        frame[:, 16 * number : 16 * (number + 1)] = 255
-        frames.append(frame)
-    image = Image.open(io.BytesIO(animation(frames)))
-    shown, times = [], []
-    for number in range(image.n_frames):
-        image.seek(number)
-        shown.append(int(np.asarray(image.convert("L")).mean(axis=0).argmax() // 16))
-        times.append(image.info["duration"])
-    assert shown == [0, 2, 4, 6, 7]
-    assert times == [100, 100, 100, 100, 1200]
-
-
-def test_an_animation_may_have_one_frame():
-    image = Image.open(io.BytesIO(animation([np.full((32, 16, 3), 99, np.uint8)])))
-    assert np.asarray(image.convert("L")).mean() == pytest.approx(99, abs=2)

@@ -71,12 +71,6 @@ def test_contacts_of_a_box_lie_on_its_sides():
         assert second @ axis == pytest.approx(side / 2)
 
 
-def test_nothing_between_the_fingers_is_no_contact():
-    box = trimesh.creation.box(SIDES)
-    beside = grasp_along((1, 0, 0), (0, 0, 1), (0, 0.1, 0))
-    assert contact_points(RayCaster(box), beside, PANDA).shape == (0, 3)
-
-
 def test_a_cup_has_one_contact():
     cup = next(g for name in egad.grippers.GRIPPERS if (g := egad.gripper(name)).cup)
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.03)
@@ -122,12 +116,6 @@ def test_concavity_is_the_share_of_the_hull_that_is_missing():
     arms = [trimesh.creation.box(bounds=[(0, 0, 0), far]) for far in ((2, 1, 1), (1, 2, 1))]
     angle = trimesh.boolean.union(arms, engine="manifold")
     assert concavity(angle) == pytest.approx(1 - 3 / 3.5)
-
-
-def test_asymmetry_is_the_share_of_the_volume_without_an_image():
-    turned = trimesh.creation.box(SIDES)
-    turned.apply_transform(trimesh.transformations.euler_matrix(0.3, 0.5, 0.7))
-    assert asymmetry(turned) == pytest.approx(0, abs=1e-3)
 
 
 def test_asymmetry_agrees_with_exact_volumes(lumpy):
@@ -202,9 +190,3 @@ def test_few_failures_within_the_range_leave_room():
     found = shares(pd.DataFrame({"x": [0.5, 0.6, 0.4]}), solved)["x"]
     assert found.value == pytest.approx(-0.1)
     assert found.ci_high > 0.4  # none of three may be one of two
-
-
-def test_features_that_nobody_has_are_left_out():
-    solved = pd.DataFrame({"x": [1.0, 2.0, 3.0], "y": [np.nan] * 3})
-    failures = pd.DataFrame({"x": [1.0, np.nan], "y": [1.0, 2.0]})
-    assert list(shares(failures, solved)) == ["x"]

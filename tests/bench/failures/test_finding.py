@@ -2,7 +2,7 @@
 
 import pandas as pd
 import pytest
-from failing import CUBE, QUICK, USED, beside, both
+from failing import CUBE, QUICK, beside
 from failure_searches import coarse_objects
 
 import egad
@@ -61,17 +61,6 @@ def test_it_does_not_depend_on_processes_nor_on_interruptions(tmp_path):
     )
 
 
-def test_another_search_is_not_mixed_in(tmp_path):
-    first = found(out=tmp_path, attempts=1, engines=None)
-    assert first.settings.failures.engines == USED
-    with pytest.raises(egad.UserError, match="another folder"):
-        found(out=tmp_path, attempts=1, engines=None, seed=1)
-
-
-def test_the_parts_of_difference_are_kept_apart():
-    assert found(detector=both, attempts=1).table["n_not_chosen"].sum() > 0
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -79,10 +68,7 @@ def test_the_parts_of_difference_are_kept_apart():
         ({"detector": DetectorConfig(detector="labels")}, "as the reference does"),
         ({"detector": "suction-depth"}, "suction cups"),
         ({"detector": 3}, "a detector is a function"),
-        ({"gripper": "nothing"}, "nothing"),
-        ({"engines": ["bullet"]}, "bullet"),
         ({"attempts": 0}, "attempts"),
-        ({"strategy": "luck"}, "strategy"),
         ({"objects": {"cube": CUBE}}, "meshes"),
     ],
 )

@@ -1,30 +1,25 @@
 """Failures matched with similar objects that the detector grasps."""
 
-from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
 import pandas as pd
 import pytest
-from bars import NONE, examined, mesh_of, name_of, settings, thick_only
+from bars import NONE, mesh_of, name_of, settings, thick_only
 from partial_tables import fill_columns
-from scipy.spatial.transform import Rotation
 
 import egad
 from egad.bench.failures import Examination, FailureAtlas, MatchedSet, match_failures
 from egad.bench.failures.evidence import pairs_of
 from egad.bench.failures.matching import assign, spread
-from egad.bench.failures.reference import REST, ReferencePolicy
-from egad.detectors import Grasp, opened
+from egad.detectors import opened
 from egad.detectors.failures import OnlyFailuresError
 from egad.errors import RejectedError, UserError
 from egad.evolution import Shape
 from egad.measures import cell_of
 from egad.objects import dataset_of
-from egad.sim import Pose
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
-from egad.tables.failures import FAILURE_ATTEMPTS
 
 POSE = ["rest_x", "rest_qw", "pose", "width", "score", "outcome"]
 
@@ -80,55 +75,6 @@ def tuple_of(value):
     return tuple(value) if isinstance(value, list | np.ndarray) else value
 
 
-class Shelf:
-    """What a reference asks of a runner."""
-
-    def __init__(self, labelled):
-        self._labelled = labelled
-
-    def labelled(self, rest):
-        return [grasp.moved(rest.matrix) for grasp in self._labelled]
-
-    def can_do(self, _):
-        return True
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_a_reference_made_of_attempts_expects_the_same_of_all_grasps(seed):
-    """However they were tried; what was learnt changes the order."""
-    rng = np.random.default_rng(seed)
-
-    def grasp(score):
-        pose = np.eye(4)
-        pose[:3, :3] = Rotation.random(random_state=rng).as_matrix()
-        return Grasp.of_pose(pose, 0.05, score)
-
-    def rest():
-        return Pose(rng.normal(size=3), Rotation.random(random_state=rng).as_quat())
-
-    labelled = [grasp(score) for score in (0.9, 0.5, 0.3)]
-    learnt, rows = ReferencePolicy(), []
-    for number in range(12):
-        where = rest()
-        chosen = labelled[rng.integers(3)] if rng.random() < 0.6 else grasp(0.1)
-        tried = chosen.moved(where.matrix)
-        success, purpose = bool(rng.random() < 0.5), ["screen", "choose", "confirm"][number % 3]
-        if purpose != "confirm":
-            learnt.remember(where, tried, success)
-        lies = dict(zip(REST, [*where.position, *where.quaternion], strict=True))
-        rows.append({"purpose": purpose, "success": success, "pose": tried.pose[:3].ravel()} | lies)
-        rows[-1] |= {"width": tried.width, "score": tried.quality}
-    rows.append({"purpose": "screen", "pose": [], "success": False})  # nothing was proposed
-    again = ReferencePolicy.of(fill_columns(FAILURE_ATTEMPTS, rows))
-    where, shelf = rest(), Shelf(labelled)
-    first, second = (policy.ranked(shelf, where) for policy in (learnt, again))
-    assert [(each.width, each.quality) for each in first] == [
-        (each.width, each.quality) for each in second
-    ]
-    np.testing.assert_array_equal([each.pose for each in first], [each.pose for each in second])
-    assert len(first) > len(labelled)
-
-
 def test_a_choice_that_was_cut_short_is_completed_as_if_it_had_not_been(thin):
     is_late = (thin["purpose"] == "choose") & (thin["drop"] >= 2)
     cut = thin[~is_late & (thin["purpose"] != "confirm")]
@@ -144,10 +90,6 @@ def test_pairs_are_as_many_as_asked_for_from_the_same_poses_on_drops_of_their_ow
     rests = found.groupby("who")["rest_x"].apply(list)
     assert rests["detector"] == rests["reference"]
     assert not set(found["rest_x"]) & set(thin["rest_x"])
-
-
-def test_trials_that_cannot_come_to_enough_successes_end_early(thin):
-    assert len(again("thin", "qualify", 10, thin, least=8)) == 2 * 3
 
 
 def test_an_object_that_never_comes_to_rest_is_rejected(thin, monkeypatch):
@@ -190,16 +132,6 @@ def test_an_object_that_the_detector_does_not_grasp_again_is_replaced(failing, m
     assert not failing.attempts["purpose"].isin(["qualify", "matched"]).any()
 
 
-def test_the_counts_are_those_of_drops_that_nothing_was_chosen_by(matched):
-    for row in parquet.records(matched.table):
-        rows = matched.attempts[matched.attempts["id"] == row["id"]]
-        fresh = rows[rows["purpose"] == "matched"]
-        won = fresh[fresh["success"]].groupby("who").size()
-        assert row["detector_successes_mujoco"] == won.get("detector", 0)
-        assert row["reference_successes_mujoco"] == won.get("reference", 0)
-        assert not set(fresh["rest_x"]) & set(rows.loc[rows["purpose"] == "qualify", "rest_x"])
-
-
 def without(atlas, *bars):
     """The atlas without some of the objects that the detector succeeds at."""
     gone = atlas.examined["id"].isin(list(map(name_of, bars)))
@@ -212,13 +144,6 @@ def test_a_failure_without_a_partner_is_left_out(failing):
     found = match_failures(without(failing, "liar", "broad"), thick_only, attempts=1, objects=NONE)
     assert found.table["id"].tolist() == [name_of("thin"), name_of("thick")]
     assert (len(found), found.unmatched) == (1, 1)
-
-
-def test_pairs_are_at_most_as_many_as_asked_for(failing):
-    """The worst failures; of equals the first one by its id."""
-    found = match_failures(failing, thick_only, pairs=1, attempts=1, objects=NONE)
-    assert found.table["id"][0] == min(name_of("thin"), name_of("flat"))
-    assert (len(found), found.unmatched) == (1, 0)
 
 
 def test_objects_that_the_search_did_not_try_may_become_partners(failing):
@@ -248,26 +173,6 @@ def test_a_partner_may_lie_farther_away_if_that_is_allowed(failing):
     assert found.table["id"].tolist() == [name_of("flat"), name_of("thick")]
 
 
-def test_a_partner_may_be_grasped_less_often_if_that_is_allowed(failing):
-    def luckless(view, gripper, rng):
-        """As thick_only, but beside every third object."""
-        (grasp,) = thick_only(view, gripper, rng)
-        x, y, z = grasp.center
-        return [replace(grasp, center=(x + 0.2 * (rng.random() < 1 / 3), y, z))]
-
-    with pytest.raises(UserError, match="the detector succeeds in less than 100 %"):
-        match_failures(failing, luckless, pairs=1, attempts=6, succeeds=1, objects=NONE)
-    found = match_failures(failing, luckless, pairs=1, attempts=6, succeeds=0.3, objects=NONE)
-    assert len(found) == 1
-    assert 0.3 < found.success_rate("mujoco", failures=False).value < 0.95
-
-
-def test_a_failure_is_left_out_after_some_objects_that_are_no_partners(failing, monkeypatch):
-    monkeypatch.setattr("egad.bench.failures.matching.PATIENCE", 1)
-    found = match_failures(failing, thick_only, attempts=1, objects=NONE)
-    assert (found.table["id"][0], found.unmatched) == (name_of("flat"), 1)
-
-
 def test_a_detector_that_only_crashes_is_told_with_its_error(failing):
     def broken(*_):
         raise ZeroDivisionError("no luck")
@@ -282,21 +187,11 @@ def test_objects_whose_voxels_are_other_meshes_are_refused(failing):
         match_failures(failing, thick_only, objects=objects)
 
 
-def test_an_atlas_without_any_pair_says_so(failing):
-    few = without(failing, "thick", "broad")
-    with pytest.raises(UserError, match=r"none of 2 failures .* of 1 that were tried again, none"):
-        match_failures(few, thick_only, attempts=5, objects=NONE)
-    with pytest.raises(UserError, match="none of 2 failures has an object within 2 cells"):
-        match_failures(without(few, "liar"), thick_only, objects=NONE)
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         ({"pairs": 11}, "pairs is 11; allowed: 1 to 10"),
-        ({"pairs": 0}, "pairs is 0"),
         ({"attempts": 0}, "attempts is 0"),
-        ({"within": 0}, "within is 0"),
         ({"succeeds": 0}, "succeeds is 0; allowed: a rate above 0, at most 1"),
     ],
 )
@@ -314,10 +209,3 @@ def test_a_set_is_read_as_it_was_saved(matched, tmp_path):
     assert found.rules == matched.rules == (2, 0.8)
     assert found.attempts["pose"].map(len).tolist() == matched.attempts["pose"].map(len).tolist()
     assert set(egad.load(tmp_path / "pairs.parquet").table["id"]) == set(matched.table["id"])
-
-
-def test_an_object_that_is_grasped_at_once_was_screened_alone():
-    """So a partner needs its reference to be chosen first."""
-    found = examined("thick")
-    assert set(found.attempts["purpose"]) == {"screen"}
-    assert found.attempts.columns.tolist() == FAILURE_ATTEMPTS.names

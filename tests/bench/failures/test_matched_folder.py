@@ -1,14 +1,11 @@
 """The folder of a matched set: what is in it, and that the other commands read it."""
 
 import re
-import shutil
-import subprocess
 from contextlib import nullcontext
 
 import bars
 import pandas as pd
 import pytest
-from bars import name_of
 from commands import egad as run
 
 import egad
@@ -16,12 +13,11 @@ from egad.bench.failures import MatchedSet
 from egad.cli.matched_folder import write_matched_set
 from egad.io import read_mesh
 from egad.tables import parquet
-from egad.tables.evaluation import BUNDLE, EVAL49, MANIFEST
+from egad.tables.evaluation import EVAL49, MANIFEST
 from egad.tables.failures import MATCHED
 from egad.tables.grasping import GRASPS, SCALES
 from egad_workflow.settings import Settings
 
-SLICER = shutil.which("prusa-slicer")
 LABELS = ["A0", "A1", "B0", "B1"]
 
 
@@ -30,13 +26,6 @@ def folder(matched, tmp_path_factory):
     out = tmp_path_factory.mktemp("matched") / "bars"
     write_matched_set(Settings(), "panda", matched, "bars", out)
     return out
-
-
-def test_failures_are_read_as_a_dataset_for_training(failing, tmp_path):
-    failing.save(tmp_path)
-    objects = egad.load(tmp_path / "failures.parquet")
-    assert sorted(each.id for each in objects) == sorted([name_of("thin"), name_of("flat")])
-    assert all(each.mesh.is_watertight and each.voxels.any() and each.genome for each in objects)
 
 
 def test_the_set_is_read_as_a_dataset(folder, matched):
@@ -70,12 +59,6 @@ def test_prints_are_scaled_and_carry_their_labels(folder):
     assert set(grasps["label"]) == set(names)
 
 
-def test_the_bundle_has_all_objects(folder):
-    bundle = parquet.read(folder / "bundle/panda/bundle.parquet", BUNDLE)
-    assert bundle["label"].tolist() == LABELS
-    assert (folder / "bundle/panda/B1/B1.xml").is_file()
-
-
 def test_the_datasheet_says_how_often_each_was_held(folder):
     text = (folder / "eval49/README.md").read_text()
     assert "Failures of the detector bars" in text
@@ -101,27 +84,6 @@ def test_a_log_sheet_of_it_is_read_by_the_report(folder, tmp_path):
     done = run("trials", "report", tmp_path / "filled.csv", "--out", tmp_path / "report.html")
     assert done.returncode == 0, done.stderr
     assert "50.0" in done.stdout
-
-
-def test_its_objects_are_bundled_and_exported(folder, tmp_path):
-    done = run("bundle", folder / "rescaled/panda", "--units", "m", "--out", tmp_path / "bundle")
-    assert done.returncode == 0, done.stderr
-    assert len(parquet.read(tmp_path / "bundle/bundle.parquet", BUNDLE)) == len(LABELS)
-    done = run("export-meshes", folder, "--out", tmp_path / "meshes")
-    assert done.returncode == 0, done.stderr
-    assert {path.stem for path in (tmp_path / "meshes").glob("*.obj")} == {
-        name_of(bar) for bar in ("thin", "flat", "thick", "broad")
-    }
-
-
-def test_a_detector_clears_tables_of_its_objects(folder, tmp_path):
-    out = tmp_path / "cleared.parquet"
-    done = run(
-        *("benchmark", "random", "--objects", folder, "--rounds", 1, "--gripper", "panda"),
-        *("--out", out, "--jobs", 1, "--keep-going"),
-    )
-    assert done.returncode == 0, done.stderr
-    assert "outcomes:" in done.stdout
 
 
 def test_a_command_makes_it_of_an_atlas_with_several_processes_to_the_last_byte(
@@ -154,28 +116,3 @@ def test_a_command_makes_it_of_an_atlas_with_several_processes_to_the_last_byte(
     assert "found with another gripper" in other.stderr
     (out / "pairs.parquet").unlink()
     assert "has other files, which would be lost" in command().stderr
-
-
-@pytest.mark.slicer
-@pytest.mark.skipif(SLICER is None, reason="prusa-slicer is not installed")
-def test_its_plates_are_whole_for_a_slicer_and_take_the_filament_that_was_estimated(
-    folder, tmp_path
-):
-    manifest = parquet.read(folder / "print/panda/manifest.parquet", MANIFEST)
-    assert set(manifest["plate"]) == {1}
-    plate, code = folder / "print/panda/plate-1.3mf", tmp_path / "plate.gcode"
-    info = _said("--info", plate)
-    assert info.count("manifold = yes") == len(LABELS)
-    bed = ("--bed-shape", "0x0,220x0,220x220,0x220", "--dont-arrange")
-    like_ours = ("--layer-height", "0.2", "--fill-density", "20%", "--perimeters", "2")
-    _said("-g", plate, *bed, *like_ours, "-o", code)
-    used = float(re.search(r"filament used \[cm3\] = ([\d.]+)", code.read_text()).group(1))
-    assert 1.24 * used == pytest.approx(manifest["filament"].sum(), rel=0.06)
-
-
-def _said(*arguments):
-    done = subprocess.run(
-        [SLICER, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=600
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout

@@ -1,21 +1,19 @@
 """A table with one object: what happens there depends on the arguments alone."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from failing import CUBE, EACH_ENGINE, PANDA, beside, broken, nothing, rng
+from failing import CUBE, EACH_ENGINE, PANDA, broken, nothing, rng
 
-from egad.bench import ContactRule, TrialProtocol, TrialRunner
+from egad.bench import TrialProtocol, TrialRunner
 from egad.bench.failures.finding import failure_parameters
 from egad.bench.failures.object_runner import ObjectRunner, open_runner
 from egad.bench.failures.parameters import FailureSearch
-from egad.detectors import Failure, Grasp, GraspPoses
+from egad.detectors import Failure, Grasp
 from egad.geometry import Bundle, Material
 from egad.grasps import label_parameters
 from egad.grasps.sampling import dataset_grasps
 from egad.sim import ARMS, build, open_world
-from egad.tables.outcomes import EXECUTION, Outcome
+from egad.tables.outcomes import Outcome
 
 MODEL = build(CUBE, Material().density, Bundle())
 LABELLED = dataset_grasps(CUBE, "cube", label_parameters(PANDA, 50, 0))
@@ -60,36 +58,6 @@ def test_proposals_are_ranked_and_feasible(from_above):
     assert "oops" in failure.text
 
 
-def test_the_noise_and_the_chance_of_a_detector_come_from_its_generator():
-    seen = []
-
-    def watching(view, _gripper, rng):
-        seen.append((view.depth.copy(), rng.random()))
-        return []
-
-    with runner("mujoco", True) as table:
-        rest = table.drop(rng())
-        for seed in (0, 0, 1):
-            table.propose(watching, rest, np.random.default_rng(seed))
-    (first, one), (again, same), (other, two) = seen
-    np.testing.assert_array_equal(first, again)
-    assert one == same != two
-    assert not np.array_equal(first, other, equal_nan=True)
-
-
-@EACH_ENGINE
-def test_a_contact_on_the_way_down_means_what_the_rule_says(engine):
-    outcomes = {}
-    for contact in ("collided", "close"):
-        with runner(engine, True, ContactRule(contact=contact)) as table:
-            rest = table.drop(rng())
-            grasp = table.labelled(rest)[0]
-            narrow = replace(grasp, width=grasp.width / 2)  # both fingers land on the cube
-            outcomes[contact] = table.execute(rest, narrow)
-    assert outcomes["collided"] == Outcome.COLLIDED
-    assert outcomes["close"] in set(EXECUTION) - {Outcome.COLLIDED}
-
-
 @EACH_ENGINE
 def test_a_grasp_from_above_is_carried_out_as_in_trials(engine):
     arm = ARMS["axis"](PANDA)
@@ -102,24 +70,3 @@ def test_a_grasp_from_above_is_carried_out_as_in_trials(engine):
             grasp = Grasp((x + shift, y, z), 0.4, 0.08, 0.015, 1.0)
             expected = runner.carry_out(rest, grasp).outcome
             assert table.execute(rest, grasp.as_pose(PANDA)) == expected
-
-
-def test_poses_are_tried_in_any_direction_only():
-    def sideways(_seen, _gripper, _rng):
-        pose = np.eye(4)
-        return GraspPoses(pose[None], np.array([0.08]), np.array([1.0]))
-
-    sideways.observes = "cloud"
-    with runner("mujoco", False) as table:
-        assert isinstance(table.propose(sideways, table.drop(rng()), rng()), list)
-    sideways.observes = "view"
-    with runner("mujoco", True) as table:
-        refused = table.propose(sideways, table.drop(rng()), rng())
-        assert refused.outcome == Outcome.ERROR
-
-
-def test_a_grasp_beside_the_object_misses_it():
-    with runner("mujoco", True) as table:
-        rest = table.drop(rng())
-        (grasp,) = table.propose(beside, rest, rng())
-        assert table.execute(rest, grasp) == Outcome.MISSED

@@ -7,9 +7,8 @@ import pandas as pd
 import pytest
 from failure_searches import Aside, coarse_objects, failing, settings_of
 
-from egad.bench.failures import FailureAtlas, finding, run_shard, search, search_failures
+from egad.bench.failures import FailureAtlas, finding, search, search_failures
 from egad.bench.failures.store import Store
-from egad.detectors import DetectorConfig
 from egad.detectors.failures import OnlyFailuresError
 from egad.errors import UserError
 
@@ -89,20 +88,6 @@ def test_a_folder_of_another_search_is_refused(
         search_failures(objects.iloc[rows], detect, settings_of(**changes), folder=tmp_path)
 
 
-def test_a_detector_with_other_code_is_another_one(objects, tmp_path):
-    own = tmp_path / "own.py"
-    for number in range(2):
-        own.write_text(f"def detect(view, gripper, rng):\n    return []  # {number}\n")
-        config = DetectorConfig(detector=f"{own}:detect")
-        folder = tmp_path / "out"
-        if number:
-            with pytest.raises(UserError, match="other detector"):
-                Store(folder, objects, config, settings_of())
-        else:
-            store = Store(folder, objects, config, settings_of())
-            store.write(0, run_shard(0, objects, config, settings_of(attempts=2)))
-
-
 def test_a_detector_that_only_fails_ends_the_search_and_says_where_the_rest_is(
     whole, objects, tmp_path, monkeypatch
 ):
@@ -127,22 +112,3 @@ def test_a_detector_that_never_succeeds_is_told_of_once(objects, monkeypatch, ca
     assert not found.attempts.loc[found.attempts["who"] == "detector", "success"].any()
     (told,) = [each.getMessage() for each in caplog.records]
     assert re.fullmatch(r"the detector succeeded in none of the first \d attempts", told)
-
-
-def test_a_detector_grasps_from_where_it_sees(objects, tmp_path):
-    """Also one in a process of its own; and not from above if it asks for more."""
-    own = tmp_path / "own.py"
-    own.write_text(
-        "from egad.detectors import GraspPoses\n"
-        "import numpy as np\n\n"
-        "def detect(cloud, gripper, rng):\n"
-        "    assert len(cloud.points)\n"
-        "    pose = np.diag([1.0, -1.0, -1.0, 1.0])\n"
-        "    pose[:3, 3] = cloud.points[cloud.points[:, 2].argmax()] - [0, 0, 0.01]\n"
-        "    return GraspPoses(pose[None], np.array([gripper.opening]), np.ones(1))\n"
-    )
-    config = DetectorConfig(detector=f"{own}:detect")
-    found = run_shard(0, objects, config, settings_of(attempts=2, shards=1))
-    assert (found.attempts["failure"] == "").all()
-    with pytest.raises(UserError, match="asks for `cloud`, but for grasps from above it gets"):
-        run_shard(0, objects, config, settings_of(attempts=2, shards=1, approach="above"))

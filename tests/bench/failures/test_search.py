@@ -2,16 +2,13 @@
 
 import pandas as pd
 import pytest
-from failing import beside, broken, nothing
+from failing import beside, nothing
 from failure_searches import coarse_objects, settings_of
 
-import egad
 from egad.bench.failures import ObjectVerdict, attempts_of
 from egad.bench.failures import search as stepwise
-from egad.bench.failures.search import Search, elite_of
+from egad.bench.failures.search import Search
 from egad.bench.failures.store import joined
-from egad.tables import parquet
-from egad.tables.evolution import GENOME
 
 OBJECTS = coarse_objects()
 FEW = OBJECTS[["C03_0", "H01_2", "E03_0", "G03_0"]].archive
@@ -83,32 +80,3 @@ def test_a_cell_full_of_failures_is_closed():
     found = joined(run(settings, archive=twins)).examined
     assert list(found["verdict"]) == [ObjectVerdict.FAILURE, ObjectVerdict.CELL_FULL]
     assert list(found["attempts"] > 0) == [True, False]
-
-
-def test_mutation_breeds_the_archive_whatever_fails():
-    found = joined(run(parameters(strategy="mutation", attempts=3), nothing)).examined
-    assert set(found["source"]) == {"child"}
-    assert set().union(*found["parents"]) <= set(FEW["id"])
-
-
-def test_a_detector_that_only_crashes_ends_the_search():
-    with pytest.raises(egad.UserError, match="failed in all"):
-        run(parameters(strategy="screening"), broken)
-
-
-def test_failures_stay_before_all_others(screened):
-    found = screened.examined
-    row = parquet.records(found[found["verdict"] == ObjectVerdict.FAILURE])[0]
-    elite = elite_of(row)
-    assert elite.objective > 1
-    assert elite.genome.keys() == set(GENOME.names)
-    assert elite_of(row | {"verdict": "not_confirmed"}).objective < 1
-
-
-def test_seeds_decide_the_order_of_the_archive():
-    orders = []
-    for seed in (0, 0, 1):
-        settings = parameters().model_copy(update={"seed": seed})
-        search = Search(OBJECTS.archive.iloc[:50], beside, settings)
-        orders.append([each.id for each in search._targets])
-    assert orders[0] == orders[1] != orders[2]

@@ -96,12 +96,6 @@ def test_two_detectors_are_compared_over_the_rounds_that_both_played():
     assert mirrored.cleared == pytest.approx(-0.5)
 
 
-def test_a_detector_does_not_differ_from_itself():
-    table = pd.concat([rows("packed", n, 3, ["success"] * (n % 4) + ["error"]) for n in range(9)])
-    same = compare_clearing(table, table)[0]
-    assert (same.success, same.cleared, same.p_cleared) == (0, 0, 1)
-
-
 def test_rounds_with_other_objects_are_not_compared():
     table = rows("pile", 0, 3, ["success"])
     with pytest.raises(UserError, match="no round in common"):

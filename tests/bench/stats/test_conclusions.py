@@ -11,7 +11,6 @@ from egad.bench.stats import (
     ClearingComparison,
     clearing_conclusion,
     compare,
-    compare_clearing,
     conclusion,
 )
 
@@ -78,16 +77,3 @@ def test_rounds_have_bounds():
     assert "a few more rounds" in clearing_conclusion("a", "b", few)
     hardly = UNSURE._replace(cleared=0.001)
     assert clearing_conclusion("a", "b", hardly).endswith("even 1000 rounds would not show it")
-
-
-def test_a_single_common_round_shows_nothing():
-    rows = [("pile", "none", 0, 1, "x y", "1 1", 2, n, name) for n, name in enumerate("xy")]
-    columns = ["scene", "noise", "round", "seed", "objects", "factors", "n_objects", "attempt"]
-    table = pd.DataFrame(rows, columns=[*columns, "label"])
-    one = table.assign(success=[True, True], outcome="success")
-    other = table.assign(success=[True, False], outcome=["success", "missed"])
-    (result,) = compare_clearing(one, other)
-    assert result.rounds == 1
-    text = clearing_conclusion("one", "other", result)
-    assert "no difference between one and other is shown" in text
-    assert "rounds would" not in text

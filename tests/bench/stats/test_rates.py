@@ -13,11 +13,9 @@ from egad.bench.stats import (
     Rate,
     bootstrap,
     by_object,
-    engine_names,
     mean_rate,
     object_positions,
     rate,
-    simulated_in,
     trend,
     trial_grid,
     wilson,
@@ -57,24 +55,6 @@ def test_a_rate_prints_as_a_person_would_write_it() -> None:
     assert str(Rate(0, 0)) == "no attempts"
 
 
-def test_engines_are_named_once_and_a_real_robot_has_none() -> None:
-    table = pd.DataFrame({"engine": ["pybullet", "mujoco", "mujoco", ""]})
-    assert engine_names(table) == "mujoco and pybullet"
-    assert engine_names(table[3:]) == ""
-
-
-def test_what_is_unusual_in_a_simulation_is_named() -> None:
-    def said(errors: str, contact: str) -> str:
-        frame = {"engine": ["mujoco"] * 2, "errors": ["none", errors], "contact": ["", contact]}
-        return simulated_in(pd.DataFrame(frame))
-
-    assert said("none", "collided") == "mujoco"
-    assert said("typical", "collided") == "mujoco, errors: typical"
-    assert said("none", "close") == "mujoco, contact: close"
-    robot = pd.DataFrame([["", "", ""]], columns=["engine", "errors", "contact"])
-    assert simulated_in(robot) == ""
-
-
 def test_successes_are_counted_by_object() -> None:
     counted = by_object(table([3, 0, 20]).sample(frac=1, random_state=1))
     assert counted.to_dict("index") == {
@@ -100,14 +80,6 @@ def coverage(objects: int, spread: float, times: int) -> float:
 def test_the_interval_of_a_mean_covers_as_often_as_it_says(objects: int, spread: float) -> None:
     """200 made-up evaluations: the standard error of the coverage is 1.5 points."""
     assert 0.91 <= coverage(objects, spread, 200) <= 0.995
-
-
-def test_the_bootstrap_of_a_mean_is_students_interval_where_that_is_right() -> None:
-    values = np.random.default_rng(2).normal(size=40)
-    low, high = bootstrap(lambda drawn: values[drawn].mean(axis=1), len(values))
-    known = t.interval(0.95, 39, values.mean(), values.std(ddof=1) / 40**0.5)
-    assert (low, high) == pytest.approx(known, abs=0.05)
-    assert (low, high) == bootstrap(lambda drawn: values[drawn].mean(axis=1), len(values))
 
 
 def test_the_bootstrap_of_few_values_is_as_wide_as_students_interval() -> None:
@@ -148,12 +120,6 @@ def test_the_grid_has_the_objects_and_the_means() -> None:
         assert (mean.successes, mean.attempts) == counts
         assert mean.interval[0] <= mean.interval[1]
     assert (len(grid.rows), len(grid.columns)) == (7, 7)
-
-
-def test_an_empty_grid() -> None:
-    grid = trial_grid(TRIALS[:0], 7, 7)
-    assert grid.cells == {}
-    assert all(part.attempts == 0 for part in (*grid.rows, *grid.columns, grid.overall))
 
 
 def test_objects_under_their_own_names_have_no_rows_and_columns() -> None:
@@ -200,11 +166,6 @@ def test_only_ranks_count():
     assert (turned.rho, turned.ci_low) == pytest.approx(
         (-trend(x, y).rho, -trend(x, y).ci_high), abs=0.03
     )
-
-
-def test_a_perfect_order_is_certain():
-    found = trend(np.arange(10.0), np.arange(10.0) ** 2)
-    assert (found.rho, found.ci_low, found.ci_high) == pytest.approx((1.0, 1.0, 1.0))
 
 
 def test_the_same_rate_everywhere_has_no_trend():

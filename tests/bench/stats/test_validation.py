@@ -174,24 +174,6 @@ def test_one_detector_on_each_side_needs_no_common_name():
     assert "one detector: it takes several" in found.notes[0]
 
 
-def test_detectors_of_one_side_only_are_noted():
-    simulated, real = sampled()
-    real["other"] = real.pop("d2")
-    found = validate(simulated, real)
-    assert list(found.objects) == ["d0", "d1"]
-    assert {"d2: only simulated", "other: only real"} <= set(found.notes)
-
-
-def test_two_detectors_at_objects_of_their_own_are_not_ranked():
-    simulated, real = sampled(objects=10, detectors=2)
-    simulated["d1"] = rates([0.5] * 10, first=50)
-    real["d1"] = rates([0.4] * 10, first=50)
-    found = validate(simulated, real)
-    assert found.detectors is None
-    assert "no object was tried by all detectors on both sides" in found.notes
-    assert np.isnan(found.objects["d1"].pearson).all()
-
-
 def test_a_single_object_has_no_correlation():
     found = validate({"x": rates([0.5])}, {"x": rates([0.4])}).objects["x"]
     assert found.difference.value == pytest.approx(-0.1)

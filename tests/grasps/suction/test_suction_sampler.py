@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 from scipy.stats import chisquare
 
-import egad
 from egad.errors import RejectedError, UserError
 from egad.geometry import RayCaster
 from egad.grasps import RobustSuction, vectors
@@ -96,31 +95,6 @@ def test_a_moved_mesh_has_the_same_grasps_moved(mug, grasps):
     assert_allclose(found["strain"], grasps["strain"], atol=1e-6)
 
 
-def test_gravity_turns_with_the_mesh(mug):
-    turn, down = Rotation.from_rotvec([0.4, -0.9, 1.3]), np.array([0.3, 0.2, -1])
-    weak = SMALL.model_copy(update={"vacuum_force": 2.0})
-    moved = trimesh.Trimesh(turn.apply(np.array(mug.vertices)), mug.faces, process=False)
-    one = sample_suction(mug, weak, 60, mass=0.1, gravity=down)
-    other = sample_suction(moved, weak, 60, mass=0.1, gravity=2 * turn.apply(down))
-    assert 0 < one["resists"].sum() < one["sealed"].sum()
-    pd.testing.assert_frame_equal(one[RESULTS], other[RESULTS])
-    assert_allclose(one["quality"], other["quality"])
-
-
-def test_everything_can_be_scaled(mug, grasps):
-    """Twice the size and the torques, with the same mass: all else is the same."""
-    lengths = ("radius", "height", "approach", "stem_radius", "stem_length", "torque_tolerance")
-    cup = SMALL.model_copy(update={name: 2 * getattr(SMALL, name) for name in lengths})
-    normal = RobustSuction()
-    shifts = ("cup_translation_sigma", "object_translation_sigma", "com_sigma")
-    robust = normal.model_copy(update={name: 2 * getattr(normal, name) for name in shifts})
-    large = mug.copy().apply_scale(2)
-    found = sample_suction(large, cup, 100, seed=3, density=400 / 8, robust=robust)
-    assert_allclose(vectors(found, "point"), 2 * vectors(grasps, "point"))
-    unscaled = [*RESULTS, "strain", "quality"]
-    pd.testing.assert_frame_equal(found[unscaled], grasps[unscaled])
-
-
 def test_the_weight_is_that_of_the_object():
     """A cup on a face of a cube of 60 mm: 86 g at 400 kg/m3."""
     mesh, weak = box(), SMALL.model_copy(update={"vacuum_force": 0.86})
@@ -142,15 +116,6 @@ def test_the_lever_of_the_center_of_mass_counts():
         lever = np.hypot(flat["point_x"] - com[0], flat["point_y"])
         assert (flat["resists"] == (lever < 0.0318)).mean() > 0.98
         assert 0 < flat["resists"].sum() < len(flat)
-
-
-def test_a_robust_quality_is_low_near_the_edge():
-    found = sample_suction(box(), SuctionCup(), 400)
-    places = np.sort(np.abs(vectors(found, "point")), axis=1)[:, :2].max(axis=1)
-    near, middle = (places > 0.011) & found["sealed"], places < 0.005
-    assert found["quality"][middle].mean() > 0.95
-    assert found["quality"][near].mean() < 0.75
-    assert found["quality"][places > 0.025].mean() < 0.1
 
 
 @pytest.mark.parametrize(
@@ -182,17 +147,6 @@ def test_the_stem_follows_the_depth_of_the_ring():
     origins, frames = np.array([[0, 0, 0.03]] * 3), np.stack([DOWN] * 3)
     found = collision_free(caster, SuctionCup(), origins, frames, np.array([0, 0.001, np.inf]))
     assert found.tolist() == [True, False, True]
-
-
-def test_inside_a_narrow_hole_cups_collide():
-    tube = trimesh.creation.annulus(r_min=0.03, r_max=0.04, height=0.1)
-    found = sample_suction(tube, SMALL, 300)
-    inner = np.hypot(found["point_x"], found["point_y"]) < 0.035
-    inner &= found["approach_z"].abs() < 0.1
-    assert inner.sum() > 50
-    assert not found["collision_free"][inner].any()
-    assert set(found["seal_failure"][inner]) <= {SealFailure.BLOCKED, SealFailure.MISSED}
-    assert found["collision_free"][~inner].all()
 
 
 @pytest.mark.parametrize(
@@ -239,19 +193,10 @@ def test_meshes_that_bound_nothing_are_refused():
     ("wrong", "message"),
     [
         ({"n": 0}, "n is 0; allowed: a whole number, at least 1"),
-        ({"seed": "x"}, "seed is 'x'; allowed: a whole number, at least 0"),
         ({"mass": 0}, "mass is 0; allowed: a finite number, above 0"),
-        ({"density": float("nan")}, "density is nan"),
-        ({"center_of_mass": (0, 0)}, "center_of_mass is (0, 0); allowed: 3 finite numbers"),
         ({"gravity": (0, 0, 0)}, "gravity is (0, 0, 0); allowed: a nonzero direction"),
     ],
 )
 def test_wrong_arguments_are_named(wrong, message):
     with pytest.raises(UserError, match=re.escape(message)):
         sample_suction(box(), **wrong)
-
-
-def test_released_objects_can_be_grasped_by_a_cup():
-    mesh, _ = egad.rescale(egad.load("released")["E08_0"].mesh, "panda")
-    found = sample_suction(mesh, SuctionCup(radius=0.0075, height=0.015), n=50)
-    assert found["sealed"].any()

@@ -220,11 +220,8 @@ def test_many_cups_are_as_each_alone():
     ("wrong", "message"),
     [
         ({"radius": 0}, r"radius is 0; allowed: a number, above 0, at most 10 \(radius of the"),
-        ({"height": float("nan")}, "height is nan"),
         ({"sides": 4}, "sides is 4; allowed: a whole number, 5 to 360"),
-        ({"max_strain": 1.0}, "max_strain is 1.0"),
         ({"vacuum": 3}, "'vacuum' is not known; did you mean vacuum_force"),
-        ({"torque_tolerance": -1}, "torque_tolerance is -1; allowed: a number, at least 0"),
     ],
 )
 def test_wrong_values_of_a_cup_are_named(wrong, message):

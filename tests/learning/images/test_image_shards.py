@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from egad.errors import TableError, UserError
-from egad.learning.images import Images, Share, coded, encoded, pictures, read, shards
+from egad.learning.images import Images, Share, coded, encoded, pictures, read
 from egad.learning.images.image_shards import decoded
 from egad.tables import parquet
 from egad.tables.images import IMAGES
@@ -56,15 +56,6 @@ def test_pictures_survive_the_files(folder, rendered):
             np.testing.assert_allclose(found, expected, rtol=1e-6)
 
 
-def test_the_table_has_what_its_schema_says(folder, rendered):
-    table = pd.concat(shards(folder))
-    assert table["image"].tolist() == list(range(10, 16))
-    first = table.iloc[0]
-    assert (first["height"], first["width"]) == (300, 300)
-    lengths = {name: len(first[name]) for name in ("object", "u", "collision_free")}
-    assert set(lengths.values()) == {len(rendered[0].grasps.u)}
-
-
 def test_images_are_a_sequence(folder):
     found = read(folder)
     assert isinstance(found[2:4], Images)
@@ -93,13 +84,6 @@ def test_half_written_folders_say_what_is_missing(folder):
         read(folder / "nowhere")
 
 
-def test_shards_of_another_set_are_no_part(folder, rendered):
-    table = pd.DataFrame([encoded(rendered[0])])
-    parquet.write(table, IMAGES, folder / "images-2.parquet", {"shard": 2, "shards": 3})
-    with pytest.raises(UserError, match="of several sets"):
-        read(folder)
-
-
 @pytest.mark.parametrize("changed", [{"settings": "b"}, {"inputs": ((Path("o"), "2"),)}])
 def test_shards_made_from_something_else_are_no_part(folder, rendered, changed):
     """As a changed configuration leaves them if it is interrupted: their splits may differ."""
@@ -111,15 +95,6 @@ def test_shards_made_from_something_else_are_no_part(folder, rendered, changed):
             parquet.write(table, IMAGES, folder / f"images-{number}.parquet", notes)
     with pytest.raises(UserError, match="of several sets"):
         read(folder)
-
-
-def test_a_data_loader_takes_them(folder):
-    torch = pytest.importorskip("torch")
-    batches = list(torch.utils.data.DataLoader(read(folder), batch_size=4, collate_fn=list))
-    assert [[picture.image for picture in batch] for batch in batches] == [
-        [10, 11, 12, 13],
-        [14, 15],
-    ]
 
 
 def test_a_shard_that_was_cut_short_is_not_read(folder):

@@ -102,18 +102,3 @@ def test_a_tilted_hand_goes_back_along_its_approach_until_it_clears_the_table(ha
         place = trimesh.transformations.rotation_matrix(angle, (0, 1, 0))
         place[2, 3] = least + more
         assert reached(bead, place, hand, 0.002) is expected
-
-
-def test_hands_open_as_far_as_they_can_and_no_further(hand):
-    """A block as wide as the hand opens is free; its walls are a hair inside the fingers."""
-    wide = trimesh.creation.box((hand.gripper.opening, 0.03, 0.04))
-    assert reached(wide, lying(wide), hand, hand.gripper.opening)
-
-
-def test_a_thin_neighbor_between_finger_and_contact_is_in_the_way(block, hand):
-    """A blade in the 8 mm that a pad has left to close; beyond the pad's width it is not."""
-    for y, expected in ((0.0, False), (0.04, True)):
-        blade = trimesh.creation.box((0.001, 0.01, 0.04))
-        blade.apply_translation((0.019, y, 0))
-        both = trimesh.util.concatenate([block, blade])
-        assert reached(both, lying(block), hand, 0.03) is expected

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from egad.learning.images import agrees, half_turn
+from egad.learning.images import agrees
 from egad.learning.images.rectangles import overlap
 
 SQUARE = np.array([10.0, 20.0, 0.0, 6.0, 6.0])
@@ -53,11 +53,6 @@ def test_overlap_is_what_counting_points_gives(one, other):
     assert overlap(other, one) == pytest.approx(overlap(one, other), abs=1e-8)
 
 
-def test_axes_have_no_direction():
-    assert half_turn(np.pi / 2) == pytest.approx(-np.pi / 2)
-    np.testing.assert_allclose(half_turn(np.array([3.0, -1.6, 0.2])), [3 - np.pi, np.pi - 1.6, 0.2])
-
-
 @pytest.mark.parametrize(
     ("change", "right"),
     [
@@ -77,7 +72,3 @@ def test_right_is_what_overlaps_a_label_and_lies_along_it(change, right):
     shift, _, turn, wider = change
     change = [shift * np.cos(1.4), -shift * np.sin(1.4), turn, wider]
     assert agrees(label[:4] + change, np.array([far, label])) is right
-
-
-def test_nothing_agrees_with_nothing():
-    assert not agrees(SQUARE[:4], np.empty((0, 5)))

@@ -16,11 +16,6 @@ SHARE = Share("id-1", "A1", "train", 0, 30, "single", ("A1",))
 WIDTHS = (0.02, 0.07)
 
 
-def test_axes_are_level_up_to_the_angle_of_the_approach():
-    axes = np.array([[np.cos(angle), 0, np.sin(angle)] for angle in np.radians([0, 14, 16, -14])])
-    assert near_level(np.array([0, 0, 1.0]), 15)(axes).tolist() == [True, True, False, True]
-
-
 def test_grasps_of_a_block_are_level_rated_and_where_it_lies(lying, hand, rendering):
     found = table_grasps([lying], hand, rendering(), np.random.default_rng(0))
     assert len(found.widths) == 100

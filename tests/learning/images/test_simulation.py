@@ -46,16 +46,6 @@ def test_a_grasp_in_the_middle_holds_and_one_beside_the_object_does_not(block):
     assert found == [[True], [False]]
 
 
-def test_all_grasps_are_simulated_however_few_labels_are(block):
-    model = model_at_size(block, [block], 0.5, DENSITY)
-    contacts, approach = across(block.copy().apply_scale(0.5))
-    few = SETTINGS.model_copy(
-        update={"simulated_label": SETTINGS.simulated_label.model_copy(update={"grasps": 1})}
-    )
-    twice = ContactPairs(*(np.repeat(part, 2, axis=0) for part in vars(contacts).values()))
-    assert simulate_contacts(model, twice, np.repeat(approach, 2, axis=0), few) == [True, True]
-
-
 @pytest.mark.parametrize("kind", ["packed", "pile"])
 def test_objects_come_to_rest_on_the_table_or_on_each_other(block, kind):
     """Frames are those of the scaled meshes: at rest nothing is below the table."""

@@ -114,9 +114,3 @@ def test_scenes_have_their_share_of_the_images_and_objects_of_one_split():
         assert 0 < share.images <= 4
     assert len({share.id for share in found}) == len(found)
     assert set().union(*(share.members for share in several)) > set(list(split)[:30])
-
-
-def test_without_objects_of_a_split_there_are_no_scenes_of_it():
-    settings = Render(images=100, pile=1.0, validation=0.0, test=0.0)
-    assert {share.split for share in shares(objects(5), [], settings, 0)} == {"train"}
-    assert shares(objects(0), [], settings, 0) == []

@@ -1,6 +1,5 @@
 """Scenes from Python: folders, the card, and mistakes."""
 
-import numpy as np
 import pandas as pd
 import pytest
 import trimesh
@@ -10,7 +9,6 @@ from small_scenes import BOXES
 import egad
 from egad.errors import UserError
 from egad.learning.scenes import making, producing
-from egad.sim import model as model_module
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 
@@ -91,21 +89,15 @@ def test_without_a_folder_scenes_last_as_long_as_the_result():
 def test_mistakes_are_told(folder, flat):
     for wrong, said in (
         ({"scenes": 0}, "scenes"),
-        ({"noise": ["fog"]}, "noise"),
-        ({"protocol": "vgm"}, "protocol is 'vgm'"),
         ({"validation": 0.6, "test": 0.5}, "less than 1"),
         ({"gripper": "cup_30mm"}, "suction cup"),
-        ({"rule": "papre"}, "rule"),
-        ({"engine": "bullet"}, "engine"),
         ({"protocol": {"noise": ["dex"]}}, "noise of a protocol are not used for labelled"),
-        ({"protocol": {"cameras": {"views": 2}}}, "cameras and noise of a protocol are not used"),
         ({"cameras": {"tilt": [60.0, 10.0]}}, "tilt must go from low to high"),
         ({"out": folder}, "is not an empty folder"),
     ):
         with pytest.raises(UserError, match=said):
             egad.make_scenes(BOXES, **FEW | wrong)
     for hold_out, said in (
-        ("box0", "hold_out is 'box0'; allowed: a list of ids"),
         (["Box0"], "hold_out has no id of these objects"),
         ([*BOXES], "all 6 objects are held out"),
     ):
@@ -133,32 +125,6 @@ def test_what_is_held_out_is_in_no_scene(monkeypatch, tmp_path):
     assert "2 objects are in no scene: those held out, with their parents and children." in text
 
 
-def test_models_are_those_of_the_scenes(monkeypatch, flat, tmp_path):
-    """Built are those that occur; each scene gets its own, and none that cannot be simulated."""
-    built, sent, build = [], [], model_module.build
-
-    def counted(mesh, density, bundle, label):
-        built.append(label)
-        return build(mesh, density, bundle, label)
-
-    def first(planned, models, settings):
-        sent.append((planned.round.ids, set(models)))
-        return making.make_scene(planned, models, settings) if len(sent) == 1 else None
-
-    monkeypatch.setattr(model_module, "build", counted)
-    monkeypatch.setattr(producing, "make_scene", first)
-    few = FEW | {"scenes": 8, "grasps": 1, "per_scene": 1.0, "validation": 0, "test": 0}
-    many = {f"box{number}": BOXES[f"box{number % 6}"] for number in range(20)}
-    egad.make_scenes(many, **few)
-    assert len(built) <= 8
-    assert {name for ids, _ in sent for name in ids} == set(built)
-    sent.clear()
-    egad.make_scenes(BOXES | {"flat": flat}, out=tmp_path / "out", **few | {"scenes": 20})
-    assert 10 < len(sent) < 20
-    assert all(set(ids) == models and "flat" not in models for ids, models in sent)
-    assert "19 of 20 planned scenes are left out" in (tmp_path / "out/card.md").read_text()
-
-
 def test_scenes_that_cannot_be_simulated_are_left_out(monkeypatch, tmp_path):
     def some(planned, models, settings):
         return None if planned.round.number != 1 else making.make_scene(planned, models, settings)
@@ -170,18 +136,3 @@ def test_scenes_that_cannot_be_simulated_are_left_out(monkeypatch, tmp_path):
     monkeypatch.setattr(producing, "make_scene", lambda *_, **__: None)
     with pytest.raises(UserError, match="no scene could be made"):
         egad.make_scenes(BOXES, **FEW)
-
-
-@pytest.mark.slow
-def test_released_objects_are_split_by_family(tmp_path):
-    released = egad.load()
-    chosen = released.select(list(released.table["id"][::150]))
-    out = tmp_path / "scenes"
-    dataset = egad.make_scenes(chosen, scenes=8, grasps=4, validation=0.25, test=0.25, out=out)
-    families = dataset.index.explode("objects").assign(
-        family=lambda rows: rows["objects"].map(released.lineage.family)
-    )
-    assert families.groupby("family")["split"].nunique().max() == 1
-    assert "By family" in (out / "card.md").read_text()
-    assert np.isfinite(dataset.scene(0).grasps[["x", "qw"]].to_numpy()).all()
-    assert isinstance(dataset.index, pd.DataFrame)

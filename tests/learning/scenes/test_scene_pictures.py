@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 from small_scenes import parameters
 
-from egad.detectors import View
 from egad.learning.scenes.pictures import COLORS, FAILED, HELD, scene_picture
 
 PANDA = parameters().gripper
@@ -25,11 +24,3 @@ def test_each_object_has_its_color_and_each_label_too(dataset):
         for flag, color in ((True, HELD), (False, FAILED)):
             seen = (drawn == np.array(color)).all(axis=2).any()
             assert seen == (scene.grasps["success"] == flag).any()
-
-
-def test_a_view_without_objects_is_shown_whole(dataset):
-    scene = dataset.scene(0)
-    seen = scene.views[0]
-    away = View(seen.depth, seen.intrinsics, seen.pose, np.zeros_like(seen.mask))
-    scene.__dict__["views"] = (away,)
-    assert scene_picture(scene, PANDA).shape == (480, 640, 3)

@@ -60,15 +60,6 @@ def test_without_ancestors_objects_are_split():
     assert other == found
 
 
-@pytest.mark.parametrize("shares", [(0.0, 0.0), (0.2, 0.0), (0.0, 0.2)])
-def test_a_split_may_have_no_part(shares):
-    validation, test = shares
-    found = split_objects(IDS, None, (), parameters(validation=validation, test=test))
-    counts = Counter(found.split_of.values())
-    assert counts["validation"] == 100 * validation
-    assert counts["test"] == 100 * test
-
-
 def test_the_evaluation_set_is_held_out_with_parents_and_children():
     known = Lineage(
         pd.DataFrame(

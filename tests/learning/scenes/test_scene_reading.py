@@ -6,7 +6,6 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pandas as pd
 import pytest
-from small_scenes import SPLIT_OF
 
 import egad
 from egad.detectors import fuse
@@ -71,16 +70,6 @@ def test_an_observation_is_of_the_chosen_views(dataset):
     for wrong in ([], [6], [-1]):
         with pytest.raises(UserError, match="allowed: some of the numbers 0 to 5"):
             scene.observation(wrong)
-
-
-def test_any_number_of_shards_has_the_same_scenes(write, dataset, tmp_path):
-    one = load_scenes(write([0, 1, 2, 3], folder=tmp_path / "one"))
-    columns = ["scene", "kind", "split", "grasps", "positive"]
-    pd.testing.assert_frame_equal(one.index[columns], dataset.index[columns])
-    for number in range(4):
-        pd.testing.assert_frame_equal(one.scene(number).grasps, dataset.scene(number).grasps)
-        for first, second in zip(one.scene(number).views, dataset.scene(number).views, strict=True):
-            np.testing.assert_array_equal(first.depth, second.depth)
 
 
 def test_threads_and_processes_read_the_same(dataset):
@@ -189,7 +178,3 @@ def test_scenes_without_grasps_are_kept(write, made):
     dataset = load_scenes(write([0, 1], [2], scenes=bare))
     assert list(dataset.index["grasps"]) == [0, 0, 0]
     assert dataset.scene(2).poses.shape == (0, 4, 4)
-
-
-def test_all_splits_are_known(dataset):
-    assert {name for ids in dataset.index["objects"] for name in ids} <= set(SPLIT_OF)

@@ -110,10 +110,6 @@ def test_areas_and_lengths_sum_to_one(graphs):
             assert (values >= 0).all()
 
 
-def test_there_is_one_coarsest_node(graphs):
-    assert all(graph.parents.tolist().count(-1) == 1 for graph in graphs)
-
-
 def test_the_same_mesh_gives_the_same_bytes(shapes, graphs):
     again = reeb.extract(shapes[0].copy(), Similarity())
     assert reeb.pack(again) == reeb.pack(graphs[0])

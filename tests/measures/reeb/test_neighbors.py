@@ -54,18 +54,6 @@ def test_many_distances_are_never_computed(graphs):
     assert 40 < exact.sum() < 0.7 * len(exact)
 
 
-def test_no_distance_is_computed_twice(graphs, distances):
-    everyone = Neighborhood(0.5, 3)
-    places = everyone.add(graphs)
-    before = [everyone.nearest(index)[1] for index in places]
-    for array in everyone._forest.trees.nodes:
-        array[:] = 0  # whatever is computed from now on is wrong
-    everyone._valid[:] = False
-    assert np.array_equal([everyone.nearest(index)[1] for index in places], before)
-    near = everyone.nearest(0)[0][0]
-    assert everyone.distance(near, 0) == distances[near, 0]
-
-
 def test_the_order_of_questions_does_not_matter(graphs):
     forwards, backwards = Neighborhood(0.5, 3), Neighborhood(0.5, 3)
     places = forwards.add(graphs)
@@ -88,15 +76,6 @@ def test_any_number_of_threads_finds_the_same(graphs, monkeypatch):
         changing.remove(places[20])
         changing.add(graphs[20:21])
         assert changing.diversities(places) == gone == expected
-
-
-def test_what_was_compared_is_known_in_both_directions(graphs):
-    everyone = Neighborhood(0.5, 3, threads=2)
-    everyone.diversities(everyone.add(graphs))
-    exact = everyone._known[:40, :40] == neighbors._EXACT
-    assert np.array_equal(exact, exact.T)
-    kept = everyone._distances[:40, :40]
-    assert np.array_equal(kept[exact], kept.T[exact])
 
 
 def test_removing_one_of_many_can_only_raise_a_diversity(graphs):
