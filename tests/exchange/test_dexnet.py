@@ -1,5 +1,6 @@
 """The database is read the way Dex-Net's own classes read it, by a reader of our own."""
 
+import itertools
 import shutil
 import time
 
@@ -171,6 +172,18 @@ def test_metrics_say_how_they_are_computed(objects):
 def test_neither_shards_nor_time_leave_a_trace(dataset, database, tmp_path, settings):
     time.sleep(1.1)
     assert export(settings, dataset, tmp_path, 3).read_bytes() == database.read_bytes()
+
+
+def test_a_damaged_part_is_named_and_kept(dataset, tmp_path, settings):
+    export(settings, dataset, tmp_path, 2)
+    parts = [tmp_path / f"part-2-{shard}.hdf5" for shard in range(2)]
+    for part, cut in itertools.product(parts, (0, 1, 2000)):
+        whole = part.read_bytes()
+        part.write_bytes(whole[: len(whole) - cut] if cut else b"")
+        with pytest.raises(UserError, match=rf"{part.name}: truncated or damaged .* delete it"):
+            joined(settings, dataset, parts, tmp_path / "out.hdf5")
+        part.write_bytes(whole)
+    assert not (tmp_path / "out.hdf5").exists()
 
 
 def test_a_damaged_part_of_the_workflow_is_removed(dataset, tmp_path, settings):
