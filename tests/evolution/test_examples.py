@@ -29,7 +29,7 @@ from egad_workflow.settings import select
 ROOT = Path(__file__).parents[2]
 EXAMPLES = {path.stem: path for path in sorted((ROOT / "config/examples").glob("*.yaml"))}
 QUICK = {
-    "evolution": {"evaluations": 120, "population": 30, "max_candidates": 256},
+    "evolution": {"evaluations": 60, "population": 30, "max_candidates": 256},
     "postprocess": {"max_candidates": 256},
     "similarity": {"vertices": 300, "ranges": 16, "base_count": 8},
 }

@@ -16,7 +16,6 @@ from egad.exchange.hdf5 import (
     sound_keys,
     writing,
 )
-from egad.io.folders import objects_in
 
 
 def test_a_copied_group_is_the_same(tmp_path):
@@ -130,15 +129,6 @@ def test_names_that_are_not_legal_everywhere_are_refused(name):
         check_key(name)
     with pytest.raises(UserError, match=r"^gripper "):
         check_key(name, "gripper")
-
-
-def test_names_of_the_objects_of_any_folder_are_legal(tmp_path):
-    for name in ("größe/äther", "a b/c", "-x/.y", "日本/語"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / f"{name} 1.obj").touch()
-    names = objects_in(tmp_path, "*/*")
-    assert len(names) == 3  # hidden files are none
-    assert [check_key(name) for name in names] == list(names)
 
 
 def test_the_file_opens_in_every_library_since_2008(tmp_path):

@@ -18,6 +18,7 @@ from egad.geometry.scaling import box_sides, rescale
 from egad.geometry.stable_poses import resting_poses
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
+from egad.grasps.suction import sample_suction
 from egad.grippers import BoxBody
 from egad.measures.complexity import complexity
 from egad.measures.measure import measure_repeatably
@@ -61,6 +62,7 @@ FUNCTIONS = {
     "label": lambda mesh: label_grasps(
         mesh, np.zeros(3), LABELS, np.random.default_rng(0), BoxBody(LABELS.gripper)
     ),
+    "suction": sample_suction,
     "extract": lambda mesh: reeb.extract(mesh, SETTINGS.similarity),
 }
 NO_MESH = {
@@ -108,7 +110,7 @@ def test_every_function_checks_its_mesh(function):
         FUNCTIONS[function](UNUSABLE["corner too high"][0])
 
 
-@pytest.mark.parametrize("function", ["mass_properties", "label"])
+@pytest.mark.parametrize("function", ["mass_properties", "label", "suction"])
 @pytest.mark.parametrize("given", NO_SOLID)
 def test_functions_of_solids_reject_other_surfaces(function, given):
     mesh, sentence = NO_SOLID[given]

@@ -109,6 +109,8 @@ OBJ = {
     "decimal_commas.obj": refused(PLAIN_OBJ.replace(".5", ",5").replace("30 ", "30,0 "), "comma"),
     "utf16.obj": refused(PLAIN_OBJ.encode("utf-16"), "UTF-16"),
     "underscores.obj": refused(PLAIN_OBJ.replace("-30", "-3_0"), r"line 1: '-3_0' is not a number"),
+    "face_underscores.obj": refused(PLAIN_OBJ.replace("f 2 4 1", "f 2 4 1_0"), "not a number"),
+    "no_corner.obj": refused(PLAIN_OBJ.replace("f 2 4 1", "f 2 4 9"), "do not exist"),
     "html.obj": refused("<!DOCTYPE html>\n<html>Not found</html>", "no faces"),
     "upper_case.obj": refused(PLAIN_OBJ.replace("f ", "F "), "line 9: 'F' is not OBJ"),
     "too_far_back.obj": refused(obj(V, F).replace("f 2 4 1", "f 2 4 -9"), "do not exist"),

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
 from egad.io import read_mesh, write_obj
 from egad.io.units import METRES
 
@@ -14,6 +14,13 @@ def test_units_are_turned_into_metres(tmp_path, units):
     path = tmp_path / "ball.obj"
     write_obj(trimesh.Trimesh(BALL.vertices / METRES[units], BALL.faces, process=False), path)
     assert np.allclose(read_mesh(path, units).extents, BALL.extents)
+
+
+def test_an_unknown_unit_and_a_missing_file_are_told(tmp_path):
+    with pytest.raises(UserError, match="m, cm, mm, inch"):
+        read_mesh(tmp_path / "any.obj", "furlong")
+    with pytest.raises(RejectedError, match="no such file"):
+        read_mesh(tmp_path / "any.obj", "m")
 
 
 def test_obj_round_trip_is_exact_and_repeats(tmp_path):
