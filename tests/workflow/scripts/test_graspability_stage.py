@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 import trimesh
 from described_hands import box_urdf
+from partial_tables import write_rows
 
 import egad
 from egad.geometry import in_single_precision
@@ -19,9 +20,7 @@ from egad_workflow.settings import Settings, select
 @pytest.fixture
 def dataset(tmp_path, lumpy):
     """Two objects, one of them flat."""
-    blank = {f.name: "" if str(f.type) == "string" else 0 for f in OBJECTS}
-    frame = pd.DataFrame([blank | {"label": label} for label in ("A0", "B0")])
-    parquet.write(frame[OBJECTS.names], OBJECTS, tmp_path / "objects.parquet")
+    write_rows(OBJECTS, [{"label": "A0"}, {"label": "B0"}], tmp_path / "objects.parquet")
     write_obj(in_single_precision(lumpy), tmp_path / "A0.obj")
     trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).export(tmp_path / "B0.obj")
     return tmp_path
