@@ -49,16 +49,6 @@ def test_a_failed_job_shows_the_last_lines_of_its_log_once(start_run):
     assert "long" not in run.shown
 
 
-def test_logs_of_some_rules_are_shown_as_a_whole(start_run):
-    run = start_run(whole_logs=["compare"])
-    for number, rule in enumerate(("compare", "evolve")):
-        run.start(number, rule)
-        run.log(number).write_text(f"table of {rule}\n")
-        run.finish(number)
-    assert run.shown.count("table of") == 1
-    assert "table of compare" in run.shown
-
-
 def test_marked_lines_of_a_log_are_shown(start_run):
     """As when a detector fails, and the run goes on."""
     run = start_run()
@@ -82,14 +72,6 @@ def test_the_jobs_of_a_failed_group_are_gone(start_run):
 def test_a_quiet_run_has_no_display(start_run, quiet, shown):
     run = start_run(quiet=quiet)
     assert sum(isinstance(each, messages.Display) for each in run.logger.handlers) == shown
-
-
-def test_another_logger_plugin_is_left_alone(monkeypatch):
-    logger = logging.Logger("run")
-    logger.addHandler(logging.NullHandler())
-    monkeypatch.setattr(messages, "LOGGER", logger)
-    messages.start_display(5)
-    assert len(logger.handlers) == 1
 
 
 @pytest.mark.parametrize("tty", [False, True])
