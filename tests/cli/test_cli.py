@@ -113,28 +113,30 @@ def folder(tmp_path):
 
 
 def test_measure_prints_a_table_and_writes_it_as_csv_and_parquet(folder, tmp_path):
-    for ending, read in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
-        out = tmp_path / f"table{ending}"
-        result = egad("measure", folder, "--units", "cm", "--jobs", 1, "--out", out)
-        assert result.returncode == 0
-        assert "cube" in result.stdout
-        assert "broken: no faces" in result.stderr
-        assert "1 of 2 meshes could not be used" in result.stderr
-        table = read(out).set_index("name")
-        assert table.columns.tolist() == MEASURED.names[1:]
-        assert table.loc["cube", "raw_complexity"] == 0
-        assert table.loc["cube", "complexity"] == pytest.approx(1.23, abs=0.05)
-        assert table.loc["cube", "graspability"] == pytest.approx(0.0025, abs=0.0003)
-        assert table.loc["cube", "cell_confidence"] >= 0.99
-        assert 0 < table.loc["cube", "graspability_std"] < 0.0001
-        assert " ± " in result.stdout
-        assert table.loc["broken", "reason"] == "no faces"
+    given = ["measure", folder, "--units", "cm", "--jobs", 1]
+    result = egad(*given, "--out", tmp_path / "table.csv")
+    assert result.returncode == 0
+    assert "cube" in result.stdout
+    assert "broken: no faces" in result.stderr
+    assert "1 of 2 meshes could not be used" in result.stderr
+    assert " ± " in result.stdout
+    table = pd.read_csv(tmp_path / "table.csv").set_index("name")
+    assert table.columns.tolist() == MEASURED.names[1:]
+    assert table.loc["cube", "raw_complexity"] == 0
+    assert table.loc["cube", "complexity"] == pytest.approx(1.23, abs=0.05)
+    assert table.loc["cube", "graspability"] == pytest.approx(0.0025, abs=0.0003)
+    assert table.loc["cube", "cell_confidence"] >= 0.99
+    assert 0 < table.loc["cube", "graspability_std"] < 0.0001
+    assert table.loc["broken", "reason"] == "no faces"
+    egad(*given, "--out", tmp_path / "table.parquet", "--max-candidates", 200)
+    assert parquet.read(tmp_path / "table.parquet", MEASURED)["name"].tolist() == ["broken", "cube"]
 
 
 def test_measure_says_at_which_size_and_what_cannot_be_compared(tmp_path):
     (tmp_path / "cube.obj").write_text(CUBE)
     out = tmp_path / "sizes.csv"
     given = ["measure", tmp_path / "cube.obj", "--units", "cm", "--jobs", 1, "--out", out]
+    given += ["--max-candidates", 200]
     result = egad(*given)
     titles = ["name", "complexity, bit", "graspability, 1e-3", "cell"]
     assert re.split("  +", result.stdout.splitlines()[0].strip()) == titles
@@ -147,7 +149,8 @@ def test_measure_says_at_which_size_and_what_cannot_be_compared(tmp_path):
 
 
 def test_a_file_named_twice_is_taken_once(folder):
-    result = egad("measure", folder, folder / "cube.obj", "--units", "cm", "--jobs", 1)
+    files = [folder, folder / "cube.obj"]
+    result = egad("measure", *files, "--units", "cm", "--jobs", 1, "--max-candidates", 200)
     assert result.stdout.count("cube") == 1
     assert "cube.obj is given twice" in result.stderr
 
@@ -156,6 +159,7 @@ def test_the_table_is_written_even_if_nobody_reads_the_terminal(folder, tmp_path
     out = tmp_path / "table.csv"
     code = "from egad.cli import main; main()"
     given = ["measure", folder, "--units", "m", "--jobs", "1", "--out", out]
+    given += ["--max-candidates", "200"]
     reading, writing = os.pipe()
     os.close(reading)
     Forked(["-c", code, *given], files={1: writing}).wait()

@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from commands import egad as egad_command
 
 import egad
 from egad.bench import TrialParameters, TrialProtocol, run_attempts
-from egad.cli import main
 from egad.detectors import Grasp
 from egad.geometry import mass_properties
 from egad.grippers import GRIPPERS
@@ -229,20 +229,13 @@ def test_the_shipped_entries_can_be_read():
         leaderboard.read_protocol(SHIPPED / PROTOCOLS / f"{name}.yaml")
 
 
-def run(monkeypatch, *words):
-    monkeypatch.setattr("sys.argv", ["egad", *map(str, words)])
-    with pytest.raises(SystemExit) as stopped:
-        main()
-    return stopped.value.code or 0
-
-
 @pytest.mark.slow
 def test_all_shipped_tables_are_verified(tmp_path):
     assert build(SHIPPED, tmp_path / "out", Checks(sample=10)) == []
 
 
 @pytest.mark.slow
-def test_cleared_tables_from_python_are_filmed(tmp_path, monkeypatch):
+def test_cleared_tables_from_python_are_filmed(tmp_path):
     objects = egad.load("evaluation-set").select(["A0"])
     given = {"scenes": ["single"], "noise": ["none"], "rounds": 1, "errors": "typical"}
     made = egad.run_benchmark("random", objects, "panda", **given)
@@ -251,5 +244,5 @@ def test_cleared_tables_from_python_are_filmed(tmp_path, monkeypatch):
     config.write_text("clutter: {scenes: [single], errors: typical}\n")
     words = ("--table", tmp_path / "cleared.parquet", "--in", "evaluation-set", "--config", config)
     where = ("--gripper", "panda", "--out", film)
-    assert run(monkeypatch, "trials", "film", "single", 0, *where, *words) == 0
+    assert egad_command("trials", "film", "single", 0, *where, *words).returncode == 0
     assert film.stat().st_size > 10_000

@@ -29,14 +29,14 @@ def dataset(tmp_path, lumpy):
 def test_a_gripper_by_file_measures_as_its_opening_does(dataset):
     hand = Gripper.from_file(box_urdf(dataset / "hand.urdf"))
     grippers = GRIPPERS | {"mine": hand}
-    whole = Settings(grippers=grippers, postprocess=Postprocess(max_candidates=1024))
+    whole = Settings(grippers=grippers, postprocess=Postprocess(max_candidates=256))
     tables = {}
     for name in ("mine", "yumi"):
         settings = select(whole, GraspabilityOfGripper, name)
         graspability.run(settings, dataset / "objects.parquet", dataset, dataset / "out.parquet")
         tables[name] = parquet.read(dataset / "out.parquet", GRASPABILITIES).set_index("label")
         mesh = egad.read_mesh(dataset / "A0.obj", units="m")
-        expected = egad.measure(mesh, grippers[name], max_candidates=1024)
+        expected = egad.measure(mesh, grippers[name], max_candidates=256)
         assert tables[name].loc["A0", "graspability"] == pytest.approx(
             expected.graspability, rel=1e-6
         )
