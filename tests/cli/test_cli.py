@@ -15,8 +15,8 @@ from typer.main import get_command
 from egad import __version__
 from egad.cli.commands import app
 from egad.tables import parquet
-from egad.tables.grasping import SIZE_EFFECT
-from egad.tables.objects import MEASURED, OBJECTS
+from egad.tables.grasping import SCALES, SIZE_EFFECT
+from egad.tables.objects import MEASURED, OBJECTS, REJECTED
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow/scripts"
@@ -89,6 +89,25 @@ def test_rescale_keeps_files_that_it_did_not_write(tmp_path):
         assert "would be lost" in result.stderr
     assert (source / "cube.obj").read_text() == CUBE
     assert (kept / "thesis.txt").exists()
+
+
+def test_rescale_scales_the_good_and_names_the_bad(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "cube.obj").write_text(CUBE)
+    (tmp_path / "in" / "list.obj").write_text("milk, eggs")
+    given = ["--units", "m", "--gripper", "0.05", "--out", tmp_path / "out"]
+    for _ in range(2):  # a second time over its own output
+        result = egad("rescale", tmp_path / "in", *given)
+        assert result.returncode == 0, result.stderr
+    scales = parquet.read(tmp_path / "out" / "scales.parquet", SCALES)
+    assert scales["factor"].tolist() == pytest.approx([0.04])
+    assert scales[["graspable_fraction_before", "graspable_fraction_after"]].values.tolist() == [
+        [0, 1]
+    ]
+    assert scales["file"].tolist() == ["cube_paper_50mm.obj"]
+    assert (tmp_path / "out" / "cube_paper_50mm.obj").exists()
+    rejected = parquet.read(tmp_path / "out" / "rejected.parquet", REJECTED)
+    assert rejected["id"].tolist() == ["list"]
 
 
 @pytest.mark.parametrize("content", ["a: [1", "\x80\x81", "seed: -1\nshard: 3"])

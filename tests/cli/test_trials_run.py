@@ -98,3 +98,15 @@ def test_relative_paths_hold_in_the_folder_of_the_run(folder, tmp_path, monkeypa
     assert done.returncode == 1
     assert f"{table}: --objects parts is neither" in done.stderr
     assert "run it in the folder of the run" in done.stderr
+
+
+def test_mistakes_are_one_sentence(folder, table):
+    for arguments, sentence in (
+        (["run", "antipodal-cloud"], "in trials, a detector gets a view from above"),
+        (["run", folder / "across.py", "--objects", "nowhere"], "neither evaluation-set, released"),
+        (["film", "pile", 0, "--table", table], "egad trials replay LABEL ATTEMPT --table"),
+    ):
+        done = egad("trials", *arguments)
+        assert done.returncode == 1
+        assert sentence in done.stderr
+        assert "Traceback" not in done.stderr

@@ -74,6 +74,14 @@ def test_a_quiet_run_has_no_display(start_run, quiet, shown):
     assert sum(isinstance(each, messages.Display) for each in run.logger.handlers) == shown
 
 
+def test_another_logger_plugin_is_left_alone(monkeypatch):
+    logger = logging.Logger("run")
+    logger.addHandler(logging.NullHandler())
+    monkeypatch.setattr(messages, "LOGGER", logger)
+    messages.start_display(5)
+    assert len(logger.handlers) == 1
+
+
 @pytest.mark.parametrize("tty", [False, True])
 def test_a_second_run_in_a_process_has_a_display_of_its_own(start_run, tty):
     run = start_run(tty)

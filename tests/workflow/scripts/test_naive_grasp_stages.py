@@ -10,12 +10,13 @@ from dying_worker import Dying
 from partial_tables import write_rows
 
 from egad.bench import NaiveGrasps, try_naive_grasps
+from egad.errors import UserError
 from egad.geometry import Bundle, make_simulation_object, part_rows
 from egad.io import write_obj
 from egad.sim import build
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
-from egad.tables.grasping import NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJECTS
+from egad.tables.grasping import GRASPS, NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings.model_validate({"naive_grasp": {"grasps": 4}}), NaiveGrasps, "egad_75mm")
@@ -82,3 +83,11 @@ def test_every_object_with_simulated_grasps_of_any_kind_has_a_row(tmp_path):
     np.testing.assert_array_equal(found["simulated_success_rate"], [np.nan, 0.5, 0.5])
     np.testing.assert_allclose(found["simulated_success_rate_std"], [np.nan, *[8**-0.5] * 2])
     assert found["table_success_rate"].isna().all()
+
+
+def test_grasps_without_simulated_labels_are_refused(tmp_path):
+    parquet.write(parquet.empty(GRASPS), GRASPS, tmp_path / "grasps.parquet")
+    naive_table(tmp_path / "naive.parquet", NAMES)
+    files = (tmp_path / f"{name}.parquet" for name in ("grasps", "naive", "out"))
+    with pytest.raises(UserError, match="simulated_labels: true"):
+        simulated_success_rate.run(*files)
