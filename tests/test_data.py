@@ -7,7 +7,7 @@ import pytest
 
 import egad
 from egad._util.workers import workers
-from egad.data import archive_path, released, released_ancestry, released_simulated
+from egad.data import released, released_ancestry, released_simulated
 from egad.evolution import UNBOUND, Elite, EvolutionParameters, express, packed_surface, voxels
 from egad.evolution.evaluation import GenomeVoxels, measure, refine
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
@@ -40,11 +40,6 @@ def text(name):
 
 def sample(archive, count):
     return archive.iloc[np.linspace(0, len(archive) - 1, count).astype(int)].to_dict("records")
-
-
-def test_its_name_is_released(tmp_path):
-    assert archive_path("released") == released()
-    assert archive_path(tmp_path / "other.parquet") == tmp_path / "other.parquet"
 
 
 def test_it_was_made_with_the_settings_that_ship():
@@ -89,12 +84,6 @@ def test_the_ancestry_holds_its_objects_as_they_are_and_their_ancestors_alone(ar
         assert (rows.loc[archive["id"], name].to_numpy() == archive[name].to_numpy()).all()
     parents = {parent for each in ancestry["parents"] for parent in each}
     assert set(ancestry["id"]) == parents | set(archive["id"])
-
-
-def test_in_the_ancestry_parents_come_before_their_children(ancestry):
-    place = {name: number for number, name in enumerate(ancestry["id"])}
-    for name, parents in zip(ancestry["id"], ancestry["parents"], strict=True):
-        assert all(place[parent] < place[name] for parent in parents)
 
 
 def check_measures(rows):

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from egad.errors import UserError
-from egad.plugins import file_hash, find, named, source_hash
+from egad.plugins import find, named, source_hash
 
 
 @pytest.fixture
@@ -65,15 +65,6 @@ def test_a_package_that_cannot_be_run_is_the_users_mistake(package):
 def test_what_has_no_file_is_the_users_mistake(name):
     with pytest.raises(UserError, match=f"here: {name}: there is no such file or module"):
         source_hash(name, "here")
-
-
-def test_equal_bytes_have_equal_fingerprints(tmp_path):
-    for name, text in (("a", "1"), ("b", "1"), ("c", "2")):
-        (tmp_path / name).write_text(text)
-    first, second, third = (file_hash(tmp_path / name, "here") for name in "abc")
-    assert first == second != third
-    with pytest.raises(UserError, match="here: there is no file"):
-        file_hash(tmp_path, "here")
 
 
 @pytest.mark.parametrize(

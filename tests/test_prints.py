@@ -3,7 +3,6 @@
 import base64
 import inspect
 import io
-import math
 import re
 import subprocess
 import sys
@@ -22,7 +21,6 @@ from egad._util.display import facts_html, table_html
 from egad.errors import UserError
 from egad.report.drawing import THOUSANDTHS
 from egad.tables import parquet
-from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import TRIALS
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
@@ -131,14 +129,6 @@ def test_names_are_escaped():
     assert "<script>" not in table_html("", pd.DataFrame({"a": ["<script>"]}))
 
 
-def test_a_long_table_is_cut_and_a_long_text_is_not():
-    text = 200 * "x"
-    html = table_html("Letters", pd.DataFrame({"a": [text, *range(98), "last"]}))
-    assert text in html
-    assert "last" in html
-    assert html.count("<tr") == 12  # with a heading and a row of dots
-
-
 def test_a_dataset_is_its_measures_by_label(objects):
     few = objects[LABELS]
     assert repr(few) == "Dataset(3 objects)"
@@ -166,27 +156,6 @@ def test_an_object_without_its_mesh_says_so(tmp_path):
     assert "D03_0.obj" in found["mesh"]
 
 
-def test_an_archive_is_its_numbers(evolver):
-    archive, count = evolver.archive, len(evolver.archive)
-    found = facts(archive)
-    assert found["elites"] == str(count)
-    assert found["coverage"] == f"{100 * count / 100:.1f} %"  # 25 cells of 4
-    assert found["filled cells"] == f"{np.count_nonzero(archive.counts())} of 25"
-    assert found["range of the second measure"] == "0.0005 to 0.004"
-    assert repr(evolver) == f"Evolver({archive!r})"
-    assert facts(evolver) == found
-    assert re.fullmatch(
-        r"Elite\('\w{12}': complexity [\d.]+, graspability 0.001\)", repr(archive.elites[0])
-    )
-
-
-def test_a_candidate_is_a_thumbnail(evolver):
-    each = evolver.ask()[0]
-    assert repr(each) == f"Candidate('{each.id}')"
-    assert facts(each) == {"solid voxels": str(each.voxels.sum()), "resolution": "25"}
-    assert thumbnail(each).size == (320, 320)
-
-
 def test_an_archive_is_plotted_with_a_picture_of_each_filled_cell(evolver, tmp_path):
     picture = evolver.archive.plot()
     root = ElementTree.fromstring(picture.svg)  # noqa: S314 (our own)
@@ -212,33 +181,6 @@ def test_measures_of_ones_own_name_the_axes_of_a_plot(evolver):
             evolver.archive.plot(wrong)
 
 
-def test_an_empty_archive_is_an_empty_map():
-    svg = egad.Evolver(cells=5).archive.plot().svg
-    assert "0 objects in 0 of 25 cells, coverage 0.0 %" in svg
-    assert "<image" not in svg
-
-
-def test_a_lineage_tells_its_founders(objects):
-    found = re.fullmatch(r"Lineage\((\d+) objects, (\d+) of them founders\)", repr(objects.lineage))
-    table = objects.lineage.table
-    assert int(found[1]) == len(objects.lineage) == len(table)
-    assert int(found[2]) == sum(len(each) == 0 for each in table["parents"])
-    assert table["id"].iloc[0] in shown(objects.lineage)
-
-
-def test_grasps_tell_how_many_are_usable(grasps):
-    free, holding = grasps.collision_free.sum(), (grasps.quality > 0).sum()
-    low, high = 1000 * grasps.widths.min(), 1000 * grasps.widths.max()
-    assert repr(grasps) == (
-        f"Grasps({len(grasps)} grasps, collision-free: {free}, without slip: {holding}, "
-        f"widths: {low:.1f} to {high:.1f} mm, best quality: {grasps.quality.max():.3g})"
-    )
-    assert facts(grasps)["collision-free"] == str(free)
-    assert repr(grasps[0]).startswith("Grasps(1 grasp, ")
-    assert repr(grasps[[]]) == "Grasps(0 grasps)"
-    assert facts(grasps[[]]) == {"grasps": "0"}
-
-
 def test_grasps_are_plotted_by_collision(grasps):
     free = int(grasps.collision_free.sum())
     for some, blocked in ((grasps, len(grasps) - free), (grasps[grasps.collision_free], 0)):
@@ -261,47 +203,6 @@ def test_a_gripper_prints_what_makes_it_again():
     found = facts(egad.gripper("panda"))
     assert (found["opening"], found["force"], found["pads"]) == ("0.08", "70.0", "silicone")
     assert "file" not in found
-
-
-def test_stable_poses_print_their_probability():
-    first = egad.stable_poses(trimesh.creation.box((1, 1, 4)))[0]
-    assert repr(first).startswith(f"StablePose(probability {100 * first.probability:.1f} %, ")
-    assert facts(first) == {
-        "probability": f"{100 * first.probability:.1f} %",
-        "center of mass at height": "0.5",
-        "topples at": f"{math.degrees(math.atan(1)):.1f}°",
-        "corners of the resting face": "4",
-    }
-
-
-def test_a_repaired_mesh_tells_what_was_done():
-    assert repr(egad.repair(BOX)) == "Repaired(12 faces, unchanged)"
-    beside = BOX.copy().apply_translation((1, 0, 0)).apply_scale(0.5)
-    found = egad.repair(trimesh.util.concatenate([BOX, beside]))
-    assert repr(found) == f"Repaired(12 faces, changed, {found.dropped})"
-    assert facts(found)["left out"] == found.dropped
-    assert thumbnail(found).size == (320, 320)
-    sheet = egad.repair(trimesh.Trimesh(BOX.vertices, BOX.faces[:2]), "thicken", 0.003)
-    assert "3 mm thick" in repr(sheet)
-
-
-def test_measures_are_a_table_with_what_they_hold_for():
-    found = egad.measure(BOX, gripper="panda", rule="none", max_candidates=512)
-    table = facts(found)
-    assert shown(found)[0] == found.label
-    assert table["complexity"] == f"{found.complexity:.3f} bit (0.000 by its triangles)"
-    assert table["grasped by"] == "a gripper (panda, opening 80 mm)"
-    assert table["not comparable with the map"] == "(exact, yumi)"
-
-
-def test_trials_are_rates_by_object():
-    trials = attempts({"mug": 3, "bar": 1})
-    assert repr(trials).startswith("Trials in mujoco: 50.0 % (95 % interval ")
-    texts = shown(trials)
-    assert texts[0] == repr(trials)
-    assert texts[-8:] == ["bar", "1", "4", "0.25", "mug", "3", "4", "0.75"]
-    rate = trials.success_rate()
-    assert shown(rate) == [repr(rate)]
 
 
 def test_trials_are_plotted_by_object_or_over_the_evaluation_set():
@@ -334,38 +235,6 @@ def test_a_comparison_is_in_percentage_points():
     assert "same initial pose" not in repr(found)  # nothing is known of how they began
     assert facts(found)["attempts"] == "8"
     assert "percentage points" in facts(found)["difference"]
-
-
-def test_comparisons_of_attempts_that_began_alike_have_both_tests():
-    tables = [attempts({"mug": count}).table.assign(id="m", initial_pose="p") for count in (3, 1)]
-    found = egad.Trials(tables[0]).compare(egad.Trials(tables[1]))
-    assert "(no interval)" in repr(found)
-    assert repr(found).endswith(
-        "p = 0.5, of 4 only the first succeeded in 2, only the second in 0)"
-    )
-
-
-def test_a_benchmark_prints_the_rates_of_each_kind_of_scene():
-    rows = [
-        {"scene": scene, "noise": "none", "round": number, "n_objects": 2, "success": won}
-        for scene, won in (("pile", True), ("packed", False))
-        for number in range(3)
-    ]
-    table = fill_columns(CLUTTER, rows).assign(engine="mujoco", id="a", outcome="missed")
-    benchmark = egad.Benchmark(table)
-    title, *lines = repr(benchmark).splitlines()
-    assert title == "Benchmark in mujoco: 6 attempts"
-    for line, rate in zip(lines, benchmark.rates(), strict=True):
-        assert line.startswith(f"{rate.scene}, noise none, 3 rounds: success {rate.success}; ")
-    texts = shown(benchmark)
-    assert texts[0] == title
-    assert {"pile", "packed", repr(benchmark.rates()[0].cleared)} <= set(texts)
-
-
-def test_an_export_tells_what_was_left_out(tmp_path):
-    found = egad.Exported(tmp_path, ["mug", "bar"], {"sheet": "it is open"})
-    assert shown(found)[0] == str(tmp_path)
-    assert facts(found) == {"exported": "2", "left out: sheet": "it is open"}
 
 
 def test_what_draws_results_is_loaded_when_it_is_asked_for():

@@ -1,6 +1,5 @@
 import ast
 import importlib.metadata
-import os
 import re
 import shutil
 import subprocess
@@ -201,7 +200,3 @@ def test_the_hooks_before_a_commit_are_the_checks_of_make_lint():
     hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"][0]["hooks"]
     commands = [f".venv/bin/{line.strip()}" for line in recipe.splitlines()]
     assert [hook["entry"] for hook in hooks] == commands
-
-
-def test_ci_can_be_run():
-    assert os.access(ROOT / ".ci/run", os.X_OK)

@@ -3,7 +3,6 @@
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import igl
 import numpy as np
@@ -101,14 +100,6 @@ def test_a_mesh_is_measured_at_the_size_of_the_rule(mug):
     assert (
         real.graspability > 5 * large.graspability
     )  # contacts on a plate of 4 m are far off center
-
-
-def test_the_real_size_of_a_mesh_that_was_scaled_is_that_of_the_map(mug):
-    found = egad.measure(mug, max_candidates=4096)
-    scaled = mug.copy().apply_scale(found.factor)
-    same = egad.measure(scaled, rule="none", max_candidates=4096)
-    assert same.graspability == pytest.approx(found.graspability, abs=3 * found.graspability_std)
-    assert same.complexity == pytest.approx(found.complexity, rel=1e-6)
 
 
 def test_the_size_is_said_and_whether_cells_are_comparable(mug):
@@ -219,11 +210,6 @@ def test_the_same_seed_gives_the_same_grasps(mug, grasps):
     pd.testing.assert_frame_equal(numpy.to_frame(), grasps.to_frame())
 
 
-def test_an_object_that_is_too_wide_has_no_grasp():
-    with pytest.raises(RejectedError, match=r"no grasp \(of .* too wide"):
-        egad.sample_grasps(trimesh.creation.box((0.2, 0.2, 0.2)), "panda")
-
-
 def test_a_box_is_one_convex_part_that_rests_on_six_faces():
     box = trimesh.creation.box((0.04, 0.04, 0.04))
     (part,) = egad.convex_parts(box)
@@ -249,39 +235,12 @@ def test_an_open_surface_rests_if_its_center_of_mass_is_given():
     assert [pose.probability for pose in poses] == pytest.approx([1 / 6] * 6)
 
 
-def test_an_unknown_gripper_is_told_with_those_that_there_are():
-    with pytest.raises(UserError, match="gripper 'pandda' is not known; did you mean panda"):
-        egad.gripper("pandda")
-    for wrong in (None, 0.08, ["panda"]):
-        with pytest.raises(UserError, match=re.escape(f"gripper {wrong!r} is not known; ")):
-            egad.gripper(wrong)
-
-
-def test_names_that_are_no_text_are_told(tmp_path):
-    box = trimesh.creation.box((0.02, 0.02, 0.02))
-    with pytest.raises(UserError, match=r"rule \['paper'\] is not known; did you mean paper"):
-        egad.rescale(box, "panda", ["paper"])
-    with pytest.raises(UserError, match="format None is not known"):
-        egad.export({"box": box}, None, "panda", tmp_path)
-    with pytest.raises(UserError, match="rule None is not known"):
-        egad.run_trials("random", {"box": box}, "panda", rule=None)
-
-
 @pytest.mark.parametrize("wrong", [None, 3, ["released"]])
 def test_paths_that_are_none_are_told(wrong):
     with pytest.raises(UserError, match=re.escape(f"source is {wrong!r}; allowed: ")):
         egad.load(wrong)
     with pytest.raises(UserError, match=re.escape(f"path is {wrong!r}; allowed: a path")):
         egad.load_grasps(wrong)
-
-
-def test_a_gripper_takes_its_palm_from_a_path(tmp_path, mug):
-    path = tmp_path / "palm.obj"
-    trimesh.creation.box((0.1, 0.06, 0.05)).apply_translation((0, 0, -0.025)).export(path)
-    given, text = (egad.Gripper(opening=0.08, mesh=kind(path)) for kind in (Path, str))
-    assert given == text
-    found = [egad.sample_grasps(mug, hand, n=5).to_frame() for hand in (given, text)]
-    pd.testing.assert_frame_equal(*found)
 
 
 def friction_angles(grasps):
@@ -322,11 +281,7 @@ def test_a_hand_finds_more_ways_among_more_directions(mug):
         ({"approach_angles": 0}, "approach_angles is 0"),
         ({"approach_angles": 2.0}, "approach_angles is 2.0; allowed: a whole number, 1 to 360"),
         ({"seed": "x"}, "seed is 'x'; allowed: a whole number, at least 0, below 4294967296"),
-        ({"seed": "01"}, "seed is '01'"),
-        ({"seed": 1.0}, "seed is 1.0"),
         ({"seed": True}, "seed is True"),
-        ({"seed": -1}, "seed is -1; allowed: a whole number, at least 0, below 4294967296"),
-        ({"seed": 2**32}, "seed is 4294967296"),
         ({"seed": np.array([1, 2])}, "seed is array"),
         ({"gripper": 0.08}, r"a gripper is an egad\.Gripper or the name of one, got 0\.08"),
     ],
@@ -334,13 +289,6 @@ def test_a_hand_finds_more_ways_among_more_directions(mug):
 def test_wrong_arguments_of_the_sampler_are_named(wrong, message):
     with pytest.raises(UserError, match=message):
         egad.sample_grasps(**{"mesh": trimesh.creation.box(), "gripper": "panda"} | wrong)
-
-
-def test_wrong_arguments_of_the_measures_are_named(mug):
-    with pytest.raises(UserError, match="max_candidates is 0"):
-        egad.measure(mug, max_candidates=0)
-    with pytest.raises(UserError, match="seed is 'x'"):
-        egad.measure(mug, seed="x")
 
 
 @pytest.mark.parametrize("opening", [0, -0.1, float("nan"), 20, "wide", None])

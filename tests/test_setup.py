@@ -68,26 +68,6 @@ def test_a_lock_is_installed_without_what_another_lock_installed_before(tmp_path
     assert {"--no-deps", "--require-hashes"} <= set(steps[0])
 
 
-@pytest.mark.parametrize("status", [0, 1])
-def test_what_uv_cannot_install_is_left_to_pip(tmp_path, monkeypatch, status):
-    uv = tmp_path / "uv"
-    uv.write_text(f"#!/bin/sh\nexit {status}\n")
-    uv.chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
-    assert install.with_uv([["install", "--requirement", "any.lock"]]) == (status == 0)
-
-
-def test_a_full_disk_is_named(tmp_path, monkeypatch):
-    uv = tmp_path / "uv"
-    uv.write_text("#!/bin/sh\nexit 2\n")
-    uv.chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
-    full = shutil.disk_usage(tmp_path)._replace(free=1000)
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: full)
-    with pytest.raises(SystemExit, match=r"disk of .* is full"):
-        install.with_uv([["install", "--requirement", "any.lock"]])
-
-
 def test_trimming_leaves_what_is_used(tmp_path):
     for name in ("pybullet_utils/a.py", "numpy/include/a.h"):
         path = tmp_path / name
@@ -100,14 +80,6 @@ def test_trimming_leaves_what_is_used(tmp_path):
         path.touch()
     trim.trim(tmp_path)
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == kept
-
-
-def test_a_library_that_cannot_be_stripped_stays_as_it_is(tmp_path):
-    library = tmp_path / "pybullet.so"
-    library.write_text("no library")
-    trim.trim(tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["pybullet.so"]
-    assert library.read_text() == "no library"
 
 
 @pytest.mark.skipif(not shutil.which("objcopy"), reason="needs the GNU binutils")

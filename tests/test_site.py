@@ -42,21 +42,6 @@ def test_links_lead_to_pages_of_the_site(source, link, page):
     assert hooks.with_links_to_pages(text, source) == f"See [this]({page}), and ![it]({page})."
 
 
-def test_files_that_a_file_links_to_are_found_through_others(tmp_path, monkeypatch):
-    """A page links to a manual, which links to a script and back to the page."""
-    monkeypatch.setattr(hooks, "ROOT", tmp_path)
-    for name, text in {
-        "docs/page.md": "[manual](../config/manual.md)",
-        "config/manual.md": "[script](../tools/run.py), [page](../docs/page.md), [me](manual.md)",
-        "tools/run.py": "print()\n",
-    }.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text)
-    linked = hooks.linked_files((tmp_path / "docs/page.md").read_text(), "docs/page.md")
-    assert hooks.with_links_of_their_own(linked) == ["config/manual.md", "tools/run.py"]
-    assert "```python\nprint()\n" in hooks.listing("tools/run.py")
-
-
 def test_a_notebook_is_a_page_with_its_pictures():
     cells = [
         {"cell_type": "markdown", "source": ["# Title\n", "text"]},

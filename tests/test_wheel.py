@@ -180,19 +180,6 @@ def test_the_core_names_the_extra_that_is_missing(core):
     assert "pip install 'egad[sim]'" in done.stderr
 
 
-def test_the_core_reads_every_mesh_format(core):
-    ball = trimesh.creation.icosphere(radius=0.03)
-    for ending in ("3mf", "glb", "obj", "off", "ply", "stl"):
-        ball.export(core.folder / f"ball.{ending}")
-    code = """
-import egad
-for ending in ("glb", "obj", "off", "ply", "stl"):
-    print(round(1e6 * egad.read_mesh(f"ball.{ending}", units="m").volume))
-print(round(1e6 * egad.read_mesh("ball.3mf", units="mm").volume * 1e9))
-"""
-    assert set(core.run("python", "-c", code).split()) == {str(round(1e6 * ball.volume))}
-
-
 def test_trials_run_with_the_extra(workflow):
     workflow.run("python", "-c", TRIALS)
 

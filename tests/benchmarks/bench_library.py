@@ -22,15 +22,14 @@ from egad.evolution import (
     express,
     packed_surface,
 )
-from egad.evolution import query as cppn
-from egad.evolution.evaluation import GenomeVoxels, measure
+from egad.evolution.evaluation import GenomeVoxels
 from egad.geometry.convex_parts import decompose, union_of_parts
 from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
 from egad.grippers import BoxBody
 from egad.measures.graspability import graspability, rough_graspability, spaced_graspability
-from egad.measures.reeb import Forest, Neighborhood, similarities, similarity_matrix
+from egad.measures.reeb import Forest, Neighborhood, similarities
 from egad.measures.reeb import graph as reeb
 from egad.tables import parquet
 from egad.tables.evolution import EPOCH
@@ -97,43 +96,6 @@ def cpu(work):
     start = time.process_time()
     work()
     return time.process_time() - start
-
-
-def test_network_queries(offspring):
-    resolution = EVOLVE.shape.resolution
-
-    def query():
-        for each in offspring:
-            cppn.query(each.genome, resolution)
-
-    rate("network queries", "genomes", query, len(offspring))
-
-
-def test_breeding():
-    rate("breeding", "children", lambda: breed([], EVOLVE, 0, 0, 1), EVOLVE.evolution.population)
-
-
-def test_evaluations(solids):
-    def evaluate():
-        for solid in solids[:20]:
-            measure(solid, EVOLVE)
-
-    rate("measuring", "objects", evaluate, len(solids[:20]))
-
-
-def test_reeb_graphs(meshes):
-    def extract():
-        for mesh in meshes:
-            reeb.extract(mesh, SETTINGS.similarity)
-
-    rate("Reeb graphs", "objects", extract, len(meshes))
-
-
-def test_similarities(meshes):
-    graphs = [reeb.extract(mesh, SETTINGS.similarity) for mesh in meshes]
-    pairs = len(graphs) * (len(graphs) - 1) // 2
-    weight = SETTINGS.similarity.weight
-    rate("similarity", "pairs", lambda: similarity_matrix(graphs, weight), pairs)
 
 
 def test_nearest_neighbors(graphs):

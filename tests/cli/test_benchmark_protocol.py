@@ -3,15 +3,15 @@
 import pytest
 import trimesh
 import yaml
+from commands import egad
 
-from egad.cli import main
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch, capsys):
-    """The command with two boxes and a detector that proposes nothing: exit code and texts."""
+def run(tmp_path, monkeypatch):
+    """The command with two boxes and a detector that proposes nothing: what it says."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "meshes").mkdir()
     for number in range(2):
@@ -20,27 +20,20 @@ def run(tmp_path, monkeypatch, capsys):
     (tmp_path / "mine.py").write_text("def nothing(_view, _gripper, _rng):\n    return []\n")
     few = {"scenes": ["packed"], "rounds": 1, "objects": 2}
     (tmp_path / "few.yaml").write_text(yaml.safe_dump({"clutter": few}))
-    common = "egad benchmark mine.py --objects meshes --units m --config few.yaml --jobs 1"
-
-    def run(protocol):
-        monkeypatch.setattr("sys.argv", [*common.split(), "--protocol", protocol])
-        with pytest.raises(SystemExit) as stopped:
-            main()
-        return stopped.value.code, capsys.readouterr()
-
-    return run
+    common = "benchmark mine.py --objects meshes --units m --config few.yaml --jobs 1"
+    return lambda protocol: egad(*common.split(), "--protocol", protocol)
 
 
 def test_the_protocol_is_printed_and_kept(run, tmp_path):
-    code, said = run("edgegrasp")
-    assert code == 0, said.err
-    assert "protocol: edgegrasp" in said.out
+    done = run("edgegrasp")
+    assert done.returncode == 0, done.stderr
+    assert "protocol: edgegrasp" in done.stdout
     table = parquet.read(tmp_path / "benchmark/mine.parquet", CLUTTER)
     assert table["protocol"].tolist() == ["edgegrasp"] * 3  # it skips twice
     assert table["noise"].unique().tolist() == ["points"]
 
 
 def test_another_name_is_refused(run):
-    text, _ = run("gpd")
+    text = run("gpd").stderr
     assert "--protocol: " in text
     assert "protocol is 'gpd'; allowed: egad, vgn, giga, edgegrasp, or a section with" in text

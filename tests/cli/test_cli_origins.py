@@ -38,17 +38,3 @@ def test_verify_tells_by_its_status_and_names_the_file(scaled):
     done = egad("verify", "all")
     assert done.returncode == 1
     assert "all/scales.parquet: altered" in done.stdout
-
-
-def test_an_input_from_elsewhere_is_not_taken_for_one_of_the_same_name(tmp_path, monkeypatch):
-    here = tmp_path / "here"
-    here.mkdir()
-    monkeypatch.chdir(here)
-    trimesh.creation.box((40, 50, 60)).export(tmp_path / "box.stl")
-    trimesh.creation.box((10, 10, 10)).export(here / "box.stl")
-    words = ["--units", "mm", "--gripper", 0.05, "--jobs", 1, "--out", "all"]
-    done = egad("rescale", tmp_path / "box.stl", *words)
-    assert done.returncode == 0, done.stderr
-    assert egad("verify", "all").returncode == 0
-    lines = egad("provenance", "all/scales.parquet").stdout.splitlines()
-    assert lines[1].startswith("└─ elsewhere:box.stl: missing; its sha256 was ")

@@ -53,14 +53,6 @@ def test_objects_under_their_own_names_are_reported_and_compared(filled):
     assert "good vs. fair" in (filled / "c.html").read_text()
 
 
-def test_the_template_of_a_set_has_its_objects(tmp_path):
-    write_rows(EVAL49, [{"label": "A0"}, {"label": "B3"}], tmp_path / "eval49.parquet")
-    out = tmp_path / "results.csv"
-    result = trials("template", "--eval", tmp_path / "eval49.parquet", "--out", out)
-    assert result.stdout.strip().endswith("40 attempts at 2 objects")
-    assert sorted(set(pd.read_csv(out)["label"])) == ["A0", "B3"]
-
-
 def test_objects_that_are_not_in_the_set_are_left_out_and_named(filled):
     write_rows(EVAL49, [{"label": "A0"}, {"label": "B3"}], filled / "eval49.parquet")
     few = pd.read_csv(filled / "good.csv").query("label in ['A0', 'G6', 'C4']")
@@ -146,14 +138,6 @@ def test_cleared_tables_of_different_rules_say_so(tmp_path):
     assert said in trials("compare", ours, off).stdout
 
 
-def test_cleared_tables_without_a_common_round_say_so(tmp_path):
-    good = cleared_table(tmp_path / "good.parquet", (True, True))
-    other = cleared_table(tmp_path / "other.parquet", (True, True), seed="00ff")
-    result = trials("compare", good, other)
-    assert result.returncode == 0, result.stderr
-    assert "No two tables have a round in common" in result.stdout
-
-
 def test_cleared_tables_and_trials_are_compared_apart(tmp_path, filled):
     good = cleared_table(tmp_path / "cleared.parquet", (True,))
     result = trials("compare", filled / "good.csv", good)
@@ -167,8 +151,6 @@ def test_cleared_tables_and_trials_are_compared_apart(tmp_path, filled):
     [
         (["template", "--out", "good.csv"], "exists and may already be filled in"),
         (["report", "good.csv", "--out", "page.pdf"], "must end in .html or .parquet or .csv"),
-        (["report", "missing.csv"], "missing.csv"),
-        (["compare", "good.csv"], "at least two detectors"),
         (["compare", "good.csv", "good.csv", "good.csv"], "two tables have the same detector"),
         (["compare", "good.csv", "broken.parquet"], "not a readable Parquet file"),
     ],

@@ -21,7 +21,6 @@ from egad.detectors import Grasp
 def beside(view, gripper, rng):
     return [Grasp((0.1, 0.1, 0.03), float(rng.uniform(0, 3)), gripper.opening, 0.0, 1.0)]
 """
-FAILING = "def failing(view, gripper, rng):\n    return 1 / 0\n"
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -35,7 +34,6 @@ def folder(tmp_path, monkeypatch):
     """The current folder, with a detector, a configuration and few objects."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "beside.py").write_text(OWN)
-    (tmp_path / "failing.py").write_text(FAILING)
     (tmp_path / "few.yaml").write_text(yaml.safe_dump({"failures": FEW, **QUICK}))
     notes = {"shape": SHAPE.model_dump(mode="json")}
     parquet.write(coarse_objects().archive.iloc[::300], ARCHIVE, tmp_path / "few.parquet", notes)
@@ -97,17 +95,6 @@ def test_options_are_settings(folder):
     assert settings["gripper"]["opening"] == 0.07
     assert settings["rescale"]["rule"] == "exact"
     assert settings["failures"]["confirm"] == FEW["confirm"]
-
-
-def test_a_detector_that_only_fails_ends_the_search_with_its_traceback_in_a_file(folder):
-    done = search("failing.py", "--attempts", 200, "--out", "atlas")
-    assert done.returncode == 1
-    text = (folder / "atlas/failures.parquet.failure.txt").read_text(encoding="utf-8")
-    assert text.endswith("ZeroDivisionError: division by zero\n")
-    said = done.stderr[done.stderr.index("egad: ") :]
-    assert said.startswith("egad: the detector failed in all ")
-    assert "keep_going" not in said
-    assert said.endswith("was written to atlas/failures.parquet.failure.txt\n")
 
 
 @pytest.mark.parametrize(

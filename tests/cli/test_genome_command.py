@@ -42,15 +42,6 @@ def test_what_there_is_not_is_a_sentence(arguments, sentence):
     assert "Traceback" not in result.stderr
 
 
-def test_an_archive_of_another_shape_than_the_configuration_is_refused(tmp_path):
-    (tmp_path / "coarse.yaml").write_text("shape: {resolution: 16}\n", encoding="utf-8")
-    where = ["--out", tmp_path / "new", "--config", tmp_path / "coarse.yaml"]
-    result = command("export-meshes", "released", *where)
-    assert result.returncode == 1
-    assert "shape.resolution: 25 in the archive, 16 in the configuration" in result.stderr
-    assert not (tmp_path / "new").exists()
-
-
 def test_meshes_at_another_resolution(tmp_path):
     each = egad.load("released")["M14_3"]
     for resolution in (25, 40):

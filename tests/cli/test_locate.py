@@ -134,11 +134,6 @@ def test_what_egad_ships_is_found_by_its_name(name, count):
     assert len(reference(Path(name), select(Settings(), MeasureMeshes))) == count
 
 
-def test_a_file_that_is_not_there_is_refused(tmp_path):
-    with pytest.raises(UserError, match=r"nothing\.parquet is neither"):
-        reference(tmp_path / "nothing.parquet", READ)
-
-
 def test_what_does_not_fit_the_configuration_is_refused(home, tmp_path):
     coarse = {"space": {"cells": 2}, "shape": {"resolution": 16}}
     other = select(Settings.model_validate(coarse), MeasureMeshes)
@@ -148,13 +143,6 @@ def test_what_does_not_fit_the_configuration_is_refused(home, tmp_path):
     parquet.write(parquet.empty(REJECTED), REJECTED, tmp_path / "rejected.parquet")
     with pytest.raises(TableError, match=r"rejected\.parquet"):
         reference(tmp_path / "rejected.parquet", READ)
-
-
-def test_a_dataset_without_its_meshes_is_refused(among, files, tmp_path):
-    frame = among.table.reindex(columns=OBJECTS.names).fillna(0)
-    parquet.write(frame, OBJECTS, tmp_path / "objects.parquet")
-    with pytest.raises(UserError, match=r"meshes/.*obj"):
-        locate_files(READ, reference(tmp_path, READ), files, "m", 1)
 
 
 def test_marks_stand_at_their_cells():

@@ -6,7 +6,7 @@ import trimesh
 from egad.cli.measure import incomparable, measure_files, warn_of_measures
 from egad.evolution import PostprocessSolids
 from egad.evolution.growth import surface
-from egad.io import read_mesh, write_obj
+from egad.io import write_obj
 from egad.measures import MeasureMeshes, solid_row
 from egad.tables.objects import MEASURED
 from egad_workflow.settings import Settings, select
@@ -127,15 +127,6 @@ def test_what_can_be_mended_is_measured_as_the_whole_mesh(table, name):
     assert row["longest_side"] == pytest.approx(good["longest_side"], rel=0.01)
 
 
-@pytest.mark.parametrize(("name", "factor"), [("wide", 100), ("thousand", 1000)])
-def test_size_does_not_matter(table, name, factor):
-    """Objects are scaled to the gripper, also one that is wider than it in every direction."""
-    row, good = table.loc[name], table.loc["good"]
-    assert row["complexity"] == pytest.approx(good["complexity"], abs=0.02)
-    assert row["graspability"] == pytest.approx(good["graspability"], rel=1e-3)
-    assert row["longest_side"] == pytest.approx(factor * good["longest_side"])
-
-
 def test_open_surfaces_are_measured_as_shells_if_the_settings_say_so(bad, table):
     changes = {"open_surfaces": "thicken", "shell_thickness": 0.004}
     postprocess = SETTINGS.postprocess.model_copy(update=changes)
@@ -150,21 +141,6 @@ def test_open_surfaces_are_measured_as_shells_if_the_settings_say_so(bad, table)
     assert found["shell_thickness"].tolist() == [0.004, 0, 0]
     assert found.loc["bowl", "longest_side"] == pytest.approx(bowl.extents.max() + 0.004, rel=0.01)
     pd.testing.assert_series_equal(found.loc["good"], table.loc["good"])
-
-
-def test_units_that_must_be_wrong_are_pointed_out(bad, caplog):
-    measure_files(SETTINGS, {"thousand": bad["thousand"]}, "m", 1)
-    assert "for example thousand (60 m): is their unit m?" in caplog.text
-    caplog.clear()
-    measure_files(SETTINGS, {"thousand": bad["thousand"]}, "mm", 1)
-    assert caplog.text == ""
-
-
-def test_units_of_meshes_that_cannot_be_used_are_doubted_too(tmp_path, caplog):
-    trimesh.creation.box([0.06, 0.04, 0.05]).export(tmp_path / "metres.ply")
-    found = measure_files(SETTINGS, {"metres": tmp_path / "metres.ply"}, "mm", 1)
-    assert found["reason"][0] != ""
-    assert "for example metres (6e-05 m): is their unit mm?" in caplog.text
 
 
 def test_the_size_is_that_of_the_rule(bad, table, caplog):
@@ -212,13 +188,6 @@ def test_workers_leave_no_trace(bad, table):
     pd.testing.assert_frame_equal(one, table)
 
 
-def test_an_object_has_the_measures_that_it_has_in_a_dataset(bad, table):
-    row = solid_row(read_mesh(bad["good"], "m"), "other", select(DEFAULTS, PostprocessSolids))
-    assert [row["complexity"], row["graspability"], row["grasps"]] == list(
-        table.loc["good", ["complexity", "graspability", "grasps"]]
-    )
-
-
 def test_an_evolved_object_has_the_measures_of_its_mesh_file(tmp_path):
     """Also in another unit: grasps are named after the triangles."""
     made = surface(np.pad(np.ones((9, 15, 25), bool), 2), DEFAULTS.shape)
@@ -235,14 +204,3 @@ def test_an_evolved_object_has_the_measures_of_its_mesh_file(tmp_path):
         assert found["raw_complexity"] == pytest.approx(row["complexity"], abs=1e-6)
         assert found["complexity"] == pytest.approx(row["complexity"], abs=0.15)
         assert found["graspability"] == pytest.approx(row["graspability"], rel=1e-6)
-
-
-@pytest.mark.slow
-def test_a_million_faces_are_measured(tmp_path):
-    path = tmp_path / "fine.ply"
-    fine = potato(subdivisions=8)
-    assert len(fine.faces) > 1_000_000
-    fine.export(path)
-    (row,) = measure_files(SETTINGS, {"fine": path}, "m", 1).to_dict("records")
-    assert row["reason"] == ""
-    assert row["longest_side"] == pytest.approx(0.06)

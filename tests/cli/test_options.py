@@ -154,8 +154,6 @@ def test_a_collage_does_not_depend_on_cores(tmp_path):
     ("words", "expected"),
     [
         ("egad mea", ["measure"]),
-        ("egad trials re", ["report", "replay"]),
-        ("egad measure --gripper r", ["robotiq_2f_85", "robotiq_2f_140"]),
         ("egad benchmark mine.py --rule ", ["paper", "egad-script", "exact", "none"]),
     ],
 )

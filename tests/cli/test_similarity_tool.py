@@ -5,7 +5,6 @@ import pytest
 import trimesh
 
 from egad.cli.similarity import graph_of, similarity_of_files
-from egad.errors import UserError
 from egad.measures.reeb import Similarity
 from egad.measures.reeb import graph as reeb
 from egad.measures.reeb.similarity import similarity
@@ -73,8 +72,3 @@ def test_workers_leave_no_trace(files):
     one, _ = similarity_of_files(SETTINGS, files, "m", 1)
     two, _ = similarity_of_files(SETTINGS, files, "m", 2)
     assert one.equals(two)
-
-
-def test_unknown_units_are_refused(files):
-    with pytest.raises(UserError, match="allowed: m, cm, mm, inch"):
-        similarity_of_files(SETTINGS, files, "feet", 1)

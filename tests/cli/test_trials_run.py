@@ -100,13 +100,6 @@ def test_relative_paths_hold_in_the_folder_of_the_run(folder, tmp_path, monkeypa
     assert "run it in the folder of the run" in done.stderr
 
 
-def test_a_wrong_option_leaves_no_folder(folder, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    done = egad("trials", "run", folder / "across.py", "--objects", "nowhere")
-    assert done.returncode == 1
-    assert not list(tmp_path.iterdir())
-
-
 def test_mistakes_are_one_sentence(folder, table):
     for arguments, sentence in (
         (["run", "antipodal-cloud"], "in trials, a detector gets a view from above"),

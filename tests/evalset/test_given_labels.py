@@ -6,8 +6,6 @@ import pytest
 
 from egad.errors import UserError
 from egad.evalset import SelectEval, labels_by_name, read_labels, take
-from egad.tables import parquet
-from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS
 
 GRID = SelectEval(rows=3, columns=4)
@@ -73,9 +71,3 @@ def test_a_wrong_file_is_told_with_its_line(tmp_path, text, message):
 def test_labels_that_make_no_set_are_refused(labels, message):
     with pytest.raises(UserError, match=message):
         take(objects("a", "b", "c", "d"), labels, DISTANCES, GRID)
-
-
-def test_the_table_has_the_columns_of_any_other(tmp_path):
-    found = take(objects("A0", "b", "c", "d"), {"A0": "A0"}, DISTANCES, GRID)
-    parquet.write(found, EVAL49, tmp_path / "eval49.parquet")
-    assert len(parquet.read(tmp_path / "eval49.parquet", EVAL49)) == 1

@@ -125,11 +125,6 @@ def test_a_trapped_void_is_found():
     assert print_problems(hollow, CHECK) == ["1 trapped void"]
 
 
-def test_two_bodies_are_found():
-    pair = trimesh.util.concatenate([box(9, 9, 9), box(9, 9, 9).apply_translation([0.02, 0, 0])])
-    assert print_problems(pair, CHECK)[0] == "2 bodies"
-
-
 def test_an_open_surface_is_not_closed():
     cut = box(20, 20, 20)
     cut.update_faces(np.arange(12) > 0)

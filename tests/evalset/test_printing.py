@@ -84,17 +84,6 @@ def test_an_object_that_the_corner_leaves_no_room_for_has_a_note():
     assert items["big"].note.endswith("the bed of 100 x 100 mm with its corner to keep out of")
 
 
-def test_prints_of_the_released_set_keep_out_of_the_corner(released_set):
-    sizes = {}
-    for label in sorted(released_set)[:12]:
-        sizes[label] = tuple(lie_down(released_set[label], "overhang", 40).mesh.extents[:2])
-    counts = {}
-    for corner in [(0.0, 0.0), (0.018, 0.028)]:
-        lows = np.array([place for _, *place in pack(sizes, BEDS[2], 0.005, corner).values()])
-        counts[corner] = int((lows < [0.018, 0.028]).all(axis=1).sum())
-    assert counts == {(0.0, 0.0): 2, (0.018, 0.028): 0}
-
-
 def test_an_object_larger_than_the_bed_is_left_out_with_a_note():
     big = trimesh.creation.box(extents=(0.09, 0.075, 0.063))
     items = planned({"big": big, **boxes(2)}, (0.06, 0.06), gap=0)
@@ -108,14 +97,6 @@ def test_a_long_object_lies_along_the_longer_side_of_the_bed(bed):
     item = planned({"bar": trimesh.creation.box(extents=(0.2, 0.05, 0.03))}, bed)["bar"]
     assert item.plate == 1
     assert item.pose.mesh.extents[int(np.argmax(bed))] == pytest.approx(0.2)
-
-
-def test_an_object_too_thin_to_print_is_on_no_plate_and_says_why():
-    items = planned({"foil": trimesh.creation.box(extents=(0.03, 0.03, 0.001)), **boxes(1)})
-    assert items["foil"].plate is None
-    assert items["foil"].note == "not printable at this size: walls thinner than 1.2 mm"
-    assert items["box0"].plate == 1
-    assert items["box0"].note == ""
 
 
 def test_objects_lie_flat_on_the_bed():

@@ -97,11 +97,6 @@ def test_cells_without_objects_stay_empty_and_are_named():
     assert empty_cells(chosen, GRID) == ["B1"]
 
 
-def test_same_seed_same_set():
-    objects, distances = dataset(100)
-    assert chosen_by(objects, distances).equals(chosen_by(objects, distances))
-
-
 def test_a_single_object_has_no_nearest():
     chosen = chosen_by(*dataset(1))
     assert len(chosen) == 1
@@ -205,12 +200,6 @@ def test_a_cell_whose_objects_all_have_problems_is_empty():
     assert sorted(found.left_out) == [0, 4, 8]
 
 
-def test_a_dataset_without_any_printable_object_gives_an_empty_set():
-    found = selected(*dataset(12), lambda _: ["too thin"])
-    assert len(found.table) == 0
-    assert len(found.left_out) == 12
-
-
 BORROWING = SelectEval(rows=2, columns=2, borrow=0.1)
 ROW, COLUMN = 0.00175, 2.0  # height and width of a cell
 
@@ -277,10 +266,3 @@ def test_every_place_has_a_name_that_tells_it():
     assert [label_at(*cell_of_label(name)) for name in names] == names
     assert [cell_of_label(name) for name in labels_of(2, 2)] == [(0, 0), (0, 1), (1, 0), (1, 1)]
     assert all(LABEL.fullmatch(name) for name in names)
-
-
-@pytest.mark.parametrize(
-    "name", ["", "A", "4", "a0", "A00", "A10", "AA", "\N{GREEK CAPITAL LETTER ALPHA}0"]
-)
-def test_what_is_no_name(name):
-    assert not LABEL.fullmatch(name)

@@ -94,11 +94,3 @@ def larger(items, tmp_path_factory):
 def test_plates_of_a_larger_bed_are_whole_too(items, larger):
     places, _ = larger
     assert set(places) == set(items)
-
-
-@pytest.mark.slow
-def test_a_plate_of_a_larger_bed_can_be_sliced(items, larger):
-    """The objects lie as on the smaller bed, so that slicing one plate is enough."""
-    places, plates = larger
-    estimated = 1000 * sum(item.filament for label, item in items.items() if places[label][0] == 1)
-    assert filament(plates[1], LARGER_BED) == pytest.approx(estimated, rel=0.06)

@@ -4,14 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.bench.stats import trial_grid
 from egad.cli.terminal_tables import measured
 from egad.measures import CustomMeasures, MeasureSpace
 from egad.measures.grid import complexity_cells, difficulty_cells, labels
 from egad.report.axes import USUAL, axis_pair
-from egad.report.locations import location_map
-from egad.report.space_map import collage
-from egad.report.trial_charts import trial_heat_map
 from egad_workflow.report_page import build
 
 OWN = CustomMeasures(complexity="a.py:wall_thickness", graspability="b.c:slenderness")
@@ -59,15 +55,6 @@ def test_the_report_names_own_axes_and_has_all_cells(own_report):
     assert "easy → hard" not in page
     last = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"[own_report.settings.space.cells - 1]
     assert f'text-anchor="end">{last}</text>' in page
-
-
-def test_pictures_show_the_names(objects, pictures, trials):
-    own = axis_pair(OWN)
-    space = MeasureSpace(cells=26)
-    assert collage(objects, pictures, space) != collage(objects, pictures, space, axes=own)
-    assert location_map(objects, [], space) != location_map(objects, [], space, own)
-    grid = trial_grid(trials, 7, 7)
-    assert trial_heat_map(grid, 7, 7, set()) != trial_heat_map(grid, 7, 7, set(), own)
 
 
 def test_tables_on_the_terminal_name_them(capsys):

@@ -6,7 +6,7 @@ import pytest
 from svg_text import SVG, texts
 
 from egad.measures import MeasureSpace
-from egad.report.comparison import PUBLISHED, comparison_text, dataset_maps
+from egad.report.comparison import comparison_text, dataset_maps
 
 
 def colors(svg: str) -> list[list[str]]:
@@ -78,11 +78,6 @@ def test_rows_in_which_no_object_is_expected_are_hatched(objects, rows):
     svg = dataset_maps({"egad": objects}, MeasureSpace(), unattainable=rows)
     root = ElementTree.fromstring(svg)  # noqa: S314
     assert len(list(root.iter(f"{SVG}pattern"))) == bool(rows)
-
-
-def test_published_coverage_is_of_slots():
-    theirs = PUBLISHED.set_index("dataset").loc["EGAD, 2020"]
-    assert theirs["coverage"] == pytest.approx(theirs["objects"] / 2500, abs=0.005)
 
 
 def test_the_table_for_a_terminal_has_ours_above_the_published(report):

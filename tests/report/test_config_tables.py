@@ -1,15 +1,8 @@
 import yaml
 
-from egad.bench import TrialProtocol
 from egad_workflow.check import check
 from egad_workflow.config_tables import changed_parameters, settings_text
 from egad_workflow.settings import Settings
-
-
-def test_only_changed_values_show_their_default():
-    (changed,) = changed_parameters(Settings(trials=TrialProtocol(attempts=3)))
-    assert (changed.name, changed.value) == ("trials.attempts", "3")
-    assert changed.default == str(TrialProtocol().attempts)
 
 
 def test_changed_keys_and_entries_are_named_in_full():

@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from partial_tables import fill_columns
-from svg_text import texts
 
 from egad.evolution.voxels import pack
 from egad.measures import MeasureSpace
@@ -17,11 +16,8 @@ from egad.report.failures import (
     FeatureShare,
     SearchText,
     failure_labels,
-    feature_chart,
-    lost_outcomes,
     page,
     reasons_of,
-    share_chart,
     worst,
 )
 from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS, FAILURES
@@ -152,14 +148,3 @@ def test_reasons_are_shares_of_all_drops():
         (6, 0.5),
     ]
     assert reasons_of(fill_columns(FAILURES, [{"id": "a"}])) == []
-
-
-def test_outcomes_are_of_what_the_detector_lost():
-    fresh = fresh_attempts().query("purpose == 'confirm'")
-    assert lost_outcomes(fresh) == {"collided": (3, 1), "missed": (2, 1), "dropped": (1, 1)}
-
-
-def test_charts_name_features():
-    features = [feature("thickness"), feature("concavity", -0.1, (np.nan, np.nan))]
-    for chart in (feature_chart, share_chart):
-        assert {"thickness", "concavity"} <= set(texts(chart(features)))

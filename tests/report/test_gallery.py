@@ -104,14 +104,6 @@ def test_the_index_has_the_numbers_of_the_table(data, objects, settings, simulat
     assert columns["family"][-1] == ""
 
 
-def test_the_hatched_rows_are_counted_and_named(data, objects, settings):
-    assert index_data(objects, settings.space, USUAL, data.member)["unattainable"] == 0
-    hatched = index_data(objects, settings.space, USUAL, data.member, unattainable=2)
-    assert hatched["unattainable"] == 2
-    assert "Hatched: rows" in gallery_page("EGAD", data, USUAL, [], "Hatched: rows A and B.")
-    assert "Hatched" not in gallery_page("EGAD", data, USUAL, [])
-
-
 def test_no_two_objects_share_a_place_on_a_sheet(data, objects, settings):
     index = index_data(objects, settings.space, USUAL, data.member)
     columns = index["columns"]

@@ -83,15 +83,6 @@ def test_a_doubtful_reading_is_said_and_not_ready_to_paste(tmp_path, limits, wor
     assert "# grippers:" in hand_page("odd", hand, model_of(hand))
 
 
-def test_degrees_are_named_only_where_joints_of_mjcf_turn(tmp_path):
-    path = linkage_mjcf(tmp_path / "linkage.xml")
-    hand = Gripper.from_file(path)
-    narrow = replace(model_of(hand), openings=model_of(hand).openings / 50)
-    assert any("angles in MJCF are degrees" in doubt for doubt in hand_doubts(hand, narrow))
-    urdf = hand.model_copy(update={"file": "linkage.urdf"})
-    assert not any("MJCF" in doubt for doubt in hand_doubts(urdf, narrow))
-
-
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -108,10 +99,6 @@ def test_odd_pads_and_tilted_axes_are_doubtful(boxes, changes, words):
     chosen = {"closing_axis": (1.0, 0, 0), "approach_axis": (0.0, 0, 1)}
     rest = hand_doubts(boxes.model_copy(update=chosen), model)
     assert not any("off the axes" in doubt for doubt in rest)
-
-
-def test_a_good_reading_is_not_doubtful(boxes):
-    assert hand_doubts(boxes, model_of(boxes)) == []
 
 
 def test_pads_that_are_not_flat_are_said_to_be_measured_between_their_foremost_points(tmp_path):
@@ -132,12 +119,6 @@ def test_pads_that_are_not_flat_are_said_to_be_measured_between_their_foremost_p
     said = hand_facts(hand, model_of(hand))["opening"]
     assert said.startswith("0.2 to 80.2 mm between the foremost points of the pads; ")
     assert said.endswith(" % of their faces lie further back, the rearmost 6.0 mm farther apart")
-
-
-def test_the_page_has_the_hand_at_three_openings(boxes):
-    page = hand_page("mine", boxes, model_of(boxes))
-    for word in ("open", "half open", "closed", "left_joint", "mine"):
-        assert word in page
 
 
 def test_a_hand_with_one_moving_jaw_has_a_table_of_its_joint(tmp_path, boxes):

@@ -70,12 +70,6 @@ def page(tmp_path, monkeypatch):
     return tmp_path / "logs" / "map.html"
 
 
-def test_the_page_is_there_before_the_first_object(page):
-    live_map(page, "run", 0, 0)
-    assert shown(page) == {}
-    assert 'http-equiv="refresh"' in page.read_text()
-
-
 def test_every_cell_with_objects_has_a_picture_and_their_number(page):
     found = elites(40)
     live_map(page, "run", 0, 0)(SimpleNamespace(elites=found), steps(3))

@@ -88,13 +88,6 @@ def test_the_page_needs_nothing_else(html, page):
     assert "default-src 'none'" in html
 
 
-def test_links_lead_to_sections(page):
-    assert len(page.ids) == len(set(page.ids))
-    links = {reference[1:] for reference in page.references if reference.startswith("#")}
-    assert len(links) == 11
-    assert links <= set(page.ids)
-
-
 def test_the_same_report_gives_the_same_bytes(html, report):
     copied = replace(
         report,
@@ -136,12 +129,6 @@ def test_a_cell_tells_its_most_diverse_objects(page, objects, pictures):
             assert base64.b64decode(item[7]) == pictures[item[0]]
 
 
-def test_the_evaluation_set_says_what_is_empty(page):
-    assert page.classes["vacant"] == 46
-    assert page.tags["figure"] == 49
-    assert "46 of 49 cells are empty" in page.words()
-
-
 def test_a_click_on_an_object_of_the_set_leads_to_it_in_the_viewer(page, html, evalset):
     data = next(json.loads(text) for text in page.data if '"finger"' in text)
     assert [item["name"] for item in data["objects"]] == evalset["label"].tolist()
@@ -173,15 +160,6 @@ def test_rows_in_which_no_object_is_expected_are_hatched_and_named(page, html, r
     assert "egad 40 1.6 % 1.7 %" in words
 
 
-def test_without_such_rows_nothing_is_hatched(report):
-    wide = report.settings.space.model_copy(update={"graspability_range": (0.0005, 0.003)})
-    settings = report.settings.model_copy(update={"space": wide})
-    html = build(replace(report, settings=settings))
-    assert "url(#hatch-" not in html
-    assert "no object is expected" not in html.lower()
-    assert "Coverage without" not in html
-
-
 def test_every_setting_is_listed(page, report):
     words = page.words()
     assert "seed 11 default 0 seed of all random numbers" in words
@@ -201,11 +179,6 @@ def test_settings_are_folded_except_those_that_were_changed(html):
     assert "source: primitives, objects: 12" in before
     assert "crossover_probability" not in before
     assert "crossover_probability" in folded.partition("</details>")[0]
-
-
-def test_results_come_first_and_the_map_once(page):
-    order = ["summary", "evaluation", "trials", "map", "comparison", "rejected", "parameters"]
-    assert [name for name in page.ids if name in order] == order
 
 
 @pytest.fixture
@@ -236,18 +209,6 @@ def test_own_meshes_are_listed_and_not_mapped(own, evalset):
     assert rows.loc[labels["C4"], "in the set"] == "C4"
     assert (rows["in the set"] == "\N{EN DASH}").sum() == len(objects) - 3
     assert rows.loc[objects["label"].iloc[0], "scale"] == "0.8"
-
-
-def test_a_whole_set_needs_no_second_names(own):
-    data = own.datasets["mine"]
-    whole = data.evalset.assign(label=data.evalset["object_label"])
-    named = data.trials["egad_75mm", "antipodal-depth"].replace(
-        {"label": dict(zip(data.evalset["label"], whole["label"], strict=True))}
-    )
-    trials = {("egad_75mm", name): named for name in ("first", "second")}
-    page = Page(build(replace(own, datasets={"mine": replace(data, evalset=whole, trials=trials)})))
-    assert "in the set" not in page.words()
-    assert "successes of first" in page.words()
 
 
 def test_names_from_files_are_escaped(report):
@@ -291,15 +252,6 @@ def test_tables_without_rows_count_as_absent(report, evalset):
     )
     page = Page(build(replace(report, datasets={"egad": data})))
     assert not {"evaluation", "grasps", "trials"} & set(page.ids)
-
-
-def test_larger_pictures_of_the_evaluation_set_are_preferred(report):
-    large = png_bytes(render(trimesh.creation.cylinder(1, 2), 64))
-    data = report.datasets["egad"]
-    chosen = DatasetReport(data.objects, data.rejected, data.pictures, data.evalset)
-    chosen = replace(chosen, evalset_pictures={"C4": large})
-    html = build(replace(report, datasets={"egad": chosen}))
-    assert html.count(base64.b64encode(large).decode()) == 1
 
 
 def test_nine_hundred_pictures_stay_below_six_megabytes(report, objects):

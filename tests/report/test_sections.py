@@ -17,7 +17,7 @@ from egad.report.agreement import agreement_chart
 from egad.report.clutter import clutter_view
 from egad.report.evaluation import evaluation_view
 from egad.report.evolution import coverage_curves, coverage_history, re_evaluation
-from egad.report.grasps import grasp_chart, grasp_numbers, grasp_view, size_chart
+from egad.report.grasps import grasp_chart, grasp_numbers, size_chart
 from egad.report.summary import DatasetSummary, name_stages, rejection_counts, section
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
@@ -28,21 +28,6 @@ def test_rejections_are_ordered_by_frequency(report):
     counts = rejection_counts(report.datasets["egad"].rejected)
     assert [row["count"] for row in counts] == [2, 1]
     assert counts[0]["reason"] == "no volume"
-
-
-def test_a_dataset_in_numbers(objects, settings):
-    found = DatasetSummary(objects, settings.space, None, {})
-    cells = objects.groupby(["complexity_cell", "difficulty_cell"]).size()
-    assert len(found.objects) == 40
-    assert found.coverage == cells.clip(upper=4).sum() / 2500
-
-
-def test_a_few_own_objects_have_no_coverage(objects, settings):
-    found = DatasetSummary(objects.head(7), settings.space, objects.head(7), {}, listed=True)
-    shown = section({"parts": found}, 49).html
-    assert "overage" not in shown
-    assert "Evolved" not in shown
-    assert "of 49" not in shown
 
 
 def test_it_is_said_what_an_object_is_left_out_of():
@@ -178,10 +163,6 @@ def test_grasp_numbers(grasps):
     assert found.collision_free == 0.25
     assert found.robust_success_rate == 0.5
     assert found.quality[1] == pytest.approx(grasps["quality"].median())
-
-
-def test_nothing_has_no_section():
-    assert grasp_view({}, {}) is None
 
 
 def test_grasps_that_could_not_be_carried_out_are_left_out_of_rates(agreement):

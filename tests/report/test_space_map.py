@@ -5,7 +5,7 @@ import pandas as pd
 from PIL import Image
 
 from egad.measures import MeasureSpace
-from egad.report.space_map import GROUND, collage, shown_objects, space_map
+from egad.report.space_map import collage, shown_objects, space_map
 
 
 def square(tone: int) -> bytes:
@@ -38,18 +38,6 @@ def test_objects_lie_in_their_cells_and_the_most_diverse_is_on_top():
     assert center(0, 0) == [90] * 3
     assert center(4, 4) == [170] * 3
     assert center(2, 2) == center(4, 0) == [255] * 3
-
-
-def test_transparent_parts_show_the_ground_and_axes_are_written():
-    objects = pd.DataFrame(
-        {"label": ["a"], "complexity_cell": [1], "difficulty_cell": [1], "diversity": [0.1]}
-    )
-    buffer = io.BytesIO()
-    Image.new("RGBA", (8, 8), (0, 0, 0, 0)).save(buffer, "png")
-    image = drawn(objects, {"a": buffer.getvalue()})
-    assert tuple(image[70, 50]) == GROUND
-    assert image[100:, 20:].min() < 100
-    assert image[:100, :20].min() < 100
 
 
 def test_the_map_needs_pictures_of_the_objects_that_it_shows_only(objects, pictures):

@@ -9,7 +9,6 @@ from egad.tables.outcomes import (
     SIMULATION_FAILURES,
     SUCTION_FAILURES,
     Outcome,
-    listed,
 )
 
 
@@ -27,8 +26,3 @@ def test_every_outcome_is_of_one_kind():
     assert len(kinds) == len(set(kinds))
     assert set(kinds) == set(Outcome)
     assert set(DETECTOR_FAILURES) < set(POSE_FAILURES)
-
-
-def test_outcomes_are_told_as_a_phrase():
-    assert listed(SIMULATION_FAILURES) == "failed or crashed"
-    assert listed([Outcome.ERROR]) == "error"

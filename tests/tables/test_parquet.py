@@ -38,21 +38,6 @@ def test_a_damaged_file_is_named(tmp_path, content):
         parquet.read(path, REJECTED)
 
 
-def test_a_truncated_file_is_refused(tmp_path):
-    path = tmp_path / "table.parquet"
-    parquet.write(pd.DataFrame([ROW] * 1000), REJECTED, path)
-    path.write_bytes(path.read_bytes()[:-20])
-    with pytest.raises(TableError, match="not a readable Parquet file"):
-        parquet.read(path, REJECTED)
-
-
-def test_missing_columns_are_named(tmp_path):
-    path = tmp_path / "table.parquet"
-    parquet.write(pd.DataFrame([ROW]), REJECTED, path)
-    with pytest.raises(TableError, match="complexity"):
-        parquet.read(path, OBJECTS)
-
-
 def test_a_table_of_an_older_version_is_read_or_its_version_is_named(tmp_path):
     path, older = tmp_path / "table.parquet", Origin(program="0.0.9", stage="postprocess", code="")
     with made_by(older):

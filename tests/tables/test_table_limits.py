@@ -20,7 +20,7 @@ from egad.evolution import packed_surface
 from egad.tables import parquet
 from egad.tables.columns import ID, LABEL
 from egad.tables.evolution import ARCHIVE
-from egad.tables.grasping import GRASPS, SCALES
+from egad.tables.grasping import SCALES
 from egad.tables.parquet import RowGroups
 from egad_workflow.settings import Settings
 
@@ -280,12 +280,6 @@ def test_damaged_statistics_of_a_table_without_a_seal_are_read_or_refused(strang
         damaged[place] ^= 2
         path.write_bytes(damaged)
         read_all(path)
-
-
-def test_grasps_of_the_pipeline_are_read_as_before(tmp_path):
-    frame = parquet.empty(GRASPS)
-    parquet.write(frame, GRASPS, tmp_path / "grasps")
-    assert parquet.read(tmp_path / "grasps", GRASPS).dtypes.equals(frame.dtypes)
 
 
 def test_damaged_headers_of_pages_are_refused(tmp_path):

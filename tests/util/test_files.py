@@ -75,17 +75,6 @@ def test_a_folder_replaces_a_folder(tmp_path):
     assert [entry.name for entry in path.iterdir()] == ["c"]
 
 
-def test_a_failed_folder_leaves_the_old_one(tmp_path):
-    path = tmp_path / "meshes"
-    with atomic_output(path) as folder:
-        folder.mkdir()
-    with pytest.raises(RuntimeError), atomic_output(path) as folder:
-        folder.mkdir()
-        raise RuntimeError
-    assert list(path.iterdir()) == []
-    assert folder.exists()
-
-
 def test_a_folder_is_never_missing_while_it_is_replaced(tmp_path):
     path = tmp_path / "meshes"
     with atomic_output(path) as folder:

@@ -132,11 +132,6 @@ def test_work_that_does_more_than_was_planned_or_fails_ends_the_display(capsys):
     assert not [each for each in threading.enumerate() if each is not threading.main_thread()]
 
 
-def test_nothing_is_told_of_no_items(capsys):
-    assert list(progress([], "working", 0)) == []
-    assert capsys.readouterr().err == ""
-
-
 words = st.text("abc xyz-()", min_size=1).map(str.strip).filter(bool)
 totals = st.integers(1, 10**6)
 
@@ -234,12 +229,3 @@ def test_slow_work_is_named_and_quick_work_is_not(monkeypatch, capsys):
     assert capsys.readouterr().err == "thinking ...\n"
     with pytest.raises(ZeroDivisionError), module.phase_if_slow("failing"):
         1 / 0  # noqa: B018
-
-
-def test_an_error_inside_the_loop_is_not_swallowed():
-    def work():
-        for item in progress([1], "working", 1):
-            raise ValueError(item)
-
-    with pytest.raises(ValueError, match="1"):
-        work()

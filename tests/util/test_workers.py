@@ -20,11 +20,6 @@ from egad._util.workers import workers
 from egad.errors import UserError
 
 
-def test_results_are_in_order():
-    with workers(2) as mapper:
-        assert list(mapper(abs, range(-9, 0))) == list(range(9, 0, -1))
-
-
 @pytest.mark.parametrize("count", [1, 2])
 def test_a_worker_has_one_thread_for_algebra(count):
     with workers(count) as mapper:
@@ -57,14 +52,6 @@ def test_a_crash_is_told_with_its_item():
     message = str(found.value)
     assert message.startswith("a worker process ended with status -6 (its item: {'name': 'B1', ")
     assert len(message) < 200
-
-
-def test_a_long_item_is_cut_at_its_end():
-    path = f"/{'long_folder/' * 20}B1.obj"
-    with pytest.raises(UserError) as found, workers(2) as mapper:
-        list(mapper(crashed, [{"name": "B1", "path": path}]))
-    shown = str({"name": "B1", "path": path})[:97]
-    assert str(found.value).endswith(f" (its item: {shown}...)")
 
 
 def test_an_error_ends_what_else_runs_and_has_the_traceback_of_its_process():

@@ -26,11 +26,6 @@ def test_the_same_settings_pass(archive):
     check_provenance(archive, select(Settings(), MeasureMeshes), ("shape",))
 
 
-def test_the_budget_of_the_graspability_matters(archive):
-    with pytest.raises(UserError, match=r"evolution\.max_candidates: 16384 in the archive, 300"):
-        check_provenance(archive, settings(evolution={"max_candidates": 300}))
-
-
 def test_the_estimator_and_its_grasps_matter(tmp_path):
     paper = {"estimator": "paper"}
     path = tmp_path / "paper.parquet"
@@ -81,11 +76,6 @@ def test_other_measures_are_refused_and_both_are_named(archive):
         "  complexity.bins: 512 in the archive, 64 in the configuration",
         "  quality.friction: 0.5 in the archive, 0.8 in the configuration",
     ]
-
-
-def test_the_robust_metric_against_the_plain_one_is_refused(archive):
-    with pytest.raises(UserError, match=r"graspability\.metric: nominal in the archive, robust in"):
-        check_provenance(archive, settings(graspability={"metric": "robust"}))
 
 
 def test_only_what_is_asked_for_counts(archive):

@@ -32,16 +32,6 @@ def test_reading_the_source_finds_the_kernels_that_importing_loads(name):
     assert reached_kernels(HERE / name) == loaded_kernels(HERE / name)
 
 
-@pytest.mark.parametrize("line", ["import postprocess", "from evolve import run"])
-def test_kernels_of_a_script_are_found(tmp_path, line):
-    """Also those of modules that are imported in functions."""
-    path = tmp_path / "test_of_a_stage.py"
-    path.write_text(f"{line}\n")
-    found = reached_kernels(path)
-    assert len(loaded_kernels(path)) > 10
-    assert loaded_kernels(path) <= found < modules_with_kernels()
-
-
 @pytest.mark.parametrize("module", sorted(modules_with_kernels()))
 def test_compiled_code_is_tested_by_a_file_in_the_folder_of_its_package(module):
     """So that it runs where every index is checked."""

@@ -19,16 +19,6 @@ def test_nothing_said_is_the_default():
     assert check({}) == Settings()
 
 
-def test_what_is_not_named_keeps_its_default():
-    settings = check({"evolution": {"population": 7}})
-    assert settings.evolution.population == 7
-    assert settings.evolution.evaluations == Settings().evolution.evaluations
-
-
-def test_whole_numbers_serve_as_numbers():
-    assert check({"material": {"density": 1000}}).material.density == 1000.0
-
-
 def test_the_configuration_itself_is_not_changed():
     config = {"sed": 1, "datasets": {"Bad Name": {"source": "evolved"}}, "neat": 3}
     before = copy.deepcopy(config)
@@ -69,10 +59,8 @@ def test_every_problem_has_one_line():
     ("config", "line"),
     [
         ({"seed": "3"}, 'seed: "3" is not allowed: that is text; in a file, write 3 without'),
-        ({"postprocess": {"min_volume": "1e-9"}}, "write 1.0e-09 without quotes"),
         ({"seed": 3.0}, "seed: 3.0 is not allowed: write 3; allowed: a whole number"),
         ({"seed": True}, "seed: true is not allowed; allowed: a whole number"),
-        ({"seed": None}, "seed: nothing is not allowed; allowed: a whole number"),
         ({"material": {"density": float("nan")}}, "material.density: NaN is not allowed"),
         ({"neat": 3}, "neat: 3 is not allowed; allowed: a section with the keys activations"),
         (
@@ -82,10 +70,6 @@ def test_every_problem_has_one_line():
         (
             {"datasets": {"mine": {"source": "evolved", "objects": 5}}},
             "datasets.mine: a dataset with source `evolved` takes no `objects`",
-        ),
-        (
-            {"datasets": {"mine": {"source": "primitives", "objects": 0}}},
-            "datasets.mine.objects: 0 is not allowed; allowed: ",
         ),
         ({"datasets": {}}, "datasets: {} is not allowed; allowed: a table with at least one name"),
         (
@@ -99,7 +83,6 @@ def test_every_problem_has_one_line():
             "(widest opening, metres; with a file, by default that of the hand; with a cup, "
             "objects are scaled as for jaws of this opening (default 0.08))",
         ),
-        ({"grippers": {"so101": 5}}, "grippers.so101: 5 is not allowed"),
         ({"grippers": {"a": {"opening": 1, "palm": [1, 2]}}}, "grippers.a.palm.2: is missing"),
         ({"similarity": {"ranges": 100}}, "allowed: 16 or 32 or 64 or 128 or 256"),
         ({"grasps": 3}, "grasps: unknown key; did you mean evolution.grasps?"),
@@ -117,8 +100,6 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
     [
         ({"targets": {"datasets": ["other"]}}, "targets.datasets: 'other' is not defined"),
         ({"targets": {"grippers": ["other"]}}, "targets.grippers: 'other' is not defined"),
-        ({"targets": {"clutter": ["other"]}}, "targets.clutter: 'other' is not defined"),
-        ({"targets": {"failures": ["other"]}}, "targets.failures: 'other' is not defined"),
         (
             {"targets": {"failures": ["labels"]}},
             "targets.failures: with egad_75mm of targets.grippers, the detector labels knows where "
@@ -146,10 +127,8 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
             },
             "targets.failures: shapes of targets.datasets has the source `primitives`, without",
         ),
-        ({"graspability": {"gripper": "other"}}, "graspability.gripper: 'other' is not defined"),
         ({"select_eval": {"gripper": "other"}}, "select_eval.gripper: 'other' is not defined"),
         ({"render": {"camera": "other"}}, "render.camera: 'other' is not defined"),
-        ({"release": {"dataset": "other"}}, "release.dataset: 'other' is not defined"),
         ({"release": {"gripper": "other"}}, "release.gripper: 'other' is not defined"),
         (
             {"targets": {"grippers": ["cup_30mm"], "detectors": ["labels", "random"]}},
@@ -165,10 +144,6 @@ def test_a_sentence_says_what_is_wrong_and_what_is_allowed(config, line):
         (
             {"targets": {"grippers": ["cup_30mm"], "detectors": [], "render": True}},
             "targets.render: cup_30mm of targets.grippers has a suction cup; this is for jaws",
-        ),
-        (
-            {"targets": {"clutter": ["suction-cloud"]}},
-            "of targets.grippers, the detector suction-cloud is for suction cups",
         ),
         (
             {"datasets": {name: {"source": "evolved"} for name in ("egad", "b")}},

@@ -7,7 +7,6 @@ import pytest
 from snakemake.utils import update_config
 
 from egad._util.parameters import allowed
-from egad.learning.scenes import TrainingScenes
 from egad_workflow import config_files as files
 from egad_workflow.check import check, node_at, schema
 from egad_workflow.config_files import merged
@@ -50,32 +49,6 @@ def test_the_manual_lists_every_setting(monkeypatch):
             if "The keys are those of the section above." not in part:
                 listed = part
             assert [key for key in values if f"| `{key}` |" not in listed] == []
-
-
-def test_the_manual_says_what_a_section_is_for_where_it_is_a_key():
-    parts = manual.manual().split("\n### ")
-    (scenes,) = (part for part in parts if part.startswith("`scenes`"))
-    for name in ("protocol", "cameras"):
-        meaning = str(TrainingScenes.model_fields[name].description)
-        assert f"| `{name}` |  | {meaning} | a section" in scenes
-    assert any(part.startswith("`clutter.protocol`\n\nRules by which") for part in parts)
-
-
-def test_a_manual_out_of_date_is_noticed(tmp_path, monkeypatch):
-    for name in ("config", "results"):
-        (tmp_path / name).mkdir()
-    text = (ROOT / "config/README.md").read_text()
-    (tmp_path / "config/README.md").write_text(text.replace("| `seed` |", "| `sed` |"))
-    (tmp_path / "results/README.md").write_text("# Results\n")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sys.argv", ["manual", "--check"])
-    with pytest.raises(SystemExit, match=r"^config/README.md, results/README.md: out of date"):
-        manual.main()
-    monkeypatch.setattr("sys.argv", ["manual"])
-    manual.main()
-    for name in ("config", "results"):
-        page = Path(name, "README.md")
-        assert (tmp_path / page).read_text() == (ROOT / page).read_text()
 
 
 def test_built_in_entries_stay_beside_those_of_the_user():
@@ -154,19 +127,6 @@ def test_full_is_the_default_search_with_the_evaluations_of_the_paper():
     assert (full.graspability, full.space) == (usual.graspability, usual.space)
 
 
-def test_paper_states_every_parameter_of_table_two_itself():
-    """So that it is the paper's even over a config.yaml that somebody changed."""
-    stated = load("paper.yaml")
-    for section, key in [
-        ("evolution", "population"),
-        ("space", "graspability_range"),
-        ("evolution", "grasps"),
-        ("complexity", "bins"),
-        ("shape", "resolution"),
-    ]:
-        assert key in stated[section]
-
-
 @pytest.mark.parametrize(
     ("path", "words"),
     [
@@ -181,8 +141,3 @@ def test_paper_states_every_parameter_of_table_two_itself():
 )
 def test_allowed_says_the_limits(path, words):
     assert allowed(node_at(path)) == words
-
-
-def test_no_node_where_there_is_no_setting():
-    assert node_at(("seed", "deeper")) is None
-    assert node_at(("evolution", "poplation")) is None

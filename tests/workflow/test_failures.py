@@ -63,16 +63,6 @@ def test_a_full_disk_is_named_and_with_room_again_the_run_goes_on(copy):
     assert copy.bytes() == expected
 
 
-def test_a_read_only_results_folder_is_named(copy):
-    expected = copy.bytes()
-    (copy.results / TRIALS).unlink()
-    with mounted(copy.results, "--bind", copy.results):
-        subprocess.run(["mount", "-o", "remount,ro,bind", str(copy.results)], check=True)
-        assert f"{copy.results} cannot be written: read-only" in refused(copy)
-    make_trials(copy)
-    assert copy.bytes() == expected
-
-
 def test_a_job_that_is_killed_for_memory_is_named_and_the_next_run_goes_on(copy):
     expected = copy.bytes()
     (copy.results / TRIALS).unlink()
@@ -95,18 +85,6 @@ def jobs_of(run, script):
         with suppress(psutil.Error):  # it has ended meanwhile
             found += [child] if script_of(child) == script else []
     return found
-
-
-def test_a_truncated_table_is_named_and_made_again_once_deleted(copy):
-    expected = copy.bytes()
-    part = copy.results / PART
-    part.write_bytes(part.read_bytes()[: part.stat().st_size // 2])
-    said = refused(copy)
-    assert f"{PART}: not a readable Parquet file" in said
-    assert "if the workflow made it, delete it and run again" in said
-    part.unlink()
-    make_trials(copy)
-    assert copy.bytes() == expected
 
 
 def test_a_clock_that_was_set_back_stops_a_run_with_the_remedy(copy):

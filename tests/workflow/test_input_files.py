@@ -72,10 +72,6 @@ def test_a_folder_may_be_relative_a_link_or_in_the_home_directory(folder, path):
     assert Path(chosen.folder).samefile(folder / "parts")
 
 
-def test_an_absolute_folder_is_found(folder):
-    assert problems(meshes(str(folder / "parts"))) == []
-
-
 @pytest.mark.parametrize(
     ("path", "line"),
     [

@@ -13,7 +13,6 @@ from forks import python
 from pydantic import ValidationError
 from script_jobs import job_of, run_as_job
 
-from egad.errors import UserError
 from egad.evalset import EvalSelection
 from egad.io import checksum
 from egad.io.sums import read_sums
@@ -94,11 +93,6 @@ def test_a_name_that_stands_for_two_things_is_an_error(named):
         arguments_of(stage, job_of("some", **named))
 
 
-def test_a_name_may_stand_for_two_things_if_nobody_asks_for_it():
-    twice = job_of("rescale", reads={"scales": "a"}, writes={"scales": "b"})
-    assert "scales" not in arguments_of(stage, twice)
-
-
 def test_words_and_tables_become_what_the_function_names(tmp_path):
     got = []
 
@@ -122,14 +116,6 @@ def test_words_and_tables_become_what_the_function_names(tmp_path):
 def test_what_a_rule_does_not_give_is_missed():
     with pytest.raises(ValidationError, match="Missing required argument"):
         run_as_job(stage, "stage", params={"settings": TABLE})
-
-
-def test_an_error_of_the_user_ends_the_process_with_a_sentence():
-    def refuse() -> None:
-        raise UserError("there is nothing to do")
-
-    with pytest.raises(SystemExit, match=r"^egad: there is nothing to do$"):
-        run_as_job(refuse, "refuse")
 
 
 def test_text_that_is_returned_is_printed_and_numbers_are_not(capsys):
@@ -176,15 +162,6 @@ def test_a_table_says_what_it_comes_from(written):
     assert origin["settings"] == settings_hash(SETTINGS)
     assert origin["arguments"] == {"dataset": "egad", "epoch": "3"}
     assert origin["inputs"] == [["objects.txt", checksum(written / "objects.txt")]]
-
-
-def test_what_is_no_table_has_it_beside_it_with_sums(written):
-    table = parquet.origin_of(written / "table.parquet")
-    for sums, file in (("page.html.sha256", "page.html"), ("folder/SHA256SUMS", "folder/one.txt")):
-        listed, origin = read_sums(written / sums)
-        assert listed == {written / file: checksum(written / file)}
-        assert {**origin, "inputs": None} == {**table, "inputs": None}
-    assert not (written / "table.parquet.sha256").exists()
 
 
 def test_a_folder_that_a_param_names_has_one_list_of_sums(tmp_path):

@@ -193,27 +193,6 @@ def test_every_page_is_run_or_all_its_commands_have_a_reason_not_to_be():
         assert ran or (listed and all(map(reason_to_skip, listed))), page
 
 
-def test_the_meshes_of_the_user_are_solids():
-    for name, mesh in user_meshes().items():
-        assert mesh.is_watertight, name
-        assert mesh.volume > 0
-
-
-def test_blocks_and_commands_are_found():
-    found = blocks(ROOT / "docs/guides/own-meshes.md")
-    assert [block.file for block in found if block.file] == ["parts.yaml"]
-    listed = [line for block in found if not block.language for line in commands(block.text)]
-    assert listed[0] == "egad measure parts --units mm --out measured.csv"
-    assert listed[-1] == "snakemake --cores 2 --configfile parts.yaml --replace-workflow-config"
-    assert len(listed) == 6
-    detector = blocks(ROOT / "docs/detectors.md")
-    assert [block.file for block in detector if block.file] == ["across.py", "mine.yaml"]
-    joined = [line for block in detector if not block.language for line in commands(block.text)]
-    trials = "egad trials run antipodal-depth --attempts 20 --out antipodal-depth.parquet"
-    assert joined[0] == trials
-    assert joined[-2].endswith("results/mine/trials/egad_75mm/{antipodal-depth,across}.parquet")
-
-
 def test_every_reason_to_skip_a_command_is_needed():
     listed = [
         line

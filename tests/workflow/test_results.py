@@ -1,14 +1,8 @@
 """What the workflow makes: real runs on config/test.yaml."""
 
 import hashlib
-import os
 import re
-import resource
 import shutil
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -145,22 +139,14 @@ def test_a_finished_run_is_as_it_was_made(finished):
     assert (verdict.problems, verdict.unknown, verdict.gone) == ({}, [], 0)
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        "egad/archive.parquet",
-        f"egad/trials/{GRIPPER}/{DETECTOR}.parquet",
-        f"egad/print/{GRIPPER}/plate-1.3mf",
-        "egad/eval49/contact-sheet.pdf",
-        "egad/parts/solids-0.parquet",
-        "report.html",
-    ],
-)
-def test_an_altered_file_is_found_and_named(copy, path):
-    data = bytearray((copy.results / path).read_bytes())
-    data[len(data) // 2] ^= 1
-    (copy.results / path).write_bytes(data)
-    assert verify(copy.results).problems[copy.results / path] == "altered"
+def test_altered_files_are_found_and_named(copy):
+    altered = ["egad/archive.parquet", f"egad/print/{GRIPPER}/plate-1.3mf"]
+    for path in altered:
+        data = bytearray((copy.results / path).read_bytes())
+        data[len(data) // 2] ^= 1
+        (copy.results / path).write_bytes(data)
+    problems = verify(copy.results).problems
+    assert {problems[copy.results / path] for path in altered} == {"altered"}
 
 
 def test_the_history_tells_of_every_step_and_ends_with_the_archive(load):
@@ -186,14 +172,6 @@ def test_every_elite_descends_from_random_genomes(load):
     for name, parents in born["parents"].items():
         assert all(place[parent] < place[name] for parent in parents)
     assert (born["parents"].map(len) == 0).any()
-
-
-def test_every_elite_is_an_object_or_was_rejected(load):
-    archive, objects = load("egad/archive.parquet"), load("egad/objects.parquet")
-    rejected = load("egad/rejected.parquet")
-    assert len(objects) > 5
-    assert set(archive["id"]) == set(objects["id"]) | set(rejected["id"])
-    assert set(archive["epoch"]) <= set(range(EPOCHS))
 
 
 def test_every_object_has_a_mesh_with_its_volume(finished, load):
@@ -266,25 +244,12 @@ def test_the_evaluation_set_is_made_ready_for_simulators(finished, load):
         assert hashlib.sha256(file.read_bytes()).hexdigest() == value
 
 
-def test_the_comparison_counts_the_objects(load):
-    comparison, objects = load("comparison.parquet"), load("egad/objects.parquet")
-    assert comparison["dataset"].tolist() == ["egad"]
-    assert comparison["objects"].item() == len(objects)
-    assert comparison["diversity_mean"].item() == pytest.approx(objects["diversity"].mean())
-
-
 def test_the_comparison_is_drawn_again_and_said_on_the_terminal(copy, finished):
     drawn = (finished.results / "comparison.svg").read_bytes()
     (copy.results / "comparison.svg").unlink()
     said = copy.make("--cores", 1, "results/comparison.svg")
     assert "\npublished\nEGAD, 2020 " in said
     assert (copy.results / "comparison.svg").read_bytes() == drawn
-
-
-def test_the_report_shows_every_evaluation_object(finished, load):
-    page = (finished.results / "report.html").read_text()
-    assert page.lstrip().lower().startswith("<!doctype html>")
-    assert all(label in page for label in load("egad/eval49.parquet")["label"])
 
 
 def test_logs_and_benchmarks_of_every_job_are_kept(finished):
@@ -324,26 +289,6 @@ def test_deleted_tables_are_rebuilt_on_one_core_byte_for_byte(copy):
         (copy.results / path).with_name(f".{Path(path).name}.partial").write_bytes(b"half a table")
     copy.make("--cores", 1, *(f"results/{path}" for path in deleted))
     assert copy.bytes() == before
-
-
-@pytest.mark.slow
-def test_a_run_that_was_killed_goes_on_to_the_same_bytes(clean, finished):
-    second_epoch = clean.folder / "logs/egad/evolve/epoch-1-island-0.log"
-    process = clean.start("--cores", 2)
-    while not second_epoch.exists() and process.poll() is None:
-        time.sleep(0.1)
-    os.killpg(process.pid, signal.SIGKILL)
-    process.communicate()
-    first = clean.results / "egad/epochs/epoch-0/archive.parquet"
-    kept = first.stat().st_mtime_ns
-    assert not (clean.results / "egad/archive.parquet").exists()
-
-    clean.make("--unlock")
-    clean.make("--cores", 2, "results/egad/archive.parquet")
-    assert first.stat().st_mtime_ns == kept
-    after, expected = clean.bytes(), finished.bytes()
-    for path in ["egad/archive.parquet", *EPOCH_TABLES]:
-        assert after[path] == expected[path], path
 
 
 @pytest.mark.slow
@@ -417,56 +362,6 @@ def test_a_folder_of_meshes_is_a_dataset_and_bad_ones_are_named(own_meshes):
     }
     assert reasons.str.len().gt(5).all()
 
-    assert checkout.planned("results/own/objects.parquet", configs=configs) == {}
-    ball = checkout.folder / "my meshes" / "ball.stl"
-    kept, when = ball.read_bytes(), ball.stat().st_mtime_ns
-    trimesh.creation.icosphere(subdivisions=2, radius=30).export(ball)
-    os.utime(ball, (0, 0))
-    planned = checkout.planned("results/own/objects.parquet", configs=configs)
-    assert planned == {"postprocess": 1, "collect": 1}
-    ball.write_bytes(kept)
-    os.utime(ball, ns=(when, when))
-    assert checkout.planned("results/own/objects.parquet", configs=configs) == {}
-    (checkout.folder / "my meshes" / "new.obj").touch()
-    planned = checkout.planned("results/own/objects.parquet", configs=configs)
-    assert planned == {"postprocess": 1, "collect": 1}
-
-
-def test_a_full_disk_leaves_no_half_table(finished, tmp_path):
-    """A limit on the size of files stands in for the disk."""
-    archive = finished.results / "egad/epochs/epoch-1/archive.parquet"
-    out = tmp_path / "archive.parquet"
-    code = f"""
-from pathlib import Path
-from egad._util.program import readable_errors
-import publish
-with readable_errors():
-    publish.run(Path({str(archive)!r}), Path({str(out)!r}))
-"""
-    paths = os.pathsep.join([finished.environment["PYTHONPATH"], str(SCRIPTS)])
-
-    def publish(**limits):
-        return subprocess.run(
-            [sys.executable, "-c", code],
-            env=finished.environment | {"PYTHONPATH": paths},
-            capture_output=True,
-            text=True,
-            check=False,
-            **limits,
-        )
-
-    failed = publish(preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000)))
-    assert failed.returncode == 1
-    assert failed.stderr.startswith("egad: ")
-    assert "Traceback" not in failed.stderr
-    assert not out.exists()
-    assert 0 < (tmp_path / ".archive.parquet.partial").stat().st_size <= 2000
-    assert publish().returncode == 0
-    pd.testing.assert_frame_equal(
-        pd.read_parquet(out), pd.read_parquet(finished.results / "egad/archive.parquet")
-    )
-    assert not (tmp_path / ".archive.parquet.partial").exists()
-
 
 @pytest.mark.slow
 def test_everybody_gets_the_same_evaluation_set_from_the_released_objects(clean):
@@ -514,13 +409,3 @@ def test_an_archive_is_a_dataset(copy):
         parquet.read(copy.results / name / "objects.parquet", OBJECTS) for name in ("again", "egad")
     )
     pd.testing.assert_frame_equal(ours, theirs)
-
-
-def test_a_foreign_file_is_no_archive(copy):
-    given = {"source": "archive", "archive": "results/comparison.parquet"}
-    wrong = copy.overlay("wrong.yaml", {"datasets": {"wrong": given}})
-    target = "results/wrong/objects.parquet"
-    status, said = copy.snakemake("--dry-run", target, configs=["config/test.yaml", wrong])
-    assert status != 0
-    assert "comparison.parquet: columns are missing: id, node_keys" in said
-    assert "Traceback" not in said

@@ -2,7 +2,7 @@ import pandas as pd
 from join import run as join_files
 
 from egad.tables import parquet
-from egad.tables.objects import OBJECTS, REJECTED, rejection
+from egad.tables.objects import REJECTED, rejection
 from egad_workflow.shards import by_shard, in_shard, join, rows_in_shard
 
 IDS = [f"object-{number}" for number in range(200)]
@@ -43,11 +43,6 @@ def test_the_number_of_shards_leaves_no_trace(tmp_path):
 def test_nothing_but_empty_shards_gives_an_empty_table(tmp_path):
     parquet.write(parquet.empty(REJECTED), REJECTED, tmp_path / "a")
     assert len(join([tmp_path / "a"], REJECTED, ["id"])) == 0
-
-
-def test_rows_of_an_empty_table_keep_its_columns():
-    rows = rows_in_shard(parquet.empty(OBJECTS), 0, 2)
-    assert list(rows.columns) == OBJECTS.names
 
 
 def test_rows_of_all_shards_are_the_table():

@@ -23,21 +23,6 @@ def wait_for(condition):
 
 
 @pytest.mark.usefixtures("quick")
-def test_two_jobs_at_once_have_whole_lines_again_and_again(start_run):
-    run = start_run()
-    for number in (1, 2):
-        run.start(number, message=f"Evolving island {number}")
-        status = f"evaluations: {number}0/100, 5.00/s, coverage 0.1{number}\n"
-        run.log(number).write_text(status)
-    wait_for(lambda: run.shown.count("coverage 0.11") >= 2)
-    for number in (1, 2):
-        expected = f"Evolving island {number}: evaluations: {number}0/100, 5.00/s, "
-        told = [line for line in run.shown.splitlines() if f"coverage 0.1{number}" in line]
-        assert all(expected in line for line in told)
-        assert told
-
-
-@pytest.mark.usefixtures("quick")
 def test_a_job_that_has_ended_is_not_told_of_any_more(start_run):
     run = start_run()
     run.start(1)
@@ -46,15 +31,6 @@ def test_a_job_that_has_ended_is_not_told_of_any_more(start_run):
     before = run.shown
     time.sleep(0.5)
     assert run.shown == before
-
-
-@pytest.mark.usefixtures("quick")
-def test_many_jobs_are_counted(start_run):
-    run = start_run()
-    for number in range(25):
-        run.start(number, message=f"Job {number}")
-    wait_for(lambda: "and 15 more jobs" in run.shown)
-    assert "Job 24: starting" not in run.shown
 
 
 def test_a_short_job_has_no_line_and_a_long_one_fewer_and_fewer():

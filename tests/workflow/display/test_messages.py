@@ -49,16 +49,6 @@ def test_a_failed_job_shows_the_last_lines_of_its_log_once(start_run):
     assert "long" not in run.shown
 
 
-def test_logs_of_some_rules_are_shown_as_a_whole(start_run):
-    run = start_run(whole_logs=["compare"])
-    for number, rule in enumerate(("compare", "evolve")):
-        run.start(number, rule)
-        run.log(number).write_text(f"table of {rule}\n")
-        run.finish(number)
-    assert run.shown.count("table of") == 1
-    assert "table of compare" in run.shown
-
-
 def test_marked_lines_of_a_log_are_shown(start_run):
     """As when a detector fails, and the run goes on."""
     run = start_run()

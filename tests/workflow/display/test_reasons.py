@@ -39,8 +39,6 @@ rule work:
     ("attempts", "force", "code", "reason"),
     [
         (40, 70, "a" * 16, None),
-        (60, 70, "a" * 16, "trials.attempts 40 -> 60"),
-        (40, 70, "b" * 16, "the code of this stage"),
         (
             *(60, 55, "b" * 16),
             "grippers.panda.force 70 -> 55, trials.attempts 40 -> 60, the code of this stage",

@@ -28,19 +28,9 @@ def test_the_tree_goes_back_to_the_seed(made):
     assert "evolve, seed 5, settings " in lines[2]
 
 
-def test_what_was_told_once_is_not_told_again(made):
-    lines = list(tree(made / "comparison.parquet"))
-    assert [line.endswith(", as above") for line in lines] == [False] * 5 + [True]
-
-
 @pytest.mark.parametrize(("name", "stage"), [("map.svg", "compare"), ("meshes/a.obj", "collect")])
 def test_files_that_are_no_tables_have_theirs_beside_them(made, name, stage):
     assert next(tree(made / name)).startswith(f"{made / name}: {stage}, ")
-
-
-def test_results_can_be_moved(made, tmp_path):
-    made.rename(tmp_path / "elsewhere")
-    assert "seed 5" in list(tree(tmp_path / "elsewhere/objects.parquet"))[-1]
 
 
 def test_what_is_not_as_it_was_or_not_there_is_said(made):

@@ -73,12 +73,6 @@ def test_parts_may_be_deleted_and_files_of_others_lie_beside(made):
     assert verdict.unknown == [made / "notes.txt"]
 
 
-def test_hidden_files_do_not_count(made):
-    (made / "meshes/.snakemake_timestamp").write_text("")
-    (made / ".objects.parquet.partial").write_bytes(b"half")
-    assert not verify(made).problems
-
-
 def test_what_lies_in_linked_folders_is_checked(made, tmp_path):
     """Also what was made from it: wherever the link leads."""
     (made / "meshes").rename(tmp_path / "elsewhere")

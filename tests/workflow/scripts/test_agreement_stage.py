@@ -5,7 +5,7 @@ import grasp_label
 import pandas as pd
 import pytest
 import trimesh
-from script_jobs import run_as_job
+from dying_worker import Dying
 
 from egad.exchange import evaluation_objects, write_bundle
 from egad.geometry import SimulationBundle
@@ -75,17 +75,7 @@ def test_shards_together_have_the_same_rows(dataset, table, tmp_path):
 
 
 def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monkeypatch, caplog):
-    class Deadly:
-        def __init__(self, _make_work, _limit):
-            pass
-
-        def __enter__(self):
-            return lambda _: None
-
-        def __exit__(self, *_):
-            pass
-
-    monkeypatch.setattr(agreement, "RestartingWorker", Deadly)
+    monkeypatch.setattr(agreement, "open_agreement", Dying)
     outcomes = executed(dataset, tmp_path / "out.parquet").groupby("label")["outcome"].unique()
     assert {label: set(found) for label, found in outcomes.items()} == {
         "A0": {"crashed"},
@@ -93,26 +83,3 @@ def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monk
         "B0": {"failed"},
     }
     assert "A0 (id-A0): everything crashed" in caplog.text
-
-
-@pytest.mark.usefixtures("table")
-def test_a_job_writes_the_same(dataset, tmp_path):
-    out = tmp_path / "out.parquet"
-    run_as_job(
-        agreement.run,
-        "agreement",
-        reads={
-            "evaluation": dataset / "eval49.parquet",
-            "table": dataset / "bundle" / "bundle.parquet",
-            "grasps": dataset / "grasps.parquet",
-        },
-        writes={"out": out},
-        params={
-            "settings": SETTINGS.model_dump(mode="json"),
-            "bundle": str(dataset / "bundle"),
-            "shard": [0, 1],
-        },
-        wildcards={"dataset": "egad", "gripper": "egad_75mm", "shard": "0"},
-    )
-    found = parquet.read(out, AGREEMENT)
-    assert found.equals(parquet.read(dataset / "agreement.parquet", AGREEMENT))

@@ -2,6 +2,7 @@ import compare
 import numpy as np
 import pandas as pd
 import pytest
+from partial_tables import fill_columns
 
 from egad.measures import MeasureParameters
 from egad.tables import parquet
@@ -11,11 +12,10 @@ from egad_workflow.settings import Settings, select
 
 def objects(count):
     """Objects along the diagonal of the space, two a cell."""
-    blank = {"string": "", "bool": True}
-    frame = pd.DataFrame({field.name: [blank.get(str(field.type), 0)] * count for field in OBJECTS})
     cells = np.arange(count) // 2
     diversity = np.linspace(0.1, 0.3, count)
-    return frame.assign(complexity_cell=cells, difficulty_cell=cells, diversity=diversity)
+    places = {"complexity_cell": cells, "difficulty_cell": cells, "diversity": diversity}
+    return fill_columns(OBJECTS, pd.DataFrame(places))
 
 
 def test_datasets_are_counted_drawn_and_told(tmp_path):

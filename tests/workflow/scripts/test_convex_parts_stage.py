@@ -2,9 +2,9 @@
 
 import convex_parts
 import numpy as np
-import pandas as pd
 import pytest
 import trimesh
+from partial_tables import write_rows
 
 from egad.geometry import SimulationBundle, make_simulation_object, simulation_object
 from egad.io import write_obj
@@ -24,10 +24,8 @@ SHAPES = {"A00_0": BOX, "A01_0": CROSS, "B00_0": OPEN}
 def table(tmp_path_factory):
     """The parts of a convex solid, of one with hollows, and of a surface that is no solid."""
     folder = tmp_path_factory.mktemp("shard")
-    filled = {field.name: "" if field.type == "string" else 0 for field in OBJECTS}
-    lists = {field.name: [] for field in OBJECTS if str(field.type).startswith("list")}
-    rows = [filled | lists | {"label": label, "id": f"id-{label}"} for label in SHAPES]
-    parquet.write(pd.DataFrame(rows), OBJECTS, folder / "objects.parquet")
+    rows = [{"label": label, "id": f"id-{label}"} for label in SHAPES]
+    write_rows(OBJECTS, rows, folder / "objects.parquet")
     for label, mesh in SHAPES.items():
         write_obj(mesh, folder / f"{label}.obj")
     out = folder / "parts.parquet"

@@ -6,7 +6,6 @@ import pandas as pd
 import pytest
 import search_failures
 from failure_searches import FEW, QUICK, SHAPE, coarse_objects, parts_kept, settings_of
-from script_jobs import run_as_job
 
 from egad import load
 from egad.bench.failures import DetectorFailures, FailureAtlas
@@ -14,7 +13,7 @@ from egad.bench.failures import search_failures as whole_search
 from egad.errors import UserError
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
-from egad.tables.failures import EXAMINED, FAILURE_ATTEMPTS, FAILURES
+from egad.tables.failures import EXAMINED
 from egad_workflow.settings import Settings, select
 
 OWN = """
@@ -77,31 +76,6 @@ def test_the_jobs_find_what_the_library_finds(made, archive):
         one, other = getattr(found, name), getattr(expected, name)
         pd.testing.assert_frame_equal(one, other, check_dtype=False)
     assert found.shape == expected.shape
-
-
-def test_the_tables_have_their_columns_and_are_a_dataset(made):
-    folder, _ = made
-    for end, schema in {"": FAILURES, ".examined": EXAMINED, ".attempts": FAILURE_ATTEMPTS}.items():
-        assert parquet.schema_of(folder / f"own{end}.parquet").names == schema.names
-    table = parquet.read(folder / "own.parquet", FAILURES)
-    objects = load(folder / "own.parquet")
-    assert set(objects.table["id"]) == set(table["id"])
-    assert objects.shape == SHAPE
-    assert all(each.mesh.is_watertight for each in objects)
-
-
-def test_a_job_says_what_its_table_was_made_from(own, archive, tmp_path):
-    given = settings_of(f"{own}:beside", attempts=1, shards=1)
-    run_as_job(
-        search_failures.run,
-        "search_failures",
-        reads={"archive": archive},
-        writes={name: tmp_path / f"{name}.parquet" for name in ("examined", "attempts")},
-        params={"settings": given.model_dump(mode="json"), "code": "abc"},
-        wildcards={"shard": "0"},
-    )
-    noted = parquet.origin_of(tmp_path / "examined.parquet")
-    assert (noted["stage"], noted["code"]) == ("search_failures", "abc")
 
 
 def test_a_detector_that_only_fails_ends_the_job_and_leaves_its_traceback(own, archive, tmp_path):

@@ -13,6 +13,7 @@ import pandas as pd
 import pyarrow as pa
 import pytest
 import trimesh
+from partial_tables import write_rows
 
 import egad
 from egad.data import released
@@ -30,14 +31,6 @@ from egad_workflow.settings import Settings, select
 
 SETTINGS = select(Settings(space=MeasureSpace(cells=5)), Gallery, "egad_75mm")
 HOSTILE = "a#b?c%41 & <b>'\"é"
-
-
-def filled(schema, **values):
-    """Rows of a schema; what is not given is zero or empty."""
-    frame = pd.DataFrame(values)
-    kinds = {"string": "", "bool": True}
-    blank = {f.name: kinds.get(str(f.type), 0) for f in schema if f.name not in values}
-    return frame.assign(**blank)[schema.names]
 
 
 def read(folder: Path, name: str) -> dict:
@@ -62,8 +55,8 @@ def dataset(tmp_path_factory) -> Path:
     (folder / "meshes").mkdir()
     known[line[0]].mesh.export(folder / "meshes" / "M01_0.obj")
     trimesh.creation.box([0.03, 0.04, 0.05]).export(folder / "meshes" / f"{HOSTILE}.obj")
-    objects = filled(OBJECTS, id=[line[0], "../../x"], label=["M01_0", HOSTILE])
-    parquet.write(objects, OBJECTS, folder / "objects.parquet")
+    objects = pd.DataFrame({"id": [line[0], "../../x"], "label": ["M01_0", HOSTILE]})
+    write_rows(OBJECTS, objects, folder / "objects.parquet")
     return folder
 
 
@@ -87,8 +80,8 @@ def site(dataset, tmp_path_factory) -> Path:
     (site / "README.md").touch()
     (site / "meshes" / f"{HOSTILE}.glb").touch()
     (site / "archives" / "usd.zip").touch()
-    table = filled(pa.schema([LABEL]), label=[HOSTILE, HOSTILE])
-    parquet.write(table, pa.schema([LABEL]), site / "data" / "grasps" / "train.parquet")
+    table = site / "data" / "grasps" / "train.parquet"
+    write_rows(pa.schema([LABEL]), [{"label": HOSTILE}] * 2, table)
     pieces, archives = [site / "data", site / "meshes"], [site / "archives" / "usd.zip"]
     return make(dataset, site, pieces=pieces, archives=archives, **lineage(dataset))
 
@@ -191,7 +184,7 @@ def test_objects_that_cannot_be_scaled_are_shown_as_they_are(dataset, tmp_path):
     scaled = tmp_path / "rescaled"
     scaled.mkdir()
     trimesh.creation.box([0.015, 0.02, 0.025]).export(scaled / "M01_0.obj")
-    parquet.write(filled(SCALES, label=["M01_0"], factor=[0.5]), SCALES, scaled / "scales.parquet")
+    write_rows(SCALES, [{"label": "M01_0", "factor": 0.5}], scaled / "scales.parquet")
     made = make(dataset, tmp_path / "site", gripper="panda", scales=scaled / "scales.parquet")
     index, other = (read(made / "gallery", f"objects/{each}") for each in ("M01_0", HOSTILE))
     assert index["scene"]["step"] * STEPS == pytest.approx(0.025)

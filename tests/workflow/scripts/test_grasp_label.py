@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 import rescale
 import trimesh
+from partial_tables import write_rows
 
 import egad
 from egad.errors import UserError
@@ -25,10 +26,7 @@ from egad_workflow.settings import Settings, select
 
 def label_by_stages(folder, each, gripper, grasps, seed):
     """Grasps of a dataset of one object, which is made in a folder."""
-    kinds = {"string": "", "bool": True}
-    blank = {field.name: kinds.get(str(field.type), 0) for field in OBJECTS}
-    table = pd.DataFrame(blank | {"id": each.id, "label": each.label}, index=[0])
-    parquet.write(table, OBJECTS, folder / "objects.parquet")
+    write_rows(OBJECTS, [{"id": each.id, "label": each.label}], folder / "objects.parquet")
     (folder / "meshes").mkdir()
     write_obj(each.mesh, folder / f"meshes/{each.label}.obj")
     settings = Settings(grasp_label=GraspLabel(grasps=grasps), seed=seed)

@@ -7,6 +7,7 @@ import pytest
 import simulated_success_rate
 import trimesh
 from dying_worker import Dying
+from partial_tables import write_rows
 
 from egad.bench import NaiveGrasps, try_naive_grasps
 from egad.errors import UserError
@@ -67,10 +68,9 @@ def naive_table(path, names):
 
 
 def test_every_object_with_simulated_grasps_of_any_kind_has_a_row(tmp_path):
-    blank = {f.name: "" if str(f.type) == "string" else 0 for f in SIMULATED_GRASPS}
-    one = blank | {"label": "A00_0", "id": "id-a", "simulated_success": True}
-    grasps = pd.DataFrame([one | {"simulated_outcome": "success", "simulated_engine": "mujoco"}])
-    parquet.write(grasps, SIMULATED_GRASPS, tmp_path / "grasps.parquet")
+    one = {"label": "A00_0", "id": "id-a", "simulated_success": True}
+    tried = one | {"simulated_outcome": "success", "simulated_engine": "mujoco"}
+    write_rows(SIMULATED_GRASPS, [tried], tmp_path / "grasps.parquet")
     naive_table(tmp_path / "naive.parquet", {"B00_0": "id-b", "C00_0": "id-c"})
     files = (tmp_path / f"{name}.parquet" for name in ("grasps", "naive", "out"))
     simulated_success_rate.run(*files)

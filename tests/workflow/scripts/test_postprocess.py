@@ -36,13 +36,6 @@ def test_a_pattern_finds_and_names_the_meshes_of_sub_folders(scans):
     assert sides == pytest.approx({"can": 0.01, "mug": 0.02, "bowl": 0.03})
 
 
-def test_every_mesh_is_in_one_shard(scans):
-    shards = [set(from_folder(scans, "m", shard, 4, "**/*.ply")[0]) for shard in range(4)]
-    assert sorted(name for shard in shards for name in shard) == [
-        *("bowl-scan-mesh", "can-scan-mesh", "mug-scan-mesh")
-    ]
-
-
 def postprocessed(folder, count, shards):
     """The solids and the rejected ones among so many random objects, of all shards.
 
@@ -80,14 +73,6 @@ def test_no_random_object_is_rejected(tmp_path):
     assert solids["watertight"].all()
     assert solids["volume"].gt(0).all()
     assert solids["volume"].nunique() == 100
-
-
-def test_random_objects_follow_the_seed():
-    def bytes_of(seed):
-        settings = select(COARSE.model_copy(update={"seed": seed}), PostprocessSolids)
-        return from_primitives(1, settings, 0, 1)[0]["p00000"]().vertices.tobytes()
-
-    assert bytes_of(1) == bytes_of(1) != bytes_of(2)
 
 
 def test_a_dataset_without_an_object_stops_with_the_reasons(tmp_path):
@@ -147,15 +132,6 @@ def test_open_meshes_become_shells_if_the_settings_say_so(tmp_path):
             assert cup["watertight"]
             assert cup["mass"] == pytest.approx(settings.material.density * area * 0.003, rel=0.05)
             assert cup["extents_x"] == pytest.approx(0.043, rel=0.01)
-
-
-def test_the_unit_of_a_mesh_that_is_too_small_is_doubted(tmp_path):
-    trimesh.creation.box([0.06, 0.04, 0.05]).export(tmp_path / "metres.ply")
-    out, left_out = tmp_path / "solids.parquet", tmp_path / "rejected.parquet"
-    settings = select(COARSE, PostprocessSolids)
-    measure_objects(settings, *from_folder(tmp_path, "mm", 0, 1, "*.ply"), out, left_out)
-    (reason,) = parquet.read(left_out, REJECTED)["reason"]
-    assert reason.endswith("is the unit of the mesh right?")
 
 
 def test_a_turned_block_has_the_textbook_moments_about_its_own_axes():

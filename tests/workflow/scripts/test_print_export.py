@@ -4,6 +4,7 @@ import pandas as pd
 import print_export
 import pytest
 import trimesh
+from partial_tables import write_rows
 
 from egad.evalset import PrintFiles
 from egad.io import read_mesh, write_obj
@@ -20,11 +21,8 @@ def exported(folder, sides, grasps=None, **changes):
         if side is not None:
             write_obj(trimesh.creation.box((side,) * 3), folder / f"box{number}.obj")
     labels = [f"A{number}" for number in range(len(sides))]
-    chosen = pd.DataFrame({"label": labels, "id": labels})
-    chosen["object_label"] = [f"box{number}" for number in range(len(sides))]
-    for name in EVAL49.names:
-        chosen[name] = chosen.get(name, 0)
-    parquet.write(chosen, EVAL49, folder / "eval49.parquet")
+    chosen = [{"label": each, "id": each, "object_label": f"box{each[1:]}"} for each in labels]
+    write_rows(EVAL49, chosen, folder / "eval49.parquet")
     parquet.write(parquet.empty(SCALES), SCALES, folder / "scales.parquet")
     print_export.run(
         select(Settings(print_export={"bed": (0.05, 0.05)}, **changes), PrintFiles, "yumi"),

@@ -6,11 +6,10 @@ import pandas as pd
 import pytest
 import render
 import trimesh
-from script_jobs import run_as_job
 
 from egad.errors import UserError
 from egad.io import read_mesh, write_obj
-from egad.learning.images import RenderImages, RenderParameters, read
+from egad.learning.images import RenderImages, read
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.grasping import SCALES
@@ -212,44 +211,3 @@ def test_leftovers_of_a_larger_set_are_removed(dataset, tmp_path):
     render.run(SETTINGS, *paths(dataset), (0, 1), made_again, tmp_path / "r", evaluation)
     remove_leftovers(tmp_path, ["images"], 1)
     assert list(tmp_path.glob("images-*")) == [made_again]
-
-
-def test_jobs_do_the_same(dataset, images, tmp_path):
-    objects, meshes = paths(dataset)
-    out, rejected = tmp_path / "images-0.parquet", tmp_path / "rejected"
-    run_as_job(
-        render.run,
-        "render",
-        reads={
-            "objects": objects,
-            "evaluation": [dataset / "eval49.parquet"],
-            "convex_parts": [],
-        },
-        writes={"out": out, "rejected": rejected},
-        params={
-            "settings": SETTINGS.model_dump(mode="json"),
-            "meshes": str(meshes),
-            "shard": [0, 1],
-        },
-    )
-    pd.testing.assert_frame_equal(read(tmp_path).table, images.table)
-    card = tmp_path / "card.md"
-    settings = select(WHOLE, RenderParameters, "egad_75mm").model_dump(mode="json")
-    run_as_job(
-        image_card.run,
-        "image_card",
-        reads={"rejects": [rejected]},
-        writes={
-            "out": card,
-            "figure": tmp_path / "openings.svg",
-            "rejected": tmp_path / "rejected.parquet",
-        },
-        params={
-            "settings": settings,
-            "dataset": "mine",
-            "gripper": "egad_75mm",
-            "images": str(tmp_path),
-            "shards": 1,
-        },
-    )
-    assert card.read_text().startswith("# Depth images of mine for egad_75mm")

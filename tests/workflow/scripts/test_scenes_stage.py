@@ -135,17 +135,6 @@ def test_any_number_and_order_of_shards_gives_the_same_scenes(dataset, whole, tm
     assert cards[0] == cards[1]
 
 
-def test_leftovers_of_a_larger_set_are_removed(dataset, tmp_path):
-    made(dataset, tmp_path, order=(0, 1))
-    one = made(dataset, tmp_path, order=(0,))
-    assert len(one) == 3
-    assert {path.name for path in tmp_path.glob("*.parquet")} == {
-        "scenes-0.parquet",
-        "grasps-0.parquet",
-        "rejected.parquet",
-    }
-
-
 def test_without_ancestors_and_evaluation_set(dataset, tmp_path):
     found = made(
         dataset, tmp_path, changes={"scenes": 3, "grasps": 1}, held_out=False, ancestry=False

@@ -9,10 +9,11 @@ import pandas as pd
 import pytest
 import simulate
 import trimesh
+from commands import egad
+from dying_worker import Dying
 from PIL import Image
 
-from egad.bench import SimulatedTrials, failed_attempts, film_attempt
-from egad.cli import main
+from egad.bench import SimulatedTrials, film_attempt
 from egad.errors import UserError
 from egad.exchange import bundle_models, evaluation_objects, model_in, write_bundle
 from egad.geometry import SimulationBundle, make_simulation_object
@@ -21,7 +22,6 @@ from egad.sim.film import write_film
 from egad.sim.model import model_of
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49, TRIALS
-from egad.tables.outcomes import Outcome
 from egad_workflow.settings import Settings, select
 
 WHOLE = Settings.model_validate({"trials": {"attempts": 3}})
@@ -94,36 +94,11 @@ def test_shards_together_have_the_same_rows(dataset, table, tmp_path):
 
 
 def test_an_object_that_ends_the_process_twice_is_marked(dataset, tmp_path, monkeypatch, caplog):
-    class Deadly:
-        def __init__(self, _make_work, _limit):
-            pass
-
-        def __enter__(self):
-            return lambda row: (
-                None
-                if row["label"] == "A0"
-                else failed_attempts(row["label"], row["id"], SETTINGS, Outcome.MISSED)
-            )
-
-        def __exit__(self, *_):
-            pass
-
-    monkeypatch.setattr(simulate, "RestartingWorker", Deadly)
+    monkeypatch.setattr(simulate, "open_trials", Dying)
     trials = parquet.read(tried(dataset, tmp_path / "out.parquet"), TRIALS)
     outcomes = dict(zip(trials["label"], trials["outcome"], strict=True))
-    assert outcomes == {"A0": "crashed", "A1": "missed", "B0": "failed"}
+    assert outcomes == {"A0": "crashed", "A1": "crashed", "B0": "failed"}
     assert "A0 (id-A0): everything crashed" in caplog.text
-
-
-def test_a_detector_that_cannot_be_made_stops_the_run(dataset, tmp_path):
-    detector = SETTINGS.detector.model_copy(update={"detector": "lost.py:Lost"})
-    with pytest.raises(UserError, match="there is no such file"):
-        tried(
-            dataset,
-            tmp_path / "out.parquet",
-            (0, 1),
-            SETTINGS.model_copy(update={"detector": detector}),
-        )
 
 
 def replayed(dataset, label, attempt, out):
@@ -132,6 +107,7 @@ def replayed(dataset, label, attempt, out):
     return film_attempt(SETTINGS, trials, models, label, attempt, out)
 
 
+@pytest.mark.usefixtures("small_films")
 def test_an_attempt_is_filmed(dataset, table, tmp_path):
     trials = parquet.read(table, TRIALS)
     wanted = trials[trials["label"] == "A0"].iloc[1]
@@ -144,24 +120,22 @@ def test_an_attempt_is_filmed(dataset, table, tmp_path):
             frames.append(np.asarray(picture.convert("RGB"), dtype=int))
     assert len(frames) > 40
     orange = [((f[..., 0] - f[..., 2]) > 60).sum() for f in frames]
-    assert min(orange) > 50  # the object is seen from beginning to end
+    assert min(orange) > 5  # the object is seen from beginning to end
     assert np.abs(frames[0] - frames[-1]).max() > 50
 
 
 @pytest.mark.usefixtures("small_films")
 @pytest.mark.parametrize("elsewhere", [False, True])
-def test_a_replay_from_the_command_line(dataset, table, tmp_path, monkeypatch, capsys, elsewhere):
+def test_a_replay_from_the_command_line(dataset, table, tmp_path, monkeypatch, elsewhere):
     monkeypatch.chdir(tmp_path)
     config = tmp_path / "mine.yaml"
     config.write_text("trials: {attempts: 3}\n")
     shutil.copy(table, tmp_path / "network.parquet")
     where = ["--table", "network.parquet", "--detector", "random"] if elsewhere else []
-    arguments = ["trials", "replay", "A1", "0", "--in", str(dataset), "--config", str(config)]
-    monkeypatch.setattr("sys.argv", ["egad", *arguments, *where])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    assert not stop.value.code
-    assert "A1, attempt 0: " in capsys.readouterr().out
+    arguments = ["trials", "replay", "A1", 0, "--in", dataset, "--config", config]
+    done = egad(*arguments, *where)
+    assert done.returncode == 0, done.stderr
+    assert "A1, attempt 0: " in done.stdout
     assert Path("A1-0.gif").stat().st_size > 10_000
 
 
@@ -205,35 +179,29 @@ def test_a_replay_under_other_settings_is_noticed(dataset, table, tmp_path):
         )
 
 
-def verified(dataset, trials, tmp_path, monkeypatch, *words):
+def verified(dataset, trials, tmp_path, *words):
     path = tmp_path / "submitted.parquet"
     parquet.write(trials, TRIALS, path)
     config = tmp_path / "mine.yaml"
     config.write_text("trials: {attempts: 3}\n")
-    given = ["trials", "verify", str(path), "--in", str(dataset), "--config", str(config)]
-    monkeypatch.setattr("sys.argv", ["egad", *given, *words])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    return stop.value.code or 0
+    return egad("trials", "verify", path, "--in", dataset, "--config", config, *words)
 
 
-def test_a_table_is_verified_without_its_detector(dataset, table, tmp_path, monkeypatch, capsys):
+def test_a_table_is_verified_without_its_detector(dataset, table, tmp_path):
     trials = parquet.read(table, TRIALS)
-    assert verified(dataset, trials, tmp_path, monkeypatch) == 0
-    assert "9 of 9 attempts simulated again: all as in the table" in capsys.readouterr().out
-    assert verified(dataset, trials, tmp_path, monkeypatch, "--sample", "2") == 0
-    assert "6 of 9 attempts" in capsys.readouterr().out
+    all_of_it = verified(dataset, trials, tmp_path).stdout
+    assert "9 of 9 attempts simulated again: all as in the table" in all_of_it
+    assert "6 of 9 attempts" in verified(dataset, trials, tmp_path, "--sample", 2).stdout
 
 
 @pytest.mark.parametrize("column", ["lifted", "initial_z"])
-def test_a_table_altered_in_one_place_is_refused(
-    dataset, table, tmp_path, monkeypatch, capsys, column
-):
+def test_a_table_altered_in_one_place_is_refused(dataset, table, tmp_path, column):
     trials = parquet.read(table, TRIALS)
     row = trials.index[(trials["label"] == "A1") & trials["success"]][0]
     trials.loc[row, column] += 1e-6
-    refused = verified(dataset, trials, tmp_path, monkeypatch)
-    assert "9 attempts are not reproduced: the table was altered, or" in str(refused)
-    assert f"A1, attempt {trials['attempt'][row]}: " in capsys.readouterr().out
+    refused = verified(dataset, trials, tmp_path)
+    assert refused.returncode == 1
+    assert "9 attempts are not reproduced: the table was altered, or" in refused.stderr
+    assert f"A1, attempt {trials['attempt'][row]}: " in refused.stdout
     if column == "lifted":
-        assert verified(dataset, trials, tmp_path, monkeypatch, "--tolerance", "1e-5") == 0
+        assert verified(dataset, trials, tmp_path, "--tolerance", "1e-5").returncode == 0

@@ -6,6 +6,7 @@ import pytest
 import simulated_label
 import trimesh
 from dying_worker import Dying
+from partial_tables import write_rows
 
 from egad.errors import UserError
 from egad.geometry import Bundle, make_simulation_object, part_rows
@@ -28,16 +29,13 @@ OPEN = trimesh.Trimesh(BOX.vertices, BOX.faces[1:], process=False)
 @pytest.fixture
 def shard(tmp_path):
     """Grasps of a box, and of a surface that is no solid and has no convex parts."""
-    rows = []
-    for label in ("A00_0", "B00_0"):
-        for number in range(3):
-            row = dict.fromkeys(GRASPS.names, 0) | {"label": label, "id": f"id-{label}"}
-            rows.append(
-                row
-                | {"grasp": number, "axis_x": 1.0, "approach_z": -1.0, "width": 0.04}
-                | {"fits": True, "collision_free": number > 0}
-            )
-    parquet.write(pd.DataFrame(rows), GRASPS, tmp_path / "grasps.parquet")
+    rows = [
+        {"label": label, "id": f"id-{label}", "fits": True, "collision_free": number > 0}
+        | {"grasp": number, "axis_x": 1.0, "approach_z": -1.0, "width": 0.04}
+        for label in ("A00_0", "B00_0")
+        for number in range(3)
+    ]
+    write_rows(GRASPS, rows, tmp_path / "grasps.parquet")
     parts = part_rows(make_simulation_object(BOX, 400, Bundle()))
     table = parts.assign(label="A00_0", id="id-A00_0")
     parquet.write(table, CONVEX_PARTS, tmp_path / "convex_parts.parquet")
