@@ -98,7 +98,7 @@ def _add_poses(group: h5py.Group, solid: DexnetObject) -> None:
 def add_grasps(
     parent: h5py.Group, gripper: str, configurations: Floats, metrics: Mapping[str, Floats]
 ) -> None:
-    """Add the grasps of a gripper, `dexnet_configurations` (n, 10), and (n,) of each metric."""
+    """Add the grasps of a gripper, (n, 10) of `dexnet.configurations`, and (n,) of each metric."""
     group = add_group(parent, f"grasps/{gripper}")
     group.attrs["num_grasps"] = len(configurations)
     untimed = h5p.create(h5p.GROUP_CREATE)

@@ -25,7 +25,7 @@ from egad.exchange.registry import (
     needs_run,
     writer_of,
 )
-from egad.geometry import Bundle, Material, make_simulation_object
+from egad.geometry import Bundle, Material
 from egad.grasps import LabelParameters, label_parameters
 from egad.grasps.sampling import dataset_grasps
 from egad.grippers import Gripper, as_gripper
@@ -37,6 +37,7 @@ from egad.sim import (
     SimulatedLabel,
     SimulatedLabelParameters,
     check_engine,
+    make_simulation_object,
     model_of,
     simulate_labels,
 )

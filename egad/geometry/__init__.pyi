@@ -48,12 +48,6 @@ from .scaling import rescale as rescale
 from .scaling import scale_factor as scale_factor
 from .scaling import scale_suffix as scale_suffix
 from .scaling import size_text as size_text
-from .simulation_objects import SimulationObject as SimulationObject
-from .simulation_objects import make_simulation_object as make_simulation_object
-from .simulation_objects import part_rows as part_rows
-from .simulation_objects import read_parts as read_parts
-from .simulation_objects import simulation_object as simulation_object
-from .simulation_objects import warn_of_row as warn_of_row
 from .smooth_voxels import voxel_surface as voxel_surface
 from .stable_poses import StablePose as StablePose
 from .stable_poses import resting_poses as resting_poses

@@ -1,5 +1,6 @@
 from .antipodal import ContactPairs as ContactPairs
 from .antipodal import SamplingStatistics as SamplingStatistics
+from .antipodal import approach_directions as approach_directions
 from .antipodal import join as join
 from .antipodal import sample_contacts as sample_contacts
 from .antipodal import valid_contacts as valid_contacts
@@ -26,17 +27,7 @@ from .parameters import Quality as Quality
 from .parameters import Robust as Robust
 from .parameters import RobustSuction as RobustSuction
 from .parameters import Sampling as Sampling
-from .poses import PANDA_REACH as PANDA_REACH
-from .poses import dexnet_configurations as dexnet_configurations
-from .poses import graspnet_poses as graspnet_poses
 from .poses import hand_poses as hand_poses
-from .poses import panda_poses as panda_poses
 from .quality import ferrari_canny as ferrari_canny
 from .quality import quality_bound as quality_bound
 from .robust import robust_ferrari_canny as robust_ferrari_canny
-from .simulated import FREE as FREE
-from .simulated import TABLE as TABLE
-from .simulated import antipodal_success_rates as antipodal_success_rates
-from .simulated import held_when_shaken as held_when_shaken
-from .simulated import naive_success_rates as naive_success_rates
-from .simulated import with_outcome as with_outcome

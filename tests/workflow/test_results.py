@@ -438,7 +438,7 @@ def test_a_full_disk_leaves_no_half_table(finished, tmp_path):
     out = tmp_path / "archive.parquet"
     code = f"""
 from pathlib import Path
-from egad._util.program import readable_errors
+from egad_workflow.program import readable_errors
 import publish
 with readable_errors():
     publish.run(Path({str(archive)!r}), Path({str(out)!r}))

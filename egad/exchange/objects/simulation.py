@@ -11,8 +11,9 @@ from egad.exchange.grasp_tables import by_object
 from egad.exchange.object_files import PARTS, VISUAL, write_object_meshes, write_poses
 from egad.exchange.objects.mjcf import mjcf_text
 from egad.exchange.objects.urdf import urdf_text
-from egad.geometry import MassProperties, SimulationObject, simulation_object, warn_of_row
+from egad.geometry import MassProperties
 from egad.io import read_mesh
+from egad.sim import SimulationObject, simulation_object, warn_of_row
 from egad.tables.columns import inertia_tensor
 from egad.tables.evaluation import CONVEX_PARTS
 

@@ -6,8 +6,9 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.geometry import SimulationBundle, make_simulation_object, simulation_object
+from egad.geometry import SimulationBundle
 from egad.io import write_obj
+from egad.sim import make_simulation_object, simulation_object
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS

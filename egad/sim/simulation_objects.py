@@ -9,11 +9,16 @@ import numpy as np
 import pandas as pd
 import trimesh
 
-from egad.geometry.manifold import wind_outwards
-from egad.geometry.mass import MassProperties, mass_properties
-from egad.geometry.parameters import Bundle
+from egad.geometry import (
+    Bundle,
+    MassProperties,
+    StablePose,
+    mass_properties,
+    resting_poses,
+    wind_outwards,
+)
 from egad.geometry.parts import make_parts, measure_parts, warn_if_beyond
-from egad.geometry.stable_poses import StablePose, group_poses, resting_poses
+from egad.geometry.stable_poses import group_poses
 from egad.tables import parquet
 
 MIN_PROBABILITY = 0.001  # of the poses that are listed
