@@ -40,6 +40,16 @@ text, integer, real = (partial(column, kind=each) for each in (STRING, INT, FLOA
 boolean, binary = (partial(column, kind=each) for each in (BOOL, BINARY))
 
 
+def values(name: str, meaning: str, unit: str = "", *, of: pa.DataType) -> pa.Field:
+    """A column of lists."""
+    return column(name, meaning, unit, kind=pa.list_(of))
+
+
+def schema(*fields: pa.Field) -> pa.Schema:
+    """The schema of some columns."""
+    return pa.schema(fields)
+
+
 def optional(field: pa.Field) -> pa.Field:
     """A column that a file may lack: it is then read as NaN."""
     return field.with_metadata({**field.metadata, b"optional": b"true"})
