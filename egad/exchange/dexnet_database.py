@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.errors import RejectedError
+from egad.exchange.distance_field import DistanceField, distance_field
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.parameters import DexNetObjects
-from egad.geometry import DistanceField, StablePose, distance_field, mass_properties, resting_poses
+from egad.geometry import StablePose, mass_properties, resting_poses
 from egad.io import read_mesh
 
 log = logging.getLogger(__name__)

@@ -12,15 +12,11 @@ from .collision import TABLE_CLEARANCE as TABLE_CLEARANCE
 from .collision import blocked_turns as blocked_turns
 from .collision import expected_distance as expected_distance
 from .collision import roomy as roomy
-from .grasps import RIGID as RIGID
 from .grasps import Grasps as Grasps
 from .grasps import vectors as vectors
-from .labels import label_grasps as label_grasps
 from .labels import label_parameters as label_parameters
 from .labels import sample_for_labels as sample_for_labels
 from .labels import statistics_row as statistics_row
-from .opening import graspable_fraction as graspable_fraction
-from .opening import graspable_widths as graspable_widths
 from .parameters import GraspLabel as GraspLabel
 from .parameters import LabelParameters as LabelParameters
 from .parameters import Quality as Quality

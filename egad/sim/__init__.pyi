@@ -35,6 +35,7 @@ from .simulated_labels import SimulatedGrasp as SimulatedGrasp
 from .simulated_labels import chosen_grasps as chosen_grasps
 from .simulated_labels import simulate_labels as simulate_labels
 from .simulated_labels import with_simulated_labels as with_simulated_labels
+from .simulation_objects import SimulationBundle as SimulationBundle
 from .simulation_objects import SimulationObject as SimulationObject
 from .simulation_objects import make_simulation_object as make_simulation_object
 from .simulation_objects import part_rows as part_rows

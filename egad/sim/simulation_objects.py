@@ -9,9 +9,11 @@ import numpy as np
 import pandas as pd
 import trimesh
 
+from egad._util.parameters import ParameterGroup
 from egad.geometry import (
     Bundle,
     MassProperties,
+    Material,
     StablePose,
     mass_properties,
     resting_poses,
@@ -23,6 +25,13 @@ from egad.tables import parquet
 
 MIN_PROBABILITY = 0.001  # of the poses that are listed
 SAME_POSE = np.radians(5)
+
+
+class SimulationBundle(ParameterGroup):
+    """Objects for simulators: their convex parts, mass and friction."""
+
+    material: Material
+    bundle: Bundle
 
 
 @dataclass(frozen=True)

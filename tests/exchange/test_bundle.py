@@ -19,10 +19,10 @@ from egad.cli import main
 from egad.errors import UserError
 from egad.exchange import any_objects, evaluation_objects, model_in, rows_by_id, write_bundle
 from egad.exchange.bundle import Item
-from egad.geometry import SimulationBundle
 from egad.geometry.checks import OPEN
 from egad.geometry.mass import mass_properties
 from egad.io import read_mesh, write_obj
+from egad.sim import SimulationBundle
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE, EVAL49
 from egad.tables.objects import REJECTED

@@ -108,7 +108,7 @@ CRASHES = """
 import contextlib
 import os
 from pathlib import Path
-from egad._util.child_process import RestartingWorker
+from egad_workflow.restarting_worker import RestartingWorker
 
 @contextlib.contextmanager
 def work():

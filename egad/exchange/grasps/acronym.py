@@ -10,10 +10,12 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
-from egad._util.files import atomic_output, check_not_file
+from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
+from egad.exchange.new_folder import check_not_file
+from egad.exchange.objects.simulation import inertia_tensor
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
 from egad.geometry.friction import FRICTION
 from egad.grasps import Grasps
@@ -21,7 +23,6 @@ from egad.grippers import finger_span
 from egad.io import SUMS, write_obj
 from egad.sim import SimulationObject, held_when_shaken, with_outcome
 from egad.tables import parquet
-from egad.tables.columns import inertia_tensor
 from egad.tables.grasping import MOTIONS, SCALES
 from egad.tables.objects import OBJECTS
 

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
-from egad._util.files import new_folder
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.grasps import Grasps
 from egad.io import write_obj

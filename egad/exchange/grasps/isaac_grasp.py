@@ -8,10 +8,10 @@ import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad._util.files import new_folder
 from egad.errors import UserError
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.grasps import Grasps
 from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values

@@ -6,9 +6,8 @@ import pandas as pd
 import pytest
 import trimesh
 
-from egad.geometry import SimulationBundle
 from egad.io import write_obj
-from egad.sim import make_simulation_object, simulation_object
+from egad.sim import SimulationBundle, make_simulation_object, simulation_object
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS
