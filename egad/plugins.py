@@ -6,12 +6,13 @@ import importlib
 import importlib.util
 import sys
 import traceback
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeGuard
 
-from egad.errors import UserError
+from egad.errors import RejectedError, UserError
 
 PACKAGE = Path(__file__).parent
 
@@ -31,11 +32,18 @@ def find(name: str, where: str, kind: str) -> Any:  # noqa: ANN401 (it is the us
     return found
 
 
-def place_of(error: Exception) -> str:
-    """Where the user's code failed, in words: ` in line 3 of mine.py`; empty if it did not."""
-    frames = traceback.extract_tb(error.__traceback__)
-    theirs = [frame for frame in frames if not Path(frame.filename).is_relative_to(PACKAGE)]
-    return f" in line {theirs[-1].lineno} of {Path(theirs[-1].filename).name}" if theirs else ""
+def call(what: str, run: Callable[[], Any]) -> Any:  # noqa: ANN401 (it is the user's)
+    """What the user's code gives; `RejectedError` says which line of theirs failed, and how."""
+    try:
+        return run()
+    except MemoryError:
+        raise  # says nothing about the object
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        theirs = [frame for frame in frames if not Path(frame.filename).is_relative_to(PACKAGE)]
+        last = f" in line {theirs[-1].lineno} of {Path(theirs[-1].filename).name}" if theirs else ""
+        text = f"{what} failed{last}: {type(error).__name__}: {error}"
+        raise RejectedError(text) from error
 
 
 def named(text: str, arguments: int = 3) -> str:
@@ -94,18 +102,15 @@ def _source(module: str, name: str, where: str) -> Path:
     """The file of a module."""
     missing = f"{where}: {name}: there is no such file or module"
     try:
-        path = Path(module) if module.endswith(".py") else _installed(module)
+        path: Path | None = Path(module)
+        if not module.endswith(".py"):  # its package is run
+            spec = importlib.util.find_spec(module)
+            path = Path(spec.origin) if spec is not None and spec.origin is not None else None
     except Exception as error:
         raise UserError(f"{missing} ({type(error).__name__}: {error})") from error
     if path is None or not path.is_file():
         raise UserError(missing)
     return path
-
-
-def _installed(module: str) -> Path | None:
-    """The file of an installed module; its package is run, and its errors are passed on."""
-    spec = importlib.util.find_spec(module)
-    return Path(spec.origin) if spec is not None and spec.origin is not None else None
 
 
 def _loaded(module: str, path: Path) -> ModuleType:

@@ -6,7 +6,8 @@ from typing import Any
 
 from egad._util.parameters import Archived, Parameters
 from egad.errors import UserError
-from egad.measures import MeasureParameters, source_hash
+from egad.measures import MeasureParameters
+from egad.plugins import source_hash
 from egad.tables import parquet
 
 
@@ -33,7 +34,7 @@ def provenance(settings: Parameters) -> dict[str, Any]:
     notes: dict[str, Any] = settings.model_dump(mode="json", include=included)
     if isinstance(settings, MeasureParameters):
         functions = settings.measures.functions()
-        notes["source"] = {axis: source_hash(name) for axis, name in functions.items()}
+        notes["source"] = {axis: source_hash(name, "measures") for axis, name in functions.items()}
     return notes
 
 

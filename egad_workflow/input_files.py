@@ -11,7 +11,7 @@ from egad.exchange import NamedGripper, check_format
 from egad.grasps.samplers import check_sampler
 from egad.grippers import Gripper, files_of
 from egad.io import EVERY_FILE, check_unit_known, checksum, mesh_files
-from egad.measures import source_hash
+from egad.plugins import source_hash
 from egad.tables.evolution import GENOME
 from egad.tables.parquet import check_columns
 from egad_workflow.datasets import DatasetSection
@@ -41,7 +41,7 @@ def _checks(settings: Settings) -> Iterator[tuple[str, Callable[[], object]]]:
         if file := getattr(settings, key).mesh:
             yield f"{key}.mesh", partial(check_readable, [Path(file)])
     for measure in settings.measures.functions().values():
-        yield "", partial(source_hash, measure)
+        yield "", partial(source_hash, measure, "measures")
     targets = settings.targets
     for name in dict.fromkeys([*targets.detectors, *targets.clutter, *targets.failures]):
         detector = settings.detectors[name]

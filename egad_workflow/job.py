@@ -22,8 +22,8 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import validate_call
 
-from egad._util.program import readable_errors, start_logging
 from egad.io import write_sums
+from egad_workflow.program import readable_errors, start_logging
 from egad_workflow.provenance import recorded
 
 FOLDERS = ("meshes", "bundle")  # params that are read: an input is a table in each

@@ -17,8 +17,8 @@ from egad.evolution import Shape
 from egad.evolution.growth import surface
 from egad.geometry import decompose
 from egad.geometry.repair import repair
-from egad.grasps import LabelParameters, label_grasps
-from egad.grippers import BoxBody
+from egad.grasps import LabelParameters
+from egad.grasps.sampling import Labeller
 from egad.measures import MeasureParameters, rough_graspability
 from egad.measures.complexity import complexity
 from egad.measures.reeb import Forest, diversities, extract, similarities
@@ -30,7 +30,7 @@ def compile_grasps() -> None:
     """Sampling, quality and collisions of grasps, graspability; triangles that cross; parts."""
     mesh, rng = repair(_example()).mesh, generator(0, "precompile")
     labels = select(Settings(), LabelParameters)
-    label_grasps(mesh, mesh.center_mass, labels, rng, BoxBody(labels.gripper))
+    Labeller(labels)(mesh, mesh.center_mass, rng)
     rough_graspability(mesh, select(Settings(), MeasureParameters), rng)
     decompose(mesh, 64, 0.5)
 

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
 from egad.exchange import graspgen_hand
+from egad.exchange.grasps.acronym import PANDA_REACH
 from egad.exchange.grasps.graspnet import DEPTH
-from egad.grasps import PANDA_REACH
 from egad.grippers import GRIPPERS, BoxBody, finger_span
 
 OUT = Path(__file__).parents[1] / "exchange.svg"

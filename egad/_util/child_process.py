@@ -5,7 +5,6 @@ import functools
 import importlib
 import io
 import json
-import logging
 import multiprocessing
 import os
 import pickle
@@ -13,9 +12,8 @@ import signal
 import subprocess
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
-from functools import partial
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, ExitStack, suppress
 from multiprocessing.connection import Connection
 from operator import attrgetter
 from types import ModuleType
@@ -28,9 +26,6 @@ from egad._util.input_limits import MAX_MEMORY
 from egad._util.memory import memory_limit, out_of_memory
 from egad.errors import LESS_MEMORY, EgadError, RejectedError, UserError
 
-log = logging.getLogger(__name__)
-
-MAX_ATTEMPTS = 2
 ENDING_TIME = 5.0  # seconds
 NOT_SENT = (
     "this cannot be sent to another process, which more than one job requires; "
@@ -183,29 +178,6 @@ class Worker:
             process.kill()
 
 
-class RestartingWorker(Worker):
-    """Work in one thread of a process of its own, restarted when it dies or takes too long."""
-
-    def __init__(self, make_work: MakeWork, limit: float | None = None) -> None:
-        """Prepare as a `Worker`; a process that takes longer than `limit` counts as dead."""
-        super().__init__(partial(_in_one_thread, make_work), limit)
-
-    def __call__(self, item: Any) -> Any:  # noqa: ANN401 (whatever the work takes and gives)
-        """The work on one item, or what it raises; None if the process died of it twice."""
-        for _ in range(MAX_ATTEMPTS):
-            try:
-                return super().__call__(item)
-            except (WorkerDiedError, WorkerTimeoutError) as error:
-                log.warning("%s", error)
-        return None
-
-
-@contextmanager
-def _in_one_thread(make_work: MakeWork) -> Iterator[Work]:
-    with one_thread(), make_work() as work:
-        yield work
-
-
 def one_thread() -> threadpool_limits:
     """Limit algebra to one thread: otherwise each process has one per core, and they wait."""
     import scipy.linalg  # noqa: F401, PLC0415 (only libraries that are loaded can be limited)
@@ -233,15 +205,11 @@ def serve(number: int) -> None:
         pipe.send_bytes(_dumps((None, None, None)))
         while True:
             item = pipe.recv_bytes()
-            pipe.send_bytes(_answer(work, item))
-
-
-def _answer(work: Work, item: bytes) -> bytes:
-    """The answer for an item: its result, or the error that it raises."""
-    try:
-        return _dumps((work(from_bytes(item)), None, None))
-    except Exception as error:
-        return _failure(error)
+            try:
+                answer = _dumps((work(from_bytes(item)), None, None))
+            except Exception as error:
+                answer = _failure(error)
+            pipe.send_bytes(answer)
 
 
 def _result(answer: bytes) -> Any:  # noqa: ANN401 (whatever the work gives)

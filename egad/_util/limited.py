@@ -55,7 +55,11 @@ class LimitedProcess:
             if self._owner != os.getpid():  # a fork of the program has no worker of its own yet
                 self._worker, self._owner = self._new_worker(), os.getpid()
             if not self._worker.running:
-                self._start()
+                try:
+                    self._worker.start()
+                except Exception as error:  # whatever it is, the file is not to blame
+                    why = out_of_memory() if is_out_of_memory(error) else error
+                    raise UserError(f"{NAME} cannot be started: {why}") from error
             try:
                 result: T = self._worker((function, arguments))
             except WorkerTimeoutError as error:
@@ -68,13 +72,6 @@ class LimitedProcess:
                     raise self._limit_error(error) from error
                 raise FailedError(f"{type(error).__name__}: {error}") from error
         return result
-
-    def _start(self) -> None:
-        try:
-            self._worker.start()
-        except Exception as error:  # whatever it is, the file is not to blame
-            why = out_of_memory() if is_out_of_memory(error) else error
-            raise UserError(f"{NAME} cannot be started: {why}") from error
 
     def close(self) -> None:
         """End the process, whatever it does."""

@@ -215,7 +215,10 @@ def allowed(node: Node) -> str:
     if choices:
         return " or ".join(map(str, choices))
     if node["type"] == "array":
-        return _allowed_list(node)
+        if items := node.get("prefixItems"):
+            return f"a list of {len(items)}, each {allowed(items[0])}"
+        filled = " (not empty)" if node.get("minItems") else ""
+        return f"a list{filled}, each {allowed(node['items'])}"
     if node["type"] == "object":
         return "a table with at least one name"
     if "pattern" in node:
@@ -227,13 +230,6 @@ def wanted(node: Node) -> str:
     """What is allowed, and what it means."""
     meaning = node.get("description") if "properties" not in node else None
     return f"{allowed(node)} ({meaning})" if meaning else allowed(node)
-
-
-def _allowed_list(node: Node) -> str:
-    items = node.get("prefixItems")
-    if items:
-        return f"a list of {len(items)}, each {allowed(items[0])}"
-    return f"a list{' (not empty)' if node.get('minItems') else ''}, each {allowed(node['items'])}"
 
 
 def _limits(node: Node) -> list[str]:

@@ -14,10 +14,12 @@ import trimesh
 from egad._util.arrays import Flags, Floats
 from egad.bench.parameters import NaiveGraspParameters
 from egad.bench.scenes import make_scene, put
-from egad.grasps import FREE, TABLE, TABLE_CLEARANCE, hand_poses
+from egad.grasps import TABLE_CLEARANCE, hand_poses
 from egad.grippers import Gripper, check_jaws, finger_span
 from egad.random import generator
 from egad.sim import (
+    FREE,
+    TABLE,
     Arm,
     ContactRules,
     Fingers,

@@ -1,6 +1,6 @@
 """The `egad` command: one module per command, and `commands` for the list of all."""
 
-from egad._util.program import readable_errors, start_logging
+from egad_workflow.program import readable_errors, start_logging
 
 
 def main() -> None:

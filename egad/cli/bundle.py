@@ -20,7 +20,7 @@ def bundle(
 ) -> None:
     """Prepare meshes for simulators: convex parts, URDF, MJCF, poses at rest."""
     from egad.exchange import any_objects, write_bundle
-    from egad.geometry import SimulationBundle
+    from egad.sim import SimulationBundle
     from egad_workflow.provenance import recorded
     from egad_workflow.settings import select
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from egad._util.cpus import available_cpus
 from egad._util.files import check_writable
 from egad._util.parameters import ScaleRule
+from egad.cli.cpus import available_cpus
 from egad.errors import UserError, check_name
 from egad.grippers import GRIPPERS, PACKAGED, Gripper, gripper
 from egad_workflow.settings import Settings

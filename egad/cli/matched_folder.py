@@ -16,7 +16,6 @@ from egad.errors import RejectedError
 from egad.evalset import DataSheets, PrintFiles, SelectEval, take, write_print_files
 from egad.evolution import PostprocessSolids, Shape, packed_surface
 from egad.exchange import RescaleMeshes, evaluation_objects, rescale_files, write_bundle
-from egad.geometry import SimulationBundle
 from egad.grasps import LabelParameters
 from egad.grasps.sampling import dataset_grasps
 from egad.io import read_mesh, write_meshes
@@ -24,6 +23,7 @@ from egad.measures import CellsAndDiversities, arrange, solid_row
 from egad.measures.reeb import graph as reeb
 from egad.measures.reeb import similarity_matrix
 from egad.report.datasheet import write_datasheet
+from egad.sim import SimulationBundle
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import ARCHIVE

@@ -9,7 +9,7 @@ from trimesh.graph import connected_component_labels
 
 from egad._util.arrays import Flags, Floats, Ints
 from egad.evalset.parameters import PrintCheck
-from egad.geometry import RayCaster, cone_volumes, is_closed, nearest, rims, spread
+from egad.geometry import RayCaster, cone_volumes, is_closed, nearest, spread
 
 SPACING = 0.8  # of the diameter: longest side of the pieces that triangles are cut into
 SLACK = 0.95  # of the radius: a ball that touches one facet of a curve cuts into the next
@@ -17,6 +17,7 @@ PARALLEL = np.cos(np.radians(30))  # of the angle between the sides of a wall, a
 GRAIN = 0.25  # radii between balls that are told apart
 LINK = 2.4  # radii between balls that may be connected
 SKIN = 1e-3  # of the diameter: rays start this deep
+TURN = 0.5  # radians between the normals at a reflex edge, at most
 STUB = 0.5  # of the thinnest wall: thin parts that protrude less are not walls
 
 
@@ -193,3 +194,22 @@ def shell_volumes(mesh: trimesh.Trimesh) -> list[float]:
     volumes = cone_volumes(np.asarray(mesh.vertices), np.asarray(mesh.faces))
     totals: list[float] = np.bincount(_shells(mesh), weights=volumes).tolist()
     return totals
+
+
+def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
+    """Points along the reflex edges, and normals there from one side to the other, (n, 3)."""
+    angles = np.asarray(mesh.face_adjacency_angles)
+    bent = ~np.asarray(mesh.face_adjacency_convex) & (angles > TURN) & (angles < np.pi - 1e-6)
+    angles = angles[bent]
+    ends = np.asarray(mesh.vertices)[np.asarray(mesh.face_adjacency_edges)[bent]]
+    sides = np.asarray(mesh.face_normals)[np.asarray(mesh.face_adjacency)[bent]]
+    steps = np.ceil(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / spacing).astype(np.int64)
+    turns = np.ceil(angles / TURN).astype(np.int64) + 1
+    edge = np.repeat(np.arange(len(angles)), steps * turns)
+    number = np.arange(len(edge)) - np.searchsorted(edge, edge)
+    along = (number // turns[edge] + 0.5) / steps[edge]
+    turned = (number % turns[edge]) / (turns[edge] - 1)
+    weights = np.sin(np.column_stack([1 - turned, turned]) * angles[edge, None])
+    normals = np.einsum("ij,ijk->ik", weights / np.sin(angles[edge])[:, None], sides[edge])
+    points = np.einsum("ij,ijk->ik", np.column_stack([1 - along, along]), ends[edge])
+    return points, normals

@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from scipy import ndimage
 
-from egad._util.arrays import Flags, Floats, Ints, Singles
+from egad._util.arrays import Floats, Ints, Singles
 from egad.errors import RejectedError, UserError
 from egad.evolution import voxels
 from egad.evolution.parameters import EvolutionParameters, Limits, Region, Symmetry
@@ -16,13 +16,11 @@ from egad.geometry import RayCaster
 from egad.geometry.repair import repair
 from egad.io import read_mesh
 
-Points = Singles
-Voxels = Flags
 AXES = "xyz"
 EDGE = 1 + 1e-9  # a voxel whose middle lies on the edge belongs to the region
 
 
-def folded(points: Points, symmetry: Symmetry) -> Points:
+def folded(points: Singles, symmetry: Symmetry) -> Singles:
     """Where a network is queried in place of each point (3, n) within [-1, 1]: (3, n) float32.
 
     A mirror takes the absolute value of a coordinate; a rotation multiplies the angle about its
@@ -50,7 +48,7 @@ def across(axis: str) -> tuple[int, int]:
     return (place + 1) % 3, (place + 2) % 3
 
 
-def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
+def is_whole(voxels: Solid, symmetry: Symmetry) -> bool:
     """Whether a body is not one of several images of each other: each image covers half of it."""
     images = [np.flip(voxels, AXES.index(axis)) for axis in symmetry.mirror]
     if symmetry.fold > 1:
@@ -58,7 +56,7 @@ def is_whole(voxels: Voxels, symmetry: Symmetry) -> bool:
     return all(2 * np.count_nonzero(voxels & image) >= voxels.sum() for image in images)
 
 
-def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
+def turned(voxels: Solid, symmetry: Symmetry) -> Solid:
     """A body rotated about the middle by one fold, by nearest voxels; those outside are dropped."""
     middle = (np.array(voxels.shape) - 1) / 2
     offsets = np.indices(voxels.shape).reshape(3, -1) - middle[:, None]
@@ -74,13 +72,17 @@ def turned(voxels: Voxels, symmetry: Symmetry) -> Voxels:
     return image.reshape(voxels.shape)
 
 
-def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None = None) -> Voxels:
+def region_voxels(region: Region, resolution: int, mesh: trimesh.Trimesh | None = None) -> Solid:
     """The voxels, (r, r, r), whose middles lie in a region, which may be a mesh of any size."""
     points = voxel_middles(resolution) - np.array(region.center)
     if region.kind == "mesh":
         if mesh is None:
             raise UserError(f"the mesh {region.mesh} of a region was not read")
-        inside = RayCaster(_fitted(mesh, np.array(region.size))).contains(points)
+        low, high = np.asarray(mesh.bounds)
+        scale = np.min(np.array(region.size) / (high - low))  # until its box fits into the region
+        vertices = (np.asarray(mesh.vertices) - (low + high) / 2) * scale
+        fitted = trimesh.Trimesh(vertices, mesh.faces, process=False)
+        inside = RayCaster(fitted).contains(points)
     else:
         inside = _within_primitive(region, 2 * points / np.array(region.size))
     return inside.reshape((resolution,) * 3)
@@ -92,7 +94,7 @@ def voxel_middles(resolution: int) -> Floats:
     return np.asarray((indices + 0.5) / resolution - 0.5)
 
 
-def _within_primitive(region: Region, scaled: Floats) -> Voxels:
+def _within_primitive(region: Region, scaled: Floats) -> Solid:
     """Which points lie in a region, given in halves of its sides from its middle."""
     if region.kind == "box":
         return np.asarray(np.abs(scaled).max(axis=1) <= EDGE)
@@ -101,13 +103,6 @@ def _within_primitive(region: Region, scaled: Floats) -> Voxels:
     along = "xyz".index(region.axis)
     across = np.delete(scaled, along, axis=1)
     return np.asarray(((across**2).sum(axis=1) <= EDGE) & (np.abs(scaled[:, along]) <= EDGE))
-
-
-def _fitted(mesh: trimesh.Trimesh, size: Floats) -> trimesh.Trimesh:
-    """The mesh, scaled uniformly until its box fits into another one about the origin."""
-    low, high = np.asarray(mesh.bounds)
-    vertices = (np.asarray(mesh.vertices) - (low + high) / 2) * np.min(size / (high - low))
-    return trimesh.Trimesh(vertices, mesh.faces, process=False)
 
 
 @dataclass(frozen=True)
@@ -166,7 +161,7 @@ def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
 def solid(output: Singles, threshold: float, rules: Rules) -> Solid:
     """The one solid body that the output of a network describes within the rules.
 
-    Voxels above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
+    Solid above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
     parts are removed by an opening with the 6-neighborhood, and only the largest body is kept. The
     rules hold before and after. `RejectedError` if nothing is left, or it is against them.
     """

@@ -161,7 +161,11 @@ def evolution_parameters(
     elites_per_cell: int = SPACE.elites_per_cell,
 ) -> EvolutionParameters:
     """The parameters of evolution, the default ones for all others; `UserError` for a wrong one."""
-    first, second = _checked(ranges)
+    allowed = "two ranges of finite numbers, each from low to high, such as ((1, 5), (0, 0.004))"
+    values = check_array("ranges", ranges, (2, 2), allowed)
+    if not (np.diff(values) > 0).all():
+        raise UserError(f"ranges is {ranges!r}; allowed: {allowed}")
+    first, second = map(tuple, values.tolist())
     space = from_arguments(
         MeasureSpace,
         complexity_range=first,
@@ -174,34 +178,20 @@ def evolution_parameters(
     return with_defaults(EvolutionParameters, **measures, evolution=evolution)
 
 
-def _checked(ranges: tuple[Range, Range]) -> tuple[Range, Range]:
-    """The ranges of two measures, if they are ranges."""
-    allowed = "two ranges of finite numbers, each from low to high, such as ((1, 5), (0, 0.004))"
-    values = check_array("ranges", ranges, (2, 2), allowed)
-    if not (np.diff(values) > 0).all():
-        raise UserError(f"ranges is {ranges!r}; allowed: {allowed}")
-    (a, b), (c, d) = values.tolist()
-    return (a, b), (c, d)
-
-
 def _measure(
     solid: GenomeVoxels, measures: Measure, settings: EvolutionParameters
 ) -> Measured | str:
     """The measures of a solid by a user's function, or the reason why it has none."""
     mesh = packed_surface(solid.packed, settings.shape)
     try:
-        return _with_graph(mesh, *_pair(measures(mesh)), settings.similarity)
+        values = measures(mesh)
     except RejectedError as reason:
         return str(reason)
-
-
-def _pair(values: object) -> tuple[float, float]:
-    """What a user's function returned, if it is two numbers; otherwise `UserError`."""
     pair = as_floats(values)
     if pair is None or pair.shape != (2,):
         raise UserError(f"the measures of a mesh must be two numbers, got {values!r}")
     first, second = pair.tolist()
-    return first, second
+    return _with_graph(mesh, first, second, settings.similarity)
 
 
 def _with_graph(

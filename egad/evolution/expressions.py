@@ -96,16 +96,12 @@ def enough_digits(genome: Row, shape: Shape, symmetry: Symmetry = NO_SYMMETRY) -
     """The fewest significant digits of weights and biases that change no voxel, 2 to 17."""
     expected = query(genome, shape.resolution, symmetry) > shape.threshold
     for digits in range(2, EXACT):
-        output = query(_rounded(genome, digits), shape.resolution, symmetry)
+        names = ("node_biases", "connection_weights")
+        rounded = {name: [float(_number(each, digits)) for each in genome[name]] for name in names}
+        output = query({**genome, **rounded}, shape.resolution, symmetry)
         if np.array_equal(output > shape.threshold, expected):
             return digits
     return EXACT
-
-
-def _rounded(genome: Row, digits: int) -> Row:
-    numbers = ("node_biases", "connection_weights")
-    rounded = {name: [float(_number(each, digits)) for each in genome[name]] for name in numbers}
-    return {**genome, **rounded}
 
 
 def _number(value: float, digits: int) -> str:

@@ -139,7 +139,16 @@ class Island:
         for each, result in zip(candidates, results, strict=True):
             if isinstance(result, Measured):
                 self.outcomes[EVALUATED] += 1
-                elites.append(_elite(each, result, self._step.epoch))
+                elites.append(
+                    Elite(
+                        id=each.id,
+                        genome=each.offspring.genome,
+                        voxels=each.solid.packed,
+                        **vars(result),
+                        parents=each.offspring.parents,
+                        epoch=self._step.epoch,
+                    )
+                )
             else:
                 self.outcomes[_kind(result)] += 1
         self.archive.add(elites, refine)
@@ -218,16 +227,3 @@ def _standing(rows: list[dict[str, Any]]) -> str:
 def _kind(reason: str) -> str:
     """A reason without its numbers."""
     return reason.partition(" (")[0]
-
-
-def _elite(candidate: Candidate, measured: Measured, epoch: int) -> Elite:
-    return Elite(
-        id=candidate.id,
-        genome=candidate.offspring.genome,
-        voxels=candidate.solid.packed,
-        complexity=measured.complexity,
-        graspability=measured.graspability,
-        graph=measured.graph,
-        parents=candidate.offspring.parents,
-        epoch=epoch,
-    )

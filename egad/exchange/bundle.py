@@ -13,8 +13,8 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.exchange.objects.simulation import write_simulation_object
 from egad.exchange.simulation_page import page
-from egad.geometry import SimulationBundle, SimulationObject, make_simulation_object
 from egad.io import object_names, use_mesh, warn_of_units, write_sums
+from egad.sim import SimulationBundle, SimulationObject, make_simulation_object
 from egad.tables import parquet
 from egad.tables.columns import inertia_columns
 from egad.tables.evaluation import BUNDLE, EVAL49

@@ -10,11 +10,10 @@ import pandas as pd
 from egad.bench import Models
 from egad.errors import RejectedError, UserError
 from egad.exchange.objects.simulation import read_simulation_object
-from egad.geometry import simulation_object
 from egad.grippers import Gripper
 from egad.io import read_mesh
 from egad.objects import EVALUATION_SET, NamedMesh, load, named_meshes
-from egad.sim import Model, model_of
+from egad.sim import Model, model_of, simulation_object
 from egad.sim.model import simulated
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE

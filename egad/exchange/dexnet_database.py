@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.errors import RejectedError
+from egad.exchange.distance_field import DistanceField, distance_field
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.parameters import DexNetObjects
-from egad.geometry import DistanceField, StablePose, distance_field, mass_properties, resting_poses
+from egad.geometry import StablePose, mass_properties, resting_poses
 from egad.io import read_mesh
 
 log = logging.getLogger(__name__)
@@ -98,7 +99,7 @@ def _add_poses(group: h5py.Group, solid: DexnetObject) -> None:
 def add_grasps(
     parent: h5py.Group, gripper: str, configurations: Floats, metrics: Mapping[str, Floats]
 ) -> None:
-    """Add the grasps of a gripper, `dexnet_configurations` (n, 10), and (n,) of each metric."""
+    """Add the grasps of a gripper, (n, 10) of `dexnet.configurations`, and (n,) of each metric."""
     group = add_group(parent, f"grasps/{gripper}")
     group.attrs["num_grasps"] = len(configurations)
     untimed = h5p.create(h5p.GROUP_CREATE)

@@ -10,11 +10,12 @@ from pathlib import Path
 import trimesh
 
 from egad._util.display import facts_html
-from egad._util.files import as_path, new_folder
+from egad._util.files import as_path
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import NamedGripper
 from egad.exchange.registry import (
     FORMATS,
@@ -25,7 +26,7 @@ from egad.exchange.registry import (
     needs_run,
     writer_of,
 )
-from egad.geometry import Bundle, Material, make_simulation_object
+from egad.geometry import Bundle, Material
 from egad.grasps import LabelParameters, label_parameters
 from egad.grasps.sampling import dataset_grasps
 from egad.grippers import Gripper, as_gripper
@@ -37,6 +38,7 @@ from egad.sim import (
     SimulatedLabel,
     SimulatedLabelParameters,
     check_engine,
+    make_simulation_object,
     model_of,
     simulate_labels,
 )

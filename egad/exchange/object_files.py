@@ -7,8 +7,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from egad.geometry import MassProperties, SimulationObject
+from egad.geometry import MassProperties
 from egad.io import write_obj
+from egad.sim import SimulationObject
 
 VISUAL, PARTS, POSES = "visual.obj", "parts", "poses.json"
 GREY = (0.72, 0.74, 0.78)  # sRGB

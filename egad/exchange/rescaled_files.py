@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import trimesh
 
+from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.exchange.parameters import RescaleMeshes
-from egad.geometry import rescale
-from egad.grasps import graspable_fraction, graspable_widths
+from egad.geometry import RayCaster, rescale, spread
 from egad.io import object_names, use_mesh, warn_of_units, write_mesh
 from egad.tables import parquet
 from egad.tables.grasping import SCALES
@@ -21,6 +22,8 @@ from egad.tables.objects import REJECTED, rejection
 
 log = logging.getLogger(__name__)
 BOTH = ("before", "after")
+SPACING = 0.05  # of the longest side of the mesh: largest distance between points
+SKIN = 1e-6  # of it: how far below the surface rays start
 
 
 def rescale_files(
@@ -86,3 +89,18 @@ def _scaled(
         "file": file.name,
     }
     return row, longest
+
+
+def graspable_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
+    """Thickness of a closed mesh behind points, (n,), and the area that each represents, (n,)."""
+    size = float(np.max(mesh.extents))
+    samples = spread(mesh, SPACING * size)
+    starts = samples.points - SKIN * size * samples.normals
+    hits = RayCaster(mesh).first_hits(starts, -samples.normals)
+    shares = np.bincount(samples.faces, minlength=len(mesh.faces))
+    return hits.distances + SKIN * size, (mesh.area_faces / np.maximum(shares, 1))[samples.faces]
+
+
+def graspable_fraction(widths: Floats, areas: Floats, opening: float) -> float:
+    """Fraction of the surface, by area, whose widths are at most the opening."""
+    return float(areas[widths <= opening].sum() / areas.sum())

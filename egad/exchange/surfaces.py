@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from egad.geometry import SimulationObject
 from egad.io import write_mesh
+from egad.sim import SimulationObject
 
 
 def write(folder: Path, name: str, made: SimulationObject, _friction: float, ending: str) -> None:

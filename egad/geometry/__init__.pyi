@@ -9,8 +9,6 @@ from .checks import units_doubt as units_doubt
 from .checks import warn_user as warn_user
 from .convex_parts import decompose as decompose
 from .convex_parts import union_of_parts as union_of_parts
-from .distance import DistanceField as DistanceField
-from .distance import distance_field as distance_field
 from .distance import largest_deviation as largest_deviation
 from .distance import nearest as nearest
 from .manifold import difference as difference
@@ -29,7 +27,6 @@ from .parameters import Bundle as Bundle
 from .parameters import Material as Material
 from .parameters import OpenSurfaces as OpenSurfaces
 from .parameters import Rescale as Rescale
-from .parameters import SimulationBundle as SimulationBundle
 from .parameters import Smoothing as Smoothing
 from .parts import PartsWarning as PartsWarning
 from .primitives import joined_primitives as joined_primitives
@@ -48,16 +45,9 @@ from .scaling import rescale as rescale
 from .scaling import scale_factor as scale_factor
 from .scaling import scale_suffix as scale_suffix
 from .scaling import size_text as size_text
-from .simulation_objects import SimulationObject as SimulationObject
-from .simulation_objects import make_simulation_object as make_simulation_object
-from .simulation_objects import part_rows as part_rows
-from .simulation_objects import read_parts as read_parts
-from .simulation_objects import simulation_object as simulation_object
-from .simulation_objects import warn_of_row as warn_of_row
 from .smooth_voxels import voxel_surface as voxel_surface
 from .stable_poses import StablePose as StablePose
 from .stable_poses import resting_poses as resting_poses
-from .surface_samples import rims as rims
 from .surface_samples import spread as spread
 from .touchable import MAX_BURIED as MAX_BURIED
 from .touchable import buried_share as buried_share

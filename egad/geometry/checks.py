@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Mapping
 from itertools import takewhile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -41,10 +42,15 @@ def warn_user(text: str, category: type[UserWarning]) -> None:
     warnings.warn(text, category, stacklevel=_calls_within_egad())
 
 
-def check_mesh(mesh: trimesh.Trimesh) -> None:
+def check_mesh(mesh: Any) -> None:  # noqa: ANN401 (whatever users pass)
     """Raise `UserError` if it is no mesh, `RejectedError` if it has no valid faces and vertices."""
     if not isinstance(mesh, trimesh.Trimesh):
-        raise UserError(_not_a_mesh(mesh))
+        advice = ""
+        if isinstance(mesh, trimesh.Scene):
+            advice = "; `scene.to_mesh()` makes one mesh of a scene"
+        elif isinstance(mesh, str | Path):
+            advice = "; `egad.read_mesh(path, units='mm')` reads one from a file"
+        raise UserError(f"a mesh must be a trimesh.Trimesh, got {type(mesh).__name__}{advice}")
     faces = np.asarray(mesh.faces)
     if len(faces) == 0:
         raise RejectedError("no faces")
@@ -52,15 +58,6 @@ def check_mesh(mesh: trimesh.Trimesh) -> None:
         raise RejectedError("coordinates that are not finite")
     if faces.min() < 0 or faces.max() >= len(mesh.vertices):
         raise RejectedError("faces refer to vertices that do not exist")
-
-
-def _not_a_mesh(given: object) -> str:
-    advice = ""
-    if isinstance(given, trimesh.Scene):
-        advice = "; `scene.to_mesh()` makes one mesh of a scene"
-    elif isinstance(given, str | Path):
-        advice = "; `egad.read_mesh(path, units='mm')` reads one from a file"
-    return f"a mesh must be a trimesh.Trimesh, got {type(given).__name__}{advice}"
 
 
 def check_surface(mesh: trimesh.Trimesh) -> None:

@@ -78,7 +78,11 @@ def decompose(
     """
     with one_thread():  # several threads take twice the CPU time for such small matrices
         tolerances = Tolerances(deviation, volume_error, max_vertices, LOWERING * deviation)
-        return _decomposed(_solid(mesh), max_parts, tolerances)
+        check_mesh(mesh)
+        solid = solid_within(mesh)
+        if solid.volume() <= 0:  # inside out, it would bound all but the object
+            solid = to_solid(mesh.vertices, mesh.faces[:, ::-1])
+        return _decomposed(solid, max_parts, tolerances)
 
 
 def _decomposed(exact: Solid, max_parts: int, wanted: Tolerances) -> Decomposition:
@@ -136,13 +140,6 @@ def union_of_parts(parts: Iterable[trimesh.Trimesh]) -> Solid:
     if not is_solid(together):
         raise RejectedError("a convex part does not bound a solid")
     return together
-
-
-def _solid(mesh: trimesh.Trimesh) -> Solid:
-    """The solid within a surface, wound outwards: inside out, it would bound all but the object."""
-    check_mesh(mesh)
-    solid = solid_within(mesh)
-    return solid if solid.volume() > 0 else to_solid(mesh.vertices, mesh.faces[:, ::-1])
 
 
 def _simplified(solid: Solid, deviation: float) -> Solid:

@@ -92,15 +92,14 @@ def difference(
     meshes: Iterable[trimesh.Trimesh], others: Iterable[trimesh.Trimesh]
 ) -> trimesh.Trimesh:
     """The surface of closed surfaces without what lies in others; `RejectedError` if open."""
-    first, second = (union(_outward_solid(each) for each in part) for part in (meshes, others))
-    return to_mesh(first - second)
 
+    def solid(mesh: trimesh.Trimesh) -> Solid:
+        merged = mesh.copy()
+        merged.merge_vertices()
+        outwards = wind_outwards(merged)
+        return to_solid(outwards.vertices, outwards.faces)
 
-def _outward_solid(mesh: trimesh.Trimesh) -> Solid:
-    merged = mesh.copy()
-    merged.merge_vertices()
-    outwards = wind_outwards(merged)
-    return to_solid(outwards.vertices, outwards.faces)
+    return to_mesh(union(map(solid, meshes)) - union(map(solid, others)))
 
 
 def box(low: Floats, high: Floats) -> Solid:

@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from pydantic import Field
 
-from egad._util.parameters import ParameterGroup, Parameters, PositiveFraction, ScaleRule
+from egad._util.parameters import Parameters, PositiveFraction, ScaleRule
 from egad.geometry.friction import OBJECT
 
 OpenSurfaces = Literal["reject", "thicken"]
@@ -80,10 +80,3 @@ class Bundle(Parameters):
     friction: float = Field(
         OBJECT.friction, gt=0, le=2, description="sliding friction of the objects"
     )
-
-
-class SimulationBundle(ParameterGroup):
-    """Objects for simulators: their convex parts, mass and friction."""
-
-    material: Material
-    bundle: Bundle

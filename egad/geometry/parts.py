@@ -91,9 +91,13 @@ def convex_parts(
 
 def make_parts(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
     """Convex parts of a solid, metres, maybe from the cache; `RejectedError` if it has none."""
-    return _unpacked(
-        _cached("convex-parts", mesh, settings, lambda: _packed(_made(mesh, settings)))
-    )
+    arrays = _cached("convex-parts", mesh, settings, lambda: _packed(_made(mesh, settings)))
+    ends: Ints = np.cumsum(arrays["counts"], axis=0)[:-1]
+    corners = np.split(arrays["vertices"], ends[:, 0])
+    faces = np.split(arrays["faces"], ends[:, 1])
+    parts = [trimesh.Trimesh(*each, process=False) for each in zip(corners, faces, strict=True)]
+    deviation, volume_error = arrays["bounds"].tolist()
+    return Decomposition(parts, deviation, volume_error)
 
 
 def measure_parts(
@@ -152,15 +156,6 @@ def _packed(found: Decomposition) -> Arrays:
         "counts": np.array([[len(part.vertices), len(part.faces)] for part in found.parts]),
         "bounds": np.array([found.deviation, found.volume_error]),
     }
-
-
-def _unpacked(arrays: Arrays) -> Decomposition:
-    ends: Ints = np.cumsum(arrays["counts"], axis=0)[:-1]
-    corners = np.split(arrays["vertices"], ends[:, 0])
-    faces = np.split(arrays["faces"], ends[:, 1])
-    parts = [trimesh.Trimesh(*each, process=False) for each in zip(corners, faces, strict=True)]
-    deviation, volume_error = arrays["bounds"].tolist()
-    return Decomposition(parts, deviation, volume_error)
 
 
 def coacd_parts(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from egad._util.arrays import Flags, Floats, Ints
+from egad._util.arrays import Floats, Ints
 from egad._util.kernels import kernel
 from egad.errors import RejectedError
 from egad.geometry.manifold import Solid, arrays, box, is_solid, union
@@ -160,13 +160,9 @@ def _merged(low: Floats, high: Floats) -> tuple[Floats, Floats]:
     lows, highs = low[:0], high[:0]
     for new in zip(low, high, strict=True):
         first, last = new
-        while (touching := _overlap(lows, highs, first, last)).any():
+        while (touching := ((lows <= last) & (first <= highs)).all(axis=1)).any():
             first = np.minimum(first, lows[touching].min(axis=0))
             last = np.maximum(last, highs[touching].max(axis=0))
             lows, highs = lows[~touching], highs[~touching]
         lows, highs = np.vstack([lows, first]), np.vstack([highs, last])
     return lows, highs
-
-
-def _overlap(lows: Floats, highs: Floats, low: Floats, high: Floats) -> Flags:
-    return np.asarray(np.all((lows <= high) & (low <= highs), axis=1))

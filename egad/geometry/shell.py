@@ -28,8 +28,11 @@ def shell(mesh: trimesh.Trimesh, thickness: float) -> Solid:
     """
     check_surface(mesh)
     _check_thickness(mesh, thickness)
-    vertices, faces = _without_voids(*_level_set(mesh, thickness))
-    return _simplified(to_solid(vertices, faces), thickness)
+    solid = to_solid(*_without_voids(*_level_set(mesh, thickness)))
+    for tolerance in TOLERANCES:  # as far as the surface can be kept from passing through itself
+        with suppress(RejectedError):
+            return untangle(solid.simplify(tolerance * thickness))
+    return solid
 
 
 def _check_thickness(mesh: trimesh.Trimesh, thickness: float) -> None:
@@ -76,11 +79,3 @@ def _without_voids(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     group = trimesh.graph.connected_component_labels(edges, node_count=len(vertices))
     outer = np.bincount(group[faces[:, 0]], weights=cone_volumes(vertices, faces)) > 0
     return vertices, faces[outer[group[faces[:, 0]]]]
-
-
-def _simplified(solid: Solid, thickness: float) -> Solid:
-    """Simplify a solid as far as its surface can be kept from passing through itself."""
-    for tolerance in TOLERANCES:
-        with suppress(RejectedError):
-            return untangle(solid.simplify(tolerance * thickness))
-    return solid

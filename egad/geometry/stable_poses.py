@@ -121,7 +121,16 @@ def resting_poses(mesh: trimesh.Trimesh, center: Floats) -> list[StablePose]:
     resting = np.flatnonzero((target == np.arange(len(target))) & (chances > 0))
     order = resting[np.argsort(-chances[resting], kind="stable")]
     return [
-        _pose(facets, face, float(chances[face]), float(margins[face]), center) for face in order
+        StablePose(
+            probability=float(chances[face]),
+            face=np.unique(facets.triangles[facets.face == face]),
+            normal=facets.normals[face],
+            rotation=rotation_to_table(facets.normals[face]),
+            height=float(facets.heights[face]),
+            margin=float(margins[face]),
+            center=center,
+        )
+        for face in order
     ]
 
 
@@ -139,12 +148,6 @@ def group_poses(poses: list[StablePose], angle: float) -> list[StablePose]:
             chance = kept[place].probability + pose.probability
             kept[place] = kept[place]._replace(probability=chance)
     return sorted(kept, key=lambda pose: -pose.probability)
-
-
-def _pose(facets: _Facets, face: int, chance: float, margin: float, center: Floats) -> StablePose:
-    normal, height = facets.normals[face], float(facets.heights[face])
-    corners = np.unique(facets.triangles[facets.face == face])
-    return StablePose(chance, corners, normal, rotation_to_table(normal), height, margin, center)
 
 
 def rotation_to_table(normal: Floats) -> Floats:

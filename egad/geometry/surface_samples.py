@@ -7,8 +7,6 @@ import trimesh
 
 from egad._util.arrays import Floats, Ints
 
-TURN = 0.5  # radians between the normals at an edge, at most
-
 
 class Samples(NamedTuple):
     """Points, (n, 3), the outward unit normals there, and the triangles they lie on, (n,)."""
@@ -52,22 +50,3 @@ def _halves(triangles: Floats, sides: Floats) -> Floats:
     middle = (start + end) / 2
     corners = ((start, middle), (middle, end), (tip, tip))
     return np.stack([np.concatenate(pair, axis=1) for pair in corners])
-
-
-def rims(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
-    """Points along the reflex edges, and normals there from one side to the other, (n, 3)."""
-    angles = np.asarray(mesh.face_adjacency_angles)
-    bent = ~np.asarray(mesh.face_adjacency_convex) & (angles > TURN) & (angles < np.pi - 1e-6)
-    angles = angles[bent]
-    ends = np.asarray(mesh.vertices)[np.asarray(mesh.face_adjacency_edges)[bent]]
-    sides = np.asarray(mesh.face_normals)[np.asarray(mesh.face_adjacency)[bent]]
-    steps = np.ceil(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / spacing).astype(np.int64)
-    turns = np.ceil(angles / TURN).astype(np.int64) + 1
-    edge = np.repeat(np.arange(len(angles)), steps * turns)
-    number = np.arange(len(edge)) - np.searchsorted(edge, edge)
-    along = (number // turns[edge] + 0.5) / steps[edge]
-    turned = (number % turns[edge]) / (turns[edge] - 1)
-    weights = np.sin(np.column_stack([1 - turned, turned]) * angles[edge, None])
-    normals = np.einsum("ij,ijk->ik", weights / np.sin(angles[edge])[:, None], sides[edge])
-    points = np.einsum("ij,ijk->ik", np.column_stack([1 - along, along]), ends[edge])
-    return points, normals

@@ -46,6 +46,10 @@ class ContactPairs:
         """(n,) distances between the contacts, metres."""
         return np.asarray(np.linalg.norm(self.points[:, 1] - self.points[:, 0], axis=1))
 
+    def frames(self, approaches: Floats) -> Floats:
+        """(n, 3, 3) unit vectors x, y, z of hands with approaches (n, 3), in rows."""
+        return np.stack([self.axes, np.cross(approaches, self.axes), approaches], axis=1)
+
     def take(self, indices: Ints) -> "ContactPairs":
         """Some of the grasps, in the order given."""
         return ContactPairs(self.points[indices], self.normals[indices], self.axes[indices])
@@ -107,7 +111,9 @@ def valid_contacts(
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Sample candidates like `sample_contacts`, and keep all grasps: they are independent draws."""
-    starts, faces = _points(caster, candidates, rng)
+    areas = np.cumsum(caster.areas)  # points are uniform over the surface
+    faces = np.searchsorted(areas, rng.random(candidates) * areas[-1])
+    starts: Floats = _points_inside(caster.triangles, faces, rng.random((candidates, 2)))
     normals = caster.normals[faces]
     turn = rng.uniform(0, 2 * np.pi, len(normals))
     lean = rng.uniform(0, sampling.cone, len(normals))  # tangent of the angle to -normal
@@ -132,15 +138,6 @@ def approach_directions(axes: Floats) -> Floats:
     flat = np.stack([axes[:, 1], -axes[:, 0], np.zeros(len(axes))], axis=1)
     length = np.linalg.norm(flat, axis=1, keepdims=True)
     return np.where(length > 1e-9, flat / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])
-
-
-def _points(caster: RayCaster, count: int, rng: np.random.Generator) -> tuple[Floats, Ints]:
-    """Points uniform over the surface, and their faces."""
-    areas = np.cumsum(caster.areas)
-    faces = np.searchsorted(areas, rng.random(count) * areas[-1])
-    along = rng.random((count, 2))
-    points: Floats = _points_inside(caster.triangles, faces, along)
-    return points, faces
 
 
 @kernel()

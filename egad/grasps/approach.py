@@ -38,7 +38,7 @@ def best_approaches(
     that fit, or the first.
     """
     first = first_approaches(grasps.axes)
-    frames = np.stack([grasps.axes, np.cross(first, grasps.axes), first], axis=1)
+    frames = grasps.frames(first)
     turns = 2 * np.pi * np.arange(angles) / angles
     hand, swept = body.parts(), body.parts(way)
     opening = np.array([body.gripper.opening])

@@ -4,10 +4,10 @@ from typing import Self
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from egad._util.arguments import check_array
-from egad._util.arrays import Floats
+from egad._util.arrays import Flags, Floats
 from egad._util.display import Picture, draw, facts_html
 from egad.errors import UserError
 from egad.grasps.poses import hand_poses
@@ -117,7 +117,7 @@ class Grasps:
         return self._column("robust_quality")
 
     @property
-    def collision_free(self) -> NDArray[np.bool_]:
+    def collision_free(self) -> Flags:
         """(n,) whether the open hand reaches the grasp without touching the object."""
         return np.asarray(self._table["collision_free"], dtype=bool)
 
@@ -154,7 +154,12 @@ class Grasps:
         Raises:
             UserError: The matrix is not a rigid transform.
         """
-        rotation, shift = _rigid(matrix)
+        whole = check_array("matrix", matrix, (4, 4), "a (4, 4) array of finite numbers")
+        if not are_rigid(whole[None]).all():
+            raise UserError(
+                "the transform is not rigid: only a rotation and a translation are allowed"
+            )
+        rotation, shift = whole[:3, :3], whole[:3, 3]
         moved = self._table.copy()
         for name in POINTS:
             moved[vector_names(name)] = vectors(moved, name) @ rotation.T + shift
@@ -180,11 +185,10 @@ def vector_columns(name: str, values: Floats) -> dict[str, Floats]:
     return dict(zip(vector_names(name), values.T, strict=True))
 
 
-def _rigid(matrix: ArrayLike) -> tuple[Floats, Floats]:
-    """Rotation (3, 3) and translation (3,) of a transform."""
-    whole = check_array("matrix", matrix, (4, 4), "a (4, 4) array of finite numbers")
-    rotation, last = whole[:3, :3], whole[3]
-    off = np.abs(rotation.T @ rotation - np.eye(3)).max()
-    if off > RIGID or np.linalg.det(rotation) < 0 or np.abs(last - [0, 0, 0, 1]).max() > RIGID:
-        raise UserError("the transform is not rigid: only a rotation and a translation are allowed")
-    return rotation, whole[:3, 3]
+def are_rigid(matrices: Floats) -> Flags:
+    """Whether each of (n, 4, 4) transforms is a rotation and a translation, (n,)."""
+    turns = matrices[:, :3, :3]
+    with np.errstate(invalid="ignore"):
+        off = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(axis=(1, 2), initial=0)
+        last = np.abs(matrices[:, 3] - [0, 0, 0, 1]).max(axis=1, initial=0)
+        return np.asarray((off <= RIGID) & (np.linalg.det(turns) > 0) & (last <= RIGID))

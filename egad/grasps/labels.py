@@ -4,12 +4,11 @@ from dataclasses import asdict
 
 import numpy as np
 import pandas as pd
-import trimesh
+from numpy.typing import ArrayLike
 
 from egad._util.arrays import Flags, Floats
 from egad._util.parameters import from_arguments
-from egad.errors import RejectedError
-from egad.geometry import RayCaster, check_solid
+from egad.geometry import RayCaster
 from egad.geometry.friction import FRICTION
 from egad.grasps.antipodal import ContactPairs, SamplingStatistics, sample_contacts
 from egad.grasps.approach import best_approaches, touching_turns
@@ -30,6 +29,9 @@ from egad.grasps.samplers import Sampled
 from egad.grasps.suction import collision_free, seal_cups
 from egad.grippers import SUCTION, Gripper, HandBody, cup_of
 from egad.grippers.kinds import CupKind, JawKind
+from egad.tables.grasping import GRASPS
+
+COLUMNS = [name for name in GRASPS.names if name not in ("id", "label")]
 
 
 def label_parameters(
@@ -53,22 +55,6 @@ def label_parameters(
     )
 
 
-def label_grasps(
-    mesh: trimesh.Trimesh,
-    com: Floats,
-    settings: LabelParameters,
-    rng: np.random.Generator,
-    body: HandBody,
-) -> pd.DataFrame:
-    """Sample grasps of a solid mesh and rate them (`GRASPS`); `RejectedError` if there is none."""
-    check_solid(mesh)
-    caster = RayCaster(mesh)
-    grasps, statistics = sample_for_labels(caster, settings, rng)
-    if len(grasps) == 0:
-        raise RejectedError(f"no grasp ({statistics})")
-    return rate_grasps(caster, com, grasps, settings, rng, body)
-
-
 def sample_for_labels(
     caster: RayCaster, settings: LabelParameters, rng: np.random.Generator
 ) -> tuple[ContactPairs, SamplingStatistics]:
@@ -86,7 +72,7 @@ def rate_grasps(
     rng: np.random.Generator,
     body: HandBody,
 ) -> pd.DataFrame:
-    """Rate grasps: arguments and result are those of `label_grasps`, with a caster of the mesh."""
+    """Rate grasps of a solid about its center of mass (3,), metres: `GRASPS` but `id`, `label`."""
     gripper, wanted = settings.gripper, settings.grasp_label
     approach = best_approaches(
         caster, grasps, body, angles=wanted.approach_angles, way=wanted.approach_way
@@ -111,29 +97,57 @@ def rate_grasps(
         rng=rng,
         faces=faces,
     )
-    return pd.DataFrame(
-        {
-            "grasp": np.arange(len(grasps)),
-            **vector_columns("center", grasps.centers),
-            **vector_columns("axis", grasps.axes),
-            **vector_columns("approach", approach.directions),
-            "width": grasps.widths,
-            # a hand that fits is slightly wider than its opening, see `hand.CLEARANCE`
-            "needed_opening": np.where(approach.fits, np.minimum(needed, gripper.opening), needed),
-            **vector_columns("contact0", grasps.points[:, 0]),
-            **vector_columns("contact1", grasps.points[:, 1]),
-            **vector_columns("normal0", grasps.normals[:, 0]),
-            **vector_columns("normal1", grasps.normals[:, 1]),
-            "quality": quality,
-            "robust_quality": mean,
-            "robust_quality_std": deviation,
-            "robust_success_rate": held,
-            "fits": approach.fits,
-            "collision_free": approach.free,
-            "angles_fit": approach.angles_fit,
-            "angles_collision_free": approach.angles_collision_free,
-        }
+    return _table(
+        grasps.centers,
+        grasps.axes,
+        approach.directions,
+        grasps.points,
+        grasps.normals,
+        width=grasps.widths,
+        # a hand that fits is slightly wider than its opening, see `hand.CLEARANCE`
+        needed_opening=np.where(approach.fits, np.minimum(needed, gripper.opening), needed),
+        quality=quality,
+        robust_quality=mean,
+        robust_quality_std=deviation,
+        robust_success_rate=held,
+        fits=approach.fits,
+        collision_free=approach.free,
+        angles_fit=approach.angles_fit,
+        angles_collision_free=approach.angles_collision_free,
     )
+
+
+def _table(
+    centers: Floats,
+    axes: Floats,
+    approaches: Floats,
+    contacts: Floats,
+    normals: Floats,
+    **columns: ArrayLike,
+) -> pd.DataFrame:
+    """Grasps in the columns of `GRASPS`, from vectors of n grasps and the other columns."""
+    vectors = {"center": centers, "axis": axes, "approach": approaches}
+    for side in (0, 1):
+        vectors |= {f"contact{side}": contacts[:, side], f"normal{side}": normals[:, side]}
+    for name, values in vectors.items():
+        columns |= vector_columns(name, values)
+    return pd.DataFrame({"grasp": np.arange(len(centers)), **columns})[COLUMNS]
+
+
+def _rated(quality: Floats, fits: Flags, free: Flags) -> dict[str, ArrayLike]:
+    """Columns of grasps with one approach each, whose copies are not perturbed here; of a cup."""
+    return {
+        "width": 0.0,
+        "needed_opening": 0.0,
+        "quality": quality,
+        "robust_quality": quality,
+        "robust_quality_std": np.nan,
+        "robust_success_rate": np.nan,
+        "fits": fits,
+        "collision_free": free,
+        "angles_fit": fits.astype(int),
+        "angles_collision_free": free.astype(int),
+    }
 
 
 def statistics_row(
@@ -169,51 +183,10 @@ def label_poses(caster: RayCaster, grasps: Sampled, body: HandBody, way: float) 
         touching_turns(caster, body.parts(back), centers, frames, behind=behind)[:, 0]
         for back in (0, way)
     )
-    return posed_table(
-        centers,
-        frames,
-        contacts=points,
-        normals=pairs.normals,
-        quality=grasps.quality,
-        fits=~there,
-        free=~(there | coming),
-    ).assign(width=widths, needed_opening=needed_openings(caster, pairs, approaches, body))
-
-
-def posed_table(
-    centers: Floats,
-    frames: Floats,
-    *,
-    contacts: Floats,
-    normals: Floats,
-    quality: Floats,
-    fits: Flags,
-    free: Flags,
-) -> pd.DataFrame:
-    """`GRASPS` columns of n grasps with one approach each; the rows of `frames` are x, y, z."""
-    vectors = {
-        "center": centers,
-        "axis": frames[:, 0],
-        "approach": frames[:, 2],
-        **{f"contact{side}": contacts[:, side] for side in (0, 1)},
-        **{f"normal{side}": normals[:, side] for side in (0, 1)},
-    }
-    columns: dict[str, Floats] = {}
-    for name, values in vectors.items():
-        columns |= vector_columns(name, values)
-    return pd.DataFrame(columns).assign(
-        grasp=np.arange(len(centers)),
-        width=0.0,
-        needed_opening=0.0,
-        quality=quality,
-        robust_quality=quality,
-        robust_quality_std=np.nan,
-        robust_success_rate=np.nan,
-        fits=fits,
-        collision_free=free,
-        angles_fit=fits.astype(int),
-        angles_collision_free=free.astype(int),
-    )
+    rated = _rated(grasps.quality, ~there, ~(there | coming))
+    needed = needed_openings(caster, pairs, approaches, body)
+    rated |= {"width": widths, "needed_opening": needed}
+    return _table(centers, axes, approaches, points, pairs.normals, **rated)
 
 
 def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float) -> Floats:
@@ -230,15 +203,10 @@ def label_cups(caster: RayCaster, grasps: Sampled, body: HandBody, _way: float) 
     depths = seal_cups(caster, cup, origins, frames).depths
     standing = cup.model_copy(update={"approach": 0.0})
     fits, free = (collision_free(caster, each, origins, frames, depths) for each in (standing, cup))
-    table = posed_table(
-        origins,
-        frames,
-        contacts=np.stack([origins] * 2, axis=1),
-        normals=np.stack([-frames[:, 2]] * 2, axis=1),
-        quality=quality,
-        fits=fits,
-        free=free,
-    )
+    axes, approaches = frames[:, 0], frames[:, 2]
+    contacts, normals = np.stack([origins] * 2, axis=1), np.stack([-approaches] * 2, axis=1)
+    rated = _rated(quality, fits, free)
+    table = _table(origins, axes, approaches, contacts, normals, **rated)
     if body.gripper.grasps_with != SUCTION:
         return table
     deviation = np.sqrt(quality * (1 - quality))

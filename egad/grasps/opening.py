@@ -1,13 +1,12 @@
-"""The opening that a grasp needs for whole fingers, and the graspable part of a surface (ours)."""
+"""The opening that a grasp needs for whole fingers (ours)."""
 
 from collections.abc import Callable
 
 import numpy as np
-import trimesh
 
 from egad._util.arrays import Flags, Floats, Ints
 from egad._util.kernels import kernel
-from egad.geometry import RayCaster, spread
+from egad.geometry import RayCaster
 from egad.grasps.antipodal import ContactPairs
 from egad.grasps.approach import touching_turns
 from egad.grasps.collision import apart, clipped, local, spheres
@@ -22,9 +21,6 @@ from egad.grippers import (
     ModelBody,
     finger_span,
 )
-
-SPACING = 0.05  # of the longest side of the mesh: largest distance between points
-SKIN = 1e-6  # of it: how far below the surface rays start
 
 
 def needed_openings(
@@ -46,7 +42,7 @@ def _needed_by_boxes(
     gripper = body.gripper
     triangles = caster.triangles
     around = spheres(triangles)
-    frames = np.stack([grasps.axes, np.cross(approaches, grasps.axes), approaches], axis=1)
+    frames = grasps.frames(approaches)
     base, tip = finger_span(gripper)
     side, thickness = gripper.finger_width / 2, gripper.finger_thickness
     column = np.array([[-np.inf, -side, base], [np.inf, side, tip]])
@@ -167,26 +163,11 @@ def _first_gap(taken: Floats, least: float) -> tuple[float, float]:
     return free, np.inf
 
 
-def graspable_widths(mesh: trimesh.Trimesh) -> tuple[Floats, Floats]:
-    """Thickness of a closed mesh behind points, (n,), and the area that each represents, (n,)."""
-    size = float(np.max(mesh.extents))
-    samples = spread(mesh, SPACING * size)
-    starts = samples.points - SKIN * size * samples.normals
-    hits = RayCaster(mesh).first_hits(starts, -samples.normals)
-    shares = np.bincount(samples.faces, minlength=len(mesh.faces))
-    return hits.distances + SKIN * size, (mesh.area_faces / np.maximum(shares, 1))[samples.faces]
-
-
-def graspable_fraction(widths: Floats, areas: Floats, opening: float) -> float:
-    """Fraction of the surface, by area, whose widths are at most the opening."""
-    return float(areas[widths <= opening].sum() / areas.sum())
-
-
 def _needed_by_fingers(
     caster: RayCaster, grasps: ContactPairs, approaches: Floats, body: ModelBody
 ) -> Floats:
     """The same for two fingers of a model: the pads of the hand will reach the contacts."""
-    frames = _frames(grasps, approaches)
+    frames = grasps.frames(approaches)
     needed = np.full(len(grasps), np.inf)
     openings = body.model.openings
     for level in np.flatnonzero(openings <= body.gripper.opening + CLEARANCE):
@@ -240,13 +221,9 @@ def _blocked(
 ) -> Flags:
     """Whether one of the jaws touches the object at some of the grasps, (n,)."""
     chosen = grasps.take(rows)
-    frames = _frames(chosen, approaches[rows])
+    frames = chosen.frames(approaches[rows])
     clearance = {"clearance": 0.0} if side == SECOND_FINGER else {}
     aside = body.aside(chosen.widths, body.model.openings[[level]], **clearance)
     origins = chosen.centers + aside[:, None] * chosen.axes
     parts = body.at(level, bodies=(side,))
     return np.asarray(touching_turns(caster, parts, origins, frames)[:, 0])
-
-
-def _frames(grasps: ContactPairs, approaches: Floats) -> Floats:
-    return np.stack([grasps.axes, np.cross(approaches, grasps.axes), approaches], axis=1)

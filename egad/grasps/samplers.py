@@ -20,10 +20,10 @@ import numpy as np
 import trimesh
 
 from egad import plugins
-from egad._util.arrays import Flags, Floats
-from egad.errors import NoGraspError, RejectedError, UserError
+from egad._util.arrays import Floats
+from egad.errors import NoGraspError, UserError
 from egad.geometry import Material
-from egad.grasps.grasps import RIGID
+from egad.grasps.grasps import are_rigid
 from egad.grasps.parameters import Robust, RobustSuction
 from egad.grasps.suction import sample_suction, suction_poses
 from egad.grippers import ANTIPODAL, SUCTION, Gripper, cup_of
@@ -88,13 +88,7 @@ def _own(gripper: Gripper, mesh: trimesh.Trimesh, n: int, rng: np.random.Generat
     """The grasps of the user's own sampler."""
     name = gripper.grasps_with
     function: OwnSampler = plugins.find(name, WHERE, "function")
-    try:
-        given = function(mesh.copy(), gripper, n, rng)
-    except MemoryError:
-        raise  # says nothing about the object
-    except Exception as error:
-        what = f"{plugins.place_of(error)}: {type(error).__name__}: {error}"
-        raise RejectedError(f"the sampler {name} failed{what}") from error
+    given = plugins.call(f"the sampler {name}", lambda: function(mesh.copy(), gripper, n, rng))
     found = _checked(gripper, given, n)
     if not len(found.quality):
         raise NoGraspError(f"the sampler {name} found no grasp")
@@ -119,7 +113,7 @@ def _checked(gripper: Gripper, given: Any, n: int) -> Sampled:  # noqa: ANN401 (
         )
     wrong = {
         "a pose that is not finite": ~np.isfinite(poses).all(axis=(1, 2)),
-        "a pose that is not a rotation and a translation": ~_rigid(poses),
+        "a pose that is not a rotation and a translation": ~are_rigid(poses),
         "a width that is negative or not finite": ~(np.isfinite(widths) & (widths >= 0)),
         f"a width above the opening of {gripper.opening:g} m": widths > gripper.opening,
         "a quality that is negative or not finite": ~(np.isfinite(quality) & (quality >= 0)),
@@ -128,12 +122,3 @@ def _checked(gripper: Gripper, given: Any, n: int) -> Sampled:  # noqa: ANN401 (
         if where.any():
             raise UserError(f"the sampler {name} returned {what}: grasp {int(where.argmax())}")
     return Sampled(poses, widths, quality)
-
-
-def _rigid(poses: Floats) -> Flags:
-    """(n,) whether each pose is a rotation and a translation."""
-    turns = poses[:, :3, :3]
-    with np.errstate(invalid="ignore"):
-        off = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(axis=(1, 2), initial=0)
-        last = np.abs(poses[:, 3] - [0, 0, 0, 1]).max(axis=1, initial=0)
-        return np.asarray((off <= RIGID) & (np.linalg.det(turns) > 0) & (last <= RIGID))

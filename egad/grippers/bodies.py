@@ -9,7 +9,7 @@ import trimesh
 from typing_extensions import override
 
 from egad import io
-from egad._util.arrays import Floats, Ints
+from egad._util.arrays import Floats
 from egad.errors import RejectedError, UserError
 from egad.grippers.hand import (
     CLEARANCE,
@@ -96,7 +96,8 @@ class ModelBody(HandBody):
 
     @override
     def pieces(self, openings: Floats, retreat: float = 0.0) -> Iterator[Pieces]:
-        levels = self._levels(openings)
+        levels = np.searchsorted(self.model.openings, openings - CLEARANCE)
+        levels = np.minimum(levels, len(self.model.openings) - 1)
         for level in np.unique(levels):
             rows = np.flatnonzero(levels == level)
             there = self.model.openings[[level]]
@@ -121,11 +122,6 @@ class ModelBody(HandBody):
         shift = self.model.middle_at(np.array(opening))
         corners = self.model.corners(opening, *bodies)
         return [hull_part(points - shift, retreat) for points in corners]
-
-    def _levels(self, openings: Floats) -> Ints:
-        """Numbers of the smallest tabulated openings that are at least as wide, (n,)."""
-        found = np.searchsorted(self.model.openings, openings - CLEARANCE)
-        return np.minimum(found, len(self.model.openings) - 1)
 
 
 class JawBody(ModelBody):

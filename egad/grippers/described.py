@@ -21,13 +21,6 @@ def read_described(path: Path, values: Mapping[str, Any]) -> HandModel:
     return read_model(path, choices_of(values))
 
 
-def description_files(path: Path) -> list[Path]:
-    """A description and its meshes; `UserError` if one cannot be used, or without MuJoCo."""
-    with needed_for(FILE):
-        from egad.grippers import description  # noqa: PLC0415 (an extra)
-    return description.description_files(path)
-
-
 MIN_SIDE = 1e-3  # metres, of a box
 
 

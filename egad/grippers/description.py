@@ -139,17 +139,21 @@ def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
 
 def shapes_of(model: mujoco.MjModel, body: int) -> list[Floats]:
     """Points whose convex hulls are the collision shapes of a link, (n, 3) each, in its frame."""
-    first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
-    shapes = [shape for shape in range(first, first + count) if _collides(model, shape)]
-    return [_points(model, shape) for shape in shapes]
+    return [points for points, _ in shape_surfaces(model, body)]
 
 
 def shape_surfaces(model: mujoco.MjModel, body: int) -> Iterator[tuple[Floats, Ints]]:
     """Points and faces of the collision shapes of a link; no faces: their convex hull counts."""
     first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
     for shape in range(first, first + count):
-        if _collides(model, shape):
-            yield _points(model, shape), _faces(model, shape)
+        if not _collides(model, shape):
+            continue
+        faces = np.empty((0, 3), dtype=np.int64)
+        if model.geom_type[shape] == mujoco.mjtGeom.mjGEOM_MESH:
+            mesh = model.geom_dataid[shape]
+            start = model.mesh_faceadr[mesh]
+            faces = model.mesh_face[start : start + model.mesh_facenum[mesh]].astype(np.int64)
+        yield _points(model, shape), faces
 
 
 def _points(model: mujoco.MjModel, shape: int) -> Floats:
@@ -157,14 +161,6 @@ def _points(model: mujoco.MjModel, shape: int) -> Floats:
     mujoco.mju_quat2Mat(turn, model.geom_quat[shape])
     corners = _corners(model, shape)
     return np.asarray(corners @ turn.reshape(3, 3).T + model.geom_pos[shape])
-
-
-def _faces(model: mujoco.MjModel, shape: int) -> Ints:
-    if model.geom_type[shape] != mujoco.mjtGeom.mjGEOM_MESH:
-        return np.empty((0, 3), dtype=np.int64)
-    mesh = model.geom_dataid[shape]
-    first = model.mesh_faceadr[mesh]
-    return np.asarray(model.mesh_face[first : first + model.mesh_facenum[mesh]], dtype=np.int64)
 
 
 def _corners(model: mujoco.MjModel, shape: int) -> Floats:

@@ -36,7 +36,9 @@ def find_driven(model: mujoco.MjModel, joints: list[int], wanted: str | None = N
             raise UserError(f"joint is {wanted!r}; the hand has {', '.join(names)}")
         driven = [names[wanted]]
     else:
-        driven = sorted(_actuated(model) & set(joints)) or sorted(set(joints) - _mimics(model))
+        mimics = (model.eq_type == mujoco.mjtEq.mjEQ_JOINT) & (model.eq_obj2id >= 0)
+        free = set(joints) - set(map(int, model.eq_obj1id[mimics]))
+        driven = sorted(_actuated(model) & set(joints)) or sorted(free)
     if not driven:
         raise UserError(f"each of its joints mimics another one: {', '.join(names)}")
     for joint in driven:
@@ -121,7 +123,10 @@ def _motions(mechanism: Mechanism, groups: list[frozenset[int]]) -> Iterator[_Mo
                 mechanism.check(each)
         elif not all(map(mechanism.holds, pair)):
             continue
-        before, after = (_middles(mechanism, each, groups) for each in pair)
+        before, after = (
+            np.array([points_of(mechanism, each, sorted(group)).mean(axis=0) for group in groups])
+            for each in pair
+        )
         speeds = (after - before) - (after - before).mean(axis=0)
         _, sizes, axes = np.linalg.svd(speeds)
         yield _Motion(sizes, axes[0], before, after, signs)
@@ -149,21 +154,8 @@ def _actuated(model: mujoco.MjModel) -> set[int]:
     return joints
 
 
-def _mimics(model: mujoco.MjModel) -> set[int]:
-    """Joints that follow another one."""
-    equal = model.eq_type == mujoco.mjtEq.mjEQ_JOINT
-    return set(map(int, model.eq_obj1id[equal & (model.eq_obj2id >= 0)]))
-
-
 def points_of(mechanism: Mechanism, positions: Floats, bodies: Iterable[int]) -> Floats:
     """Points (n, 3) of the shapes of links, in the frame of the palm, metres."""
     turns, places = mechanism.placement(positions)
     shapes = ((body, shape) for body in bodies for shape in shapes_of(mechanism.model, body))
     return np.concatenate([shape @ turns[body].T + places[body] for body, shape in shapes])
-
-
-def _middles(mechanism: Mechanism, positions: Floats, groups: list[frozenset[int]]) -> Floats:
-    """Means of the points of groups of links, in the frame of the palm: (n, 3)."""
-    return np.array(
-        [points_of(mechanism, positions, sorted(group)).mean(axis=0) for group in groups]
-    )

@@ -91,16 +91,6 @@ def _hull(points: Floats) -> trimesh.Trimesh:
     return hull
 
 
-class _Looks(NamedTuple):
-    """What k points of a moving jaw see: which way the joint moves them there, and how far away."""
-
-    ways: Floats
-    faces: Floats
-    points: Floats
-    own: Floats
-    gaps: Floats
-
-
 def _looks(
     mechanism: Mechanism,
     body: int,
@@ -109,8 +99,12 @@ def _looks(
     normals: Floats,
     moving: RayCaster,
     fixed: RayCaster,
-) -> _Looks:
-    """What the points see that look at a face that looks back, with nothing in between."""
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """What k points see that look at a face that looks back, with nothing in between.
+
+    Which way the joint moves them, the normals and points of that face, their own normals in the
+    frame of the jaw, and how far away it is.
+    """
     positions = mechanism.follow(np.array([position]), mechanism.model.qpos0)
     placement = mechanism.placement(positions)
     turn, place = placement.turns[body], placement.places[body]
@@ -134,9 +128,8 @@ def _looks(
     inside = np.isfinite(own.distances) & ~own.entering
     seen[seen] = ~inside & (own.distances > hits.distances[seen])
     met = there[seen] + hits.distances[seen, None] * ahead[seen]
-    return _Looks(
-        np.sign(speeds[rows[seen]]), faces[seen], met, ahead[seen] @ turn, hits.distances[seen]
-    )
+    ways = np.sign(speeds[rows[seen]])
+    return ways, faces[seen], met, ahead[seen] @ turn, hits.distances[seen]
 
 
 def _upright(normals: Floats, axis: Floats, slides: bool) -> Floats:
@@ -189,7 +182,11 @@ class JawSolids:
         self.moving_solids = solids_of(model, body)
         turns, places = mechanism.placement(mechanism.middle())
         self.solids = [
-            _placed(solid, turns[each], places[each])
+            trimesh.Trimesh(
+                np.asarray(solid.vertices) @ turns[each].T + places[each],
+                solid.faces,
+                process=False,
+            )
             for each in static
             for solid in solids_of(model, each)
         ]
@@ -249,8 +246,3 @@ def _distances(caster: RayCaster, starts: Floats, ahead: Floats) -> Floats:
     looks = -np.einsum("nk,nk->n", hits.normals, ahead)
     found = np.where(looks > STEEPEST, hits.distances, np.inf)
     return np.where(np.isfinite(hits.distances) & ~hits.entering, -np.inf, found)
-
-
-def _placed(solid: trimesh.Trimesh, turn: Floats, place: Floats) -> trimesh.Trimesh:
-    vertices = np.asarray(solid.vertices) @ turn.T + place
-    return trimesh.Trimesh(vertices, solid.faces, process=False)

@@ -36,6 +36,9 @@ def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides)
     side = next((side for side, links in fingers if body in links), PALM_BODY)
     carrier = int(model.body_parentid[body])
     moves = side != PALM_BODY and carrier in bodies
+    joints = int(model.body_jntnum[body]) if moves else 0
+    if joints > 1:
+        raise UserError(f"the link {body_name(model, body)} has more than one joint")
     place = np.eye(4)
     mujoco.mju_quat2Mat(turn := np.empty(9), model.body_quat[body])
     place[:3, :3], place[:3, 3] = turn.reshape(3, 3), model.body_pos[body]
@@ -46,15 +49,8 @@ def hand_link(model: mujoco.MjModel, body: int, bodies: list[int], sides: Sides)
         mass=float(model.body_mass[body]),
         carrier=bodies.index(carrier) if moves else -1,
         place=place,
-        joint=_link_joint(model, body) if moves else None,
+        joint=joint_at(model, int(model.body_jntadr[body])) if joints else None,
     )
-
-
-def _link_joint(model: mujoco.MjModel, body: int) -> LinkJoint | None:
-    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-    if count > 1:
-        raise UserError(f"the link {body_name(model, body)} has more than one joint")
-    return joint_at(model, first) if count else None
 
 
 def joint_at(model: mujoco.MjModel, number: int) -> LinkJoint:
@@ -120,21 +116,17 @@ def jaw_links(
         for mesh, ahead in _cut(solid, frame.approach, root):
             (finger if ahead else palm).append(mesh)
     name, mass = body_name(model, static[0]), sum(float(model.body_mass[each]) for each in static)
-    return (
-        HandLink(name, PALM_BODY, _parts(palm, *PALM), mass, -1, np.eye(4), None),
-        HandLink(f"{name}-fixed-jaw", FIRST_FINGER, _parts(finger, *JAW), 0.0, 0, np.eye(4), None),
-        _moving_link(jaws),
-    )
-
-
-def _moving_link(jaws: JawSolids) -> HandLink:
-    model, body = jaws.mechanism.model, jaws.body
+    body = jaws.body
     joint = joint_at(model, int(model.body_jntadr[body]))
     turns, places = jaws.mechanism.placement(jaws.positions(joint.zero))
     place = np.eye(4)
     place[:3, :3], place[:3, 3] = turns[body], places[body]
-    name, mass = body_name(model, body), float(model.body_mass[body])
-    return HandLink(name, SECOND_FINGER, _parts(jaws.moving_solids, *JAW), mass, 0, place, joint)
+    moving, own = body_name(model, body), float(model.body_mass[body])
+    return (
+        HandLink(name, PALM_BODY, _parts(palm, *PALM), mass, -1, np.eye(4), None),
+        HandLink(f"{name}-fixed-jaw", FIRST_FINGER, _parts(finger, *JAW), 0.0, 0, np.eye(4), None),
+        HandLink(moving, SECOND_FINGER, _parts(jaws.moving_solids, *JAW), own, 0, place, joint),
+    )
 
 
 def lever_of(jaws: JawSolids, stroke: JawStroke, frame: JawFrame) -> float:

@@ -54,7 +54,9 @@ def find_pads(
     if not facing:
         names = [", ".join(body_name(model, body) for body in each) or "(none)" for each in bodies]
         raise UserError(f"no face of the links {names[0]} is opposite one of the links {names[1]}")
-    pads = min(facing, key=lambda pair: _gap(pair[0][1], pair[1][1], sides.axis))
+    ends = [(pair[0][1] @ sides.axis).max() for pair in facing]
+    gaps = [(pair[1][1] @ sides.axis).min() - end for pair, end in zip(facing, ends, strict=True)]
+    pads = facing[int(np.argmin(gaps))]
     centers, corners, depths = [], [], []
     for (body, faces), ahead in zip(pads, (sides.axis, -sides.axis), strict=True):
         turn, place = placement.turns[body], placement.places[body]
@@ -111,11 +113,6 @@ def _depths(model: mujoco.MjModel, body: int, faces: Floats, ahead: Floats) -> F
     return np.asarray(
         link.first_hits(samples.points + UNEVEN * outward, -outward).distances - UNEVEN
     )
-
-
-def _gap(first: Floats, second: Floats, axis: Floats) -> float:
-    """Distance between faces along an axis."""
-    return float((second @ axis).min() - (first @ axis).max())
 
 
 def _overlap(first: Floats, second: Floats, axis: Floats) -> bool:

@@ -72,14 +72,10 @@ class SuctionCup(UserParameters):
         return facts_html("SuctionCup (metres, newtons)", dict(self))
 
 
-def _as_text(path: object) -> object:
-    return str(path) if isinstance(path, Path) else path
-
-
 if TYPE_CHECKING:  # what may be given; it is kept as text
     FilePath = str | Path
 else:
-    FilePath = Annotated[UserPath, BeforeValidator(_as_text)]
+    FilePath = Annotated[UserPath, BeforeValidator(lambda p: str(p) if isinstance(p, Path) else p)]
 
 
 # what a file describes

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from egad._util.arrays import Floats
+from egad._util.extras import needed_for
 from egad.errors import UserError, check_name
-from egad.grippers.described import description_files, read_described
+from egad.grippers.described import FILE, read_described
 from egad.grippers.model import HandModel
 from egad.grippers.parameters import Gripper
 
@@ -23,6 +24,8 @@ def files_of(gripper: Gripper) -> list[Path]:
     """The files a gripper is read from: description and meshes, or palm mesh; or `UserError`."""
     if gripper.file is None:
         return [Path(gripper.mesh)] if gripper.mesh else []
+    with needed_for(FILE):
+        from egad.grippers.description import description_files  # noqa: PLC0415 (an extra)
     return description_files(Path(gripper.file))
 
 
@@ -42,16 +45,16 @@ def joint_values(gripper: Gripper, opening: float) -> dict[str, float]:
     Raises:
         UserError: Its file cannot be used.
     """
-    if (model := _model(gripper)) is None:
+    if gripper.file is None:
         return {}
+    model = model_of(gripper)
     positions = model.joint_positions(opening)
     return {name: positions[name] for name in model.joints[: model.n_driven]}
 
 
 def base_link(gripper: Gripper) -> str | None:
     """Name of the link in the file of a gripper that carries its fingers; None without a file."""
-    model = _model(gripper)
-    return None if model is None else model.links[0].name
+    return None if gripper.file is None else model_of(gripper).links[0].name
 
 
 def base_pose(gripper: Gripper, opening: float) -> Floats | None:
@@ -69,15 +72,12 @@ def base_pose(gripper: Gripper, opening: float) -> Floats | None:
     Raises:
         UserError: Its file cannot be used.
     """
-    if (model := _model(gripper)) is None:
+    if gripper.file is None:
         return None
+    model = model_of(gripper)
     pose = np.linalg.inv(model.palm_to_hand)
     pose[:3, 3] -= model.middle_at(np.array(opening))
     return np.asarray(pose)
-
-
-def _model(gripper: Gripper) -> HandModel | None:
-    return None if gripper.file is None else model_of(gripper)
 
 
 # x along the jaws, z from the fixed jaw to the moving one, seen from the frame of a grasp

@@ -2,7 +2,7 @@
 
 import logging
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement, TreeBuilder
@@ -187,13 +187,14 @@ def _check(links: Mapping[str, Element], joints: Mapping[str, Element]) -> None:
     """Raise UserError if a joint names a missing link or joint, or a link hangs on two joints."""
     carriers: dict[str, str] = {}
     for name, joint in joints.items():
-        for tag, link in _named_links(joint):
+        link = ""
+        for tag in ("parent", "child"):
+            found = joint.find(tag)
+            link = "" if found is None else found.get("link", "")
             if link not in links:
                 raise UserError(
                     f"the {tag} of the joint {name} is {link!r}, a link that is not in the file"
                 )
-        child = joint.find("child")
-        link = "" if child is None else child.get("link", "")
         if link in carriers:
             raise UserError(
                 f"the link {link} is the child of two joints, {carriers[link]} and {name}"
@@ -203,10 +204,3 @@ def _check(links: Mapping[str, Element], joints: Mapping[str, Element]) -> None:
         if mimic is not None and mimic.get("joint") not in joints:
             leader = mimic.get("joint")
             raise UserError(f"the joint {name} mimics {leader!r}, a joint that is not in the file")
-
-
-def _named_links(joint: Element) -> Iterator[tuple[str, str]]:
-    """The links that a joint names, each with its role."""
-    for tag in ("parent", "child"):
-        found = joint.find(tag)
-        yield tag, "" if found is None else found.get("link", "")

@@ -48,8 +48,11 @@ def csv_lines(
                     f"{path}, line {line}, column {place + 1} ({name}): a letter is not UTF-8; "
                     f"{SAVE}"
                 )
-            if name in numbers and separator != "," and place < len(row):
-                row[place] = _with_point(row[place], separator)
+            if name not in numbers or separator == "," or place >= len(row):
+                continue
+            # unless its comma may separate thousands
+            if not (separator == "\t" and _THOUSANDS.fullmatch(row[place])):
+                row[place] = _COMMA.sub(r"\1.\2", row[place])
     return filled
 
 
@@ -75,10 +78,3 @@ def _separator(text: str) -> tuple[str, str]:
         return text[stated.end() :], stated[1]
     head = re.sub(r'"[^"]*"', "", text.strip().partition("\n")[0])
     return text, max(",;\t", key=head.count)
-
-
-def _with_point(cell: str, separator: str) -> str:
-    """A number with a decimal point, unless its comma may separate thousands."""
-    if separator == "\t" and _THOUSANDS.fullmatch(cell):
-        return cell
-    return _COMMA.sub(r"\1.\2", cell)

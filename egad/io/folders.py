@@ -129,26 +129,22 @@ def _matched(path: Path, pattern: str) -> list[str]:
 
 def _unique(parts: Mapping[Path, Sequence[str]]) -> dict[str, Path]:
     """A safe name for each file; those that are the same get an ending, or a hash of their path."""
-    names = {path: _safe("-".join(words)) for path, words in parts.items()}
-    for addition in (_ending, _hash):
+
+    def ending(path: Path) -> str:
+        return path.suffix[1:].lower()
+
+    def digest(path: Path) -> str:
+        return hashlib.sha256(path.as_posix().encode()).hexdigest()[:8]
+
+    safe = {path: re.sub(r"[^A-Za-z0-9._-]", "_", "-".join(words)) for path, words in parts.items()}
+    names = {path: text.lstrip(".-") or "object" for path, text in safe.items()}
+    for addition in (ending, digest):
         times = Counter(name.lower() for name in names.values())
         names = {
             path: f"{name}-{addition(path)}" if times[name.lower()] > 1 else name
             for path, name in names.items()
         }
     return {name: path for path, name in names.items()}
-
-
-def _safe(text: str) -> str:
-    return re.sub(r"[^A-Za-z0-9._-]", "_", text).lstrip(".-") or "object"
-
-
-def _ending(path: Path) -> str:
-    return path.suffix[1:].lower()
-
-
-def _hash(path: Path) -> str:
-    return hashlib.sha256(path.as_posix().encode()).hexdigest()[:8]
 
 
 def write_zip(path: Path, folders: Iterable[Path]) -> None:

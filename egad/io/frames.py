@@ -33,7 +33,8 @@ def write_frame(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
         return
     for field in schema:
         if pa.types.is_list(field.type):
-            whole[field.name] = [_joined(values) for values in whole[field.name]]
+            lists = [each if isinstance(each, list) else [] for each in whole[field.name]]
+            whole[field.name] = [" ".join(map(str, each)) for each in lists]
         elif pa.types.is_integer(field.type):
             whole[field.name] = whole[field.name].astype("Int64")
     with atomic_output(path) as temporary:
@@ -48,7 +49,3 @@ def write_matrix(matrix: pd.DataFrame, path: Path) -> None:
             named.to_parquet(temporary, index=False)
         else:
             named.to_csv(temporary, index=False)
-
-
-def _joined(values: object) -> str:
-    return " ".join(str(each) for each in values) if isinstance(values, list) else ""

@@ -92,22 +92,18 @@ def read_content(path: Path) -> Content:
 
 def check_unit_known(paths: Iterable[Path], units: str | None) -> None:
     """Raise `UserError` if no unit is given and a file, which it names, states none."""
-    silent = [path for path in paths if units is None and _is_silent(path)]
-    if silent:
-        raise UserError(
-            f"{silent[0].name} does not state its unit; "
-            f"give `units` (--units of a command): {ALLOWED}"
-        )
-
-
-def _is_silent(path: Path) -> bool:
-    """Whether a file and its format say nothing about its unit."""
-    ending = path.suffix.lower()
-    if ending not in ENDINGS or ending[1:] in PRESCRIBED or not path.is_file():
-        return False
-    with path.open("rb") as file:
-        start = file.read(COMMENTS)
-    return (stated_in_header(start) if ending == ".stl" else stated_in_comments(start)) is None
+    for path in paths if units is None else ():
+        ending = path.suffix.lower()
+        if ending not in ENDINGS or ending[1:] in PRESCRIBED or not path.is_file():
+            continue
+        with path.open("rb") as file:
+            start = file.read(COMMENTS)
+        stated = stated_in_header if ending == ".stl" else stated_in_comments
+        if stated(start) is None:
+            raise UserError(
+                f"{path.name} does not state its unit; "
+                f"give `units` (--units of a command): {ALLOWED}"
+            )
 
 
 def _parsed(path: Path) -> Content:

@@ -234,7 +234,8 @@ def _binary_rows(data: bytes, elements: list[Element], order: str) -> dict[str, 
         kind = _row_type(data, place, element, order)
         if kind is not None and len(data) - place >= kind.itemsize * element.size:
             rows = np.frombuffer(data, kind, element.size, place)
-            if _is_uniform(rows, element):
+            lists = [f"length{k}" for k, one in enumerate(element.properties) if one.length]
+            if all((rows[name] == rows[name][:1]).all() for name in lists):
                 found[element.name] = _columns(rows, element)
                 place += rows.nbytes
                 continue
@@ -264,12 +265,6 @@ def _row_type(data: bytes, place: int, element: Element, order: str) -> np.dtype
             fields.append((f"value{number}", order + one.kind))
         size = np.dtype(fields).itemsize
     return np.dtype(fields)
-
-
-def _is_uniform(rows: np.ndarray, element: Element) -> bool:
-    """Whether all lists are as long as those of the first row."""
-    lengths = [f"length{k}" for k, one in enumerate(element.properties) if one.length]
-    return all((rows[name] == rows[name][:1]).all() for name in lengths)
 
 
 def _columns(rows: np.ndarray, element: Element) -> ElementRows:

@@ -41,6 +41,7 @@ KNOWN = (CORE, PRODUCTION, f"{MICROSOFT}/material/2015/02")  # the last has no s
 MODEL_KIND = f"{MICROSOFT}/2013/01/3dmodel"
 USUAL_MODEL = "3d/3dmodel.model"
 UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
+SHAPES = ("beamlattice", "booleanshape", "levelset", "displacementmesh")  # of extensions
 SAME = np.eye(4)[:, :3]  # a transform (4, 3) of rows that are multiplied from the left
 
 
@@ -199,9 +200,8 @@ class _Package:
     def _mesh(self, leaf: _Leaf) -> tuple[Floats, Ints, list[Volume]]:
         """Vertices and faces of an object, and the volumes that are noted within it."""
         mesh = leaf.found.find(f"{TAG}mesh")
-        others = [
-            each for each in (leaf.found if mesh is None else mesh) if _is_foreign_shape(each)
-        ]
+        within = leaf.found if mesh is None else mesh
+        others = [each for each in within if _local_name(each) in SHAPES and TAG not in each.tag]
         if mesh is None or others:
             name = _local_name(others[0]) if others else "nothing"
             raise RejectedError(f"an object has a shape of {name}, which is not supported")
@@ -264,13 +264,6 @@ def _parsed(data: bytes) -> tuple[Element, dict[str, str]]:
         return parser.close(), tree.namespaces
     except ElementTree.ParseError as error:
         raise RejectedError(f"it is damaged: {str(error)[:120]}") from error
-
-
-def _is_foreign_shape(element: Element) -> bool:
-    """Whether an element of an extension shapes an object, such as a lattice of beams."""
-    if element.tag.startswith(TAG):
-        return False
-    return _local_name(element) in ("beamlattice", "booleanshape", "levelset", "displacementmesh")
 
 
 def _local_name(element: Element) -> str:

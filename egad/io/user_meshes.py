@@ -11,16 +11,44 @@ import numpy as np
 import pandas as pd
 import trimesh
 
-from egad._util.files import atomic_output
+from egad._util.files import as_path, atomic_output
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.errors import RejectedError
-from egad.geometry import units_doubt
-from egad.io.mesh import read_mesh
+from egad.geometry import check_units, units_doubt
+from egad.io import mesh as files
 from egad.io.obj import write_obj
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)
+
+
+def read_mesh(path: str | Path, units: str | None = None) -> trimesh.Trimesh:
+    """Read a mesh file as one mesh in metres: obj, stl, ply, off, glb or 3mf.
+
+    Polygons become triangles that lie within them. All objects, groups and nodes become one mesh,
+    where the file puts them; vertices at the same place are merged. Colors, materials and normals
+    are left out. glTF files have y up: they are turned to have z up. `docs/guides/own-meshes.md`
+    lists what is read of each format.
+
+    Args:
+        path: The file.
+        units: Unit of its coordinates: `m`, `cm`, `mm` or `inch`. It may be left out if the file
+            states it (3mf, or a comment such as `unit: mm`), or the format does (glb: metres).
+
+    Raises:
+        RejectedError: The file is damaged, is not a mesh, has no faces, or has a feature that is
+            not read, such as a free-form surface or a compressed mesh; the message names it. Or it
+            states another unit than the one given, or neither gives one.
+        UserError: The unit is unknown, or `path` is not a path.
+
+    Warns:
+        UnitsWarning: The size of the mesh suggests another unit.
+    """
+    file = as_path("path", path)
+    mesh = files.read_mesh(file, units)
+    check_units(mesh, f"the mesh {file.name}", units or "the unit of the file")
+    return mesh
 
 
 def use_mesh(
@@ -29,7 +57,7 @@ def use_mesh(
     """What is made from a mesh file, or the reason why nothing is; its longest side, or NaN."""
     longest = np.nan
     try:
-        mesh = read_mesh(path, units)
+        mesh = files.read_mesh(path, units)
         longest = float(mesh.extents.max())
         return use(mesh), longest
     except RejectedError as reason:

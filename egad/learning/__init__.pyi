@@ -17,3 +17,6 @@ from .scene_scores import DECISION_THRESHOLD as DECISION_THRESHOLD
 from .scene_scores import SceneScore as SceneScore
 from .scene_scores import scene_score as scene_score
 from .scene_scores import scene_score_table as scene_score_table
+from .shards import remove_leftovers as remove_leftovers
+from .shards import rows_of as rows_of
+from .shards import shard_files as shard_files

@@ -32,7 +32,7 @@ class Crop(NamedTuple):
     side: int = SIZE
 
 
-WHOLE = Crop()
+WHOLE: Crop = Crop()
 
 
 def sample_change(zoom: tuple[float, float], rng: np.random.Generator) -> Change:

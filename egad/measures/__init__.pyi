@@ -2,7 +2,6 @@ from .attainable import Attainable as Attainable
 from .attainable import attainable_graspability as attainable_graspability
 from .custom import check_measures as check_measures
 from .custom import plugin_name as plugin_name
-from .custom import source_hash as source_hash
 from .graspability import grasped_size as grasped_size
 from .graspability import rough_graspability as rough_graspability
 from .graspability import spaced_graspability as spaced_graspability

@@ -17,17 +17,15 @@ WHERE = "measures"
 
 def plugin_value(measure: str, mesh: trimesh.Trimesh, axes: CustomMeasures | None = None) -> float:
     """The value of a user's measure of a closed mesh, metres; `RejectedError` if it fails."""
-    function, name = _function(measure), plugin_name(measure)
-    parameters = (axes or CustomMeasures()).parameters()
-    try:
+    function: Measure = plugins.find(measure, WHERE, "function")
+    name, parameters = plugin_name(measure), (axes or CustomMeasures()).parameters()
+
+    def run() -> Any:  # noqa: ANN401 (whatever it gives)
         names = inspect.signature(function).parameters if parameters else {}
         used = {key: value for key, value in parameters.items() if key in names}
-        given = function(mesh.copy(), **used)
-    except MemoryError:
-        raise  # says nothing about the object
-    except Exception as error:
-        what = f"{plugins.place_of(error)}: {type(error).__name__}: {error}"
-        raise RejectedError(f"{name} failed{what}") from error
+        return function(mesh.copy(), **used)
+
+    given = plugins.call(name, run)
     try:
         value = float(given)
     except (TypeError, ValueError, OverflowError) as error:
@@ -45,14 +43,4 @@ def plugin_name(measure: str) -> str:
 def check_measures(axes: CustomMeasures) -> None:
     """Raise `UserError` if one of the user's measures does not exist."""
     for measure in axes.functions().values():
-        _function(measure)
-
-
-def source_hash(measure: str) -> str:
-    """A fingerprint of the file that defines a measure, which is not run; `UserError` if none."""
-    return plugins.source_hash(measure, WHERE)
-
-
-def _function(measure: str) -> Measure:
-    found: Measure = plugins.find(measure, WHERE, "function")
-    return found
+        plugins.find(measure, WHERE, "function")

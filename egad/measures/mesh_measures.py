@@ -1,9 +1,11 @@
-"""Complexity and graspability of meshes."""
+"""Complexity and graspability of meshes, and how similar they are."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import trimesh
 
+from egad._util.arrays import Floats
 from egad._util.display import facts_html
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import phase_if_slow
@@ -15,6 +17,8 @@ from egad.measures.graspability import grasped_size
 from egad.measures.grid import Cell, cell_name, cell_of
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MAP_RULE, MAX_CANDIDATES, default_measures
+from egad.measures.reeb import Similarity, extract
+from egad.measures.reeb import similarity as matching
 
 MAP_GRIPPER = "yumi"  # the cells of the map are for it
 LARGE = 0.02  # graspability that is not written in thousandths
@@ -67,19 +71,14 @@ class Measures(NamedTuple):
         return self.rule == MAP_RULE and self.opening == as_gripper(MAP_GRIPPER).opening
 
     @property
-    def _graspability_text(self) -> str:
-        if self.graspability > LARGE:
-            return f"{self.graspability:.3f} ± {self.graspability_std:.3f}"
-        value, std = 1000 * self.graspability, 1000 * self.graspability_std
-        return f"{value:.3f} ± {std:.3f} 1e-3"
-
-    @property
     def _facts(self) -> dict[str, str]:
         """The measures, then the conditions under which they hold."""
+        factor, unit = (1, "") if self.graspability > LARGE else (1000, " 1e-3")
+        value, std = factor * self.graspability, factor * self.graspability_std
         hand = f"{self.gripper}, " if self.gripper else ""
         facts = {
             "complexity": f"{self.complexity:.3f} bit ({self.raw_complexity:.3f} by its triangles)",
-            "graspability": self._graspability_text,
+            "graspability": f"{value:.3f} ± {std:.3f}{unit}",
             "cell confidence": f"{100 * self.cell_confidence:.0f} %",
             "grasped by": f"a gripper ({hand}opening {1000 * self.opening:g} mm)",
             "at": f"{size_text(self.sides, self.factor)} by the rule {self.rule}",
@@ -170,3 +169,39 @@ def measure(
         dropped_bodies=repaired.dropped_bodies,
         dropped_volume=repaired.dropped_volume,
     )
+
+
+def similarity(first: trimesh.Trimesh, second: trimesh.Trimesh) -> float:
+    """Similarity of two shapes by their Reeb graphs: 1 for equal ones, 0 for nothing in common.
+
+    Args:
+        first: A mesh, in any unit.
+        second: Another one.
+
+    Raises:
+        RejectedError: A mesh cannot be repaired or has no Reeb graph.
+
+    Warns:
+        DroppedBodiesWarning: A mesh has several bodies; only the largest is compared.
+
+    Source: Hilaga et al., Topology Matching, SIGGRAPH 2001.
+    """
+    return float(similarity_matrix([first, second])[0, 1])
+
+
+@phase_if_slow("comparing meshes")
+def similarity_matrix(meshes: Sequence[trimesh.Trimesh]) -> Floats:
+    """Similarities of all pairs of n shapes, (n, n): symmetric, with 1 on the diagonal.
+
+    Args:
+        meshes: The shapes, each in any unit.
+
+    Raises:
+        RejectedError: A mesh cannot be repaired or has no Reeb graph.
+
+    Warns:
+        DroppedBodiesWarning: A mesh has several bodies; only the largest is compared.
+    """
+    parameters = Similarity()
+    graphs = [extract(repair_with_warning(mesh).mesh, parameters) for mesh in meshes]
+    return matching.similarity_matrix(graphs, parameters.weight)

@@ -67,12 +67,16 @@ def arrange(
     frame: pd.DataFrame, settings: CellsAndDiversities, evolved: bool, threads: int = 1
 ) -> pd.DataFrame:
     """Add cells, diversities and labels; sort by label."""
+
+    def shown(batches: list[NDArray[np.int64]]) -> Iterator[NDArray[np.int64]]:
+        return progress(batches, "comparing objects, batches", len(batches))
+
     graphs = [reeb.unpack(data) for data in frame["graph"]]
     space = settings.space
     frame = frame.assign(
         complexity_cell=complexity_cells(frame["complexity"], space),
         difficulty_cell=difficulty_cells(frame["graspability"], space),
-        diversity=diversities(graphs, settings.similarity.weight, space.neighbors, threads, _shown),
+        diversity=diversities(graphs, settings.similarity.weight, space.neighbors, threads, shown),
     )
     if not evolved:
         return frame.assign(label=frame["id"]).sort_values("label", ignore_index=True)
@@ -82,7 +86,3 @@ def arrange(
         ignore_index=True,
     )
     return frame.assign(label=labels(frame["complexity_cell"], frame["difficulty_cell"]))
-
-
-def _shown(batches: list[NDArray[np.int64]]) -> Iterator[NDArray[np.int64]]:
-    return progress(batches, "comparing objects, batches", len(batches))

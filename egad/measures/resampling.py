@@ -10,6 +10,7 @@ docs/measures.md reports.
 
 from collections.abc import Iterator
 from itertools import product
+from operator import attrgetter
 
 import numpy as np
 import trimesh
@@ -35,6 +36,7 @@ GOOD, FAIR = 0.06, 0.07  # deviations, voxels: of recovered objects, and of othe
 SCORED = 1000  # vertices that tell a bad grid
 TURNS = 50  # of the search for axes
 FLAT = 0.9  # cosine between an axis and the normals of faces between two voxels
+_deviation = attrgetter("deviation")  # of a `Fit`
 _TURNS = [*np.eye(3) * np.pi / 8, *np.eye(3) * -np.pi / 8, *np.eye(3) * np.pi / 4]
 _STARTS = [np.eye(3), *Rotation.from_rotvec([*_TURNS, np.full(3, np.pi / 27**0.5)]).as_matrix()]
 
@@ -101,10 +103,6 @@ def _search(target: FitTarget, frame: Floats, sides: Floats, most: int = 3) -> F
     promising = good or sorted(fits, key=_deviation)[:most]
     refined = [_refined(target, each, 1, 2, turn) for each in promising]
     return _refined(target, min(refined, key=_deviation), 3, 6, turn) if refined else None
-
-
-def _deviation(each: Fit) -> float:
-    return each.deviation
 
 
 def _refined(target: FitTarget, best: Fit, times: int, rounds: int, turn: bool) -> Fit:

@@ -4,7 +4,7 @@ The figure is EGAD's (Morrison, Corke and Leitner, RA-L 2020): percentiles of gr
 size of an object relative to its gripper. Repetitions and the share of candidates are ours.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -42,23 +42,12 @@ def size_effect(mesh: trimesh.Trimesh, name: str, settings: SizeEffectParameters
         for repeat in range(wanted.repeats):
             rng = generator(settings.seed, "size-effect", name, f"{fraction:g}", repeat)
             known = {"name": name, "fraction": fraction, "repeat": repeat}
-            rows.extend(known | row for row in _rated(caster, settings, rng))
+            qualities, candidates, possible = _qualities(caster, settings, rng)
+            known |= {"candidates": candidates, "possible": possible, "grasps": len(qualities)}
+            for percent in wanted.percentiles:
+                value = percentile(qualities, percent) if len(qualities) else np.nan
+                rows.append(known | {"percentile": percent, "quality": value})
     return pd.DataFrame(rows, columns=SIZE_EFFECT.names)
-
-
-def _rated(
-    caster: RayCaster, settings: SizeEffectParameters, rng: np.random.Generator
-) -> Iterator[dict[str, Any]]:
-    """Results at one size, one row per percentile."""
-    qualities, candidates, possible = _qualities(caster, settings, rng)
-    for percent in settings.size_effect.percentiles:
-        yield {
-            "candidates": candidates,
-            "possible": possible,
-            "grasps": len(qualities),
-            "percentile": percent,
-            "quality": percentile(qualities, percent) if len(qualities) else np.nan,
-        }
 
 
 def _qualities(

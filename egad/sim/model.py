@@ -7,9 +7,10 @@ import numpy as np
 import trimesh
 
 from egad._util.arrays import Floats
-from egad.geometry import Bundle, MassProperties, Material, make_simulation_object
+from egad.geometry import Bundle, MassProperties, Material
 from egad.grippers import Gripper
 from egad.objects import NamedMesh, scaled_solid
+from egad.sim import make_simulation_object
 
 # kg; PyBullet's solver does not converge for lighter bodies under large grip forces:
 # studies/engines/README.md

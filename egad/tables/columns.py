@@ -1,17 +1,15 @@
 """Building blocks of the schemas: types, and the columns that several tables share."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 import pyarrow as pa
 
 from egad._util.arrays import Floats
-from egad._util.markdown import table
 from egad.errors import TableError
 
 STRING, INT, FLOAT, BOOL, BINARY = (
@@ -40,6 +38,16 @@ text, integer, real = (partial(column, kind=each) for each in (STRING, INT, FLOA
 boolean, binary = (partial(column, kind=each) for each in (BOOL, BINARY))
 
 
+def values(name: str, meaning: str, unit: str = "", *, of: pa.DataType) -> pa.Field:
+    """A column of lists."""
+    return column(name, meaning, unit, kind=pa.list_(of))
+
+
+def schema(*fields: pa.Field) -> pa.Schema:
+    """The schema of some columns."""
+    return pa.schema(fields)
+
+
 def optional(field: pa.Field) -> pa.Field:
     """A column that a file may lack: it is then read as NaN."""
     return field.with_metadata({**field.metadata, b"optional": b"true"})
@@ -48,12 +56,6 @@ def optional(field: pa.Field) -> pa.Field:
 def meaning_of(field: pa.Field) -> tuple[str, str]:
     """The meaning and the unit of a column that `column` made."""
     return field.metadata[b"meaning"].decode(), field.metadata[b"unit"].decode()
-
-
-def markdown_table(schema: pa.Schema) -> str:
-    """Columns with type, unit and meaning, as a table in Markdown."""
-    rows = [(f"`{field.name}`", field.type, *reversed(meaning_of(field))) for field in schema]
-    return table(["column", "type", "unit", "meaning"], rows)
 
 
 def vector(
@@ -74,14 +76,6 @@ INERTIA = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2),
 def inertia_columns(tensor: Floats) -> dict[str, float]:
     """The columns of a symmetric tensor (3, 3) by name: inertia_xx to inertia_yz."""
     return {f"inertia_{name}": float(tensor[place]) for name, place in INERTIA.items()}
-
-
-def inertia_tensor(row: Mapping[str, Any]) -> Floats:
-    """The tensor (3, 3) of a row with these columns."""
-    tensor = np.empty((3, 3))
-    for name, (first, second) in INERTIA.items():
-        tensor[first, second] = tensor[second, first] = row[f"inertia_{name}"]
-    return tensor
 
 
 INERTIA_COLUMNS = vector(

@@ -1,7 +1,5 @@
 """Tables of the evaluation set: objects, files for printers and simulators, trials."""
 
-import pyarrow as pa
-
 from egad.tables.columns import (
     CELLS,
     COMPLEXITY,
@@ -16,12 +14,13 @@ from egad.tables.columns import (
     ROBUST_SUCCESS_RATE,
     Result,
     boolean,
-    column,
     integer,
     optional,
     pose,
     real,
+    schema,
     text,
+    values,
     vector,
 )
 from egad.tables.outcomes import (
@@ -65,155 +64,136 @@ FAILURE = optional(
 )
 SUCCESS = boolean("success", "whether the object was still held at the end")
 
-EVAL49 = pa.schema(
-    [
-        text(
-            "label",
-            "name in the evaluation set: A0 = easiest and simplest, or the name of an own mesh",
-        ),
-        ID,
-        text("object_label", "label of the object in its dataset"),
-        integer("row", "row of the coarse grid, 0 = easiest"),
-        integer("column", "column of the coarse grid, 0 = simplest"),
-        boolean(
-            "borrowed", "whether the object comes from a neighboring cell because this one had none"
-        ),
-        COMPLEXITY,
-        GRASPABILITY,
-        *CELLS,
-        real("nearest", "distance to the nearest other object of the set"),
-    ]
+EVAL49 = schema(
+    text(
+        "label", "name in the evaluation set: A0 = easiest and simplest, or the name of an own mesh"
+    ),
+    ID,
+    text("object_label", "label of the object in its dataset"),
+    integer("row", "row of the coarse grid, 0 = easiest"),
+    integer("column", "column of the coarse grid, 0 = simplest"),
+    boolean(
+        "borrowed", "whether the object comes from a neighboring cell because this one had none"
+    ),
+    COMPLEXITY,
+    GRASPABILITY,
+    *CELLS,
+    real("nearest", "distance to the nearest other object of the set"),
 )
 
-MANIFEST = pa.schema(
-    [
-        PLACE,
-        ID,
-        text("file", "STL file, coordinates in millimetres"),
-        integer("plate", "number of the 3MF plate; null if it does not fit the bed"),
-        *vector("place", "lowest corner of the object on the plate", "mm", "xy"),
-        *vector("extents", "sides of the axis-aligned box as printed", "mm"),
-        real("volume", "volume of the solid", "mm3"),
-        real("filament", "estimated mass of the filament, without supports", "g"),
-        text("pose", "how the pose was chosen: stable or overhang"),
-        real("pose_probability", "probability of resting in this pose when dropped"),
-        real("overhang", "area that needs support", "mm2"),
-        real("contact", "area of the first layer", "mm2"),
-        real("factor", "scaled size / size of the mesh in meshes/"),
-        boolean("engraved", "whether the label is engraved"),
-        text("settings", "recommended print settings"),
-        text("note", "what to know before printing; empty if nothing"),
-    ]
+MANIFEST = schema(
+    PLACE,
+    ID,
+    text("file", "STL file, coordinates in millimetres"),
+    integer("plate", "number of the 3MF plate; null if it does not fit the bed"),
+    *vector("place", "lowest corner of the object on the plate", "mm", "xy"),
+    *vector("extents", "sides of the axis-aligned box as printed", "mm"),
+    real("volume", "volume of the solid", "mm3"),
+    real("filament", "estimated mass of the filament, without supports", "g"),
+    text("pose", "how the pose was chosen: stable or overhang"),
+    real("pose_probability", "probability of resting in this pose when dropped"),
+    real("overhang", "area that needs support", "mm2"),
+    real("contact", "area of the first layer", "mm2"),
+    real("factor", "scaled size / size of the mesh in meshes/"),
+    boolean("engraved", "whether the label is engraved"),
+    text("settings", "recommended print settings"),
+    text("note", "what to know before printing; empty if nothing"),
 )
 
-BUNDLE = pa.schema(
-    [
-        text("label", "name in the evaluation set, and name of the folder of the object"),
-        ID,
-        text("method", "how the convex parts were made: cut or coacd"),
-        integer("parts", "number of convex parts"),
-        VOLUME_ERROR,
-        DEVIATION,
-        BURIED,
-        DEVIATION_BOUND,
-        WITHIN,
-        integer("poses", "number of stable poses in poses.json"),
-        real("volume", "volume of the solid", "m3"),
-        real("density", "density that mass and inertia are computed with", "kg/m3"),
-        real("friction", "sliding friction in URDF and MJCF"),
-        real("mass", "mass", "kg"),
-        *vector("com", "center of mass in the frame of the mesh", "m"),
-        *INERTIA_COLUMNS,
-    ]
+BUNDLE = schema(
+    text("label", "name in the evaluation set, and name of the folder of the object"),
+    ID,
+    text("method", "how the convex parts were made: cut or coacd"),
+    integer("parts", "number of convex parts"),
+    VOLUME_ERROR,
+    DEVIATION,
+    BURIED,
+    DEVIATION_BOUND,
+    WITHIN,
+    integer("poses", "number of stable poses in poses.json"),
+    real("volume", "volume of the solid", "m3"),
+    real("density", "density that mass and inertia are computed with", "kg/m3"),
+    real("friction", "sliding friction in URDF and MJCF"),
+    real("mass", "mass", "kg"),
+    *vector("com", "center of mass in the frame of the mesh", "m"),
+    *INERTIA_COLUMNS,
 )
 
-CONVEX_PARTS = pa.schema(
-    [
-        LABEL,
-        ID,
-        integer("part", "number of the part within its object"),
-        column("vertices", "vertex coordinates, flat", "m", kind=pa.list_(FLOAT)),
-        column("faces", "vertex indices of the triangles, flat", kind=pa.list_(INT)),
-        VOLUME_ERROR,
-        DEVIATION,
-        BURIED,
-        DEVIATION_BOUND,
-        WITHIN,
-    ]
+CONVEX_PARTS = schema(
+    LABEL,
+    ID,
+    integer("part", "number of the part within its object"),
+    values("vertices", "vertex coordinates, flat", "m", of=FLOAT),
+    values("faces", "vertex indices of the triangles, flat", of=INT),
+    VOLUME_ERROR,
+    DEVIATION,
+    BURIED,
+    DEVIATION_BOUND,
+    WITHIN,
 )
 
-RESULTS = pa.schema(
-    [
-        PLACE,
-        text("id", "name of the object in its dataset; empty if not known"),
-        integer("attempt", "number of the attempt"),
-        SUCCESS,
-        text("outcome", f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),
-        real("quality", "quality that the detector predicted; null if it gave none"),
-        text("detector", "name of the grasp detector"),
-        text("initial_pose", "initial pose of the object, in hexadecimal; empty on a real robot"),
-        optional(text("engine", "physics engine; empty on a real robot")),
-        optional(ERRORS),
-        optional(CONTACT),
-    ]
+RESULTS = schema(
+    PLACE,
+    text("id", "name of the object in its dataset; empty if not known"),
+    integer("attempt", "number of the attempt"),
+    SUCCESS,
+    text("outcome", f"as in the table of simulated trials, {listed(NOTED_BY_HAND)}"),
+    real("quality", "quality that the detector predicted; null if it gave none"),
+    text("detector", "name of the grasp detector"),
+    text("initial_pose", "initial pose of the object, in hexadecimal; empty on a real robot"),
+    optional(text("engine", "physics engine; empty on a real robot")),
+    optional(ERRORS),
+    optional(CONTACT),
 )
 
-TRIALS = pa.schema(
-    [
-        PLACE,
-        ID,
-        integer("attempt", "number of the attempt"),
-        text("seed", "seed of the attempt (hexadecimal)"),
-        text("calibration", "seed of the calibration, shared by several attempts"),
-        ERRORS,
-        CONTACT,
-        SUCCESS,
-        text(
-            "outcome",
-            listed((*EXECUTION, *SUCTION_FAILURES, *SIMULATION_FAILURES, *DETECTOR_FAILURES)),
-        ),
-        text(
-            "initial_pose",
-            "how the attempt began: dropped, released by the hand (from_hand) or left",
-        ),
-        *pose(
-            "initial",
-            "initial pose of the object (center of mass, principal axes) in the world frame",
-        ),
-        *vector("grasp", "center of the grasp that was tried, world frame", "m"),
-        real("angle", "angle of the closing axis about the vertical", "rad"),
-        real("width", "opening that the detector asked for", "m"),
-        real("depth", "how far the fingertips should reach below the center", "m"),
-        real("quality", "quality that the detector predicted"),
-        real("lifted", "height gained by the object at the end", "m"),
-        *pose("end", "final pose of the object, in the frames of its initial pose"),
-        real("stopped", "distance before the grasp at which a contact stopped the hand", "m"),
-        integer("parts", "number of convex parts of the simulated object"),
-        real("volume_error", "volume of the parts / volume of the object - 1"),
-        ENGINE,
-        FAILURE,
-    ]
+TRIALS = schema(
+    PLACE,
+    ID,
+    integer("attempt", "number of the attempt"),
+    text("seed", "seed of the attempt (hexadecimal)"),
+    text("calibration", "seed of the calibration, shared by several attempts"),
+    ERRORS,
+    CONTACT,
+    SUCCESS,
+    text(
+        "outcome", listed((*EXECUTION, *SUCTION_FAILURES, *SIMULATION_FAILURES, *DETECTOR_FAILURES))
+    ),
+    text(
+        "initial_pose", "how the attempt began: dropped, released by the hand (from_hand) or left"
+    ),
+    *pose(
+        "initial", "initial pose of the object (center of mass, principal axes) in the world frame"
+    ),
+    *vector("grasp", "center of the grasp that was tried, world frame", "m"),
+    real("angle", "angle of the closing axis about the vertical", "rad"),
+    real("width", "opening that the detector asked for", "m"),
+    real("depth", "how far the fingertips should reach below the center", "m"),
+    real("quality", "quality that the detector predicted"),
+    real("lifted", "height gained by the object at the end", "m"),
+    *pose("end", "final pose of the object, in the frames of its initial pose"),
+    real("stopped", "distance before the grasp at which a contact stopped the hand", "m"),
+    integer("parts", "number of convex parts of the simulated object"),
+    real("volume_error", "volume of the parts / volume of the object - 1"),
+    ENGINE,
+    FAILURE,
 )
 
-AGREEMENT = pa.schema(
-    [
-        PLACE,
-        ID,
-        integer("grasp", "number of the grasp on its object, as in the table of grasps"),
-        QUALITY,
-        ROBUST_QUALITY,
-        ROBUST_SUCCESS_RATE,
-        SUCCESS,
-        text("outcome", listed((*EXECUTION, *SIMULATION_FAILURES))),
-        real("lifted", "height gained by the object at the end", "m"),
-        integer("n_labelled", "number of labelled grasps of the object"),
-        integer(
-            "n_collision_free",
-            "number of collision-free labelled grasps of the object, from which the sample was "
-            "drawn",
-        ),
-        ENGINE,
-    ]
+AGREEMENT = schema(
+    PLACE,
+    ID,
+    integer("grasp", "number of the grasp on its object, as in the table of grasps"),
+    QUALITY,
+    ROBUST_QUALITY,
+    ROBUST_SUCCESS_RATE,
+    SUCCESS,
+    text("outcome", listed((*EXECUTION, *SIMULATION_FAILURES))),
+    real("lifted", "height gained by the object at the end", "m"),
+    integer("n_labelled", "number of labelled grasps of the object"),
+    integer(
+        "n_collision_free",
+        "number of collision-free labelled grasps of the object, from which the sample was drawn",
+    ),
+    ENGINE,
 )
 
 FILES = [

@@ -12,11 +12,12 @@ from egad.tables.columns import (
     Result,
     binary,
     boolean,
-    column,
     integer,
     pose,
     real,
+    schema,
     text,
+    values,
 )
 from egad.tables.evolution import ARCHIVE, GENOME
 
@@ -40,95 +41,83 @@ def counts_in(engine: str) -> list[pa.Field]:
     return [field.with_name(f"{field.name}_{engine}") for field in _COUNTS]
 
 
-RESULTS = pa.schema(
-    [
-        real("objective", "estimated difference, shrunk towards 0, in steps of 0.1"),
-        *counts_in("mujoco"),
-        *counts_in("pybullet"),
-    ]
+RESULTS = schema(
+    real("objective", "estimated difference, shrunk towards 0, in steps of 0.1"),
+    *counts_in("mujoco"),
+    *counts_in("pybullet"),
 )
-EXPLAINED = pa.schema(
-    [
-        integer(
-            "n_explained",
-            "number of explained drops: failed drops at which other proposals were also tried",
-        ),
-        integer("n_nothing", "number of explained drops at which nothing was proposed"),
-        integer(
-            "n_not_chosen",
-            "number of explained drops at which another one of the first ten proposals holds the "
-            "object",
-        ),
-        integer(
-            "n_none_good",
-            "number of explained drops at which none of the first ten proposals holds the object",
-        ),
-    ]
+EXPLAINED = schema(
+    integer(
+        "n_explained",
+        "number of explained drops: failed drops at which other proposals were also tried",
+    ),
+    integer("n_nothing", "number of explained drops at which nothing was proposed"),
+    integer(
+        "n_not_chosen",
+        "number of explained drops at which another one of the first ten proposals holds the "
+        "object",
+    ),
+    integer(
+        "n_none_good",
+        "number of explained drops at which none of the first ten proposals holds the object",
+    ),
 )
 VERDICT = text(
     "verdict",
     "failure; or why the object is not one: cell_full, not_measured, not_simulated, "
     "detector_succeeds, not_graspable (the reference fails, too), not_printable, not_confirmed",
 )
-EXAMINED = pa.schema(
-    [
-        ID,
-        integer("shard", "number of the independent search"),
-        integer("step", "step of the search"),
-        text("source", "archive, child (of failures or of the archive) or random"),
-        column("parents", "ids of the parents", kind=pa.list_(STRING)),
-        VERDICT,
-        text("reason", "reason for the verdict; empty if the counts explain it"),
-        COMPLEXITY,
-        GRASPABILITY,
-        *CELLS,
-        integer("attempts", "number of simulated grasps of the detector and of the reference"),
-        *RESULTS,
-        *GENOME,
-        binary("voxels", "solid voxels, as in `archive.parquet`; empty if no attempt was made"),
-        binary("graph", "packed Reeb graph; empty if the objective is 0"),
-    ]
+EXAMINED = schema(
+    ID,
+    integer("shard", "number of the independent search"),
+    integer("step", "step of the search"),
+    text("source", "archive, child (of failures or of the archive) or random"),
+    values("parents", "ids of the parents", of=STRING),
+    VERDICT,
+    text("reason", "reason for the verdict; empty if the counts explain it"),
+    COMPLEXITY,
+    GRASPABILITY,
+    *CELLS,
+    integer("attempts", "number of simulated grasps of the detector and of the reference"),
+    *RESULTS,
+    *GENOME,
+    binary("voxels", "solid voxels, as in `archive.parquet`; empty if no attempt was made"),
+    binary("graph", "packed Reeb graph; empty if the objective is 0"),
 )
 
-FAILURES = pa.schema([*ARCHIVE, *RESULTS, *EXPLAINED])
+FAILURES = schema(*ARCHIVE, *RESULTS, *EXPLAINED)
 
-MATCHED = pa.schema(
-    [
-        text("label", "name in the set: A and the number of the pair, or B"),
-        integer("pair", "number of the pair, starting with the simplest failure"),
-        boolean("is_failure", "whether the object is the failure of the pair, not its partner"),
-        real("similarity", "similarity of the two shapes, 0 to 1"),
-        *ARCHIVE,
-        *counts_in("mujoco"),
-        *counts_in("pybullet"),
-    ]
+MATCHED = schema(
+    text("label", "name in the set: A and the number of the pair, or B"),
+    integer("pair", "number of the pair, starting with the simplest failure"),
+    boolean("is_failure", "whether the object is the failure of the pair, not its partner"),
+    real("similarity", "similarity of the two shapes, 0 to 1"),
+    *ARCHIVE,
+    *counts_in("mujoco"),
+    *counts_in("pybullet"),
 )
 
-FAILURE_ATTEMPTS = pa.schema(
-    [
-        ID,
-        text("engine", "physics engine"),
-        text(
-            "purpose",
-            "screen, choose, confirm or explain; of a matched set: choose, qualify or matched",
-        ),
-        integer("drop", "number of the drop, which decides where the object lies"),
-        text("who", "who proposed the grasp: detector or reference"),
-        integer(
-            "rank", "rank of the proposal: 0 for the one chosen, n for the one after n better ones"
-        ),
-        boolean("success", "whether the object was still held at the end"),
-        text("outcome", "outcome of the attempt"),
-        *pose("rest", "pose of the object before the attempt"),
-        column(
-            "pose",
-            "first three rows of the pose of the hand; empty if there was no grasp",
-            kind=pa.list_(FLOAT),
-        ),
-        real("width", "opening of the hand", "m"),
-        real("score", "score that was predicted for the grasp"),
-        text("failure", "what the detector did wrong; empty if nothing"),
-    ]
+FAILURE_ATTEMPTS = schema(
+    ID,
+    text("engine", "physics engine"),
+    text(
+        "purpose",
+        "screen, choose, confirm or explain; of a matched set: choose, qualify or matched",
+    ),
+    integer("drop", "number of the drop, which decides where the object lies"),
+    text("who", "who proposed the grasp: detector or reference"),
+    integer(
+        "rank", "rank of the proposal: 0 for the one chosen, n for the one after n better ones"
+    ),
+    boolean("success", "whether the object was still held at the end"),
+    text("outcome", "outcome of the attempt"),
+    *pose("rest", "pose of the object before the attempt"),
+    values(
+        "pose", "first three rows of the pose of the hand; empty if there was no grasp", of=FLOAT
+    ),
+    real("width", "opening of the hand", "m"),
+    real("score", "score that was predicted for the grasp"),
+    text("failure", "what the detector did wrong; empty if nothing"),
 )
 
 FILES = [

@@ -1,7 +1,5 @@
 """Tables of objects: what they are, where they lie in the space, and which were left out."""
 
-import pyarrow as pa
-
 from egad.tables.columns import (
     CELL_CONFIDENCE,
     CELLS,
@@ -19,10 +17,11 @@ from egad.tables.columns import (
     Result,
     binary,
     boolean,
-    column,
     integer,
     real,
+    schema,
     text,
+    values,
     vector,
 )
 
@@ -41,111 +40,99 @@ _DROPPED = [
 ]
 _GRAPH = binary("graph", "packed Reeb graph of the object")
 _GRASPS = integer("grasps", "number of grasps that the graspability was computed from")
-SOLIDS = pa.schema(
-    [
-        ID,
-        COMPLEXITY,
-        RAW_COMPLEXITY,
-        GRASPABILITY,
-        GRASPABILITY_STD,
-        CELL_CONFIDENCE,
-        _GRASPS,
-        real("archive_graspability", "graspability measured during evolution, for selection"),
-        real("volume", "volume of the solid", "m3"),
-        real("area", "surface area", "m2"),
-        boolean("watertight", "whether every edge has exactly two faces"),
-        boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
-        _SHELL,
-        *_DROPPED,
-        *vector("extents", "sides of the axis-aligned box", "m"),
-        *vector("com", "center of mass", "m"),
-        real("mass", "mass at the configured density", "kg"),
-        *INERTIA_COLUMNS,
-        column("vertices", "vertex coordinates, flat", "m", kind=pa.list_(FLOAT)),
-        column("faces", "vertex indices of the triangles, flat", kind=pa.list_(INT)),
-        _GRAPH,
-    ]
+SOLIDS = schema(
+    ID,
+    COMPLEXITY,
+    RAW_COMPLEXITY,
+    GRASPABILITY,
+    GRASPABILITY_STD,
+    CELL_CONFIDENCE,
+    _GRASPS,
+    real("archive_graspability", "graspability measured during evolution, for selection"),
+    real("volume", "volume of the solid", "m3"),
+    real("area", "surface area", "m2"),
+    boolean("watertight", "whether every edge has exactly two faces"),
+    boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
+    _SHELL,
+    *_DROPPED,
+    *vector("extents", "sides of the axis-aligned box", "m"),
+    *vector("com", "center of mass", "m"),
+    real("mass", "mass at the configured density", "kg"),
+    *INERTIA_COLUMNS,
+    values("vertices", "vertex coordinates, flat", "m", of=FLOAT),
+    values("faces", "vertex indices of the triangles, flat", of=INT),
+    _GRAPH,
 )
-GRAPHS = pa.schema([ID, _GRAPH])
+GRAPHS = schema(ID, _GRAPH)
 
 _INTERNAL = {"vertices", "faces", "graph"}
-OBJECTS = pa.schema(
-    [
-        ID,
-        LABEL,
-        *[field for field in SOLIDS if field.name not in _INTERNAL | {"id"}],
-        *CELLS,
-        DIVERSITY,
-    ]
+OBJECTS = schema(
+    ID,
+    LABEL,
+    *[field for field in SOLIDS if field.name not in _INTERNAL | {"id"}],
+    *CELLS,
+    DIVERSITY,
 )
 
-GRASPABILITIES = pa.schema([LABEL, GRASPABILITY, GRASPABILITY_STD, _GRASPS])
+GRASPABILITIES = schema(LABEL, GRASPABILITY, GRASPABILITY_STD, _GRASPS)
 
-REJECTED = pa.schema(
-    [
-        text("id", "object or file that was rejected"),
-        text("stage", "stage that rejected it"),
-        text("reason", "why it was rejected"),
-    ]
+REJECTED = schema(
+    text("id", "object or file that was rejected"),
+    text("stage", "stage that rejected it"),
+    text("reason", "why it was rejected"),
 )
 
 _REASON = text("reason", "why it could not be measured; empty if it was")
-MEASURED = pa.schema(
-    [
-        text("name", "name of the mesh file"),
-        COMPLEXITY,
-        RAW_COMPLEXITY,
-        GRASPABILITY,
-        GRASPABILITY_STD,
-        *CELLS,
-        CELL_CONFIDENCE,
-        _GRASPS,
-        real("longest_side", "longest side of the axis-aligned box", "m"),
-        text("rule", "scale rule; the cells of the map use `exact`"),
-        real("opening", "widest opening of the gripper", "m"),
-        real("factor", "size at which grasps were sampled / size of the mesh"),
-        *vector("grasped", "side of the box at that size, ascending", "m", "123"),
-        boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
-        _SHELL,
-        *_DROPPED,
-        _REASON,
-    ]
+MEASURED = schema(
+    text("name", "name of the mesh file"),
+    COMPLEXITY,
+    RAW_COMPLEXITY,
+    GRASPABILITY,
+    GRASPABILITY_STD,
+    *CELLS,
+    CELL_CONFIDENCE,
+    _GRASPS,
+    real("longest_side", "longest side of the axis-aligned box", "m"),
+    text("rule", "scale rule; the cells of the map use `exact`"),
+    real("opening", "widest opening of the gripper", "m"),
+    real("factor", "size at which grasps were sampled / size of the mesh"),
+    *vector("grasped", "side of the box at that size, ascending", "m", "123"),
+    boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
+    _SHELL,
+    *_DROPPED,
+    _REASON,
 )
 
-LOCATED = pa.schema(
-    [
-        text("name", "name of the mesh file"),
-        COMPLEXITY,
-        GRASPABILITY,
-        GRASPABILITY_STD,
-        *CELLS,
-        CELL_CONFIDENCE,
-        real("complexity_percentile", "percentage of the objects that are simpler", "%"),
-        real("difficulty_percentile", "percentage of the objects that are easier", "%"),
-        real("diversity", "mean distance to the nearest objects"),
-        column("nearest", "nearest objects, nearest first", kind=pa.list_(STRING)),
-        column("distances", "distances to the nearest objects", kind=pa.list_(FLOAT)),
-        _SHELL,
-        *_DROPPED,
-        _REASON,
-    ]
+LOCATED = schema(
+    text("name", "name of the mesh file"),
+    COMPLEXITY,
+    GRASPABILITY,
+    GRASPABILITY_STD,
+    *CELLS,
+    CELL_CONFIDENCE,
+    real("complexity_percentile", "percentage of the objects that are simpler", "%"),
+    real("difficulty_percentile", "percentage of the objects that are easier", "%"),
+    real("diversity", "mean distance to the nearest objects"),
+    values("nearest", "nearest objects, nearest first", of=STRING),
+    values("distances", "distances to the nearest objects", of=FLOAT),
+    _SHELL,
+    *_DROPPED,
+    _REASON,
 )
 
-COMPARISON = pa.schema(
-    [
-        text("dataset", "name of the dataset"),
-        integer("objects", "number of objects"),
-        real("coverage", "archive coverage: fraction of the slots of all cells that are filled"),
-        real(
-            "attainable_coverage",
-            "fraction of the slots that are filled, without the easiest rows, where no object is "
-            "expected (studies/search/README.md)",
-        ),
-        real("filled_cells", "fraction of the cells that hold at least one object"),
-        real("diversity_min", "diversity of the least diverse object"),
-        real("diversity_max", "diversity of the most diverse object"),
-        real("diversity_mean", "mean diversity"),
-    ]
+COMPARISON = schema(
+    text("dataset", "name of the dataset"),
+    integer("objects", "number of objects"),
+    real("coverage", "archive coverage: fraction of the slots of all cells that are filled"),
+    real(
+        "attainable_coverage",
+        "fraction of the slots that are filled, without the easiest rows, where no object is "
+        "expected (studies/search/README.md)",
+    ),
+    real("filled_cells", "fraction of the cells that hold at least one object"),
+    real("diversity_min", "diversity of the least diverse object"),
+    real("diversity_max", "diversity of the most diverse object"),
+    real("diversity_mean", "mean diversity"),
 )
 
 FILES = [

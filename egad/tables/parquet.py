@@ -120,26 +120,18 @@ def read(path: Path, schema: pa.Schema) -> pd.DataFrame:
     """The columns of a schema, or `TableError`; NaN if its optional ones are all missing."""
     try:
         source = Source(path)
-        missing = _missing(path, schema)
+        optional = {field.name for field in schema if b"optional" in (field.metadata or {})}
+        # one with only some of its optional columns is damaged
+        missing = optional if optional.isdisjoint(columns(path)) else set[str]()
         names = [name for name in schema.names if name not in missing]
         check_columns(path, names)
         table = source.read(names).select(names)
-        frame: pd.DataFrame = table.cast(_plain(schema, names)).to_pandas()
+        plain = pa.schema([(name, schema.field(name).type) for name in names])
+        frame: pd.DataFrame = table.cast(plain).to_pandas()
     except DAMAGED as error:
         raise unreadable(path, error) from error
     check_names(frame, path)
     return frame.reindex(columns=schema.names) if missing else frame
-
-
-def _missing(path: Path, schema: pa.Schema) -> set[str]:
-    """The optional columns, if a table has none of them; one with only some of them is damaged."""
-    optional = {field.name for field in schema if b"optional" in (field.metadata or {})}
-    return optional if optional.isdisjoint(columns(path)) else set()
-
-
-def _plain(schema: pa.Schema, names: list[str]) -> pa.Schema:
-    """Some of the columns, with names and types alone."""
-    return pa.schema([(name, schema.field(name).type) for name in names])
 
 
 def batches(path: Path, names: list[str]) -> Iterator[pd.DataFrame]:

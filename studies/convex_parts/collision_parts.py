@@ -19,18 +19,11 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from egad.exchange import write_simulation_object
-from egad.geometry import (
-    Bundle,
-    buried_share,
-    largest_deviation,
-    make_simulation_object,
-    to_mesh,
-    to_solid,
-    union_of_parts,
-)
+from egad.geometry import Bundle, buried_share, largest_deviation, to_mesh, to_solid, union_of_parts
 from egad.geometry.convex_parts import decompose
 from egad.geometry.touchable import depths
 from egad.io import read_mesh
+from egad.sim import make_simulation_object
 from egad.tables import parquet
 from egad.tables.columns import vector_names
 from egad.tables.evaluation import EVAL49

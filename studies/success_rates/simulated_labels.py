@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from egad.bench.stats import area, trend
-from egad.grasps import antipodal_success_rates
+from egad.sim import antipodal_success_rates
 from egad.tables import parquet
 from egad.tables.grasping import SIMULATED_GRASPS
 from egad.tables.objects import OBJECTS

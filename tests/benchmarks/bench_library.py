@@ -24,10 +24,9 @@ from egad.evolution import (
 )
 from egad.evolution.evaluation import GenomeVoxels
 from egad.geometry.convex_parts import decompose, union_of_parts
-from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
 from egad.grasps.quality import ferrari_canny, wrenches
-from egad.grippers import BoxBody
+from egad.grasps.sampling import Labeller
 from egad.measures.graspability import graspability, rough_graspability, spaced_graspability
 from egad.measures.reeb import Forest, Neighborhood, similarities
 from egad.measures.reeb import graph as reeb
@@ -177,9 +176,7 @@ def test_labels(meshes):
 def labelled(mesh, settings):
     """The labelled grasps of a mesh, none if it has none."""
     try:
-        return label_grasps(
-            mesh, mesh.center_mass, settings, np.random.default_rng(0), BoxBody(settings.gripper)
-        )
+        return Labeller(settings)(mesh, mesh.center_mass, np.random.default_rng(0)).table
     except RejectedError:
         return []
 

@@ -6,14 +6,20 @@ import pytest
 import trimesh
 
 from egad.exchange import RescaleMeshes, rescale_files
-from egad.geometry import Bundle, RayCaster, center_of_mass, make_simulation_object, part_rows
+from egad.geometry import Bundle, RayCaster, center_of_mass
 from egad.geometry.mass import mass_properties
 from egad.grasps import LabelParameters, sample_for_labels
 from egad.grasps.labels import rate_grasps
 from egad.grippers import hand_body
 from egad.io import read_mesh, write_obj
 from egad.random import generator
-from egad.sim import SimulatedLabelParameters, model_of, simulate_labels
+from egad.sim import (
+    SimulatedLabelParameters,
+    make_simulation_object,
+    model_of,
+    part_rows,
+    simulate_labels,
+)
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import SIMULATED_GRASPS

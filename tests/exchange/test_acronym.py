@@ -9,11 +9,10 @@ import trimesh
 from egad.errors import UserError
 from egad.exchange.grasp_tables import load_grasps
 from egad.exchange.grasps import acronym
-from egad.exchange.grasps.acronym import QUALITIES
+from egad.exchange.grasps.acronym import PANDA_REACH, QUALITIES
 from egad.exchange.parameters import AcronymFiles
 from egad.geometry.mass import mass_properties
 from egad.grasps.grasps import vectors
-from egad.grasps.poses import PANDA_REACH
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
 from egad_workflow.settings import select

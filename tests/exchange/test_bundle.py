@@ -14,10 +14,10 @@ import egad
 from egad.errors import UserError
 from egad.exchange import any_objects, model_in, rows_by_id, write_bundle
 from egad.exchange.bundle import Item
-from egad.geometry import SimulationBundle
 from egad.geometry.checks import OPEN
 from egad.geometry.mass import mass_properties
 from egad.io import read_mesh, write_obj
+from egad.sim import SimulationBundle
 from egad.tables import parquet
 from egad.tables.evaluation import BUNDLE
 from egad.tables.objects import REJECTED

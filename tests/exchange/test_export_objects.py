@@ -10,8 +10,8 @@ from commands import egad
 
 from egad.exchange import write_bundle
 from egad.exchange.bundle import Item
-from egad.geometry import SimulationBundle
 from egad.io import read_mesh
+from egad.sim import SimulationBundle
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS

@@ -7,7 +7,8 @@ import trimesh
 
 from egad.exchange import write_simulation_object
 from egad.exchange.objects import mjcf, robosuite
-from egad.geometry import Bundle, make_simulation_object
+from egad.geometry import Bundle
+from egad.sim import make_simulation_object
 
 WRITERS = {
     "mjcf": mjcf.write,

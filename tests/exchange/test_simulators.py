@@ -7,7 +7,8 @@ import trimesh
 
 from egad.errors import UserError
 from egad.exchange import read_simulation_object, write_simulation_object
-from egad.geometry import Bundle, make_simulation_object
+from egad.geometry import Bundle
+from egad.sim import make_simulation_object
 
 
 def row_of(made):

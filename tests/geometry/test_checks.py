@@ -16,10 +16,9 @@ from egad.geometry.mass import mass_properties
 from egad.geometry.repair import repair, repair_for_files
 from egad.geometry.scaling import box_sides, rescale
 from egad.geometry.stable_poses import resting_poses
-from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
+from egad.grasps.sampling import Labeller
 from egad.grasps.suction import sample_suction
-from egad.grippers import BoxBody
 from egad.measures.complexity import complexity
 from egad.measures.measure import measure_repeatably
 from egad.measures.parameters import MeasureParameters
@@ -59,9 +58,7 @@ FUNCTIONS = {
     "stable_poses": lambda mesh: resting_poses(mesh, np.zeros(3)),
     "complexity": complexity,
     "graded": lambda mesh: measure_repeatably(mesh, select(SETTINGS, MeasureParameters), 10),
-    "label": lambda mesh: label_grasps(
-        mesh, np.zeros(3), LABELS, np.random.default_rng(0), BoxBody(LABELS.gripper)
-    ),
+    "label": lambda mesh: Labeller(LABELS)(mesh, np.zeros(3), np.random.default_rng(0)),
     "suction": sample_suction,
     "extract": lambda mesh: reeb.extract(mesh, SETTINGS.similarity),
 }

@@ -8,7 +8,8 @@ import pytest
 import trimesh
 
 import egad
-from egad.geometry import Bundle, make_simulation_object, part_rows, read_parts, simulation_object
+from egad.geometry import Bundle
+from egad.sim import make_simulation_object, part_rows, read_parts, simulation_object
 
 DENSITY = 400.0
 

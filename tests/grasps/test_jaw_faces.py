@@ -8,10 +8,11 @@ from described_hands import jaw_urdf
 from egad.geometry import RayCaster
 from egad.grasps import ContactPairs
 from egad.grasps.approach import best_approaches
-from egad.grasps.labels import label_grasps, label_parameters
+from egad.grasps.labels import label_parameters
 from egad.grasps.opening import needed_openings
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import JawFaces, face_normals
+from egad.grasps.sampling import Labeller
 from egad.grippers import JAW_CLEARANCE, Gripper, ModelBody, hand_body
 
 ACROSS = np.array([1.0, 0.0, 0.0])
@@ -68,10 +69,10 @@ def test_a_body_is_squeezed_out_where_half_the_angle_exceeds_the_angle_of_fricti
 def test_balls_are_held_up_to_the_width_at_which_they_are_squeezed_out(body):
     """With friction 0.2: 22.6 degrees, to which the hand opens at 46 mm."""
     settings = label_parameters(body.gripper, 20, 0, friction=0.2, cone=0.05, approach_angles=4)
-    held = {}
+    labeller, held = Labeller(settings), {}
     for diameter in (0.02, 0.036, 0.052):
         ball = trimesh.creation.icosphere(4, diameter / 2)
-        table = label_grasps(ball, np.zeros(3), settings, np.random.default_rng(0), body)
+        table = labeller(ball, np.zeros(3), np.random.default_rng(0)).table
         assert table["fits"].all()
         needed = table["needed_opening"].to_numpy()
         angle = np.interp(needed, body.model.openings, body.model.angles)

@@ -6,9 +6,9 @@ import trimesh
 from egad.errors import RejectedError
 from egad.geometry.rays import RayCaster
 from egad.grasps import GraspLabel, SamplingStatistics, sample_contacts
-from egad.grasps.labels import label_grasps, sample_for_labels, statistics_row
+from egad.grasps.labels import sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
-from egad.grippers import BoxBody
+from egad.grasps.sampling import Labeller
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad_workflow.settings import Settings, select
@@ -20,9 +20,7 @@ MESH = trimesh.creation.cylinder(0.02, 0.08, sections=48)
 
 
 def labels(mesh=MESH, seed=0):
-    return label_grasps(
-        mesh, mesh.center_mass, SETTINGS, np.random.default_rng(seed), BoxBody(SETTINGS.gripper)
-    )
+    return Labeller(SETTINGS)(mesh, mesh.center_mass, np.random.default_rng(seed)).table
 
 
 def vectors(frame, name):

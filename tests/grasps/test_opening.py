@@ -5,7 +5,7 @@ import trimesh
 from egad.geometry.rays import RayCaster
 from egad.grasps import ContactPairs, Sampling, sample_contacts
 from egad.grasps.approach import best_approaches
-from egad.grasps.opening import graspable_fraction, graspable_widths, needed_openings
+from egad.grasps.opening import needed_openings
 from egad.grippers import BoxBody, Gripper, finger_span
 
 HAND = Gripper(opening=0.06, finger_length=0.05, finger_width=0.02, finger_thickness=0.01)
@@ -82,22 +82,3 @@ def test_openings_equal_trying_one_after_another():
     assert (found >= grasps.widths).all()
     assert (found > grasps.widths + 1e-3).mean() > 0.2
     assert (found[best.fits] <= HAND.opening + 2.1e-4).all()
-
-
-def test_a_bar_fits_crosswise_but_not_lengthwise():
-    bar = trimesh.creation.box((0.1, 0.02, 0.03))
-    widths, areas = graspable_widths(bar)
-    assert np.unique(widths.round(9)).tolist() == [0.02, 0.03, 0.1]
-    assert areas.sum() == pytest.approx(bar.area)
-    across, along, ends = (2 * a * b for a, b in [(0.1, 0.03), (0.1, 0.02), (0.02, 0.03)])
-    assert graspable_fraction(widths, areas, 0.019) == 0
-    assert graspable_fraction(widths, areas, 0.025) == pytest.approx(across / bar.area)
-    assert graspable_fraction(widths, areas, 0.05) == pytest.approx((across + along) / bar.area)
-    assert graspable_fraction(widths, areas, 0.2) == 1
-    assert ends + across + along == pytest.approx(bar.area)
-
-
-def test_the_wall_of_a_pipe_fits_where_the_pipe_does_not():
-    pipe = trimesh.creation.annulus(0.02, 0.022, 0.1, sections=64)
-    widths, areas = graspable_widths(pipe)
-    assert graspable_fraction(widths, areas, 0.0025) > 0.9

@@ -9,7 +9,9 @@ import egad
 from egad.errors import RejectedError, UserError
 from egad.evolution import EvolutionParameters as Evolve
 from egad.evolution.evaluation import first_estimate
-from egad.grasps import label_grasps, label_parameters, vectors
+from egad.geometry import RayCaster
+from egad.grasps import label_parameters, vectors
+from egad.grasps.labels import rate_grasps, sample_for_labels
 from egad.grasps.samplers import check_sampler
 from egad.grasps.sampling import Labeller
 from egad.grasps.suction import sample_suction, suction_poses
@@ -41,8 +43,9 @@ def bar():
 def test_jaws_get_the_antipodal_grasps_as_ever(bar):
     settings = label_parameters(egad.gripper("panda"), 40, 3)
     found = Labeller(settings)(bar, bar.center_mass, generator(3, "x"))
-    body = hand_body(settings.gripper)
-    expected = label_grasps(bar, bar.center_mass, settings, generator(3, "x"), body)
+    caster, rng, body = RayCaster(bar), generator(3, "x"), hand_body(settings.gripper)
+    pairs, _ = sample_for_labels(caster, settings, rng)
+    expected = rate_grasps(caster, bar.center_mass, pairs, settings, rng, body)
     pd.testing.assert_frame_equal(found.table, expected)
     assert (found.reason, len(found.table)) == ("", 40)
 

@@ -5,10 +5,11 @@ import trimesh
 
 from egad.errors import RejectedError, UserError
 from egad.measures import CustomMeasures
-from egad.measures.custom import check_measures, plugin_value, source_hash
+from egad.measures.custom import check_measures, plugin_value
 from egad.measures.graspability import rough_graspability
 from egad.measures.measure import measure_mesh
 from egad.measures.parameters import MeasureParameters
+from egad.plugins import source_hash
 from egad.random import generator
 from egad_workflow.settings import Settings, select
 
@@ -95,13 +96,13 @@ def test_own_measures_take_the_place_of_the_coordinates(file):
 
 
 def test_a_changed_file_has_another_fingerprint(file):
-    before = source_hash(f"{file}:longest")
-    assert source_hash(f"{file}:longest") == before
+    before = source_hash(f"{file}:longest", "measures")
+    assert source_hash(f"{file}:longest", "measures") == before
     file.write_text(CODE.replace("max", "min", 1))
-    assert source_hash(f"{file}:longest") != before
+    assert source_hash(f"{file}:longest", "measures") != before
 
 
 def test_a_module_that_is_installed_will_do():
     measure = "egad.measures.complexity:complexity"
     assert plugin_value(measure, BOX) == pytest.approx(placed(CustomMeasures()).complexity)
-    assert len(source_hash(measure)) == 16
+    assert len(source_hash(measure, "measures")) == 16

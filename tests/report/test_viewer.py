@@ -11,8 +11,8 @@ import trimesh
 import egad
 from egad.errors import UserError
 from egad.grasps import GraspLabel
-from egad.grasps.labels import label_grasps
 from egad.grasps.parameters import LabelParameters
+from egad.grasps.sampling import Labeller
 from egad.grippers import GRIPPERS, BoxBody
 from egad.report import viewer
 from egad.report.viewer import GraspScene
@@ -55,9 +55,7 @@ def unpack(item: dict) -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="module")
 def grasps() -> pd.DataFrame:
-    return label_grasps(
-        MESH, MESH.center_mass, SETTINGS, np.random.default_rng(0), BoxBody(SETTINGS.gripper)
-    )
+    return Labeller(SETTINGS)(MESH, MESH.center_mass, np.random.default_rng(0)).table
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,9 @@ from worker_tasks import (
     unreadable,
 )
 
-from egad._util.child_process import RestartingWorker, Worker, WorkerDiedError, WorkerTimeoutError
+from egad._util.child_process import Worker, WorkerDiedError, WorkerTimeoutError
 from egad.errors import UserError
+from egad_workflow.restarting_worker import RestartingWorker
 
 MODULE = """
 from contextlib import contextmanager

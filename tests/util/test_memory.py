@@ -11,7 +11,7 @@ MIB = 1 << 20
 READS = """
 import sys
 from pathlib import Path
-from egad._util.program import readable_errors
+from egad_workflow.program import readable_errors
 
 with readable_errors():
     from egad.io import read_mesh
@@ -58,7 +58,7 @@ BLAMES = """
 import numpy as np
 from pathlib import Path
 from egad._util.limited import limited
-from egad._util.program import readable_errors
+from egad_workflow.program import readable_errors
 from egad.io import mesh
 from egad.tables import parquet, untrusted
 from egad.tables.evaluation import EVAL49
@@ -108,7 +108,7 @@ CRASHES = """
 import contextlib
 import os
 from pathlib import Path
-from egad._util.child_process import RestartingWorker
+from egad_workflow.restarting_worker import RestartingWorker
 
 @contextlib.contextmanager
 def work():

@@ -9,7 +9,6 @@ from typing import Any
 
 import pandas as pd
 
-from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.bench import ENGINE_TIME, run_or_replace
 from egad.exchange import model_in, rows_by_id
@@ -24,6 +23,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49
 from egad.tables.grasping import GRASPS
 from egad_workflow.job import run_job
+from egad_workflow.restarting_worker import RestartingWorker
 from egad_workflow.shards import rows_in_shard
 
 log = logging.getLogger(__name__)

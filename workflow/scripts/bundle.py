@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from egad.exchange import evaluation_objects, write_bundle
-from egad.geometry import SimulationBundle
+from egad.sim import SimulationBundle
 from egad_workflow.job import run_job
 
 

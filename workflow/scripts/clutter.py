@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.bench import ENGINE_TIME, ClearedTables, Round, failed_round, rounds_of
 from egad.bench.clearing import Cleared, open_table
@@ -20,6 +19,7 @@ from egad.tables.clutter import CLUTTER
 from egad.tables.grasping import GRASPS
 from egad.tables.outcomes import Outcome
 from egad_workflow.job import run_job
+from egad_workflow.restarting_worker import RestartingWorker
 
 log = logging.getLogger(__name__)
 

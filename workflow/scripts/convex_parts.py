@@ -7,8 +7,8 @@ import pandas as pd
 
 from egad._util.progress import progress
 from egad.errors import RejectedError
-from egad.geometry import SimulationBundle, make_simulation_object, part_rows
 from egad.io import read_mesh
+from egad.sim import SimulationBundle, make_simulation_object, part_rows
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS

@@ -6,11 +6,11 @@ from pathlib import Path
 import pandas as pd
 
 from egad._util.files import write_text
+from egad.learning import remove_leftovers
 from egad.learning.images import COLUMNS, RenderParameters, card, files, summary
 from egad.report.training import openings_chart
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
-from egad.tables.shards import remove_leftovers
 from egad_workflow.job import run_job
 from egad_workflow.shards import join
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import pandas as pd
 
-from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.bench import ENGINE_TIME, NaiveGrasps, naive_outcomes, try_naive_grasps
 from egad.exchange import model_of_parts
@@ -18,6 +17,7 @@ from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import NAIVE_GRASPS
 from egad.tables.outcomes import Outcome
 from egad_workflow.job import run_job
+from egad_workflow.restarting_worker import RestartingWorker
 
 log = logging.getLogger(__name__)
 

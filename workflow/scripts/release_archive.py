@@ -8,8 +8,8 @@ from tempfile import TemporaryDirectory
 from egad._util.files import atomic_output
 from egad._util.progress import progress
 from egad.exchange import WriteObject, read_convex_objects, writer_of
-from egad.geometry import SimulationBundle
 from egad.io import mesh_files, write_zip
+from egad.sim import SimulationBundle
 from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)

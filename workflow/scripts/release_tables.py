@@ -17,8 +17,8 @@ from egad.exchange.release import (
     released_objects,
     simulated_grasps,
 )
-from egad.grasps import antipodal_success_rates
 from egad.learning.images import SPLITS
+from egad.sim import antipodal_success_rates
 from egad.tables import parquet
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import LINEAGE

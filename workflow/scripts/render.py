@@ -13,7 +13,7 @@ import trimesh
 from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError
-from egad.geometry import RayCaster, mass_properties, read_parts
+from egad.geometry import RayCaster, mass_properties
 from egad.grasps import ContactPairs
 from egad.grippers import HandBody, hand_body
 from egad.io import read_mesh
@@ -35,6 +35,7 @@ from egad.learning.images import (
     simulate_contacts,
     views_of,
 )
+from egad.sim import read_parts
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.images import IMAGES

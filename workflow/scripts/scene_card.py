@@ -3,8 +3,8 @@
 import logging
 from pathlib import Path
 
+from egad.learning import remove_leftovers
 from egad.learning.scenes import SceneParameters, describe_set, read_plan
-from egad.tables.shards import remove_leftovers
 from egad_workflow.job import run_job
 
 log = logging.getLogger(__name__)

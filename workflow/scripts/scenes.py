@@ -5,7 +5,6 @@ from functools import lru_cache
 from pathlib import Path
 
 from egad._util.progress import phase, progress
-from egad.geometry import read_parts
 from egad.io import read_mesh
 from egad.learning.images import model_at_size
 from egad.learning.scenes import (
@@ -17,7 +16,7 @@ from egad.learning.scenes import (
     set_notes,
     write_shard,
 )
-from egad.sim import Model
+from egad.sim import Model, read_parts
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS

@@ -9,7 +9,6 @@ from typing import Any
 
 import pandas as pd
 
-from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.bench import ENGINE_TIME, SimulatedTrials, failed_attempts, run_attempts, run_or_replace
 from egad.detectors import (
@@ -28,6 +27,7 @@ from egad.tables import parquet
 from egad.tables.evaluation import EVAL49, TRIALS
 from egad.tables.grasping import GRASPS
 from egad_workflow.job import run_job
+from egad_workflow.restarting_worker import RestartingWorker
 from egad_workflow.shards import rows_in_shard
 
 log = logging.getLogger(__name__)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from egad._util.child_process import RestartingWorker
 from egad._util.progress import phase, progress
 from egad.bench import ENGINE_TIME
 from egad.exchange import model_of_parts
@@ -24,6 +23,7 @@ from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS
 from egad.tables.outcomes import Outcome
 from egad_workflow.job import run_job
+from egad_workflow.restarting_worker import RestartingWorker
 
 log = logging.getLogger(__name__)
 

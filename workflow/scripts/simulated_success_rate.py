@@ -4,7 +4,7 @@ from pathlib import Path
 
 from egad.errors import UserError
 from egad.exchange import is_simulated
-from egad.grasps import antipodal_success_rates, naive_success_rates
+from egad.sim import antipodal_success_rates, naive_success_rates
 from egad.tables import parquet
 from egad.tables.grasping import NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJECTS
 from egad_workflow.job import run_job

@@ -10,22 +10,25 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
-from egad._util.files import atomic_output, check_not_file
+from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
+from egad.exchange.new_folder import check_not_file
+from egad.exchange.objects.simulation import inertia_tensor
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
-from egad.geometry import SimulationObject
 from egad.geometry.friction import FRICTION
-from egad.grasps import Grasps, held_when_shaken, panda_poses, with_outcome
+from egad.grasps import Grasps
 from egad.grippers import finger_span
 from egad.io import SUMS, write_obj
+from egad.sim import SimulationObject, held_when_shaken, with_outcome
 from egad.tables import parquet
-from egad.tables.columns import inertia_tensor
 from egad.tables.grasping import MOTIONS, SCALES
 from egad.tables.objects import OBJECTS
 
 log = logging.getLogger(__name__)
+# From the origin of its hand, the flange of a Franka Panda, to the fingertips, metres.
+PANDA_REACH = 0.11217
 QUALITIES = (
     "quality",
     "robust_quality",
@@ -124,6 +127,13 @@ def is_ours(path: Path) -> bool:
             return OWN in file
     except OSError:
         return False
+
+
+def panda_poses(poses: Floats, fingertip: float) -> Floats:
+    """Poses of ACRONYM's hand, (n, 4, 4), with its fingertips at ours, `fingertip` metres ahead."""
+    moved = poses.copy()
+    moved[:, :3, 3] -= (PANDA_REACH - fingertip) * poses[:, :3, 2]
+    return moved
 
 
 def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float) -> None:

@@ -8,13 +8,14 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 
+from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.errors import UserError
 from egad.exchange.dexnet_database import MEASURES, add_dataset, add_grasps
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
 from egad.exchange.parameters import DexNetDatabase
-from egad.grasps import dexnet_configurations, vectors
+from egad.grasps import approach_directions, vectors
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
@@ -98,16 +99,36 @@ def _keys(part: Path, ours: bool) -> list[str]:
         ) from error
 
 
+def frames(axes: Floats) -> Floats:
+    """Rotations (n, 3, 3) of Dex-Net's frame at angle 0: y closes, x approaches horizontally."""
+    forward = approach_directions(axes)
+    return np.stack([forward, axes, np.cross(forward, axes)], axis=2)
+
+
+def angles(axes: Floats, approaches: Floats) -> Floats:
+    """Dex-Net's approach angles, radians, (n,): `cos(a) x + sin(a) z` of the frame at angle 0."""
+    there = frames(axes)
+    along = np.einsum("nk,nk->n", there[:, :, 0], approaches)
+    aside = np.einsum("nk,nk->n", there[:, :, 2], approaches)
+    return np.asarray(np.arctan2(aside, along))
+
+
+def configurations(centers: Floats, axes: Floats, approaches: Floats, opening: float) -> Floats:
+    """Dex-Net's (n, 10): center, axis, opening, approach angle, jaw width (0) and opening (0)."""
+    rest = np.zeros((len(centers), 4))
+    rest[:, 0] = opening
+    rest[:, 1] = angles(axes, approaches)
+    return np.hstack([centers, axes, rest])
+
+
 def _grasps(
     settings: DexNetDatabase, rows: pd.DataFrame | None
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     if rows is None:
         return np.empty((0, 10)), {}
     centers, axes, approaches = (vectors(rows, name) for name in ("center", "axis", "approach"))
-    opening = settings.gripper.opening
-    configurations = dexnet_configurations(centers, axes, approaches, opening)
     values = {name: rows[column].to_numpy(dtype=float) for name, column in METRICS.items()}
-    return configurations, values
+    return configurations(centers, axes, approaches, settings.gripper.opening), values
 
 
 def _meaning(schema: pa.Schema, column: str) -> str:

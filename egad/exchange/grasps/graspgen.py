@@ -13,14 +13,15 @@ import trimesh
 import yaml
 
 from egad._util.arrays import Floats
-from egad._util.files import new_folder
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.geometry import SimulationObject, joined
-from egad.grasps import Grasps, held_when_shaken, with_outcome
+from egad.geometry import joined
+from egad.grasps import Grasps
 from egad.grippers import Gripper, JawBody, ModelBody, base_pose, finger_span, hand_body
 from egad.io import write_obj
+from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
 log = logging.getLogger(__name__)
 

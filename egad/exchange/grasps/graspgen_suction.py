@@ -9,17 +9,18 @@ import pandas as pd
 import trimesh
 
 from egad._util.arrays import Floats
-from egad._util.files import new_folder
 from egad._util.progress import progress
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.grasps.graspgen import DESCRIPTION, add_object, start_dataset
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.geometry import RayCaster, SimulationObject
+from egad.geometry import RayCaster
 from egad.grasps import Grasps
 from egad.grasps.suction import HOLE_POINTS, seal_cups
 from egad.grippers import SuctionCup, cup_of
 from egad.io import read_mesh, write_obj
+from egad.sim import SimulationObject
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 

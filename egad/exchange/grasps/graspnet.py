@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
-from egad._util.files import new_folder
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.geometry import SimulationObject
-from egad.grasps import Grasps, graspnet_poses, held_when_shaken, with_outcome
+from egad.grasps import Grasps
 from egad.io import write_obj
+from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
 DEPTH = 0.02  # metres; GraspNet has grasps with depths of 1, 2, 3 and 4 cm
 HEIGHT = 0.02  # metres; of every finger in GraspNet
@@ -33,7 +33,8 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
     """
     known = with_outcome(grasps)
     labelled = Grasps(known)
-    poses = graspnet_poses(labelled.poses, DEPTH)
+    poses = labelled.poses[:, :, [2, 0, 1, 3]]
+    poses[:, :3, 3] -= DEPTH * poses[:, :3, 0]
     scores = MAX_SCORE - needed_friction(labelled).clip(*FRICTIONS)
     columns = [
         np.where(held_when_shaken(known), scores, 0.0),

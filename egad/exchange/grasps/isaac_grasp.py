@@ -8,15 +8,15 @@ import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad._util.files import new_folder
 from egad.errors import UserError
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
-from egad.geometry import SimulationObject
-from egad.grasps import Grasps, held_when_shaken, with_outcome
+from egad.grasps import Grasps
 from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values
 from egad.io import write_obj
+from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
 DECIMALS = 9
 WIDE = 1000  # characters of a line

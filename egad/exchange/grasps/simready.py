@@ -28,9 +28,10 @@ from egad.exchange.object_files import write_poses
 from egad.exchange.objects import usd
 from egad.exchange.parameters import AllObjects, NamedGripper
 from egad.exchange.whole_sets import write_all
-from egad.geometry import Bundle, SimulationObject
+from egad.geometry import Bundle
 from egad.grasps import Grasps
 from egad.grippers import hand_body
+from egad.sim import SimulationObject
 from egad.tables.columns import vector_names
 
 THUMBNAIL = 256  # pixels along each side

@@ -20,8 +20,8 @@ from egad.exchange.object_files import (
     write_poses,
     xml_document,
 )
-from egad.geometry import SimulationObject
 from egad.geometry.friction import MJCF_SPIN
+from egad.sim import SimulationObject
 
 
 class GeomGroups(NamedTuple):

@@ -18,7 +18,7 @@ from egad.exchange.object_files import (
     xml_document,
 )
 from egad.exchange.objects.mjcf import GeomGroups, add_solid, mjcf_model
-from egad.geometry import SimulationObject
+from egad.sim import SimulationObject
 
 GROUPS = GeomGroups(visual="1", collision="0")
 SITE_RADIUS = 0.005  # metres; robosuite reads positions only

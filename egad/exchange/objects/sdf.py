@@ -13,7 +13,8 @@ from egad.exchange.object_files import (
     write_poses,
     xml_document,
 )
-from egad.geometry import MassProperties, SimulationObject
+from egad.geometry import MassProperties
+from egad.sim import SimulationObject
 
 VERSION = "1.11"  # the first one in which a mesh can say that its convex hull is meant
 MODEL = "model.sdf"

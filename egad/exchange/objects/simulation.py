@@ -6,14 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from egad._util.arrays import Floats
 from egad.errors import RejectedError, UserError
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.object_files import PARTS, VISUAL, write_object_meshes, write_poses
 from egad.exchange.objects.mjcf import mjcf_text
 from egad.exchange.objects.urdf import urdf_text
-from egad.geometry import MassProperties, SimulationObject, simulation_object, warn_of_row
+from egad.geometry import MassProperties
 from egad.io import read_mesh
-from egad.tables.columns import inertia_tensor
+from egad.sim import SimulationObject, simulation_object, warn_of_row
+from egad.tables.columns import INERTIA
 from egad.tables.evaluation import CONVEX_PARTS
 
 
@@ -74,3 +76,11 @@ def read_convex_objects(
     columns = [name for name in CONVEX_PARTS.names if name != "label"]
     for label, rows in by_object(convex_parts, columns):
         yield label, simulation_object(read_mesh(meshes / f"{label}.obj", "m"), density, rows)
+
+
+def inertia_tensor(row: Mapping[str, Any]) -> Floats:
+    """The tensor (3, 3) of a row with these columns."""
+    tensor = np.empty((3, 3))
+    for name, (first, second) in INERTIA.items():
+        tensor[first, second] = tensor[second, first] = row[f"inertia_{name}"]
+    return tensor

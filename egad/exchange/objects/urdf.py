@@ -16,7 +16,8 @@ from egad.exchange.object_files import (
     write_poses,
     xml_document,
 )
-from egad.geometry import MassProperties, SimulationObject
+from egad.geometry import MassProperties
+from egad.sim import SimulationObject
 
 # PhysX, which SAPIEN uses, leaves out vertices of a hull that are closer than 0.0007 to the others,
 # in the unit of the file: in metres, parts shrink by 0.7 mm and more.

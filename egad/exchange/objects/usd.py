@@ -18,8 +18,9 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.exchange.object_files import write_poses
-from egad.geometry import MassProperties, SimulationObject
+from egad.geometry import MassProperties
 from egad.io import GREY_LINEAR, ROUGHNESS
+from egad.sim import SimulationObject
 
 MESHES = Sdf.Path("/Meshes")  # abstract: not part of the scene
 VISUALS, COLLISIONS = MESHES.AppendChild("visuals"), MESHES.AppendChild("collisions")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from egad.exchange.object_files import write_object_meshes
 from egad.exchange.objects.urdf import urdf_text
-from egad.geometry import SimulationObject
+from egad.sim import SimulationObject
 
 
 def write(folder: Path, name: str, made: SimulationObject, friction: float) -> None:

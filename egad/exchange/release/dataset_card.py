@@ -7,11 +7,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import pandas as pd
+import pyarrow as pa
 import yaml
 
 from egad._util.markdown import table
 from egad.learning.images import SPLITS
-from egad.tables.columns import markdown_table
+from egad.tables.columns import meaning_of
 from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
 
 LICENSE = "CC-BY-4.0"
@@ -297,3 +298,9 @@ def citation_cff(title: str, version: str, date: str | None, url: str | None) ->
         "references": [paper],
     }
     return yaml.safe_dump(fields, sort_keys=False, allow_unicode=True)
+
+
+def markdown_table(schema: pa.Schema) -> str:
+    """Columns with type, unit and meaning, as a table in Markdown."""
+    rows = [(f"`{field.name}`", field.type, *reversed(meaning_of(field))) for field in schema]
+    return table(["column", "type", "unit", "meaning"], rows)

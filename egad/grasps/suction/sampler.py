@@ -12,6 +12,7 @@ from egad._util.arrays import Flags, Floats
 from egad._util.parameters import from_arguments
 from egad.errors import NoGraspError, UserError, most_common
 from egad.geometry import Material, RayCaster, box_sides, check_solid, mass_properties
+from egad.geometry.mass import center_or_given
 from egad.grasps.approach import touching_turns
 from egad.grasps.grasps import vector_columns, vectors
 from egad.grasps.parameters import RobustSuction, SuctionSampling
@@ -74,10 +75,17 @@ def sample_suction(
     settings = from_arguments(SuctionSampling, seed=seed, n=n)
     solid = mass_properties(mesh, check_positive("density", density))
     heavy = solid.mass if mass is None else check_positive("mass", mass)
-    com = solid.com if center_of_mass is None else _vector("center_of_mass", center_of_mass)
+    com = center_or_given(mesh, center_of_mass)
     caster = RayCaster(mesh)
     origins, frames = _candidates(caster, settings)
-    weights = GRAVITY * heavy * (frames[:, 2] if gravity is None else _direction(gravity))
+    down = frames[:, 2]
+    if gravity is not None:
+        given = check_array("gravity", gravity, (3,), "3 finite numbers")
+        length = np.linalg.norm(given)
+        if not length > 0:
+            raise UserError(f"gravity is {gravity!r}; allowed: a nonzero direction")
+        down = given / length
+    weights = GRAVITY * heavy * down
     weights = np.broadcast_to(weights, origins.shape)
     seals = seal_cups(caster, cup, origins, frames)
     if not seals.sealed.any():
@@ -162,15 +170,3 @@ def _why_none_seals(mesh: trimesh.Trimesh, cup: SuctionCup, seals: Seals) -> str
         return f"the cup, {width:.3g} mm across, is larger than the object of {size}"
     reasons = most_common(Counter(map(str, seals.failures)))
     return f"no cup seals (of {len(seals.failures)} candidates: {reasons})"
-
-
-def _vector(name: str, given: ArrayLike) -> Floats:
-    return check_array(name, given, (3,), "3 finite numbers")
-
-
-def _direction(gravity: ArrayLike) -> Floats:
-    given = _vector("gravity", gravity)
-    length = np.linalg.norm(given)
-    if not length > 0:
-        raise UserError(f"gravity is {gravity!r}; allowed: a nonzero direction")
-    return np.asarray(given / length)

@@ -24,10 +24,10 @@ from egad.errors import TableError, check_name
 from egad.learning.images.rectangles import ImageGrasps
 from egad.learning.images.rendering import ImagedObject, RenderedImage
 from egad.learning.images.splits import SPLITS
+from egad.learning.shards import shard_files
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
 from egad.tables.images import IMAGES, LISTS
-from egad.tables.shards import shard_files
 
 UNIT = 1e-4  # metres; of the depths in the files
 LEVEL = 6  # of compression

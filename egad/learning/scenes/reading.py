@@ -19,12 +19,12 @@ from egad.detectors import NoiseName, Observation, View
 from egad.errors import TableError, UserError, check_name
 from egad.grippers import Gripper
 from egad.learning.images import SPLITS, check_splits, pose_matrix, view_of
+from egad.learning.shards import rows_of, shard_files
 from egad.random import entropy
 from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
 from egad.tables.parquet import RowGroups
 from egad.tables.scenes import SCENE_GRASPS, SCENES
-from egad.tables.shards import rows_of, shard_files
 
 KEPT = 64  # shards whose grasps stay in memory
 MAKERS = "`egad.make_scenes` or the workflow (targets.scenes)"

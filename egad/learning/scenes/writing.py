@@ -16,10 +16,10 @@ from egad.learning.scenes.parameters import SceneParameters
 from egad.learning.scenes.pictures import scene_png
 from egad.learning.scenes.planning import Splits
 from egad.learning.scenes.reading import MAKERS, TABLES, SceneDataset
+from egad.learning.shards import rows_of, shard_files
 from egad.tables import parquet
 from egad.tables.objects import REJECTED
 from egad.tables.scenes import SCENE_GRASPS, SCENES
-from egad.tables.shards import rows_of, shard_files
 
 
 def write_shard(

@@ -8,13 +8,13 @@ from typing import Any
 import pandas as pd
 
 from egad.evolution import Lineage
-from egad.grasps import antipodal_success_rates
 from egad.report.axes import AxisPair
 from egad.report.gallery.details import Download, ObjectPage, Relatives
 from egad.report.gallery.files import COLUMNS, FOLDER, PER_SHEET
 from egad.report.gallery.index import Membership
 from egad.report.page import render_template
 from egad.report.viewer import LABELS
+from egad.sim import antipodal_success_rates
 from egad.tables.evaluation import EVAL49
 from egad.tables.evolution import GENOME
 from egad.tables.parquet import empty, records

@@ -8,9 +8,9 @@ import trimesh
 from dying_worker import Dying
 
 from egad.exchange import evaluation_objects, write_bundle
-from egad.geometry import SimulationBundle
 from egad.grasps.parameters import LabelParameters
 from egad.io import write_obj
+from egad.sim import SimulationBundle
 from egad.sim.parameters import LabelTrialParameters
 from egad.tables import parquet
 from egad.tables.evaluation import AGREEMENT, EVAL49

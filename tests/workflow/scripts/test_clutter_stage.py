@@ -25,8 +25,8 @@ from egad.bench import (
 )
 from egad.errors import UserError
 from egad.exchange import any_objects, bundle_models, model_in, rows_by_id, write_bundle
-from egad.geometry import SimulationBundle
 from egad.io import write_obj
+from egad.sim import SimulationBundle
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.outcomes import Outcome

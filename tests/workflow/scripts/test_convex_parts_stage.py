@@ -6,8 +6,8 @@ import pytest
 import trimesh
 from partial_tables import write_rows
 
-from egad.geometry import SimulationBundle, make_simulation_object, simulation_object
 from egad.io import write_obj
+from egad.sim import SimulationBundle, make_simulation_object, simulation_object
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.objects import OBJECTS

@@ -11,9 +11,9 @@ from partial_tables import write_rows
 
 from egad.bench import NaiveGrasps, try_naive_grasps
 from egad.errors import UserError
-from egad.geometry import Bundle, make_simulation_object, part_rows
+from egad.geometry import Bundle
 from egad.io import write_obj
-from egad.sim import build
+from egad.sim import build, make_simulation_object, part_rows
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, NAIVE_GRASPS, SIMULATED_GRASPS, SIMULATED_OBJECTS

@@ -23,8 +23,9 @@ from script_jobs import run_as_job
 from egad.errors import UserError
 from egad.exchange.release import ReleaseCard, ReleaseTables
 from egad.exchange.release import tables as release_files
-from egad.geometry import Bundle, SimulationBundle, make_simulation_object, part_rows
+from egad.geometry import Bundle
 from egad.io import write_obj
+from egad.sim import SimulationBundle, make_simulation_object, part_rows
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.evolution import LINEAGE

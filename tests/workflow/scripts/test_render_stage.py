@@ -9,12 +9,12 @@ import trimesh
 
 from egad.errors import UserError
 from egad.io import read_mesh, write_obj
+from egad.learning import remove_leftovers
 from egad.learning.images import RenderImages, read
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS, EVAL49
 from egad.tables.grasping import SCALES
 from egad.tables.objects import OBJECTS, REJECTED
-from egad.tables.shards import remove_leftovers
 from egad_workflow.settings import Settings, select
 
 FAST = {"grasps": 20, "test": 0.2, "validation": 0.2}

@@ -16,8 +16,8 @@ from PIL import Image
 from egad.bench import SimulatedTrials, film_attempt
 from egad.errors import UserError
 from egad.exchange import bundle_models, evaluation_objects, model_in, write_bundle
-from egad.geometry import SimulationBundle, make_simulation_object
 from egad.io import write_obj
+from egad.sim import SimulationBundle, make_simulation_object
 from egad.sim.film import write_film
 from egad.sim.model import model_of
 from egad.tables import parquet

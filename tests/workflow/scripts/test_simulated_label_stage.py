@@ -9,9 +9,9 @@ from dying_worker import Dying
 from partial_tables import write_rows
 
 from egad.errors import UserError
-from egad.geometry import Bundle, make_simulation_object, part_rows
+from egad.geometry import Bundle
 from egad.io import write_obj
-from egad.sim import SimulatedLabels
+from egad.sim import SimulatedLabels, make_simulation_object, part_rows
 from egad.tables import parquet
 from egad.tables.evaluation import CONVEX_PARTS
 from egad.tables.grasping import GRASPS, SIMULATED_GRASPS

@@ -2,9 +2,9 @@ import logging
 
 import pytest
 
-from egad._util.program import _Formatter, readable_errors
 from egad._util.progress import MARKS
 from egad.errors import LESS_MEMORY, RejectedError, TableError, UserError
+from egad_workflow.program import _Formatter, readable_errors
 
 
 @pytest.mark.parametrize("marks", [False, True])

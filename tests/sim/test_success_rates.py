@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from egad.grasps import antipodal_success_rates, naive_success_rates
-from egad.grasps.simulated import success_rate
+from egad.sim import antipodal_success_rates, naive_success_rates
+from egad.sim.success_rates import success_rate
 from egad.tables import parquet
 from egad.tables.grasping import ANTIPODAL_RATES, NAIVE_GRASPS, NAIVE_RATES
 

@@ -9,15 +9,29 @@ import numpy as np
 import pandas as pd
 import trimesh
 
-from egad.geometry.manifold import wind_outwards
-from egad.geometry.mass import MassProperties, mass_properties
-from egad.geometry.parameters import Bundle
+from egad._util.parameters import ParameterGroup
+from egad.geometry import (
+    Bundle,
+    MassProperties,
+    Material,
+    StablePose,
+    mass_properties,
+    resting_poses,
+    wind_outwards,
+)
 from egad.geometry.parts import make_parts, measure_parts, warn_if_beyond
-from egad.geometry.stable_poses import StablePose, group_poses, resting_poses
+from egad.geometry.stable_poses import group_poses
 from egad.tables import parquet
 
 MIN_PROBABILITY = 0.001  # of the poses that are listed
 SAME_POSE = np.radians(5)
+
+
+class SimulationBundle(ParameterGroup):
+    """Objects for simulators: their convex parts, mass and friction."""
+
+    material: Material
+    bundle: Bundle
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@ import os
 
 import pytest
 
-from egad._util.cpus import available_cpus
+from egad.cli.cpus import available_cpus
 
 MOUNT = "32 31 0:29 {top} {place} rw,relatime shared:9 - {kind} {kind} rw{options}\n"
 
