@@ -20,12 +20,16 @@ from .labels import sample_for_labels as sample_for_labels
 from .labels import statistics_row as statistics_row
 from .opening import graspable_fraction as graspable_fraction
 from .opening import graspable_widths as graspable_widths
+from .parameters import APPROACH_WAY as APPROACH_WAY
+from .parameters import ROBUST_TORQUE_SCALING as ROBUST_TORQUE_SCALING
+from .parameters import SPREAD as SPREAD
 from .parameters import GraspLabel as GraspLabel
 from .parameters import LabelParameters as LabelParameters
 from .parameters import Quality as Quality
 from .parameters import Robust as Robust
 from .parameters import RobustSuction as RobustSuction
 from .parameters import Sampling as Sampling
+from .parameters import Spread as Spread
 from .poses import PANDA_REACH as PANDA_REACH
 from .poses import dexnet_configurations as dexnet_configurations
 from .poses import graspnet_poses as graspnet_poses

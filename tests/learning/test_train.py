@@ -17,7 +17,7 @@ from egad.tables.training import HISTORY, SCORE
 from egad_workflow.settings import Settings, select
 
 PLAN = Training(
-    images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn", crop=96
+    examples=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn", crop=96
 )
 SETTINGS = TrainNetwork(seed=3, training=PLAN)
 
@@ -33,7 +33,7 @@ def trained(images, tmp_path_factory):
     """The folder of a network, made by the command in two ways."""
     pytest.importorskip("torch")
     out = tmp_path_factory.mktemp("trained")
-    rest = configuration(out / "rest.yaml", seed=8, images=9, network="ggcnn2")
+    rest = configuration(out / "rest.yaml", seed=8, examples=9, network="ggcnn2")
     words = ["--network", "ggcnn", "--seed", "3", "--budget", "4", "--jobs", "2"]
     by_words = [*words, "--config", rest, "--out", str(out / "words")]
     whole = configuration(out / "whole.yaml")
@@ -114,8 +114,8 @@ def test_a_network_that_is_not_there_is_a_mistake(images, tmp_path):
 
 def test_the_default_settings_are_read():
     assert select(Settings(), TrainNetwork).training == Training()
-    with pytest.raises(ValueError, match="low to high"):
-        Training(zoom=(0.9, 0.5))
+    vgn = Training(network="vgn", batch=2)
+    assert (vgn.epoch, vgn.batch, vgn.learning_rate) == (1000, 2, 0.0003)
 
 
 def test_nothing_to_learn_from_is_a_mistake(write, pictures, tmp_path):

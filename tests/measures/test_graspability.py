@@ -11,6 +11,7 @@ from egad.measures.graspability import (
     _apply,
     _principal_box,
     graspability,
+    grasped_size,
     rough_graspability,
     spaced_graspability,
 )
@@ -29,9 +30,9 @@ def parameters(sampling=None, confidence=0.0, **settings):
     return select(Settings.model_validate(config), MeasureParameters)
 
 
-def measure(mesh, candidates=512, seed=0, com=None, **settings):
+def measure(mesh, candidates=512, seed=0, com=None, factor=None, **settings):
     read = parameters(candidates=candidates, **settings)
-    return graspability(mesh, read, candidates, np.random.default_rng(seed), com)
+    return graspability(mesh, read, candidates, np.random.default_rng(seed), com, factor)
 
 
 def wedge():
@@ -160,9 +161,11 @@ def test_a_given_center_of_mass_moves_with_the_mesh():
     assert measure(box, com=end)[0] < 0.8 * measure(box)[0]
 
 
-def test_side_fraction_sets_the_size():
+def test_a_smaller_object_is_easier():
     mesh = wedge()
-    assert measure(mesh, side_fraction=0.3)[0] > measure(mesh, side_fraction=0.8)[0]
+    usual = grasped_size(mesh, parameters(), "exact").factor
+    assert measure(mesh, factor=usual)[0] == measure(mesh)[0]
+    assert measure(mesh, factor=0.4 * usual)[0] > measure(mesh)[0]
 
 
 def test_the_robust_metric_is_lower_for_objects_as_wide_as_the_hand():

@@ -69,7 +69,7 @@ def test_every_problem_has_one_line():
     ("config", "line"),
     [
         ({"seed": "3"}, 'seed: "3" is not allowed: that is text; in a file, write 3 without'),
-        ({"postprocess": {"min_volume": "1e-9"}}, "write 1.0e-09 without quotes"),
+        ({"sampling": {"spacing": "1e-9"}}, "write 1.0e-09 without quotes"),
         ({"seed": 3.0}, "seed: 3.0 is not allowed: write 3; allowed: a whole number"),
         ({"seed": True}, "seed: true is not allowed; allowed: a whole number"),
         ({"seed": None}, "seed: nothing is not allowed; allowed: a whole number"),
