@@ -54,8 +54,7 @@ def check(config: Mapping[str, Any]) -> Settings:
 
 def check_engines(settings: Settings) -> Settings:
     """The settings; `UserError` if a physics engine that they name is not installed."""
-    simulated = settings.simulated_label, settings.naive_grasp
-    for section in (settings.trials, settings.clutter, settings.scenes, *simulated):
+    for section in (settings.trials, settings.clutter, settings.scenes, settings.simulated_label):
         check_engine(section.engine)
     for engine in settings.failures.engines if settings.targets.failures else ():
         check_engine(engine)

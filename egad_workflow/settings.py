@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 from pydantic import Field
 
 from egad._util.parameters import Name, ParameterGroup, Parameters, Seed
-from egad.bench import Clutter, NaiveGrasp, TrialProtocol
+from egad.bench import PLANNING_TIME, Clutter, NaiveGrasp, PlanningTime, TrialProtocol
 from egad.bench.failures import FailureSearch
 from egad.detectors import DETECTORS, DetectorConfig, ImageNoise
-from egad.evalset import Engraving, PrintCheck, PrintExport, SelectEval
+from egad.evalset import PrintCheck, PrintExport, SelectEval
 from egad.evolution import (
     Envelope,
     Evolution,
@@ -30,7 +30,7 @@ from egad.exchange.release import Release
 from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import GraspLabel, LabelParameters, Quality, Robust, Sampling
 from egad.grippers import GRIPPERS, Gripper
-from egad.learning import Training, VgnTraining
+from egad.learning import Training
 from egad.learning.images import CAMERAS, Camera, Render
 from egad.learning.scenes import TrainingScenes
 from egad.measures import (
@@ -135,6 +135,12 @@ class Settings(Parameters):
     shards: int = Field(
         4, ge=1, le=1024, description="jobs per dataset; does not change any result"
     )
+    planning_time: PlanningTime = PLANNING_TIME
+    keep_going: bool = Field(
+        False,
+        description="whether to continue with a detector that fails in every attempt at the first "
+        "three objects, or of the first three rounds",
+    )
     datasets: dict[Name, DatasetSection] = Field(
         {"egad": DatasetSection(source="evolved")},
         min_length=1,
@@ -166,7 +172,6 @@ class Settings(Parameters):
     select_eval: SelectEval = SelectEval()
     print_check: PrintCheck = PrintCheck()
     print_export: PrintExport = PrintExport()
-    engraving: Engraving = Engraving()
     bundle: Bundle = Bundle()
     dexnet: DexNet = DexNet()
     acronym: Acronym = Acronym()
@@ -177,7 +182,6 @@ class Settings(Parameters):
     naive_grasp: NaiveGrasp = NaiveGrasp()
     agreement: LabelAgreement = LabelAgreement()
     training: Training = Training()
-    training_vgn: VgnTraining = VgnTraining()
     render: Render = Render()
     image_noise: ImageNoise = ImageNoise()
     scenes: TrainingScenes = TrainingScenes()
@@ -251,7 +255,5 @@ def select(
 
 
 def plain(part: Parameters) -> dict[str, Any]:
-    """Settings as plain values for a rule, without `keep_going`, which changes no result."""
-    return part.model_dump(
-        mode="json", exclude={"trials": {"keep_going"}, "clutter": {"keep_going"}}
-    )
+    """Settings as plain values for a rule."""
+    return part.model_dump(mode="json")

@@ -11,7 +11,7 @@ import trimesh
 
 from egad._util.arrays import RgbImage
 from egad._util.files import atomic_output
-from egad.evalset import Engraving, Patch, cut_text
+from egad.evalset import Patch, cut_text
 from egad.report.pictures import CAMERA, png_bytes, render
 
 DOCS = Path(__file__).parents[1]
@@ -33,7 +33,7 @@ def labelled(text: str) -> trimesh.Trimesh:
     right, out = CAMERA[0].astype(np.float64), np.array([0.0, 0.0, 1.0])
     frame = np.column_stack([right, np.cross(out, right), out])
     patch = Patch(THICK / 2 * out, frame, 0.0, 0)
-    cut = cut_text(disc, text, patch, Engraving(enabled=True)) or disc
+    cut = cut_text(disc, text, patch) or disc
     corners = cut.vertices[cut.faces].reshape(-1, 3)
     return trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False)
 

@@ -11,6 +11,7 @@ from .clearing_runner import intrinsics_of as intrinsics_of
 from .naive_grasps import naive_outcomes as naive_outcomes
 from .naive_grasps import try_naive_grasps as try_naive_grasps
 from .parameters import NAMED_ERRORS as NAMED_ERRORS
+from .parameters import PLANNING_TIME as PLANNING_TIME
 from .parameters import CellErrors as CellErrors
 from .parameters import ClearedTables as ClearedTables
 from .parameters import Clutter as Clutter
@@ -19,6 +20,7 @@ from .parameters import ContactRule as ContactRule
 from .parameters import NaiveGrasp as NaiveGrasp
 from .parameters import NaiveGraspParameters as NaiveGraspParameters
 from .parameters import NaiveGrasps as NaiveGrasps
+from .parameters import PlanningTime as PlanningTime
 from .parameters import SimulatedTrials as SimulatedTrials
 from .parameters import TrialParameters as TrialParameters
 from .parameters import TrialProtocol as TrialProtocol

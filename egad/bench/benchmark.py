@@ -190,7 +190,6 @@ def run_benchmark(
         rounds=rounds,
         objects=per_scene,
         errors=errors,
-        keep_going=keep_going,
     )
     if scale is not None:
         rules = dict(clutter.protocol) | {"scale": scale, "packed_scale": None}
@@ -199,7 +198,7 @@ def run_benchmark(
     known = as_detector(detect, (LABELS, *SHIPPED_NETWORKS, *IN_SCENES))
     if not isinstance(known, DetectorConfig):
         wanted_input(known)
-    return try_tables(known, named_meshes(objects), settings, rule, jobs)
+    return try_tables(known, named_meshes(objects), settings, rule, jobs, keep_going)
 
 
 def try_tables(
@@ -208,22 +207,29 @@ def try_tables(
     settings: ClutterParameters,
     rule: str,
     jobs: int = 1,
+    keep_going: bool = False,
 ) -> Benchmark:
     """Let a detector clear tables of objects; see `run_benchmark`, also for errors."""
     check_detector(detect, settings)
     label_seed = settings.seed if knows_scene(detect) else None
     objects = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
-    return clear_tables(detect, objects, settings, jobs)
+    return clear_tables(detect, objects, settings, jobs, keep_going)
 
 
 def clear_tables(
-    detect: Detect, objects: Sequence[SceneObject], settings: ClutterParameters, jobs: int = 1
+    detect: Detect,
+    objects: Sequence[SceneObject],
+    settings: ClutterParameters,
+    jobs: int = 1,
+    keep_going: bool = False,
 ) -> Benchmark:
     """Let a detector clear tables of prepared objects; `labels` needs objects with grasps."""
     todo = rounds_of([each.id for each in objects], settings)
     shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
-    work = partial(clear_rounds, objects=objects, detect=detect, settings=settings)
-    done, monitor = [], FailureMonitor(len(todo), settings.clutter.keep_going, "rounds")
+    work = partial(
+        clear_rounds, objects=objects, detect=detect, settings=settings, keep_going=keep_going
+    )
+    done, monitor = [], FailureMonitor(len(todo), keep_going, "rounds")
     with workers(jobs) as mapper:
         for cleared in progress(mapper(work, shards), "clearing", len(shards)):
             for _, rows in cleared[0].groupby(ROUND, sort=False):

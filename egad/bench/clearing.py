@@ -37,14 +37,15 @@ def clear_rounds(
     objects: Sequence[SceneObject],
     detect: Detect,
     settings: ClutterParameters,
+    keep_going: bool = False,
 ) -> Cleared:
     """The attempts of some rounds, and the planning times."""
     models = {each.id: each.model for each in objects}
     grasps = {each.id: each.grasps for each in objects}
     with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
         # These may be only a few of the rounds; only the caller sees whether all of them fail.
-        count, keep_going = len(rounds) + 1, settings.clutter.keep_going
-        done, monitor = [], FailureMonitor(count, keep_going, "rounds", quiet=True)
+        done = []
+        monitor = FailureMonitor(len(rounds) + 1, keep_going, "rounds", quiet=True)
         for this in rounds:
             done.append(clear(this))
             monitor.check(done[-1][0])
@@ -85,5 +86,5 @@ def _proposer(
     if knows_scene(detect):
         yield lambda ids, models: SceneLabels(list(map(grasps, ids)), models, settings.gripper)
     else:
-        with opened(detect, settings.clutter.planning_time) as found:
+        with opened(detect, settings.planning_time) as found:
             yield lambda *_: proposed_by(found, settings.gripper, protocol)

@@ -103,7 +103,7 @@ def try_naive_grasps(model: Model, object_id: str, settings: NaiveGraspParameter
     check_jaws(settings.gripper, "a naive grasp")
     friction = settings.quality.friction
     gripper = settings.gripper.model_copy(update={"friction": friction})
-    arm, engine = TurningAxis(gripper), settings.naive_grasp.engine
+    arm, engine = TurningAxis(gripper), settings.simulated_label.engine
 
     def rngs(place: str) -> Iterator[np.random.Generator]:
         for number in range(settings.naive_grasp.grasps):
@@ -126,7 +126,7 @@ def naive_outcomes(
         for number, outcome in enumerate(outcomes)
     ]
     found = pd.DataFrame(rows, columns=["place", "number", "outcome"])
-    return found.assign(engine=settings.naive_grasp.engine)
+    return found.assign(engine=settings.simulated_label.engine)
 
 
 def try_in_free_space(

@@ -22,9 +22,18 @@ from egad.errors import check_name
 from egad.geometry import Material
 from egad.grasps import Quality
 from egad.grippers import Gripper, as_gripper
-from egad.sim import COLLISION_FORCE, ENGINES, EngineName, Lifting, check_engine, contacts_in_words
+from egad.sim import (
+    COLLISION_FORCE,
+    ENGINES,
+    EngineName,
+    Lifting,
+    SimulatedLabel,
+    check_engine,
+    contacts_in_words,
+)
 
 Offset = Annotated[float, Field(ge=0, le=0.1)]
+PLANNING_TIME = 60.0
 PlanningTime = Annotated[
     float,
     Field(gt=0, description="time limit of a detector, seconds; an attempt that exceeds it fails"),
@@ -127,14 +136,6 @@ class TrialProtocol(ContactRule, Lifting):
         "failure the object stays where it is, as with a real robot; redrop: every attempt starts "
         "with a drop in a random orientation, the same for all detectors",
     )
-    drop_height: Length = Field(
-        0.1,
-        description="height of the lowest point of the object above the table before a drop, "
-        "metres",
-    )
-    workspace: Length = Field(
-        0.12, description="objects further than this from the center are moved back, metres"
-    )
     image: tuple[Pixels, Pixels] = Field(
         (640, 480), description="width and height of the depth image, pixels"
     )
@@ -152,12 +153,6 @@ class TrialProtocol(ContactRule, Lifting):
     errors: Errors = Field(
         NAMED_ERRORS["none"],
         description="errors of a real cell: none, typical, or a section of your own",
-    )
-    planning_time: PlanningTime = 60.0
-    keep_going: bool = Field(
-        False,
-        description="whether to continue with a detector that fails in every attempt at the first "
-        "three objects",
     )
 
 
@@ -189,12 +184,6 @@ class Clutter(Parameters):
     errors: Errors = Field(
         NAMED_ERRORS["none"], description="errors of a real cell, as in `trials.errors`"
     )
-    planning_time: PlanningTime = 60.0
-    keep_going: bool = Field(
-        False,
-        description="whether to continue with a detector that fails in every attempt of the first "
-        "three rounds",
-    )
 
     @property
     def noises(self) -> tuple[NoiseName, ...]:
@@ -211,9 +200,11 @@ def hand_of(gripper: Gripper | str, rule: str, engine: str) -> Gripper:
 
 
 class NaiveGrasp(Parameters):
-    """Naive grasps, whose simulated success rate says how forgiving an object is."""
+    """Naive grasps, whose simulated success rate says how forgiving an object is.
 
-    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
+    The engine is that of `simulated_label`.
+    """
+
     grasps: int = Field(
         160,
         ge=1,
@@ -229,6 +220,7 @@ class NaiveGraspParameters(ParameterGroup):
     gripper: Gripper
     quality: Quality
     trials: Lifting
+    simulated_label: SimulatedLabel
     naive_grasp: NaiveGrasp
 
 
@@ -238,6 +230,7 @@ class TrialParameters(ParameterGroup):
     seed: Seed
     gripper: Gripper
     trials: TrialProtocol
+    planning_time: PlanningTime = PLANNING_TIME
 
 
 class ClutterParameters(ParameterGroup):
@@ -246,6 +239,7 @@ class ClutterParameters(ParameterGroup):
     seed: Seed
     gripper: Gripper
     clutter: Clutter
+    planning_time: PlanningTime = PLANNING_TIME
 
 
 class SimulatedTrials(TrialParameters):

@@ -38,26 +38,28 @@ log = logging.getLogger(__name__)
 SETTLING_TIME = 4.0  # seconds, at most
 REST_SPEED = 0.003  # m/s
 REST_TURNING = 0.05  # rad/s
+DROP_HEIGHT = 0.1  # metres: of the lowest point of the object above the table
 DROP_SPREAD = 0.03  # the center of mass is dropped at most this far from the middle, both ways
 DROPS = 5
 # Released upright, nearly all objects lie as before, and the same grasp works 20 times.
 TILT = np.pi / 2
+WORKSPACE = 0.12  # metres: objects further than this from the middle are dropped again
 MOVED = 0.01  # metres; if no point moved further, a detector would try the same again
 
 
 def initial_poses(
-    mesh: trimesh.Trimesh, height: float, left: InitialPose | None, rng: np.random.Generator
+    mesh: trimesh.Trimesh, left: InitialPose | None, rng: np.random.Generator
 ) -> Iterator[InitialPose]:
-    """Initial poses to try in turn: dropped from `height`, m, or as the last attempt left it."""
+    """Initial poses to try in turn: dropped, or as the last attempt left it."""
     if left is not None and left.kind == "from_hand":
         turned = _tilted(left.pose.quaternion, rng)
-        yield InitialPose("from_hand", _above(mesh, height, turned, rng))
+        yield InitialPose("from_hand", _above(mesh, turned, rng))
     elif left is not None:
         yield left
     for _ in range(DROPS):
         quaternion = rng.normal(size=4)
         quaternion /= np.linalg.norm(quaternion)
-        yield InitialPose("dropped", _above(mesh, height, quaternion, rng))
+        yield InitialPose("dropped", _above(mesh, quaternion, rng))
 
 
 def has_moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
@@ -67,13 +69,11 @@ def has_moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
     return bool((np.linalg.norm(shifts, axis=1) > MOVED).any())
 
 
-def _above(
-    mesh: trimesh.Trimesh, height: float, quaternion: Floats, rng: np.random.Generator
-) -> Pose:
+def _above(mesh: trimesh.Trimesh, quaternion: Floats, rng: np.random.Generator) -> Pose:
     """A pose above the middle of the table, within `DROP_SPREAD`."""
     x, y = rng.uniform(-DROP_SPREAD, DROP_SPREAD, size=2)
     turned = mesh.vertices @ Pose(np.zeros(3), quaternion).matrix[2, :3]
-    return Pose(np.array([x, y, height - turned.min()]), quaternion)
+    return Pose(np.array([x, y, DROP_HEIGHT - turned.min()]), quaternion)
 
 
 def _tilted(quaternion: Floats, rng: np.random.Generator) -> Floats:
@@ -202,7 +202,7 @@ class TrialRunner(Runner):
         """Drop the object, or leave it, until it lies still in the workspace; None if never."""
         mesh = self.world.model.mesh
         left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
-        for start in initial_poses(mesh, self.trials.drop_height, left, rng):
+        for start in initial_poses(mesh, left, rng):
             rest = self._settled(start)
             if rest is not None and self._in_workspace(rest):
                 return Ready(start, rest)
@@ -230,7 +230,7 @@ class TrialRunner(Runner):
 
     def _in_workspace(self, rest: Pose) -> bool:
         """Whether the object is near the middle, and the camera sees all of it."""
-        if np.linalg.norm(rest.position[:2]) > self.trials.workspace:
+        if np.linalg.norm(rest.position[:2]) > WORKSPACE:
             return False
         seen = (self.world.vertices() - self.camera_pose[:3, 3]) @ self.camera_pose[:3, :3]
         return self.intrinsics.sees(seen)

@@ -170,13 +170,12 @@ def run_trials(
         errors=errors,
         contact=contact,
         stopping_force=stopping_force,
-        keep_going=keep_going,
     )
     parameters = from_arguments(TrialParameters, seed=seed, gripper=hand, trials=trials)
     if isinstance(detect, str) and detect in IN_ANY_DIRECTION:
         raise more_than_a_view(detect, "more")
     known = as_detector(detect, BY_NAME)
-    return try_objects(known, named_meshes(objects), parameters, rule, jobs)
+    return try_objects(known, named_meshes(objects), parameters, rule, jobs, keep_going)
 
 
 def try_objects(
@@ -185,6 +184,7 @@ def try_objects(
     parameters: TrialParameters,
     rule: str,
     jobs: int = 1,
+    keep_going: bool = False,
 ) -> Trials:
     """Let a detector grasp objects; see `run_trials`, also for errors."""
     if not isinstance(detect, DetectorConfig):
@@ -196,9 +196,9 @@ def try_objects(
     asked = (
         nullcontext()
         if knows_scene(detect)
-        else opened(detect, parameters.trials.planning_time, at_once=False)
+        else opened(detect, parameters.planning_time, at_once=False)
     )
-    tables, monitor = [], FailureMonitor(len(targets), parameters.trials.keep_going)
+    tables, monitor = [], FailureMonitor(len(targets), keep_going)
     with asked as ask, workers(jobs) as mapper:
         work = partial(_attempts, ask=ask, rule=rule, parameters=parameters)
         for table in progress(mapper(work, targets), "trying", len(targets)):

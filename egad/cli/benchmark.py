@@ -67,7 +67,7 @@ def benchmark(
     options = {
         "--protocol": ("clutter.protocol", protocol),
         "--rounds": ("clutter.rounds", rounds),
-        "--keep-going": ("clutter.keep_going", keep_going or None),
+        "--keep-going": ("keep_going", keep_going or None),
         "--rule": ("rescale.rule", rule),
     }
     settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
@@ -79,7 +79,9 @@ def benchmark(
         films.mkdir(exist_ok=True)
     result = run_trials(
         "benchmark",
-        lambda targets: try_tables(chosen.detector, targets, chosen, scaling, jobs),
+        lambda targets: try_tables(
+            chosen.detector, targets, chosen, scaling, jobs, settings.keep_going
+        ),
         *(chosen, scaling, gripper, (objects, units), (path, CLUTTER)),
     )
     cleared({name: result.rates()}, {name: engine_names(result.table)})

@@ -41,7 +41,7 @@ def write_matched_set(
     settings = settings.model_copy(
         update={
             "select_eval": SelectEval(rows=ROWS, columns=len(found)),
-            "engraving": settings.engraving.model_copy(update={"enabled": True}),
+            "print_export": settings.print_export.model_copy(update={"engraving": True}),
             "shape": found.shape,
         }
     )

@@ -64,7 +64,7 @@ def run(
     options = {
         "--attempts": ("trials.attempts", attempts),
         "--seed": ("seed", seed),
-        "--keep-going": ("trials.keep_going", keep_going or None),
+        "--keep-going": ("keep_going", keep_going or None),
         "--rule": ("rescale.rule", rule),
     }
     settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
@@ -74,7 +74,9 @@ def run(
     chosen = select(settings, SimulatedTrials, gripper, name)
     result = run_trials(
         "trials run",
-        lambda targets: try_objects(chosen.detector, targets, chosen, scaling, jobs),
+        lambda targets: try_objects(
+            chosen.detector, targets, chosen, scaling, jobs, settings.keep_going
+        ),
         *(chosen, scaling, gripper, (objects, units), (path, TRIALS)),
     )
     succeeded({path.stem: result.success_rate()}, {path.stem: simulated_in(result.table)})

@@ -48,12 +48,13 @@ def train(
 
     After an interruption, the same command resumes after the last epoch, with the same result.
     """
-    options = {"--network": ("training.network", network), "--seed": ("seed", seed)}
+    options = {
+        "--network": ("training.network", network),
+        "--seed": ("seed", seed),
+        "--budget": ("training.examples", budget),
+    }
     whole = settings_in(config, options)
     scenes = whole.training.network == "vgn"
-    if budget is not None:
-        key = "training_vgn.examples" if scenes else "training.images"
-        whole = settings_in(config, {**options, "--budget": (key, budget)})
     if not scenes and device != "cpu":
         raise UserError(f"--device {device} is for the network vgn; others train on the CPU")
     if scenes:

@@ -11,7 +11,6 @@ from .given_labels import labels_by_name as labels_by_name
 from .given_labels import read_labels as read_labels
 from .given_labels import take as take
 from .parameters import DataSheets as DataSheets
-from .parameters import Engraving as Engraving
 from .parameters import EvalSelection as EvalSelection
 from .parameters import PrintCheck as PrintCheck
 from .parameters import PrintExport as PrintExport

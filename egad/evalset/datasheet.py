@@ -145,7 +145,7 @@ def _marks(manifest: pd.DataFrame) -> str:
     if not engraved.any():
         return (
             "The prints do not carry their labels. To tell them apart, mark each with a pen, or "
-            "set `engraving: {enabled: true}` and make them again."
+            "set `print_export: {engraving: true}` and make them again."
         )
     bare = manifest.loc[~engraved & manifest["plate"].notna(), "label"]
     return f"Each print carries its label{', except ' * bool(len(bare))}{', '.join(bare)}."

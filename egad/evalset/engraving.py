@@ -10,10 +10,13 @@ from matplotlib.textpath import TextPath
 from scipy.spatial import cKDTree
 
 from egad._util.arrays import Floats
-from egad.evalset.parameters import Engraving
 from egad.geometry import RayCaster, is_solid, spread, to_mesh, to_solid
 
 FONT = FontProperties(family="DejaVu Sans", weight="bold")  # comes with matplotlib
+DEPTH = 0.0006  # metres below the surface
+LETTERS = 0.006  # metres: height of the letters
+# metres: largest height difference of the surface below a label; a less even object gets none
+RELIEF = 0.001
 STEP = 0.5  # of the height of the letters: between the positions tried
 TURNS = 6  # of the text at each position, over half a turn
 RIM = 0.15  # of the height of the letters: clearance around the text
@@ -37,7 +40,7 @@ class Patch(NamedTuple):
 
 
 def engrave(
-    mesh: trimesh.Trimesh, text: str, settings: Engraving, wall: float, contacts: Floats
+    mesh: trimesh.Trimesh, text: str, wall: float, contacts: Floats
 ) -> trimesh.Trimesh | None:
     """A copy with a text cut into it at uniform depth, where it disturbs grasps least.
 
@@ -45,56 +48,52 @@ def engrave(
     metres are left below the text. Of the places with the fewest of the contacts, (n, 3), the most
     even one is taken. None if there is no place, or the text would cut the object into pieces.
     """
-    patch = best_patch(mesh, text, settings, wall, contacts)
-    return None if patch is None else cut_text(mesh, text, patch, settings)
+    patch = best_patch(mesh, text, wall, contacts)
+    return None if patch is None else cut_text(mesh, text, patch)
 
 
-def cut_text(
-    mesh: trimesh.Trimesh, text: str, patch: Patch, settings: Engraving
-) -> trimesh.Trimesh | None:
+def cut_text(mesh: trimesh.Trimesh, text: str, patch: Patch) -> trimesh.Trimesh | None:
     """A copy with a text cut into it at a given place; None if the object falls apart.
 
     The floor of the letters is the surface itself, moved inwards by the depth.
     """
     solid = to_solid(mesh.vertices, mesh.faces)
-    reach = settings.relief + settings.depth
-    flat = manifold3d.CrossSection(outlines(text, settings.letters), manifold3d.FillRule.EvenOdd)
+    reach = RELIEF + DEPTH
+    flat = manifold3d.CrossSection(outlines(text), manifold3d.FillRule.EvenOdd)
     place = np.column_stack([patch.frame, patch.middle - reach * patch.frame[:, 2]])
     prism = flat.extrude(2 * reach).transform(place)
-    lowered = solid.translate(tuple(-settings.depth * patch.frame[:, 2]))
+    lowered = solid.translate(tuple(-DEPTH * patch.frame[:, 2]))
     cut = solid - (prism - lowered)
     return to_mesh(cut) if is_solid(cut) and len(cut.decompose()) == 1 else None
 
 
-def outlines(text: str, height: float) -> list[Floats]:
+def outlines(text: str) -> list[Floats]:
     """Closed outlines (n, 2) of a text, its middle at the origin; holes wind the other way."""
     glyphs = TextPath((0, 0), text, size=1, prop=FONT).to_polygons()
     points = np.concatenate(glyphs)
     low, high = points.min(axis=0), points.max(axis=0)
-    return [(glyph - (low + high) / 2) * height / (high[1] - low[1]) for glyph in glyphs]
+    return [(glyph - (low + high) / 2) * LETTERS / (high[1] - low[1]) for glyph in glyphs]
 
 
-def best_patch(
-    mesh: trimesh.Trimesh, text: str, settings: Engraving, wall: float, contacts: Floats
-) -> Patch | None:
+def best_patch(mesh: trimesh.Trimesh, text: str, wall: float, contacts: Floats) -> Patch | None:
     """The most even place with the fewest contacts, open from above, over a solid thick enough."""
-    glyphs = np.concatenate(outlines(text, settings.letters))
-    size = np.ptp(glyphs, axis=0) + 2 * RIM * settings.letters
-    middles, normals = _places(mesh, settings.letters, float(np.linalg.norm(size)) / 2)
+    glyphs = np.concatenate(outlines(text))
+    size = np.ptp(glyphs, axis=0) + 2 * RIM * LETTERS
+    middles, normals = _places(mesh, float(np.linalg.norm(size)) / 2)
     middles, frames = np.repeat(middles, TURNS, axis=0), _frames(normals)
-    reliefs = _reliefs(RayCaster(mesh), middles, frames, size, settings.depth + wall)
+    reliefs = _reliefs(RayCaster(mesh), middles, frames, size, DEPTH + wall)
     patches = [
-        Patch(middle, frame, float(relief), _on_it(contacts, middle, frame, size, settings.relief))
+        Patch(middle, frame, float(relief), _on_it(contacts, middle, frame, size))
         for middle, frame, relief in zip(middles, frames, reliefs, strict=True)
-        if relief <= settings.relief
+        if relief <= RELIEF
     ]
     return min(patches, key=lambda patch: (patch.contacts, patch.relief), default=None)
 
 
-def _places(mesh: trimesh.Trimesh, letters: float, radius: float) -> tuple[Floats, Floats]:
+def _places(mesh: trimesh.Trimesh, radius: float) -> tuple[Floats, Floats]:
     """Points about `STEP` letters apart where the surface is about even, and normals, (n, 3)."""
-    samples = spread(mesh, STEP * letters)
-    cells = np.floor(samples.points / (STEP * letters))
+    samples = spread(mesh, STEP * LETTERS)
+    cells = np.floor(samples.points / (STEP * LETTERS))
     first = np.sort(np.unique(cells, axis=0, return_index=True)[1])
     normals = samples.normals
     around = cKDTree(samples.points).query_ball_point(samples.points[first], radius)
@@ -140,7 +139,7 @@ def _reliefs(
     return np.asarray(np.maximum(heights.max(axis=1), 0) - np.minimum(heights.min(axis=1), 0))
 
 
-def _on_it(contacts: Floats, middle: Floats, frame: Floats, size: Floats, relief: float) -> int:
+def _on_it(contacts: Floats, middle: Floats, frame: Floats, size: Floats) -> int:
     """How many contacts lie on a place or less than a finger away from it."""
     local = np.abs((contacts - middle) @ frame)
-    return int((local <= [*(size / 2 + FINGER), relief + FINGER]).all(axis=1).sum())
+    return int((local <= [*(size / 2 + FINGER), RELIEF + FINGER]).all(axis=1).sum())

@@ -20,7 +20,6 @@ class SelectEval(Parameters):
     columns: int = Field(
         7, ge=1, le=10, description="columns of the grid: complexity, named by digits"
     )
-    restarts: int = Field(20, ge=1, description="random starts of the local search")
     borrow: float = Field(
         0.1,
         ge=0,
@@ -58,16 +57,11 @@ class PrintExport(Parameters):
         "printed, metres; Bambu Lab X1 and P1: [0.018, 0.028]",
     )
     gap: float = Field(0.005, ge=0, description="gap between objects on a plate, metres")
+    engraving: bool = Field(False, description="whether labels are engraved into the prints")
     pose: Literal["stable", "overhang"] = Field(
         "overhang",
         description="stable: the most probable pose at rest; overhang: the pose at rest with the "
         "least surface to support, improbable poses excluded",
-    )
-    overhang_angle: float = Field(
-        40.0,
-        gt=0,
-        lt=90,
-        description="overhangs at a larger angle to the vertical are supported, degrees",
     )
     perimeters: int = Field(2, ge=1, le=20, description="lines along each outline of a layer")
     line_width: float = Field(
@@ -85,19 +79,6 @@ class PrintExport(Parameters):
     infill: PositiveFraction = Field(0.2, description="fraction of the inside that is filled")
     filament_density: float = Field(
         1240.0, gt=0, description="density of solid filament, kg/m3: PLA 1240"
-    )
-
-
-class Engraving(Parameters):
-    """Labels engraved into the prints."""
-
-    enabled: bool = Field(False, description="whether labels are engraved into the prints")
-    depth: Length = Field(0.0006, description="depth below the surface, metres")
-    letters: Length = Field(0.006, description="height of the letters, metres")
-    relief: Length = Field(
-        0.001,
-        description="largest height difference of the surface below the label, metres; objects "
-        "without an area this flat get no label",
     )
 
 
@@ -120,7 +101,6 @@ class PrintFiles(ParameterGroup):
     rescale: Rescale
     print_check: PrintCheck
     print_export: PrintExport
-    engraving: Engraving
 
 
 class DataSheets(ParameterGroup):

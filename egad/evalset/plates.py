@@ -43,7 +43,7 @@ def plan_prints(
     `watch` passes the meshes through while they are turned, to show progress.
     """
     lying = {
-        label: lie_down(mesh, settings.pose, settings.overhang_angle, int(np.argmax(settings.bed)))
+        label: lie_down(mesh, settings.pose, int(np.argmax(settings.bed)))
         for label, mesh in watch(meshes.items())
     }
     problems = {label: print_problems(pose.mesh, check) for label, pose in lying.items()}

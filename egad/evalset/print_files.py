@@ -18,6 +18,7 @@ from egad.evalset.filament import print_settings
 from egad.evalset.parameters import PrintExport, PrintFiles
 from egad.evalset.plate_files import PlacedMesh, write_3mf
 from egad.evalset.plates import PrintItem, plan_prints
+from egad.evalset.print_poses import OVERHANG_ANGLE
 from egad.evalset.printability import print_problems
 from egad.geometry import scale_suffix
 from egad.io import read_mesh, write_stl_mm
@@ -46,9 +47,10 @@ def write_print_files(
     """
     chosen = parquet.records(parquet.read(evaluation, EVAL49))
     solids, missing = _read(chosen, meshes)
-    engraved = _engraved(solids, chosen, grasps, settings) if settings.engraving.enabled else {}
+    wanted = settings.print_export
+    engraved = _engraved(solids, chosen, grasps, settings) if wanted.engraving else {}
     watch = partial(progress, what="laying objects down", total=len(solids))
-    items = plan_prints(solids | engraved, settings.print_export, settings.print_check, watch)
+    items = plan_prints(solids | engraved, wanted, settings.print_check, watch)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
     rows = []
     for row in chosen:
@@ -56,7 +58,7 @@ def write_print_files(
         found = {"note": missing.get(label, "")}
         if label in items:
             found = _printed(label, items[label], label in engraved, settings)
-        rows.append(_base_row(row, factor, settings.print_export) | found)
+        rows.append(_base_row(row, factor, wanted) | found)
     with atomic_output(out) as folder:
         folder.mkdir()
         _write(folder, items, rows, gripper, settings)
@@ -95,7 +97,6 @@ def _engraved(
         label: engrave(
             mesh,
             label,
-            settings.engraving,
             settings.print_check.wall,
             touched.get(names[label], np.empty((0, 3))),
         )
@@ -147,8 +148,7 @@ def _write_plate(
 def _advice(settings: PrintExport) -> str:
     """Instructions for printing."""
     return (
-        f"{print_settings(settings)}, "
-        f"supports beyond {settings.overhang_angle:g} degrees from the vertical"
+        f"{print_settings(settings)}, supports beyond {OVERHANG_ANGLE:g} degrees from the vertical"
     )
 
 
@@ -173,7 +173,7 @@ def _printed(label: str, item: PrintItem, engraved: bool, settings: PrintFiles) 
     """What is known of an object as it will be printed."""
     x, y = item.place or (np.nan, np.nan)
     mesh = item.pose.mesh
-    plain = settings.engraving.enabled and not engraved and item.plate is not None
+    plain = settings.print_export.engraving and not engraved and item.plate is not None
     notes = [item.note, "no space for its label" if plain else ""]
     return {
         "file": _file(label, settings),
@@ -198,8 +198,10 @@ def _file(label: str, settings: PrintFiles) -> str:
 def _log_result(rows: list[Row], gripper: str, settings: PrintFiles) -> None:
     plates = {row["plate"] for row in rows} - {None}
     log.info("%d objects, %d plates", len(rows), len(plates))
-    if plates and not settings.engraving.enabled:
-        log.info("The prints do not carry their labels; engraving: {enabled: true} cuts them in")
+    if plates and not settings.print_export.engraving:
+        log.info(
+            "The prints do not carry their labels; print_export: {engraving: true} cuts them in"
+        )
     for row in rows:
         if row["plate"] is None:
             log.info("%s is on no plate: %s", row["label"], row["note"])

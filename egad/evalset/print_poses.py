@@ -10,6 +10,7 @@ from egad.errors import RejectedError
 from egad.geometry import mass_properties, resting_poses, to_solid
 
 LAYER = 0.0002  # metres
+OVERHANG_ANGLE = 40.0  # degrees to the vertical, beyond which surface is supported
 LIKELY = 0.02  # poses that an object comes to rest in less often are too shaky to print in
 FOOTHOLD = 1e-6  # m2: slicers leave out a first layer much smaller than this
 
@@ -27,37 +28,35 @@ class PrintPose(NamedTuple):
     contact: float
 
 
-def lie_down(mesh: trimesh.Trimesh, choice: str, angle: float, along: int = 0) -> PrintPose:
+def lie_down(mesh: trimesh.Trimesh, choice: str, along: int = 0) -> PrintPose:
     """A copy in one of its resting poses, the longer side of its footprint along an axis.
 
     `stable`: on the face of its hull that it most probably comes to rest on; `overhang`: among all
-    but the improbable poses, the one with the least area to support (overhangs at a larger angle to
-    the vertical, degrees), if possible with a first layer of 1 mm2.
+    but the improbable poses, the one with the least area to support, if possible with a first layer
+    of 1 mm2.
     """
     try:
         poses = resting_poses(mesh, mass_properties(mesh, 1.0).com)
     except RejectedError:
-        return _pose(mesh, np.eye(3), np.nan, angle, along)
+        return _pose(mesh, np.eye(3), np.nan, along)
     chosen = poses[0]
     if choice == "overhang":
         likely = [pose for pose in poses if pose.probability >= LIKELY] or [chosen]
-        likely.sort(key=lambda pose: overhang_area(mesh, pose.rotation, angle))
+        likely.sort(key=lambda pose: overhang_area(mesh, pose.rotation))
         firm = (pose for pose in likely if first_layer_area(mesh, pose.rotation) >= FOOTHOLD)
         chosen = next(firm, likely[0])
-    return _pose(mesh, chosen.rotation, chosen.probability, angle, along)
+    return _pose(mesh, chosen.rotation, chosen.probability, along)
 
 
-def _pose(
-    mesh: trimesh.Trimesh, rotation: Floats, probability: float, angle: float, along: int
-) -> PrintPose:
+def _pose(mesh: trimesh.Trimesh, rotation: Floats, probability: float, along: int) -> PrintPose:
     standing = np.asarray(mesh.vertices, dtype=np.float64) @ rotation.T
     turned = standing @ _align_with_bed(standing, along).T
     clean = trimesh.Trimesh(turned - turned.min(axis=0), mesh.faces, process=False)
-    area = overhang_area(clean, np.eye(3), angle)
+    area = overhang_area(clean, np.eye(3))
     return PrintPose(clean, probability, area, first_layer_area(clean, np.eye(3)))
 
 
-def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float) -> float:
+def overhang_area(mesh: trimesh.Trimesh, rotation: Floats, angle: float = OVERHANG_ANGLE) -> float:
     """Area that needs support: steeper than an angle (degrees), facing down, not on the bed.
 
     After the rotation, z points up. Overhangs at a larger angle to the vertical count.

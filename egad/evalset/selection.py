@@ -18,6 +18,7 @@ from egad.measures import MeasureSpace, complexity_cells, difficulty_cells
 from egad.tables.evaluation import EVAL49
 
 LABEL = re.compile(r"[A-Z][0-9]")
+RESTARTS = 20  # random starts of the local search
 Distances = NDArray[np.float64]
 Check = Callable[[int], list[str]]
 
@@ -129,7 +130,7 @@ def select(
     while True:
         by_cell = candidates_by_cell(objects, settings, space, left_out)
         candidates = list(by_cell.values())
-        chosen = _best_of_restarts(candidates, distances, settings.restarts, rng)
+        chosen = _best_of_restarts(candidates, distances, rng)
         found = {int(each): problems(int(each)) if problems else [] for each in set(chosen) - fine}
         fine |= {each for each, wrong in found.items() if not wrong}
         bad = {each: wrong for each, wrong in found.items() if wrong}
@@ -145,9 +146,9 @@ def select(
 
 
 def _best_of_restarts(
-    candidates: Sequence[Ints], distances: Distances, restarts: int, rng: np.random.Generator
+    candidates: Sequence[Ints], distances: Distances, rng: np.random.Generator
 ) -> Ints:
-    starts = (random_choice(candidates, rng) for _ in range(restarts))
+    starts = (random_choice(candidates, rng) for _ in range(RESTARTS))
     found = [improve(start, candidates, distances) for start in starts]
     return max(found, key=lambda chosen: total(chosen, distances))
 

@@ -29,6 +29,7 @@ log = logging.getLogger(__name__)
 UNTIMED = "01-01-1980-00h-00m-00s"  # same input, same bytes
 MEASURES = ("complexity", "graspability", "complexity_cell", "difficulty_cell", "diversity")
 GRASP_TYPE, FRAME = "ParallelJawPtGrasp3D", "object"
+POSE_PROBABILITY = 0.01  # stable poses with a lower probability are omitted
 _TEXT = h5py.string_dtype()  # Dex-Net compares strings, and would get bytes from a fixed length
 
 
@@ -149,15 +150,15 @@ def _solid(settings: DexNetObjects, row: Mapping[str, Any], path: Path) -> Dexne
         mesh=mesh,
         mass=mass.mass,
         field=distance_field(mesh, wanted.field_size, wanted.field_padding),
-        poses=_poses(mesh, mass.com, wanted.pose_probability, row["label"]),
+        poses=_poses(mesh, mass.com, row["label"]),
         name=row["id"],
         measures={name: float(row[name]) for name in MEASURES},
     )
 
 
-def _poses(mesh: trimesh.Trimesh, com: Floats, least: float, label: str) -> list[StablePose]:
+def _poses(mesh: trimesh.Trimesh, com: Floats, label: str) -> list[StablePose]:
     try:
-        return [pose for pose in resting_poses(mesh, com) if pose.probability >= least]
+        return [pose for pose in resting_poses(mesh, com) if pose.probability >= POSE_PROBABILITY]
     except RejectedError as reason:
         log.warning("%s is written without stable poses: %s", label, reason)
         return []

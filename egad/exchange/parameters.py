@@ -30,9 +30,6 @@ class DexNet(Parameters):
         description="cells between the bounding box of the object and the edge of the field; "
         "Dex-Net uses 5 of 100",
     )
-    pose_probability: Fraction = Field(
-        0.01, description="stable poses with a lower probability are omitted"
-    )
 
     @model_validator(mode="after")
     def _the_object_fits_into_its_field(self) -> Self:

@@ -74,9 +74,6 @@ class Bundle(Parameters):
     max_vertices: int = Field(
         MAX_VERTICES, ge=8, description="maximum number of vertices of a part"
     )
-    coacd_threshold: float = Field(
-        0.05, ge=0.01, le=1, description="largest concavity of a part (method: coacd)"
-    )
     friction: float = Field(
         OBJECT.friction, gt=0, le=2, description="sliding friction of the objects"
     )

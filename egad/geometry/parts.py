@@ -25,8 +25,9 @@ from egad.geometry.touchable import MAX_BURIED, buried_share
 
 CODE = ("geometry", "random.py")
 LIBRARIES = ("numpy", "scipy", "manifold3d", "embreex", "libigl", "trimesh", "numba", "coacd")
+COACD_THRESHOLD = 0.05  # largest concavity of a part
 TIME_LIMIT = 1800  # seconds; it takes minutes at most
-Task = tuple[Floats, Ints, float, int]
+Task = tuple[Floats, Ints, int]
 
 
 class PartsWarning(UserWarning):
@@ -140,9 +141,7 @@ def warn_if_beyond(name: str, within: bool, volume_error: float, bound: float) -
 
 def _made(mesh: trimesh.Trimesh, settings: Bundle) -> Decomposition:
     if settings.method == "coacd":
-        parts = coacd_parts(
-            mesh, settings.coacd_threshold, settings.max_parts, settings.max_vertices
-        )
+        parts = coacd_parts(mesh, settings.max_parts, settings.max_vertices)
         return Decomposition(parts, np.nan, np.nan)
     return decompose(
         mesh, settings.max_parts, settings.volume_error, settings.deviation, settings.max_vertices
@@ -158,15 +157,13 @@ def _packed(found: Decomposition) -> Arrays:
     }
 
 
-def coacd_parts(
-    mesh: trimesh.Trimesh, threshold: float, max_parts: int, max_vertices: int
-) -> list[trimesh.Trimesh]:
+def coacd_parts(mesh: trimesh.Trimesh, max_parts: int, max_vertices: int) -> list[trimesh.Trimesh]:
     """Convex hulls of a solid by CoACD, seed 0 (Wei et al. 2022); `RejectedError` if it fails.
 
     It runs in a separate process because it sometimes aborts its process.
     """
     check_installed("coacd", "bundle.method: coacd")
-    task = (np.array(mesh.vertices), np.array(mesh.faces), threshold, max_parts)
+    task = (np.array(mesh.vertices), np.array(mesh.faces), max_parts)
     try:
         with Worker(_coacd, TIME_LIMIT, name="CoACD") as run:
             parts: list[Floats] = run(task)
@@ -190,9 +187,9 @@ def _coacd() -> Iterator[Callable[[Task], list[Floats]]]:
     coacd.set_log_level("error")
 
     def run(task: Task) -> list[Floats]:
-        vertices, faces, threshold, max_parts = task
+        vertices, faces, max_parts = task
         mesh = coacd.Mesh(vertices, faces)
-        options = {"threshold": threshold, "max_convex_hull": max_parts}
+        options = {"threshold": COACD_THRESHOLD, "max_convex_hull": max_parts}
         try:
             found = coacd.run_coacd(mesh, preprocess_mode="off", seed=0, **options)
         except Exception as error:

@@ -17,12 +17,16 @@ from .grasps import vectors as vectors
 from .labels import label_parameters as label_parameters
 from .labels import sample_for_labels as sample_for_labels
 from .labels import statistics_row as statistics_row
+from .parameters import APPROACH_WAY as APPROACH_WAY
+from .parameters import ROBUST_TORQUE_SCALING as ROBUST_TORQUE_SCALING
+from .parameters import SPREAD as SPREAD
 from .parameters import GraspLabel as GraspLabel
 from .parameters import LabelParameters as LabelParameters
 from .parameters import Quality as Quality
 from .parameters import Robust as Robust
 from .parameters import RobustSuction as RobustSuction
 from .parameters import Sampling as Sampling
+from .parameters import Spread as Spread
 from .poses import hand_poses as hand_poses
 from .quality import ferrari_canny as ferrari_canny
 from .quality import quality_bound as quality_bound

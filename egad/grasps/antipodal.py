@@ -17,6 +17,8 @@ from egad.grasps.parameters import Sampling
 
 TURN = 0.05 * 2 / np.pi  # metres that a radian of rotation adds to the distance between grasps
 CONTACT_TOLERANCE = 1e-6  # of the opening
+CANDIDATES, ROUNDS = 200, 10  # axes sampled per round, at least; rounds, at most
+APPROACH_CLEARANCE = 0.1  # metres, along which open fingers approach straight
 
 
 @dataclass(frozen=True)
@@ -83,17 +85,19 @@ def sample_contacts(
     sampling: Sampling,
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,  # which axes (n, 3); None: all
+    clearance: float = APPROACH_CLEARANCE,
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Find at most `count` well-spread grasps, and sampling statistics.
 
     First contacts are uniform over the surface; the tangent of the angle between axis and inward
     normal is uniform up to the cone. A finger from the far end of the opening finds the second
-    contact; open fingers must then reach both, and approach along one of `approach_directions`.
+    contact; open fingers must then reach both, and approach along one of `approach_directions` for
+    the clearance, metres, without a collision (0: off).
     """
     grasps, statistics = ContactPairs.empty(), SamplingStatistics()
-    for _ in range(sampling.rounds):
-        draws = max(sampling.candidates, 2 * count)
-        fresh, fate = valid_contacts(caster, opening, draws, sampling, rng, wanted)
+    for _ in range(ROUNDS):
+        draws = max(CANDIDATES, 2 * count)
+        fresh, fate = valid_contacts(caster, opening, draws, sampling, rng, wanted, clearance)
         spread = _keep_apart(grasps, fresh, sampling.spacing)
         grasps = join([grasps, fresh.take(spread)])
         statistics += fate + SamplingStatistics(too_close=len(fresh) - len(spread))
@@ -109,6 +113,7 @@ def valid_contacts(
     sampling: Sampling,
     rng: np.random.Generator,
     wanted: Callable[[Floats], NDArray[np.bool_]] | None = None,
+    clearance: float = APPROACH_CLEARANCE,
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Sample candidates like `sample_contacts`, and keep all grasps: they are independent draws."""
     areas = np.cumsum(caster.areas)  # points are uniform over the surface
@@ -121,7 +126,7 @@ def valid_contacts(
     if wanted is not None:
         kept = np.flatnonzero(wanted(axes))
         starts, normals, axes = starts[kept], normals[kept], axes[kept]
-    return _close(caster, starts, normals, axes, opening, sampling)
+    return _close(caster, starts, normals, axes, opening, sampling.cone, clearance)
 
 
 def join(parts: list[ContactPairs]) -> ContactPairs:
@@ -188,7 +193,8 @@ def _close(
     normals: Floats,
     axes: Floats,
     opening: float,
-    sampling: Sampling,
+    cone: float,
+    clearance: float,
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Close fingers along the axes, and keep the grasps that touch at the starts."""
     far = starts + opening * axes
@@ -196,12 +202,12 @@ def _close(
     fits = hits.entering & (hits.distances < opening)
     ends = far - np.where(fits, hits.distances, 0.0)[:, None] * axes
     cosine = np.einsum("nk,nk->n", hits.normals, axes)
-    antipodal = fits & (cosine * np.sqrt(1 + sampling.cone**2) >= 1)
+    antipodal = fits & (cosine * np.sqrt(1 + cone**2) >= 1)
     chosen = np.flatnonzero(antipodal)
     candidates = ContactPairs(
         np.stack([starts, ends], axis=1), np.stack([normals, hits.normals], axis=1), axes
     ).take(chosen)
-    free = _fingers_free(caster, candidates, opening, sampling.approach_clearance)
+    free = _fingers_free(caster, candidates, opening, clearance)
     statistics = SamplingStatistics(
         candidates=len(axes),
         too_wide=int(np.sum(~fits)),

@@ -16,6 +16,7 @@ from egad.grasps.grasps import vector_columns
 from egad.grasps.opening import needed_openings
 from egad.grasps.parameters import (
     APPROACH_ANGLES,
+    APPROACH_WAY,
     CONE,
     GraspLabel,
     LabelParameters,
@@ -60,8 +61,7 @@ def sample_for_labels(
 ) -> tuple[ContactPairs, SamplingStatistics]:
     """Sample grasps to be rated, without the sampler's own test of one approach; statistics."""
     wanted, opening = settings.grasp_label.grasps, settings.gripper.opening
-    sampling = settings.sampling.model_copy(update={"approach_clearance": 0.0})
-    return sample_contacts(caster, opening, wanted, sampling, rng)
+    return sample_contacts(caster, opening, wanted, settings.sampling, rng, clearance=0.0)
 
 
 def rate_grasps(
@@ -73,10 +73,8 @@ def rate_grasps(
     body: HandBody,
 ) -> pd.DataFrame:
     """Rate grasps of a solid about its center of mass (3,), metres: `GRASPS` but `id`, `label`."""
-    gripper, wanted = settings.gripper, settings.grasp_label
-    approach = best_approaches(
-        caster, grasps, body, angles=wanted.approach_angles, way=wanted.approach_way
-    )
+    angles, opening = settings.grasp_label.approach_angles, settings.gripper.opening
+    approach = best_approaches(caster, grasps, body, angles=angles, way=APPROACH_WAY)
     needed = needed_openings(caster, grasps, approach.directions, body)
     faces = JawFaces.of(body, grasps, approach.directions, needed)
     quality = ferrari_canny(
@@ -91,7 +89,7 @@ def rate_grasps(
         caster,
         grasps,
         com,
-        gripper.opening,
+        opening,
         quality=settings.quality,
         robust=settings.robust,
         rng=rng,
@@ -105,7 +103,7 @@ def rate_grasps(
         grasps.normals,
         width=grasps.widths,
         # a hand that fits is slightly wider than its opening, see `hand.CLEARANCE`
-        needed_opening=np.where(approach.fits, np.minimum(needed, gripper.opening), needed),
+        needed_opening=np.where(approach.fits, np.minimum(needed, opening), needed),
         quality=quality,
         robust_quality=mean,
         robust_quality_std=deviation,

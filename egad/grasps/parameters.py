@@ -1,6 +1,6 @@
 """Parameters of the sampling, rating and labelling of grasps."""
 
-from typing import Self
+from typing import NamedTuple
 
 from pydantic import Field
 
@@ -11,6 +11,7 @@ from egad.grippers import Gripper
 
 CONE = 0.75  # tangent of the widest angle between the axis of a grasp and its normals
 APPROACH_ANGLES = 16  # around the closing axis
+APPROACH_WAY = 0.1  # metres: length of the straight approach of the hand
 
 
 class Quality(Parameters):
@@ -21,37 +22,27 @@ class Quality(Parameters):
         100.0, gt=0, description="weight of a torque relative to a force, 1/m"
     )
     finger_radius: Length = Field(0.005, description="contact radius of the soft finger, metres")
-    cone_faces: int = Field(8, ge=3, le=24, description="edges of the linearized friction cone")
 
 
-class Perturbation(Parameters):
-    """What the perturbed copies of any grasp share."""
-
-    samples: int = Field(25, ge=1, description="number of perturbed copies of a grasp")
-    object_translation_sigma: Sigma = Field(
-        0.005, description="standard deviation of the object position, metres per axis"
-    )
-    object_rotation_sigma: Sigma = Field(
-        0.01, description="standard deviation of the object rotation, radians per axis"
-    )
-    com_sigma: Sigma = Field(
-        0.01, description="standard deviation of the center of mass, metres per axis"
-    )
-    friction_sigma: Sigma = Field(0.1, description="standard deviation of the friction coefficient")
-
-
-class Robust(Perturbation):
+class Robust(Parameters):
     """The mean quality over perturbed copies of a grasp."""
 
-    torque_scaling: float = Field(
-        1000.0, gt=0, description="weight of a torque relative to a force, 1/m"
-    )
-    grasp_translation_sigma: Sigma = Field(
-        0.001, description="standard deviation of the grasp center, metres per axis"
-    )
-    grasp_rotation_sigma: Sigma = Field(
-        0.001, description="standard deviation of the grasp axis, radians per axis"
-    )
+    samples: int = Field(25, ge=1, description="number of perturbed copies of a grasp")
+
+
+class Spread(NamedTuple):
+    """Standard deviations of the copies of a grasp of jaws, per axis: metres, radians."""
+
+    grasp_translation_sigma: float = 0.001  # of the grasp center
+    grasp_rotation_sigma: float = 0.001
+    object_translation_sigma: float = 0.005
+    object_rotation_sigma: float = 0.01
+    com_sigma: float = 0.01
+    friction_sigma: float = 0.1
+
+
+SPREAD = Spread()
+ROBUST_TORQUE_SCALING = 1000.0  # 1/m: weight of a torque relative to a force
 
 
 class Sampling(Parameters):
@@ -68,40 +59,40 @@ class Sampling(Parameters):
         ge=0,
         description="minimum distance between grasps, metres; 4.5 degrees count as 2.5 mm",
     )
-    candidates: int = Field(200, ge=1, description="candidate axes sampled per round")
-    rounds: int = Field(10, ge=1, description="maximum number of rounds")
-    approach_clearance: float = Field(
-        0.1,
-        ge=0,
-        description="length of the straight approach along which the open fingers must not "
-        "collide, metres; 0: off (grasp labels check the whole hand instead)",
-    )
 
 
-class RobustSuction(Perturbation):
+class RobustSuction(Robust):
     """Robust quality: the share of perturbed copies that seal and resist the load.
 
     The paper does not give its sigmas. Those used here come from the robust quality of antipodal
     grasps (Dex-Net 2.0); that of the weight is ours.
     """
 
+    object_translation_sigma: Sigma = Field(
+        SPREAD.object_translation_sigma,
+        description="standard deviation of the object position, metres per axis",
+    )
+    object_rotation_sigma: Sigma = Field(
+        SPREAD.object_rotation_sigma,
+        description="standard deviation of the object rotation, radians per axis",
+    )
+    com_sigma: Sigma = Field(
+        SPREAD.com_sigma, description="standard deviation of the center of mass, metres per axis"
+    )
+    friction_sigma: Sigma = Field(
+        SPREAD.friction_sigma, description="standard deviation of the friction coefficient"
+    )
     cup_translation_sigma: Sigma = Field(
-        0.001, description="standard deviation of the cup position, metres per axis"
+        SPREAD.grasp_translation_sigma,
+        description="standard deviation of the cup position, metres per axis",
     )
     cup_rotation_sigma: Sigma = Field(
-        0.001, description="standard deviation of the cup rotation, radians per axis"
+        SPREAD.grasp_rotation_sigma,
+        description="standard deviation of the cup rotation, radians per axis",
     )
     weight_sigma: Sigma = Field(
         0.1, description="standard deviation of the weight of the object, relative"
     )
-
-    @classmethod
-    def of(cls, robust: Robust) -> Self:
-        """With the samples and deviations of antipodal grasps."""
-        values = robust.model_dump(include=set(cls.model_fields))
-        for way in ("translation_sigma", "rotation_sigma"):
-            values[f"cup_{way}"] = getattr(robust, f"grasp_{way}")
-        return cls(**values)
 
 
 class SuctionSampling(Parameters):
@@ -120,9 +111,6 @@ class GraspLabel(Parameters):
         ge=1,
         le=360,
         description="approach angles tried, evenly spaced around the closing axis",
-    )
-    approach_way: float = Field(
-        0.1, ge=0, le=10, description="length of the straight approach of the hand, metres"
     )
 
 

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster
 from egad.grasps.antipodal import ContactPairs
-from egad.grasps.parameters import Quality, Robust
+from egad.grasps.parameters import ROBUST_TORQUE_SCALING, SPREAD, Quality, Robust, Spread
 from egad.grasps.quality import ferrari_canny
 from egad.grippers import HandBody, JawBody
 
@@ -59,16 +59,17 @@ def robust_ferrari_canny(
     robust: Robust,
     rng: np.random.Generator,
     faces: JawFaces | None = None,
+    spread: Spread = SPREAD,
 ) -> tuple[Floats, Floats, Floats]:
     """Mean and deviation of the quality of n grasps over perturbed copies, and the share above 0.
 
     The open fingers close again; a copy counts as 0 if they start inside or meet nothing.
     """
     copies = len(grasps) * robust.samples
-    centers, axes = _disturb(grasps, com, robust, rng)
+    centers, axes = _disturb(grasps, com, robust.samples, spread, rng)
     contacts, touching = close_fingers(caster, centers, axes, opening)
-    coms = com + rng.normal(0, robust.com_sigma, (copies, 3))
-    friction = np.maximum(rng.normal(quality.friction, robust.friction_sigma, copies), 0)
+    coms = com + rng.normal(0, spread.com_sigma, (copies, 3))
+    friction = np.maximum(rng.normal(quality.friction, spread.friction_sigma, copies), 0)
 
     def rated(normals: Floats) -> Floats:
         return ferrari_canny(
@@ -77,9 +78,8 @@ def robust_ferrari_canny(
             axes[touching],
             coms[touching],
             friction=friction[touching],
-            torque_scaling=robust.torque_scaling,
+            torque_scaling=ROBUST_TORQUE_SCALING,
             finger_radius=quality.finger_radius,
-            cone_faces=quality.cone_faces,
         )
 
     values = np.zeros(copies)
@@ -105,10 +105,10 @@ def close_fingers(
 
 
 def _disturb(
-    grasps: ContactPairs, com: Floats, robust: Robust, rng: np.random.Generator
+    grasps: ContactPairs, com: Floats, samples: int, spread: Spread, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
     """Centers and axes of the copies, grasp by grasp: hands move back instead of the mesh."""
-    copies = len(grasps) * robust.samples
+    copies = len(grasps) * samples
 
     def normal(sigma: float) -> Floats:
         return rng.normal(0, sigma, (copies, 3))
@@ -116,11 +116,11 @@ def _disturb(
     def turn(sigma: float) -> Rotation:
         return Rotation.from_rotvec(normal(sigma))
 
-    centers = np.repeat(grasps.centers, robust.samples, axis=0)
-    centers += normal(robust.grasp_translation_sigma)
-    axes = turn(robust.grasp_rotation_sigma).apply(np.repeat(grasps.axes, robust.samples, axis=0))
-    shift = normal(robust.object_translation_sigma)
-    back = turn(robust.object_rotation_sigma).inv()
+    centers = np.repeat(grasps.centers, samples, axis=0)
+    centers += normal(spread.grasp_translation_sigma)
+    axes = turn(spread.grasp_rotation_sigma).apply(np.repeat(grasps.axes, samples, axis=0))
+    shift = normal(spread.object_translation_sigma)
+    back = turn(spread.object_rotation_sigma).inv()
     return back.apply(centers - shift - com) + com, back.apply(axes)
 
 

@@ -63,7 +63,7 @@ def draw_grasps(
         seed=int(rng.integers(2**32)),
         density=density,
         center_of_mass=com,
-        robust=RobustSuction() if robust is None else RobustSuction.of(robust),
+        robust=RobustSuction() if robust is None else RobustSuction(samples=robust.samples),
     )
     return Sampled(suction_poses(table), np.zeros(n), table["quality"].to_numpy(np.float64))
 

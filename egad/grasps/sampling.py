@@ -17,7 +17,7 @@ from egad.geometry.mass import center_or_given
 from egad.grasps.antipodal import SamplingStatistics
 from egad.grasps.grasps import Grasps
 from egad.grasps.labels import LABELS, label_parameters, rate_grasps, sample_for_labels
-from egad.grasps.parameters import APPROACH_ANGLES, CONE, LabelParameters
+from egad.grasps.parameters import APPROACH_ANGLES, APPROACH_WAY, CONE, LabelParameters
 from egad.grasps.samplers import check_sampler, draw_grasps
 from egad.grippers import ANTIPODAL, Gripper, as_gripper, hand_body
 from egad.random import generator
@@ -57,7 +57,7 @@ class Labeller:
         drawn = draw_grasps(
             mesh, com, gripper, wanted.grasps, rng, robust=settings.robust, density=settings.density
         )
-        table = LABELS[gripper.kind.name](caster, drawn, self._body, wanted.approach_way)
+        table = LABELS[gripper.kind.name](caster, drawn, self._body, APPROACH_WAY)
         return LabelledGrasps(table, SamplingStatistics(candidates=wanted.grasps))
 
 

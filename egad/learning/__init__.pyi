@@ -10,7 +10,6 @@ from .parameters import NetworkName as NetworkName
 from .parameters import Training as Training
 from .parameters import TrainNetwork as TrainNetwork
 from .parameters import TrainOnScenes as TrainOnScenes
-from .parameters import VgnTraining as VgnTraining
 from .scene_model_card import TrainedOnScenes as TrainedOnScenes
 from .scene_model_card import scene_card as scene_card
 from .scene_scores import DECISION_THRESHOLD as DECISION_THRESHOLD

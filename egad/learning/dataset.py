@@ -38,6 +38,7 @@ GRASP = ["u", "v", "angle", "opening", "depth_center", "quality"]
 SIMULATED = "simulated_success"
 NAMES = ["image", "id", "objects", "split", "depth", "mask", "height", "width", "focal", *GRASP]
 WINDOW = 2048  # images that are shuffled together; about as many are kept in memory, packed
+ZOOM = (0.5, 1.0)  # of an image's side: the part that is enlarged to the whole side
 FARTHEST = 1e5  # pixels; numbers of grasps beyond this are not pixels of an image
 
 
@@ -49,7 +50,7 @@ class PositiveFilter(NamedTuple):
     """
 
     quality: float
-    breadth: float
+    breadth: float = 0.02
     simulated: bool = False
 
     @property
@@ -226,13 +227,12 @@ class Stream:
         self,
         shards: ImageDataset,
         length: int,
-        zoom: tuple[float, float] = (0.5, 1.0),
         crop: int = SIZE,
         seed: int = 0,
     ) -> None:
-        """Show the split `train`; `zoom` is the part of a side that is shown, `crop` in pixels."""
+        """Show the split `train`; `crop` is the side of an example, pixels."""
         self._shards, self._length, self._seed = shards, length, seed
-        self._zoom, self._crop = zoom, crop
+        self._crop = crop
         self._passes = Passes(shards.index.loc[shards.indices("train")], seed)
 
     def __len__(self) -> int:
@@ -244,7 +244,7 @@ class Stream:
             raise IndexError(number)
         depth, rectangles = self._shards.image(self._passes[number])
         rng = generator(self._seed, "view", number)
-        change = sample_change(self._zoom, rng)
+        change = sample_change(ZOOM, rng)
         crop = sample_crop(change_rectangles(rectangles, change, SIZE), self._crop, rng)
         return example(depth, rectangles, change, crop)
 

@@ -1,59 +1,71 @@
 """Training of grasp networks on rendered images and on labelled scenes."""
 
-from typing import Annotated, Literal, Self
+from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Length, ParameterGroup, Parameters, PositiveFraction
+from egad._util.parameters import ParameterGroup, Parameters
 from egad.detectors import SIZE, NoiseName
 from egad.grippers import Gripper
 
 NetworkName = Literal["ggcnn", "ggcnn2", "vgn"]
-LearningRate = Annotated[
-    float,
-    Field(
-        gt=0, le=1, description="initial learning rate of Adam; it decays to 0 along half a cosine"
-    ),
-]
+VGN_DEFAULTS = {"epoch": 1000, "batch": 4, "learning_rate": 0.0003}
+FOR_IMAGES, FOR_SCENES = {"positive", "quality", "crop"}, {"scenes", "rise", "noise"}
 
 
 class Training(Parameters):
-    """Training of a grasp network on rendered images."""
+    """Training of a grasp network: GG-CNN on rendered images, VGN on labelled scenes."""
 
     network: NetworkName = Field(
         "ggcnn2",
-        description="GG-CNN (62,420 weights) or GG-CNN2 (66,676); or VGN (313,238), which is "
-        "trained on labelled scenes with the settings of `training_vgn` instead of those here",
+        description="GG-CNN (62,420 weights) or GG-CNN2 (66,676), trained on images; or VGN "
+        "(313,238), trained on scenes",
     )
-    images: int = Field(
-        10000, ge=1, description="number of training examples, each a crop of an image"
+    examples: int = Field(
+        10000,
+        ge=1,
+        description="number of training examples, each a crop of an image, or a scene with its "
+        "grasps",
+    )
+    scenes: int | None = Field(
+        None,
+        ge=1,
+        description="maximum number of training scenes, chosen at random; nothing: all (network: "
+        "vgn)",
     )
     epoch: int = Field(
-        2000, ge=1, description="examples between two evaluations on the validation set"
+        2000,
+        ge=1,
+        description="examples between two evaluations on the validation set; 1000 by default for "
+        "vgn",
     )
-    batch: int = Field(8, ge=1, description="examples per step of the optimizer, Adam")
-    learning_rate: LearningRate = 0.001
+    batch: int = Field(
+        8,
+        ge=1,
+        description="examples per step of the optimizer, Adam; 4 by default for vgn",
+    )
+    learning_rate: float = Field(
+        0.001,
+        gt=0,
+        le=1,
+        description="initial learning rate of Adam; it decays to 0 along half a cosine; 0.0003 by "
+        "default for vgn",
+    )
     validation: int = Field(
-        100, ge=1, description="maximum number of validation images to evaluate"
+        100, ge=1, description="maximum number of validation images or scenes to evaluate"
     )
     test: int = Field(
-        1000, ge=1, description="maximum number of test images to score the result on"
+        1000, ge=1, description="maximum number of test images or scenes to score the result on"
     )
     positive: Literal["quality", "simulated"] = Field(
         "quality",
-        description="which collision-free grasps are positive: those above `quality`, or those "
-        "that succeeded in simulation",
+        description="which collision-free grasps in images are positive: those above `quality`, or "
+        "those that succeeded in simulation",
     )
     quality: float = Field(
         0.001,
         ge=0,
         description="robust quality above which grasps are positive (positive: quality)",
-    )
-    breadth: Length = Field(0.02, description="width of the jaws in the training labels, metres")
-    zoom: tuple[PositiveFraction, PositiveFraction] = Field(
-        (0.5, 1.0),
-        description="range of the fraction of an image's side that is enlarged to the whole side; "
-        "sampled for every example, as are quarter turns",
     )
     crop: int = Field(
         144,
@@ -62,34 +74,6 @@ class Training(Parameters):
         multiple_of=12,
         description="side of the square of an enlarged image that an example shows, pixels, a "
         "multiple of 12; its position is also sampled",
-    )
-
-    @model_validator(mode="after")
-    def _zoom_goes_from_low_to_high(self) -> Self:
-        if self.zoom[0] > self.zoom[1]:
-            raise ValueError(f"zoom must go from low to high, got {self.zoom}")
-        return self
-
-
-class VgnTraining(Parameters):
-    """Training of the network of VGN on labelled scenes; see `training.network`."""
-
-    examples: int = Field(
-        10000, ge=1, description="number of training examples, each a scene with its grasps"
-    )
-    scenes: int | None = Field(
-        None, ge=1, description="maximum number of training scenes, chosen at random; nothing: all"
-    )
-    epoch: int = Field(
-        1000, ge=1, description="examples between two evaluations on the validation set"
-    )
-    batch: int = Field(4, ge=1, description="examples per step of the optimizer, Adam")
-    learning_rate: LearningRate = 0.0003
-    validation: int = Field(
-        100, ge=1, description="maximum number of validation scenes to evaluate"
-    )
-    test: int = Field(
-        1000, ge=1, description="maximum number of test scenes to score the result on"
     )
     rise: int = Field(
         6,
@@ -105,6 +89,12 @@ class VgnTraining(Parameters):
         "example; validation and test use the images as they are",
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _vgn_has_other_defaults(cls, given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
+        vgn = isinstance(given, dict) and given.get("network") == "vgn"
+        return VGN_DEFAULTS | given if vgn else given
+
 
 class TrainNetwork(ParameterGroup):
     """Training of a grasp network on images."""
@@ -117,5 +107,5 @@ class TrainOnScenes(ParameterGroup):
     """Training of a grasp network on labelled scenes."""
 
     seed: int
-    training_vgn: VgnTraining
+    training: Training
     gripper: Gripper

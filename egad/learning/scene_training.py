@@ -19,7 +19,7 @@ from torch import nn
 from egad.detectors.vgn_network import VgnNetwork
 from egad.errors import UserError
 from egad.grippers import Gripper
-from egad.learning.parameters import VgnTraining
+from egad.learning.parameters import Training
 from egad.learning.scene_examples import SceneExample, SceneStream, labelled_grasps, scene_example
 from egad.learning.scene_scores import GraspAnswers, joint_average_precision, mean_loss
 from egad.learning.scenes import SceneDataset
@@ -54,7 +54,7 @@ class SceneTask:
         self,
         scenes: SceneDataset,
         gripper: Gripper,
-        settings: VgnTraining,
+        settings: Training,
         seed: int,
         device: str = "cpu",
     ) -> None:

@@ -13,7 +13,7 @@ from egad.io import checksum
 from egad.learning.dataset import ImageDataset, PositiveFilter
 from egad.learning.evaluation import Score, outline_score, score_table, total_score
 from egad.learning.model_card import TrainedNetwork, card
-from egad.learning.parameters import TrainNetwork, TrainOnScenes
+from egad.learning.parameters import FOR_SCENES, TrainNetwork, TrainOnScenes
 from egad.report.training import training_chart
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
@@ -67,7 +67,11 @@ def train(
         pd.DataFrame(rows),
         score,
         outline_score(shards, held),
-        {"seed": seed, **start_notes(start), **plan.model_dump(mode="json")},
+        {
+            "seed": seed,
+            **start_notes(start),
+            **plan.model_dump(mode="json", exclude=FOR_SCENES),
+        },
     )
     parquet.write(trained.history, HISTORY, out / TABLE)
     parquet.write(score_table(trained.score), SCORE, out / REACHED)
@@ -87,7 +91,7 @@ def open_dataset(images: Sequence[Path], settings: TrainNetwork) -> ImageDataset
     text = "these are labelled scenes, for vgn; {network} learns from images"
     check_folders(images, "images", "scenes", text.format(network=plan.network))
     by_simulation = plan.positive == "simulated"
-    shards = ImageDataset(images, PositiveFilter(plan.quality, plan.breadth, by_simulation))
+    shards = ImageDataset(images, PositiveFilter(plan.quality, simulated=by_simulation))
     for split in ("validation", "test"):
         shards.indices(split)
     if not shards.index.loc[shards.indices("train"), "positive"].any():

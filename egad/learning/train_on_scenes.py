@@ -8,7 +8,7 @@ import pandas as pd
 from egad._util.extras import needed_for
 from egad._util.files import write_text
 from egad.errors import UserError
-from egad.learning.parameters import TrainOnScenes
+from egad.learning.parameters import FOR_IMAGES, TrainOnScenes
 from egad.learning.scene_model_card import TrainedOnScenes, scene_card
 from egad.learning.scene_scores import (
     DECISION_THRESHOLD,
@@ -60,7 +60,9 @@ def train_on_scenes(
         from egad.detectors import vgn_network as vgn  # noqa: PLC0415
         from egad.learning import scene_training, training  # noqa: PLC0415
     check_device(device)
-    plan, seed = settings.training_vgn, settings.seed
+    plan, seed = settings.training, settings.seed
+    if plan.network != "vgn":
+        raise UserError(f"training.network is {plan.network}, which learns from images, not scenes")
     scenes = open_scenes(folders)
     if scenes.gripper != settings.gripper:
         raise UserError(
@@ -89,7 +91,7 @@ def train_on_scenes(
             "seed": seed,
             "device": device,
             **start_notes(start),
-            **plan.model_dump(mode="json"),
+            **plan.model_dump(mode="json", exclude={"network", *FOR_IMAGES}),
         },
     )
     parquet.write(trained.history, SCENE_HISTORY, out / TABLE)

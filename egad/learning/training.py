@@ -174,8 +174,8 @@ class ImageTask:
     def __init__(self, shards: ImageDataset, settings: Training, seed: int) -> None:
         """Look for the images; UserError if there are none to train on or to validate with."""
         rate = settings.learning_rate
-        self.schedule = LearningSchedule(settings.images, settings.epoch, settings.batch, rate)
-        self._stream = Stream(shards, settings.images, settings.zoom, settings.crop, seed)
+        self.schedule = LearningSchedule(settings.examples, settings.epoch, settings.batch, rate)
+        self._stream = Stream(shards, settings.examples, settings.crop, seed)
         self._shards = shards
         self._held = spread(shards.indices("validation"), settings.validation)
 

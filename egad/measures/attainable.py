@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from egad._util.arrays import Floats
+from egad.geometry import SIDE_FRACTION
 from egad.grasps import Quality, quality_bound
 from egad.grippers import ANTIPODAL
 from egad.measures.parameters import MeasureParameters
@@ -47,7 +48,7 @@ def attainable_graspability(settings: MeasureParameters) -> Attainable:
     others = settings.robust is not None or settings.gripper.grasps_with != ANTIPODAL
     if settings.measures.graspability or others:
         return Attainable(math.inf, math.inf, 0, math.inf)
-    side = settings.graspability.side_fraction * settings.gripper.opening
+    side = SIDE_FRACTION * settings.gripper.opening
     leans = settings.sampling.cone * (np.arange(LEANS) + 0.5) / LEANS
     heights = np.linspace(0, side, HEIGHTS)
     qualities = np.array([_qualities(height, leans, settings.quality) for height in heights])
@@ -68,5 +69,4 @@ def _qualities(height: float, leans: Floats, rules: Quality) -> Floats:
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     first = np.array([0.0, 0.0, -height])
     points = np.stack([np.broadcast_to(first, axes.shape), first + axes], axis=1)
-    contact = rules.model_dump(exclude={"cone_faces"})
-    return quality_bound(points, normals, axes, np.zeros(3), **contact)
+    return quality_bound(points, normals, axes, np.zeros(3), **rules.model_dump())

@@ -17,7 +17,14 @@ from numpy.typing import ArrayLike
 
 from egad._util.arrays import Floats, Ints
 from egad.errors import NoGraspError, RejectedError
-from egad.geometry import RayCaster, box_sides, center_of_mass, check_mesh, scale_factor
+from egad.geometry import (
+    SIDE_FRACTION,
+    RayCaster,
+    box_sides,
+    center_of_mass,
+    check_mesh,
+    scale_factor,
+)
 from egad.grasps import (
     ContactPairs,
     Sampling,
@@ -73,8 +80,7 @@ def grasped_size(mesh: trimesh.Trimesh, settings: MeasureParameters, rule: str) 
 
 
 def _scaled_size(sides: Floats, settings: MeasureParameters, rule: str) -> GraspedSize:
-    opening, fraction = settings.gripper.opening, settings.graspability.side_fraction
-    factor = scale_factor(rule, sides, opening, fraction)
+    factor = scale_factor(rule, sides, settings.gripper.opening, SIDE_FRACTION)
     return GraspedSize(factor, sides * factor)
 
 
@@ -89,7 +95,7 @@ def graspability(
     """A percentile of the quality of independent grasps: high values are easy objects (ours).
 
     A copy of the mesh, its principal axes (of the vertices) as axes, is scaled by the factor, by
-    default until its smallest side is `side_fraction` of the opening. Grasps without quality count
+    default until its smallest side is `SIDE_FRACTION` of the opening. Grasps without quality count
     as zeros, and so do unsealed cups. The number of candidates doubles until the cell is as certain
     as the space requires, or the budget is spent. The confidence holds on average over objects, but
     not over those selected by their cell. `RejectedError` if there is no grasp, or the mesh is
@@ -193,8 +199,7 @@ class _RatedGrasps:
         else:
             self._grasps = join([self._grasps, grasps])
             contacts = grasps.points, grasps.normals, grasps.axes
-            rules = quality.model_dump(exclude={"cone_faces"})
-            self._sample.extend(quality_bound(*contacts, self._com, **rules))
+            self._sample.extend(quality_bound(*contacts, self._com, **quality.model_dump()))
 
     def _qualities(self, indices: Ints, floor: float) -> Floats:
         grasps = self._grasps.take(indices)

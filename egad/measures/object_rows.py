@@ -19,6 +19,8 @@ from egad.measures.reeb import diversities
 from egad.measures.reeb import graph as reeb
 from egad.tables.columns import inertia_columns
 
+MIN_VOLUME = 1e-9  # m3: objects with a smaller volume are rejected
+
 
 def repaired_body(
     mesh: trimesh.Trimesh, settings: MeasureMeshes
@@ -27,9 +29,9 @@ def repaired_body(
     rules = settings.postprocess
     repaired = repair_for_files(mesh, rules.open_surfaces, rules.shell_thickness)
     mass = mass_properties(repaired.mesh, settings.material.density)
-    if mass.volume < rules.min_volume:
+    if mass.volume < MIN_VOLUME:
         raise RejectedError(
-            f"volume of {mass.volume:.3g} m3 is below {rules.min_volume:.3g} m3: "
+            f"volume of {mass.volume:.3g} m3 is below {MIN_VOLUME:.3g} m3: "
             "is the unit of the mesh right?"
         )
     return repaired, mass

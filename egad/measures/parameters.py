@@ -13,7 +13,6 @@ from egad._util.parameters import (
     ParameterGroup,
     Parameters,
     Percent,
-    PositiveFraction,
     Range,
     ScaleRule,
     Seed,
@@ -22,7 +21,7 @@ from egad._util.parameters import (
     check_ascending,
     with_defaults,
 )
-from egad.geometry import SHELL_THICKNESS, SIDE_FRACTION, Material, OpenSurfaces
+from egad.geometry import SHELL_THICKNESS, Material, OpenSurfaces
 from egad.grasps import Quality, Robust, Sampling
 from egad.grippers import SUCTION, Gripper
 from egad.measures.reeb import Similarity
@@ -122,10 +121,6 @@ class Graspability(Parameters):
         description="initial number of candidate grasps; doubled until the cell is certain",
     )
     percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
-    side_fraction: PositiveFraction = Field(
-        SIDE_FRACTION,
-        description="objects are scaled until their smallest side is this fraction of the opening",
-    )
 
 
 class SizeEffect(Parameters):
@@ -205,9 +200,6 @@ class Postprocess(Parameters):
         ge=1,
         description="maximum number of candidate grasps per object; sampling stops earlier once "
         "the cell of the object is certain",
-    )
-    min_volume: float = Field(
-        1e-9, ge=0, description="objects with a smaller volume are rejected, m3"
     )
     open_surfaces: OpenSurfaces = Field(
         "reject",

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from egad.bench import InitialPose, TrialProtocol, initial_poses
+from egad.bench import InitialPose, initial_poses
+from egad.bench.trial_runner import DROP_HEIGHT
 from egad.exchange import model_in, rows_by_id
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
@@ -25,7 +26,6 @@ from egad.sim.pybullet_world import PyBulletWorld
 STANDING = np.array([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])  # the thickness is that along x
 SIDE = 0.04
 SAME = 15.0  # degrees
-HEIGHT = TrialProtocol().drop_height
 OBJECTS, DROPS = 13, 5
 Change = Callable[[PyBulletWorld], None]
 
@@ -141,11 +141,9 @@ def lay_as_before(bundle: Path, tilted: bool) -> list[bool]:
         with PyBulletWorld([model_in(bundle, row)]) as scene:
             mesh = scene.model.mesh
             for _ in range(DROPS):
-                lying = fallen(scene, next(initial_poses(mesh, HEIGHT, None, rng)).pose)
-                let_go = next(
-                    initial_poses(mesh, HEIGHT, InitialPose("from_hand", lying), rng)
-                ).pose
-                up = Pose(lying.position + np.array([0.0, 0.0, HEIGHT]), lying.quaternion)
+                lying = fallen(scene, next(initial_poses(mesh, None, rng)).pose)
+                let_go = next(initial_poses(mesh, InitialPose("from_hand", lying), rng)).pose
+                up = Pose(lying.position + np.array([0.0, 0.0, DROP_HEIGHT]), lying.quaternion)
                 found.append(tilt(lying, fallen(scene, let_go if tilted else up)) < SAME)
     return found
 

@@ -83,7 +83,7 @@ def tried(
     counts = {}
     try:
         solid = changed(mesh, change, row["id"])
-        with opened(config, own.failures.planning_time) as asked:
+        with opened(config, own.planning_time) as asked:
             attempts = Examination(solid, row["id"], asked, own).paired("again", drops, past)
     except RejectedError:
         return counts

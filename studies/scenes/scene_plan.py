@@ -26,7 +26,7 @@ class SceneSet(Parameters):
     networks: int | None = Field(None, ge=1, description="networks; nothing: as for all sets")
     start: UserPath | None = Field(None, description="weights to begin with; nothing: random ones")
     examples: int | None = Field(
-        None, ge=1, description="training examples; nothing: as in `egad.training_vgn`"
+        None, ge=1, description="training examples; nothing: as in `egad.training`"
     )
 
 
@@ -126,11 +126,11 @@ def training_scenes(study: SceneStudy) -> dict[str, int]:
 
 def training_settings(study: SceneStudy, training_set: str, seed: int) -> Settings:
     """The settings of a training."""
-    chosen, usual = study.plan.sets[training_set], study.settings.training_vgn
+    chosen, usual = study.plan.sets[training_set], study.settings.training
     update = {"scenes": chosen.scenes, "examples": chosen.examples or usual.examples}
     training = usual.model_copy(update=update)
     return study.settings.model_copy(
-        update={"seed": study.settings.seed + seed, "training_vgn": training}
+        update={"seed": study.settings.seed + seed, "training": training}
     )
 
 

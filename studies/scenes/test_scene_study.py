@@ -55,10 +55,10 @@ def test_networks_of_a_set_differ_in_their_seed_and_sets_in_their_scenes(asked):
     study = study_of(asked)
     few, other = (training_settings(study, "evolved-100", seed) for seed in (0, 1))
     assert (few.seed, other.seed) == (0, 1)
-    assert few.training_vgn.scenes == 100
-    assert training_settings(study, "evolved", 0).training_vgn.scenes is None
-    assert few.training_vgn.examples == 16000
-    assert training_settings(study, "tuned-evolved", 0).training_vgn.examples == 4000
+    assert few.training.scenes == 100
+    assert training_settings(study, "evolved", 0).training.scenes is None
+    assert few.training.examples == 16000
+    assert training_settings(study, "tuned-evolved", 0).training.examples == 4000
     assert study.plan.sets["tuned-evolved"].start == "weights/vgn_conv.pth"
 
 

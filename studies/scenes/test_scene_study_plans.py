@@ -63,7 +63,7 @@ def test_every_network_is_trained_and_every_detector_tested_in_every_condition(t
     trained = {job.output.split()[0]: job for job in told if job.rule == "train_on_scenes"}
     assert len(trained) == 7
     settings = [literal_eval(job.params["settings"]) for job in trained.values()]
-    found = {(each["seed"], each["training_vgn"]["scenes"]) for each in settings}
+    found = {(each["seed"], each["training"]["scenes"]) for each in settings}
     seeds = {seed for seed, _ in found}
     assert found == {(seed, scenes) for seed in seeds for scenes in (None, 1)}
     assert len(seeds) == 2

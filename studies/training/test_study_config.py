@@ -38,7 +38,7 @@ ASKED = {
             "render": {"complexity": [0.5, 1.0], "subset": 0.4, "hold_out": False},
             "image_noise": {"holes": True},
         },
-        "longer": {"images": ["complex"], "seeds": 1, "training": {"images": 99}},
+        "longer": {"images": ["complex"], "seeds": 1, "training": {"examples": 99}},
         "given": {"weights": "given.pt"},
     },
 }
@@ -135,7 +135,7 @@ def test_sets_may_share_images_and_be_trained_in_another_way(asked):
     assert plan.image_sets("complex") == plan.image_sets("longer") == ["complex"]
     assert plan.image_sets("given") == []
     training = select(settings_for(asked, Network("longer", 0)), TrainNetwork).training
-    assert training == asked.settings.training.model_copy(update={"images": 99})
+    assert training == asked.settings.training.model_copy(update={"examples": 99})
 
 
 def test_settings_of_a_set_survive_their_way_to_the_stage(asked):

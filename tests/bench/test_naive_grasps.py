@@ -24,7 +24,7 @@ from egad.random import generator
 from egad.sim.arms import TurningAxis
 from egad.sim.engines import open_world
 from egad.sim.model import Model, build
-from egad.sim.parameters import Lifting
+from egad.sim.parameters import Lifting, SimulatedLabel
 from egad.sim.robots import free_hand
 from egad.sim.world import UnstableError
 from egad.tables.outcomes import Outcome
@@ -49,7 +49,8 @@ def parameters(grasps=6, engine="mujoco", seed=0):
         gripper=HAND,
         quality=Quality(),
         trials=Lifting(),
-        naive_grasp=NaiveGrasp(engine=engine, grasps=grasps),
+        simulated_label=SimulatedLabel(engine=engine),
+        naive_grasp=NaiveGrasp(grasps=grasps),
     )
 
 

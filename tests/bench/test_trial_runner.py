@@ -6,6 +6,7 @@ import trimesh
 from worlds import EACH_ENGINE, HAND, start
 
 from egad.bench import Attempt, InitialPose, RestingObject, TrialProtocol, TrialRunner
+from egad.bench.trial_runner import DROP_HEIGHT, WORKSPACE
 from egad.detectors import View
 from egad.detectors.asking import Detector
 from egad.detectors.base import Grasp
@@ -133,17 +134,16 @@ def test_how_an_attempt_begins(
         end=last,
     )
     with start("mujoco", build(CUBE, 400.0, BUNDLE)) as world:
-        trials = TrialProtocol()
-        runner = TrialRunner(world, AXIS, trials)
+        runner = TrialRunner(world, AXIS, TrialProtocol())
         after = runner.attempt(always((0, 0, -0.03)), 3, before)
     assert after.start is not None
     assert after.rest is not None
     assert after.start.kind == begun
-    assert np.linalg.norm(after.rest.position[:2]) < trials.workspace
+    assert np.linalg.norm(after.rest.position[:2]) < WORKSPACE
     if begun == "from_hand":
         begin = after.start.pose.matrix
         lowest = (CUBE.vertices @ begin[:3, :3].T + begin[:3, 3])[:, 2].min()
-        assert lowest == pytest.approx(trials.drop_height)
+        assert lowest == pytest.approx(DROP_HEIGHT)
         assert -1e-9 < begin[2, 2] < 1 - 1e-9  # tilted, by 90 degrees at most
 
 
@@ -152,13 +152,16 @@ def test_how_an_attempt_begins(
 def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
     engine: EngineName,
     velocity: tuple[float, float, float],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr("egad.bench.trial_runner.DROP_HEIGHT", 0.05)  # it explodes above that
+
     def explode(world: World) -> None:
         if 0.1 < world.pose().position[2] < 0.11 and world.forces().support == 0:
             world.place(world.pose(), velocity)
 
     with start(engine, build(CUBE, 400.0, BUNDLE)) as world:
-        runner = TrialRunner(world, AXIS, TrialProtocol(drop_height=0.05))
+        runner = TrialRunner(world, AXIS, TrialProtocol())
         world.watch = explode
         first = runner.attempt(always((0, 0, -0.03)), 3)
         world.watch = None

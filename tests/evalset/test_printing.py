@@ -102,7 +102,7 @@ def test_a_long_object_lies_along_the_longer_side_of_the_bed(bed):
 def test_objects_lie_flat_on_the_bed():
     plank = trimesh.creation.box(extents=(0.01, 0.03, 0.1))
     plank.apply_transform(trimesh.transformations.rotation_matrix(0.5, [1, 2, 3], [0.4, 0, 0]))
-    lying = lie_down(plank, "stable", 40)
+    lying = lie_down(plank, "stable")
     assert lying.mesh.bounds[0] == pytest.approx([0, 0, 0], abs=1e-9)
     assert lying.mesh.extents == pytest.approx([0.1, 0.03, 0.01])
     assert lying.mesh.volume == pytest.approx(plank.volume)
@@ -117,18 +117,18 @@ def test_the_least_overhanging_pose_may_be_another_than_the_most_stable():
         leg = trimesh.creation.box(extents=(0.01, 0.01, 0.03))
         parts.append(leg.apply_translation([x, y, -0.015]))
     table = trimesh.boolean.union(parts, engine="manifold")
-    best = lie_down(table, "overhang", 40)
+    best = lie_down(table, "overhang")
     assert best.overhang == pytest.approx(0, abs=1e-9)
     assert best.contact == pytest.approx(0.0064, rel=1e-6)
     standing = overhang_area(table, np.eye(3), 40)
     assert standing == pytest.approx(0.0064 - 4 * 0.0001, rel=1e-6)
     assert first_layer_area(table, np.eye(3)) == pytest.approx(0.0004, rel=1e-4)
-    assert lie_down(table, "stable", 40).probability >= best.probability
+    assert lie_down(table, "stable").probability >= best.probability
 
 
 def test_a_pose_has_a_first_layer_that_slicers_print(released_set):
     """In the pose with the least overhang, D4 stands on 0.2 mm2."""
-    assert lie_down(released_set["D4"], "overhang", 40).contact >= 1e-6
+    assert lie_down(released_set["D4"], "overhang").contact >= 1e-6
 
 
 def test_surface_counts_as_overhang_from_the_angle_on():

@@ -27,7 +27,7 @@ from egad.tables.evaluation import EVAL49
 from egad.tables.objects import OBJECTS
 
 SPACE = MeasureSpace()
-GRID = SelectEval(rows=2, columns=2, restarts=8)
+GRID = SelectEval(rows=2, columns=2)
 
 
 def dataset(count, seed=0, cells=4):

@@ -43,7 +43,7 @@ def linkage(tmp_path_factory):
 def grasps_of(mesh, opening, count=300):
     rng = np.random.default_rng(3)
     caster = RayCaster(mesh)
-    return caster, sample_contacts(caster, opening, count, Sampling(approach_clearance=0), rng)[0]
+    return caster, sample_contacts(caster, opening, count, Sampling(), rng, clearance=0)[0]
 
 
 @pytest.mark.parametrize("name", OBJECTS)

@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
 from egad.geometry.rays import RayCaster
-from egad.grasps import GraspLabel
+from egad.grasps import SPREAD, GraspLabel
 from egad.grasps.labels import rate_grasps, sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
 from egad.grippers import BoxBody
@@ -118,7 +118,7 @@ def test_contacts_and_quality_equal_the_reference(labelled):
 def test_robust_quality_equals_the_reference(labelled):
     """The object moves, not the hand, and every copy is computed by itself."""
     mesh, frame, _, rng = labelled
-    noise, samples = SETTINGS.robust, SETTINGS.robust.samples
+    noise, samples = SPREAD, SETTINGS.robust.samples
     shape = (len(frame) * samples, 3)
     hand_shift = rng.normal(0, noise.grasp_translation_sigma, shape)
     hand_turn = rng.normal(0, noise.grasp_rotation_sigma, shape)

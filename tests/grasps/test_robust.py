@@ -3,29 +3,23 @@ import pytest
 import trimesh
 
 from egad.geometry.rays import RayCaster
-from egad.grasps import ContactPairs, Quality, Robust, Sampling, sample_contacts
+from egad.grasps import ContactPairs, Quality, Robust, Sampling, Spread, sample_contacts
 from egad.grasps.quality import ferrari_canny
 from egad.grasps.robust import close_fingers, robust_ferrari_canny
 
-CALM = {
-    "grasp_translation_sigma": 0.0,
-    "grasp_rotation_sigma": 0.0,
-    "object_translation_sigma": 0.0,
-    "object_rotation_sigma": 0.0,
-    "com_sigma": 0.0,
-    "friction_sigma": 0.0,
-}
+CALM = Spread(*[0.0] * len(Spread._fields))
 CEILING = np.pi * 0.005**2 * 0.5 * 1000
 
 
-def rate(mesh, grasps, opening=0.05, com=(0, 0, 0), seed=0, **robust):
+def rate(mesh, grasps, opening=0.05, com=(0, 0, 0), seed=0, samples=25, **sigmas):
     return robust_ferrari_canny(
         RayCaster(mesh),
         grasps,
         np.array(com, dtype=float),
         opening,
         quality=Quality(),
-        robust=Robust(**{**CALM, **robust}),
+        robust=Robust(samples=samples),
+        spread=CALM._replace(**sigmas),
         rng=np.random.default_rng(seed),
     )
 

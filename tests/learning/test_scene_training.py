@@ -9,7 +9,7 @@ from shapes import ShapeScenes
 
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
-from egad.learning import VgnTraining
+from egad.learning import Training
 from egad.learning.scene_examples import SceneExample
 from egad.learning.scene_scores import scene_score
 from egad.tables.training import SCENE_HISTORY
@@ -21,8 +21,8 @@ vgn = pytest.importorskip("egad.detectors.vgn_network")
 interrupted = pytest.importorskip("interrupted")
 
 HAND = GRIPPERS["panda"]
-SHORT = VgnTraining(examples=10, epoch=4, batch=3, validation=2, rise=1)
-LONG = VgnTraining(examples=400, epoch=100, batch=2, learning_rate=0.001, rise=1)
+SHORT = Training(examples=10, epoch=4, batch=3, validation=2, rise=1)
+LONG = Training(examples=400, epoch=100, batch=2, learning_rate=0.001, rise=1)
 
 
 @pytest.fixture(scope="module")

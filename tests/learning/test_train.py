@@ -16,7 +16,7 @@ from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 
 PLAN = Training(
-    images=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn", crop=96
+    examples=4, epoch=2, batch=2, validation=2, test=3, quality=0.002, network="ggcnn", crop=96
 )
 SETTINGS = TrainNetwork(seed=3, training=PLAN)
 
@@ -32,7 +32,7 @@ def trained(images, tmp_path_factory):
     """The folder of a network, made by the command in two ways."""
     pytest.importorskip("torch")
     out = tmp_path_factory.mktemp("trained")
-    rest = configuration(out / "rest.yaml", seed=8, images=9, network="ggcnn2")
+    rest = configuration(out / "rest.yaml", seed=8, examples=9, network="ggcnn2")
     words = ["--network", "ggcnn", "--seed", "3", "--budget", "4", "--jobs", "2"]
     by_words = [*words, "--config", rest, "--out", str(out / "words")]
     whole = configuration(out / "whole.yaml")
@@ -95,6 +95,11 @@ def test_training_begins_with_given_weights(trained, images, check_start, tmp_pa
     other = SETTINGS.model_copy(update={"training": PLAN.model_copy(update={"network": "ggcnn2"})})
     with pytest.raises(UserError, match="not weights of GG-CNN2; most similar to GG-CNN, but"):
         train(other, [images], tmp_path / "wrong", start=start)
+
+
+def test_another_network_has_other_defaults():
+    vgn = Training(network="vgn", batch=2)
+    assert (vgn.epoch, vgn.batch, vgn.learning_rate) == (1000, 2, 0.0003)
 
 
 def test_nothing_to_learn_from_is_a_mistake(write, pictures, tmp_path):

@@ -17,7 +17,7 @@ from egad.detectors import DepthCamera, DetectorConfig, Intrinsics, cameras_arou
 from egad.detectors.registry import make_detector
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
-from egad.learning import TrainOnScenes, VgnTraining
+from egad.learning import Training, TrainOnScenes
 from egad.learning.images import pose_values
 from egad.learning.scenes import SceneDataset, write_shard
 from egad.learning.scenes.making import MadeScene, view_columns
@@ -29,8 +29,8 @@ from egad.tables.scenes import SCENE_GRASPS
 from egad.tables.training import SCENE_HISTORY, SCENE_SCORE
 from egad_workflow.code_version import PACKAGES, code_version
 
-PLAN = VgnTraining(examples=4, epoch=2, batch=2, validation=2, test=3)
-SETTINGS = TrainOnScenes(seed=3, training_vgn=PLAN, gripper=GRIPPERS["panda"])
+PLAN = Training(network="vgn", examples=4, epoch=2, batch=2, validation=2, test=3)
+SETTINGS = TrainOnScenes(seed=3, training=PLAN, gripper=GRIPPERS["panda"])
 CAMERA = Intrinsics(160, 120, 104.0, (79.5, 59.5))
 SPLITS = ("train", "train", "train", "validation", "test", "test")
 
@@ -88,7 +88,7 @@ def scenes(made, tmp_path_factory):
 def configuration(path, **changes):
     """A file with the settings of the tests."""
     plan = PLAN.model_dump(mode="json") | changes
-    path.write_text(json.dumps({"seed": 3, "training": {"network": "vgn"}, "training_vgn": plan}))
+    path.write_text(json.dumps({"seed": 3, "training": plan}))
     return str(path)
 
 
@@ -98,7 +98,7 @@ def trained(scenes, tmp_path_factory):
     pytest.importorskip("torch")
     out = tmp_path_factory.mktemp("trained")
     rest = tmp_path_factory.mktemp("config") / "rest.yaml"
-    rest.write_text(json.dumps({"training_vgn": PLAN.model_dump(mode="json") | {"examples": 9}}))
+    rest.write_text(json.dumps({"training": PLAN.model_dump(mode="json") | {"examples": 9}}))
     words = ["--network", "vgn", "--seed", "3", "--budget", "4", "--jobs", "2"]
     by_words = [*words, "--config", str(rest), "--out", str(out / "words")]
     whole = configuration(rest.with_name("whole.yaml"))

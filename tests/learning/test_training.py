@@ -16,7 +16,7 @@ torch = pytest.importorskip("torch")
 networks = pytest.importorskip("egad.detectors.networks")
 training = pytest.importorskip("egad.learning.training")
 interrupted = pytest.importorskip("interrupted")
-SHORT = Training(network="ggcnn", images=10, epoch=4, batch=3, validation=2, crop=96)
+SHORT = Training(network="ggcnn", examples=10, epoch=4, batch=3, validation=2, crop=96)
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_a_step_is_one_along_the_gradient_of_the_whole_batch(shards):
     settings = SHORT.model_copy(update={"images": 3, "epoch": 3})
     network, other = Tiny(), Tiny()
     training.train(network, shards, settings, 0)
-    stream = training.Stream(shards, 3, settings.zoom, settings.crop, 0)
+    stream = training.Stream(shards, 3, settings.crop, 0)
     seen, wanted = (
         torch.from_numpy(np.stack(part))
         for part in zip(*(stream[n] for n in range(3)), strict=True)

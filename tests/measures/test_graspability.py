@@ -29,9 +29,9 @@ def parameters(sampling=None, confidence=0.0, **settings):
     return select(Settings.model_validate(config), MeasureParameters)
 
 
-def measure(mesh, candidates=512, seed=0, com=None, **settings):
+def measure(mesh, candidates=512, seed=0, com=None, factor=None, **settings):
     read = parameters(candidates=candidates, **settings)
-    return graspability(mesh, read, candidates, np.random.default_rng(seed), com)
+    return graspability(mesh, read, candidates, np.random.default_rng(seed), com, factor)
 
 
 def wedge():

@@ -63,7 +63,7 @@ def named(value):
     [
         ({"trials": {"attempts": 3}}, {"simulated_trial"} | AFTER_TRIALS),
         # the report lists all settings
-        ({"trials": {"keep_going": True}, "clutter": {"keep_going": True}}, {"report", "all"}),
+        ({"keep_going": True}, {"report", "all"}),
         ({"bundle": {"max_parts": 9}}, AFTER_BUNDLE),
         ({"print_export": {"gap": 0.006}}, {"print_export"} | AFTER_PRINTS),
         ({"print_check": {"wall": 0.001}}, {"select_eval"} | AFTER_SELECTION),
@@ -186,10 +186,10 @@ def test_the_labels_detector_waits_for_the_grasps(copy):
 
 
 def test_engraved_labels_wait_for_the_grasps_that_they_keep_away_from(planned):
-    engraving, others = {"enabled": True}, {"samples": 6}
-    assert set(planned(engraving=engraving)) == {"print_export"} | AFTER_PRINTS
+    engraving, others = {"engraving": True}, {"samples": 6}
+    assert set(planned(print_export=engraving)) == {"print_export"} | AFTER_PRINTS
     target = f"results/egad/print/{GRIPPER}/manifest.parquet"
-    assert "join_grasps" in planned(target, engraving=engraving, robust=others)
+    assert "join_grasps" in planned(target, print_export=engraving, robust=others)
     assert planned(target, robust=others) == {}
 
 

@@ -36,7 +36,7 @@ rule clutter:
         **needs(mb=2000, minutes=120),
     params:
         settings=settings_of(ClearedTables),
-        keep_going=keep_going(SETTINGS.clutter),
+        keep_going=keep_going,
         bundle=subpath(input.table, parent=True),
         shard=shard_of(len(SHARDS)),
         code=code_of("clutter"),

@@ -138,9 +138,9 @@ def get_held_out_input(section):
     return look
 
 
-def keep_going(section):
+def keep_going(wildcards, input):
     """Whether to go on after failures. Because of `input`, this re-runs no finished trials."""
-    return lambda wildcards, input: section.keep_going
+    return SETTINGS.keep_going
 
 
 def code_of(script):

@@ -39,7 +39,7 @@ rule simulated_trial:
         **needs(mb=2000, minutes=120),
     params:
         settings=settings_of(SimulatedTrials),
-        keep_going=keep_going(SETTINGS.trials),
+        keep_going=keep_going,
         bundle=subpath(input.table, parent=True),
         shard=shard_of(len(EVALUATION_SHARDS)),
         code=code_of("simulate"),

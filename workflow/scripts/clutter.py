@@ -37,7 +37,7 @@ def run(
     todo = rounds_of(list(rows_by_id(bundle)), settings)[number::shards]
     tables = [parquet.empty(CLUTTER)]
     phase("starting the simulator")
-    attempt = settings.clutter.planning_time + STARTING_TIME + ENGINE_TIME
+    attempt = settings.planning_time + STARTING_TIME + ENGINE_TIME
     monitor = FailureMonitor(len(todo), keep_going, "rounds")
     limit = 2 * settings.clutter.objects * attempt
     with (

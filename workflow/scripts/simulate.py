@@ -46,7 +46,7 @@ def run(
     chosen = rows_in_shard(parquet.read(evaluation, EVAL49), *shard)
     known = rows_by_id(bundle)
     parts = []
-    limit = settings.trials.attempts * (settings.trials.planning_time + ENGINE_TIME)
+    limit = settings.trials.attempts * (settings.planning_time + ENGINE_TIME)
     phase("starting the simulator")
     monitor = FailureMonitor(len(chosen), keep_going)
     with (
@@ -90,7 +90,7 @@ def open_detector(
         return
     if config.detector in IN_SCENES:
         check_views_will_do(IN_SCENES[config.detector])
-    with opened(config, settings.trials.planning_time) as detect:
+    with opened(config, settings.planning_time) as detect:
         yield lambda _: detect
 
 

@@ -195,7 +195,7 @@ def run_shard(
     found = [NOTHING if store is None else store.read(shard)]
     report = int if done is None else partial(count_done, done)
     written = time.monotonic()
-    with opened(detect, settings.failures.planning_time) as asked:
+    with opened(detect, settings.planning_time) as asked:
         search = Search(archive, asked, settings, shard, found[0], report)
         report(search.spent)
         try:
@@ -226,7 +226,7 @@ def join(
     reasons = [explanation(known[name], engine, search.explain) for name in table["id"]]
     explained = pd.DataFrame(reasons, index=table.index)
     failures = table.join(explained)[FAILURES.names] if len(table) else parquet.empty(FAILURES)
-    with opened(detect, settings.failures.planning_time) as asked:
+    with opened(detect, settings.planning_time) as asked:
         approach = approach_of(asked, search)
     search = search.model_copy(update={"approach": approach})
     kept = {name: getattr(settings, name) for name in FailureParameters.model_fields}
@@ -239,7 +239,7 @@ def _explained(
     row: dict[str, Any], known: dict[str, pd.DataFrame], detect: Detect, settings: FailureParameters
 ) -> pd.DataFrame:
     mesh = scaled_surface(row["voxels"], settings)
-    with opened(detect, settings.failures.planning_time) as asked:
+    with opened(detect, settings.planning_time) as asked:
         return Examination(mesh, row["id"], asked, settings).explain(known[row["id"]])
 
 

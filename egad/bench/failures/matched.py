@@ -199,7 +199,7 @@ def _try_fresh(
 ) -> pd.DataFrame:
     """Make the attempts at an object that are not used to choose anything."""
     row, past = item
-    with opened(detect, settings.failures.planning_time) as asked:
+    with opened(detect, settings.planning_time) as asked:
         examination = Examination(
             scaled_surface(row["voxels"], settings), row["id"], asked, settings
         )

@@ -236,7 +236,7 @@ def _qualify(
         return CandidateTrial(nothing, "it cannot be printed")
     rates = {"detector": rules.succeeds, "reference": REFERENCE}
     least = math.ceil(round(min(rates.values()) * count, 6))
-    with opened(detect, settings.failures.planning_time) as asked:
+    with opened(detect, settings.planning_time) as asked:
         examination = Examination(mesh, name, asked, settings)
         try:
             attempts = examination.paired("qualify", count, past, least)

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from egad._util.parameters import Fraction, ParameterGroup, Parameters, PositiveFraction, Seed
-from egad.bench.parameters import ContactRule
+from egad.bench.parameters import PLANNING_TIME, ContactRule, PlanningTime
 from egad.detectors import DetectorConfig, check_gripper
 from egad.errors import UserError
 from egad.evalset import PrintCheck
@@ -80,11 +80,6 @@ class FailureSearch(Parameters):
     elites_per_cell: int = Field(
         3, ge=1, description="failures that a cell keeps: the least similar ones"
     )
-    planning_time: float = Field(
-        60.0,
-        gt=0,
-        description="time limit of the detector, seconds; an attempt that exceeds it fails",
-    )
 
 
 class FailureParameters(ParameterGroup):
@@ -94,6 +89,7 @@ class FailureParameters(ParameterGroup):
     gripper: Gripper
     rescale: Rescale
     failures: FailureSearch
+    planning_time: PlanningTime = PLANNING_TIME
     trials: ContactRule = ContactRule()
     material: Material
     bundle: Bundle

@@ -15,7 +15,7 @@ from egad.exchange.dexnet_database import MEASURES, add_dataset, add_grasps
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
 from egad.exchange.parameters import DexNetDatabase
-from egad.grasps import approach_directions, vectors
+from egad.grasps import ROBUST_TORQUE_SCALING, SPREAD, approach_directions, vectors
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
@@ -143,29 +143,29 @@ def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
         "quality_method": "ferrari_canny_L1",
         "quality_type": "quasi_static",
         "friction_coef": settings.quality.friction,
-        "num_cone_faces": settings.quality.cone_faces,
+        "num_cone_faces": 8,
         "torque_scaling": settings.quality.torque_scaling,
         "finger_radius": settings.quality.finger_radius,
         "soft_fingers": 1,
         "all_contacts_required": 1,
         "check_approach": 0,
     }
-    robust = settings.robust
+    samples = settings.robust.samples
     return {
         "ferrari_canny": plain,
         "robust_ferrari_canny": {
             **plain,
             "quality_type": "robust_quasi_static",
-            "torque_scaling": robust.torque_scaling,
-            "num_quality_samples": robust.samples,
-            "sampling_snapshot_rate": robust.samples,
-            "params_uncertainty": {"sigma_friction_coef": robust.friction_sigma},
+            "torque_scaling": ROBUST_TORQUE_SCALING,
+            "num_quality_samples": samples,
+            "sampling_snapshot_rate": samples,
+            "params_uncertainty": {"sigma_friction_coef": SPREAD.friction_sigma},
             "grasp_uncertainty": _sigmas(
-                "grasp", robust.grasp_translation_sigma, robust.grasp_rotation_sigma
+                "grasp", SPREAD.grasp_translation_sigma, SPREAD.grasp_rotation_sigma
             ),
             "obj_uncertainty": {
-                **_sigmas("obj", robust.object_translation_sigma, robust.object_rotation_sigma),
-                "sigma_obj_com": robust.com_sigma,
+                **_sigmas("obj", SPREAD.object_translation_sigma, SPREAD.object_rotation_sigma),
+                "sigma_obj_com": SPREAD.com_sigma,
             },
         },
         **{

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from egad._util.arrays import Flags, Floats, Ints
 from egad.geometry import RayCaster
 from egad.grasps import (
+    APPROACH_WAY,
     ContactPairs,
     Sampling,
     first_approaches,
@@ -95,9 +96,8 @@ def sample_factor(
     wanted: Callable[[Floats], Flags] | None = None,
 ) -> float:
     """Factor that gives a random grasp a width, metres; 0 without one, or if over 0.2 m (ours)."""
-    rules = sampling.model_copy(update={"approach_clearance": 0.0})
     length = float(np.linalg.norm(np.ptp(caster.triangles.reshape(-1, 3), axis=0)))
-    pairs, _ = valid_contacts(caster, 1.01 * length, ROUGH, rules, rng, wanted)
+    pairs, _ = valid_contacts(caster, 1.01 * length, ROUGH, sampling, rng, wanted, 0.0)
     if len(pairs) == 0:
         return 0.0
     factor = float(width / pairs.widths[rng.integers(len(pairs))])
@@ -128,12 +128,11 @@ def _grasps_of(
     simulate: Simulate | None,
 ) -> TableGrasps:
     """The grasps of one of the objects; the caster is for it alone, in the frame of the table."""
-    opening, rules = settings.gripper.opening, settings.sampling
-    rules = rules.model_copy(update={"approach_clearance": 0.0})
-    level = near_level(UP, settings.render.tilt)
-    pairs, _ = sample_contacts(caster, opening, settings.render.grasps, rules, rng, level)
-    way = settings.grasp_label.approach_way
-    free = is_reachable(scene, pairs.centers, pairs.axes, pairs.widths, body, way=way)
+    opening, level = settings.gripper.opening, near_level(UP, settings.render.tilt)
+    pairs, _ = sample_contacts(
+        caster, opening, settings.render.grasps, settings.sampling, rng, level, clearance=0.0
+    )
+    free = is_reachable(scene, pairs.centers, pairs.axes, pairs.widths, body, way=APPROACH_WAY)
     rows = np.flatnonzero(free)
     qualities, success = np.zeros(len(free)), np.full(len(free), None)
     qualities[rows] = robust_ferrari_canny(

@@ -28,6 +28,7 @@ from egad.measures.reeb.ranges import Parts, cut, distinct, labels, outer_shell,
 
 _HEADER = struct.Struct("<4sHHII")  # magic, version, ranges, nodes, links
 _CHECKSUM = struct.Struct("<I")
+BASE_COEFFICIENT = 0.005  # bases chosen by `scan` are sqrt(this * area) apart
 _MAGIC, _VERSION = b"REEB", 1
 
 
@@ -163,7 +164,7 @@ def _mu(surface: Triangulation, areas: Floats, settings: Similarity) -> Floats:
     if settings.bases == "even":
         mu = even_integral(graph, surface.vertices, surface.faces, areas, settings.base_count)
     else:
-        radius = np.sqrt(settings.base_coefficient * total)
+        radius = np.sqrt(BASE_COEFFICIENT * total)
         mu = scan_integral(graph, surface.faces, areas, radius)
     return mu
 

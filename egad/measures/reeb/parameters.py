@@ -24,9 +24,6 @@ class Similarity(Parameters):
         "order, as in the original program",
     )
     base_count: int = Field(50, ge=1, description="number of bases (bases: even)")
-    base_coefficient: float = Field(
-        0.005, gt=0, description="bases are sqrt(this * area) apart (bases: scan)"
-    )
     weight: Fraction = Field(
         0.5, description="weight of area relative to length in the value of a node"
     )

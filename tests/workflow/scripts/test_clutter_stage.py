@@ -137,7 +137,8 @@ def test_it_is_what_the_library_does_in_this_process(table, made, own):
 def test_what_a_detector_does_wrong_is_an_outcome_and_the_run_goes_on(
     made, own, tmp_path, name, limit, outcome
 ):
-    given = settings(f"{own}:{name}", planning_time=limit, rounds=1, scenes=["packed"])
+    given = settings(f"{own}:{name}", rounds=1, scenes=["packed"])
+    given = given.model_copy(update={"planning_time": limit})
     found = cleared(given, made, tmp_path / "out.parquet", keep_going=True)
     assert found["outcome"].tolist() == [outcome, outcome]  # two in a row end a round
     assert (found["failure"] != "").all()

@@ -61,7 +61,7 @@ def test_labels_are_cut_into_the_prints_away_from_usable_grasps(tmp_path):
     grasps["contact0_x"], grasps["contact1_x"] = [0.0, 0.01], [0.0, -0.01]
     parquet.write(grasps, GRASPS, tmp_path / "grasps.parquet")
     rows = exported(
-        tmp_path / "c", [0.02, 0.006], tmp_path / "grasps.parquet", engraving={"enabled": True}
+        tmp_path / "c", [0.02, 0.006], tmp_path / "grasps.parquet", print_export={"engraving": True}
     )
     assert rows["engraved"].tolist() == [True, False]
     assert rows["note"]["A0"] == ""
