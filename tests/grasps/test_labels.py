@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,7 +10,7 @@ from egad.geometry.rays import RayCaster
 from egad.grasps import GraspLabel, SamplingStatistics, sample_contacts
 from egad.grasps.labels import sample_for_labels, statistics_row
 from egad.grasps.parameters import LabelParameters
-from egad.grasps.sampling import Labeller
+from egad.grasps.sampling import Labeller, dataset_grasps
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad_workflow.settings import Settings, select
@@ -43,8 +45,12 @@ def test_same_seed_gives_the_same_rows():
 
 
 def test_an_object_without_grasps_is_rejected_with_the_reason():
-    with pytest.raises(RejectedError, match=r"no grasp \(of 2000 candidates: \d+ too wide, "):
-        labels(trimesh.creation.box([0.06, 0.06, 0.06]))
+    box = trimesh.creation.box([0.06, 0.06, 0.06])
+    found = Labeller(SETTINGS)(box, box.center_mass, np.random.default_rng(0))
+    assert re.match(r"no grasp \(of 2000 candidates: \d+ too wide, ", found.reason)
+    assert found.table.empty
+    with pytest.raises(RejectedError, match=r"no grasp \(of "):
+        dataset_grasps(box, "box", SETTINGS)
 
 
 def test_grasps_are_kept_that_no_horizontal_approach_reaches():
