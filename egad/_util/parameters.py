@@ -77,7 +77,7 @@ SEARCH_ONLY = Archived(keys=frozenset())
 def by_name(what: str, known: Mapping[str, Parameters], given: object) -> object:
     """The section that a name stands for, or `ValueError`; a given section has lists as tuples."""
     if not isinstance(given, str):
-        return _with_tuples(given)
+        return with_tuples(given)
     if given not in known:
         keys = ", ".join(type(next(iter(known.values()))).model_fields)
         allowed = f"{', '.join(known)}, or a section with {keys}"
@@ -85,10 +85,11 @@ def by_name(what: str, known: Mapping[str, Parameters], given: object) -> object
     return known[given]
 
 
-def _with_tuples(given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
+def with_tuples(given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
+    """Values of YAML with lists as tuples, as settings have them, for a validator `before`."""
     if isinstance(given, dict):
-        return {name: _with_tuples(each) for name, each in given.items()}
-    return tuple(map(_with_tuples, given)) if isinstance(given, list) else given
+        return {name: with_tuples(each) for name, each in given.items()}
+    return tuple(map(with_tuples, given)) if isinstance(given, list) else given
 
 
 def from_arguments(kind: type[P], **values: Any) -> P:  # noqa: ANN401 (fields of any type)

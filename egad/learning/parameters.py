@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import ParameterGroup, Parameters
+from egad._util.parameters import ParameterGroup, Parameters, with_tuples
 from egad.detectors import SIZE, NoiseName
 from egad.grippers import Gripper
 
@@ -36,20 +36,15 @@ class Training(Parameters):
     epoch: int = Field(
         2000,
         ge=1,
-        description="examples between two evaluations on the validation set; 1000 by default for "
-        "vgn",
+        description="examples between two evaluations on the validation set; for vgn 1000",
     )
-    batch: int = Field(
-        8,
-        ge=1,
-        description="examples per step of the optimizer, Adam; 4 by default for vgn",
-    )
+    batch: int = Field(8, ge=1, description="examples per step of the optimizer, Adam; for vgn 4")
     learning_rate: float = Field(
         0.001,
         gt=0,
         le=1,
-        description="initial learning rate of Adam; it decays to 0 along half a cosine; 0.0003 by "
-        "default for vgn",
+        description="initial learning rate of Adam, for vgn 0.0003; it decays to 0 along half a "
+        "cosine",
     )
     validation: int = Field(
         100, ge=1, description="maximum number of validation images or scenes to evaluate"
@@ -93,7 +88,7 @@ class Training(Parameters):
     @classmethod
     def _vgn_has_other_defaults(cls, given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
         vgn = isinstance(given, dict) and given.get("network") == "vgn"
-        return VGN_DEFAULTS | given if vgn else given
+        return with_tuples(VGN_DEFAULTS | given if vgn else given)
 
 
 class TrainNetwork(ParameterGroup):

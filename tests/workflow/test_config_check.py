@@ -87,7 +87,10 @@ def test_every_problem_has_one_line():
         ({"similarity": {"ranges": 100}}, "allowed: 16 or 32 or 64 or 128 or 256"),
         ({"grasps": 3}, "grasps: unknown key; did you mean evolution.grasps?"),
         ({"postprocess": {"max_candidate": 3}}, "did you mean postprocess.max_candidates?"),
-        ({"qqqqzzz": 3}, "qqqqzzz: unknown key; known: seed, shards, datasets"),
+        (
+            {"qqqqzzz": 3},
+            "qqqqzzz: unknown key; known: seed, shards, planning_time, keep_going, datasets",
+        ),
         ({2: 3}, "2: unknown key"),
     ],
 )
@@ -193,7 +196,7 @@ def test_the_number_of_rounds_is_bounded_by_the_mistakes():
     """Every section wrong at once still ends, with a line for each."""
     wrong = {name: 3 for name in Settings.model_fields if name != "seed"} | {"seed": []}
     assert {line.split(":")[0] for line in problems(wrong)} == set(Settings.model_fields) - {
-        "shards"
+        *("shards", "planning_time")
     }
 
 

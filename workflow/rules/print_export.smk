@@ -14,7 +14,9 @@ rule print_export:
         evaluation="results/{dataset}/eval49.parquet",
         scales="results/{dataset}/rescaled/{gripper}/scales.parquet",
         # engraved labels avoid them
-        grasps=only_if(SETTINGS.print_export.engraving, "results/{dataset}/grasps/{gripper}.parquet"),
+        grasps=only_if(
+            SETTINGS.print_export.engraving, "results/{dataset}/grasps/{gripper}.parquet"
+        ),
     output:
         manifest=ensure("results/{dataset}/print/{gripper}/manifest.parquet", non_empty=True),
     log:

@@ -143,7 +143,7 @@ def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
         "quality_method": "ferrari_canny_L1",
         "quality_type": "quasi_static",
         "friction_coef": settings.quality.friction,
-        "num_cone_faces": 8,
+        "num_cone_faces": 8,  # the default of `ferrari_canny`
         "torque_scaling": settings.quality.torque_scaling,
         "finger_radius": settings.quality.finger_radius,
         "soft_fingers": 1,
