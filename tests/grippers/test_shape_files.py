@@ -11,7 +11,7 @@ import trimesh
 from described_hands import PANDA, box_urdf
 
 from egad.errors import UserError
-from egad.grippers.described import description_files
+from egad.grippers.description import description_files
 from egad.grippers.reading import read_model
 from egad.grippers.shape_files import find_file
 
