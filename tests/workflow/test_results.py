@@ -1,8 +1,11 @@
 """What the workflow makes: real runs on config/test.yaml."""
 
 import hashlib
+import os
 import re
 import shutil
+import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -361,6 +364,26 @@ def test_a_folder_of_meshes_is_a_dataset_and_bad_ones_are_named(own_meshes):
         *("ball", "box", "cut", "empty", "nan", "notes", "open")
     }
     assert reasons.str.len().gt(5).all()
+
+
+@pytest.mark.slow
+def test_a_run_that_was_killed_goes_on_to_the_same_bytes(clean, finished):
+    second_epoch = clean.folder / "logs/egad/evolve/epoch-1-island-0.log"
+    process = clean.start("--cores", 2)
+    while not second_epoch.exists() and process.poll() is None:
+        time.sleep(0.1)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    first = clean.results / "egad/epochs/epoch-0/archive.parquet"
+    kept = first.stat().st_mtime_ns
+    assert not (clean.results / "egad/archive.parquet").exists()
+
+    clean.make("--unlock")
+    clean.make("--cores", 2, "results/egad/archive.parquet")
+    assert first.stat().st_mtime_ns == kept
+    after, expected = clean.bytes(), finished.bytes()
+    for path in ["egad/archive.parquet", *EPOCH_TABLES]:
+        assert after[path] == expected[path], path
 
 
 @pytest.mark.slow
