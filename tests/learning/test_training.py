@@ -98,10 +98,10 @@ def test_each_step_has_its_learning_rate(shards, monkeypatch):
     network = Tiny()
     before = network.weight.detach().clone()
     monkeypatch.setattr(training, "learning_rate", lambda _, batch: 0.5 * (batch.start == 3))
-    settings = SHORT.model_copy(update={"images": 3})
+    settings = SHORT.model_copy(update={"examples": 3})
     training.train(network, shards, settings, 0)
     assert torch.equal(network.weight, before)
-    training.train(network, shards, settings.model_copy(update={"images": 6, "epoch": 6}), 0)
+    training.train(network, shards, settings.model_copy(update={"examples": 6, "epoch": 6}), 0)
     assert (network.weight - before).abs().max() > 0.1
 
 
@@ -112,7 +112,7 @@ def test_a_loss_that_is_not_finite_ends_it(shards):
 
 def test_a_step_is_one_along_the_gradient_of_the_whole_batch(shards):
     """Gradients computed image by image are those of a batch, as everybody else computes them."""
-    settings = SHORT.model_copy(update={"images": 3, "epoch": 3})
+    settings = SHORT.model_copy(update={"examples": 3, "epoch": 3})
     network, other = Tiny(), Tiny()
     training.train(network, shards, settings, 0)
     stream = training.Stream(shards, 3, settings.crop, 0)
