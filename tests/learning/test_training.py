@@ -100,7 +100,7 @@ def test_a_loss_that_is_not_finite_ends_it(shards):
 
 def test_a_step_is_one_along_the_gradient_of_the_whole_batch(shards):
     """Gradients computed image by image are those of a batch, as everybody else computes them."""
-    settings = SHORT.model_copy(update={"images": 3, "epoch": 3})
+    settings = SHORT.model_copy(update={"examples": 3, "epoch": 3})
     network, other = Tiny(), Tiny()
     training.train(network, shards, settings, 0)
     stream = training.Stream(shards, 3, settings.crop, 0)
