@@ -74,6 +74,23 @@ def imported_parts(path):
             yield inside.partition(".")[0]
 
 
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("import egad.objects, os", [("egad.objects", "")]),
+        ("from egad import objects", [("egad", "objects")]),
+        ("from egad.objects import load", [("egad.objects", "load")]),
+        ("from . import poses", [("egad.grasps", "poses")]),
+        ("from .. import objects", [("egad", "objects")]),
+        ("from ..measures.grid import labels", [("egad.measures.grid", "labels")]),
+        ("def late():\n    import egad.sim", [("egad.sim", "")]),
+        ("from egadx import objects", []),
+    ],
+)
+def test_imports_of_all_kinds_are_seen(source, expected):
+    assert list(imports(source, "egad.grasps")) == expected
+
+
 def test_no_module_imports_upwards():
     upwards = [
         f"{path.relative_to(ROOT)} imports {part}"

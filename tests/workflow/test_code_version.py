@@ -1,3 +1,4 @@
+import os
 import re
 import shutil
 import sys
@@ -7,7 +8,7 @@ import postprocess
 import pytest
 import rescale
 import trimesh
-from rule_texts import COPIES, OWN, script_of
+from rule_texts import COPIES, OWN, TEXT, script_of
 
 from egad.evolution import PostprocessSolids
 from egad.exchange import RescaleMeshes
@@ -174,6 +175,66 @@ def test_it_does_not_matter_where_a_script_and_the_package_are(make, tmp_path, m
 def test_an_unknown_module_or_script_is_an_error(make, name):
     with pytest.raises(ModuleNotFoundError, match=re.escape(name)):
         code_version(name, (make(),))
+
+
+RULES = set(re.findall(r'code_of(?:_format)?\("(\w+)"\)', TEXT))
+# What is changed, some stages that import it, and some that do not: written by hand.
+USED = [
+    (
+        "sim/world.py",
+        "GRAVITY = 9.81",
+        "1.62",
+        "simulate clutter report",
+        "evolve postprocess bundle",
+    ),
+    (
+        "evolution/variation.py",
+        "MIN_WEIGHT = 0.25",
+        "0.5",
+        "evolve",
+        "rescale simulate bundle join",
+    ),
+    ("geometry/convex_parts.py", "SLIVER = 1e-6", "1e-5", "bundle simulate", "join publish"),
+    ("bench/stats/rates.py", "DRAWS = 10_000", "1_000", "report", "simulate evolve bundle"),
+    ("report/live_map.py", "UNIT = 40", "20", "", "evolve postprocess report"),
+    ("evalset/datasheet.py", "ATTEMPTS = 20", "10", "datasheet", "evolve bundle simulate"),
+    ("report/templates/map.html.j2", "<section", "<div", "report", "evolve simulate bundle"),
+    ("report/templates/gallery.css", "{", "{ ", "gallery", "report evolve"),
+    ("report/templates/view.html.j2", "<", " <", "", "compare evolve"),  # of a command
+    (
+        "evolution/parameters.py",
+        "Field(VOXELS, ge=8",
+        "Field(24, ge=8",
+        "evolve",
+        "bundle join",
+    ),
+    ("evolution/parameters.py", "Field(VOXELS, ge=8", "Field(VOXELS, ge=9", "", "evolve report"),
+    ("cli/rescale.py", "Scale meshes", "Scale", "", " ".join(RULES)),
+]
+
+
+@pytest.mark.parametrize(("file", "old", "new", "stages", "others"), USED)
+def test_our_stages_run_again_for_what_they_use_and_not_for_other_work(
+    tmp_path, file, old, new, stages, others
+):
+    package = tmp_path / "egad"
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(PACKAGE, package, ignore=ignored, copy_function=os.symlink)
+    text = (package / file).read_text(encoding="utf-8")
+    assert old in text
+    new = f"{old.partition(' = ')[0]} = {new}" if " = " in old else new
+    (package / file).unlink()
+    (package / file).write_text(text.replace(old, new, 1), encoding="utf-8")
+    changed = {
+        stage
+        for stage in [*stages.split(), *others.split()]
+        if _version(stage, package) != _version(stage)
+    }
+    assert changed == set(stages.split())
+
+
+def _version(stage, package=PACKAGE):
+    return code_version(SCRIPTS / f"{stage}.py", (package, *PACKAGES[1:]))
 
 
 @pytest.mark.parametrize("rule", [*OWN, *COPIES])

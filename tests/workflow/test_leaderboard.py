@@ -234,6 +234,22 @@ def test_all_shipped_tables_are_verified(tmp_path):
     assert build(SHIPPED, tmp_path / "out", Checks(sample=10)) == []
 
 
+@pytest.mark.usefixtures("small_films")
+def test_tables_from_python_are_verified_and_replayed(tmp_path):
+    objects = egad.load("evaluation-set").select(["A0"])
+    made = egad.run_trials(beside, objects, "egad_75mm", 1, errors="typical").table
+    config, mine, altered = (tmp_path / name for name in ("mine.yaml", "a.parquet", "b.parquet"))
+    config.write_text("trials: {attempts: 1, errors: typical}")
+    parquet.write(made, TRIALS, mine)
+    parquet.write(made.assign(end_z=made["end_z"] + 1e-9), TRIALS, altered)
+    where = ("--in", "evaluation-set", "--config", config)
+    verify = ("trials", "verify", "--jobs", 1, *where)
+    assert egad_command(*verify, mine).returncode == 0
+    film = ("--table", mine, "--out", tmp_path / "film.gif", *where)
+    assert egad_command("trials", "replay", "A0", 0, *film).returncode == 0
+    assert "1 of 1 attempts are not reproduced" in egad_command(*verify, altered).stderr
+
+
 @pytest.mark.slow
 def test_cleared_tables_from_python_are_filmed(tmp_path):
     objects = egad.load("evaluation-set").select(["A0"])

@@ -70,3 +70,10 @@ def test_the_stage_its_code_and_its_arguments_are_noted(tmp_path):
         noted = table(tmp_path / "rows.parquet")
     assert (noted["program"], noted["stage"], noted["code"]) == (__version__, "grasp_label", "c0de")
     assert noted["arguments"] == {"gripper": "yumi", "shard": "2"}
+
+
+def test_the_hash_of_settings_follows_their_values():
+    one, same, other = (select(Settings(seed=seed), EvolutionParameters) for seed in (1, 1, 2))
+    assert settings_hash(one) == settings_hash(same)
+    assert settings_hash(one) != settings_hash(other)
+    assert settings_hash({"a": 1, "b": 2}) == settings_hash({"b": 2, "a": 1})
