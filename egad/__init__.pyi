@@ -34,8 +34,8 @@ from .grasps.grasps import Grasps as Grasps
 from .grasps.sampling import sample_grasps as sample_grasps
 from .grippers.parameters import Gripper as Gripper
 from .grippers.parameters import SuctionCup as SuctionCup
+from .grippers.rescaling import rescale as rescale
 from .grippers.table import gripper as gripper
-from .grippers.table import rescale as rescale
 from .io.user_meshes import read_mesh as read_mesh
 from .learning.scenes.producing import make_scenes as make_scenes
 from .learning.scenes.reading import LabelledScene as LabelledScene

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from egad.cli.commands import app
 from egad.data import released
-from egad.grippers.table import rescale
+from egad.grippers.rescaling import rescale
 from egad.io import read_mesh
 from egad.objects import load
 from egad.tables import parquet

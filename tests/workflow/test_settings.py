@@ -69,7 +69,7 @@ def test_every_section_is_read_by_some_stage():
     models = [*stage_models(ParameterGroup), *map(settings_class, FORMATS)]
     ours = [model for model in models if model.__module__.startswith("egad.")]
     read = {name for model in ours for name in model.model_fields}
-    of_the_workflow = {"shards", "datasets", "targets", "schedule"}
+    of_the_workflow = {"shards", "datasets", "targets", "schedule", "keep_going"}
     tables = {"grippers", "cameras", "detectors"}
     entries = {"gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding"}
     assert set(Settings.model_fields) - of_the_workflow - tables == read - entries

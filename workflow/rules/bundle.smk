@@ -4,7 +4,7 @@ Inputs: results/D/eval49.parquet, results/D/rescaled/G.
 Outputs: results/D/bundle/G, a folder with bundle.parquet and rejected.parquet.
 """
 
-from egad.geometry import SimulationBundle
+from egad.sim import SimulationBundle
 
 
 rule bundle:

@@ -34,7 +34,7 @@ from egad.grippers import files_of
 from egad.io import files_below, missing_files
 from egad._util.kernel_cache import compiled_marker
 from egad._util.progress import MARKS
-from egad.measures import source_hash
+from egad.plugins import source_hash
 from egad.grasps.samplers import own_samplers
 from egad.detectors import NETWORKS, fingerprint
 from egad.learning.images import shard_count
@@ -45,7 +45,7 @@ try:
     # Missing files are named here, as Snakemake overlooks them where older results exist.
     check_input_files(SETTINGS)
     # The user's own measures by their code, so that editing them re-runs what they measure.
-    MEASURES = [source_hash(measure) for measure in SETTINGS.measures.functions().values()]
+    MEASURES = [source_hash(measure, "measures") for measure in SETTINGS.measures.functions().values()]
     MEASURES += own_samplers([SETTINGS.grippers[SETTINGS.graspability.gripper]])
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")

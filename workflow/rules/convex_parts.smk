@@ -6,7 +6,7 @@ Steps: shards of objects are decomposed, then the tables of the shards are joine
 the parts of a shard.
 """
 
-from egad.geometry import SimulationBundle
+from egad.sim import SimulationBundle
 
 
 rule convex_parts:

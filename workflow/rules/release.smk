@@ -9,7 +9,7 @@ Steps: tables, meshes, pictures and archives; the gallery (gallery.smk); then fi
 them.
 """
 
-from egad.geometry import SimulationBundle
+from egad.sim import SimulationBundle
 from egad.exchange.release import ReleaseCard, ReleaseTables
 
 

@@ -25,7 +25,7 @@ def exported(folder, sides, grasps=None, **changes):
     write_rows(EVAL49, chosen, folder / "eval49.parquet")
     parquet.write(parquet.empty(SCALES), SCALES, folder / "scales.parquet")
     print_export.run(
-        select(Settings(print_export={"bed": (0.05, 0.05)}, **changes), PrintFiles, "yumi"),
+        select(Settings(print_export={"bed": (0.05, 0.05)} | changes), PrintFiles, "yumi"),
         "yumi",
         folder / "eval49.parquet",
         folder,
@@ -60,9 +60,8 @@ def test_labels_are_cut_into_the_prints_away_from_usable_grasps(tmp_path):
     grasps["contact0_z"], grasps["contact1_z"] = [0.01, 0.0], [-0.01, 0.0]
     grasps["contact0_x"], grasps["contact1_x"] = [0.0, 0.01], [0.0, -0.01]
     parquet.write(grasps, GRASPS, tmp_path / "grasps.parquet")
-    rows = exported(
-        tmp_path / "c", [0.02, 0.006], tmp_path / "grasps.parquet", print_export={"engraving": True}
-    )
+    table = tmp_path / "grasps.parquet"
+    rows = exported(tmp_path / "c", [0.02, 0.006], table, engraving=True)
     assert rows["engraved"].tolist() == [True, False]
     assert rows["note"]["A0"] == ""
     assert "no space for its label" in rows["note"]["A1"]
