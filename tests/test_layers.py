@@ -15,7 +15,7 @@ PACKAGE = Path(egad.__file__).parent
 ROOT = Path(__file__).parents[1]
 RUNS = ROOT / "egad_workflow"  # a layer too: the commands import it
 ABOVE = [  # the line: objects and grasps, without a simulator
-    *("errors", "random", "_util", "plugins", "data", "tables", "geometry", "io"),
+    *("errors", "random", "friction", "_util", "plugins", "data", "tables", "geometry", "io"),
     *("grippers", "grasps", "measures", "evolution", "objects"),
 ]
 BELOW = [

@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 from pydantic import Field
 
 from egad._util.parameters import Parameters, PositiveFraction, ScaleRule
-from egad.geometry.friction import OBJECT
+from egad.friction import OBJECT
 
 OpenSurfaces = Literal["reject", "thicken"]
 SIDE_FRACTION = 0.8  # of a gripper's opening: the smallest side that scale rules aim at

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 
 from egad._util.arrays import Flags, Floats
 from egad._util.parameters import from_arguments
+from egad.friction import FRICTION
 from egad.geometry import RayCaster
-from egad.geometry.friction import FRICTION
 from egad.grasps.antipodal import ContactPairs, SamplingStatistics, sample_contacts
 from egad.grasps.approach import best_approaches, touching_turns
 from egad.grasps.grasps import vector_columns

@@ -5,8 +5,8 @@ from typing import NamedTuple
 from pydantic import Field
 
 from egad._util.parameters import Length, ParameterGroup, Parameters, Seed, Sigma
+from egad.friction import FRICTION
 from egad.geometry import Material
-from egad.geometry.friction import FRICTION
 from egad.grippers import Gripper
 
 CONE = 0.75  # tangent of the widest angle between the axis of a grasp and its normals

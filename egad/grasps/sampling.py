@@ -11,8 +11,8 @@ from egad._util.arrays import Floats
 from egad._util.parameters import check_count
 from egad._util.progress import phase_if_slow
 from egad.errors import RejectedError
+from egad.friction import FRICTION
 from egad.geometry import RayCaster, center_of_mass, check_solid, check_units
-from egad.geometry.friction import FRICTION
 from egad.geometry.mass import center_or_given
 from egad.grasps.antipodal import SamplingStatistics
 from egad.grasps.grasps import Grasps

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from egad._util.display import facts_html
 from egad._util.parameters import Length, Place, UserParameters, UserPath
-from egad.geometry.friction import CUP_RING, PADS, Surface
+from egad.friction import CUP_RING, PADS, Surface
 from egad.grippers.kinds import CupKind, JawKind, Kind
 
 

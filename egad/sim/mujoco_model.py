@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from egad import friction
 from egad._util.arrays import Floats
-from egad.geometry import friction
-from egad.geometry.friction import TABLE_ROLLING, Surface
+from egad.friction import TABLE_ROLLING, Surface
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
 from egad.sim.robot import EFFORT, PALM, Box, HullShape, Joint, Link, Robot, wall_boxes

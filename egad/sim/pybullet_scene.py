@@ -7,7 +7,7 @@ from typing import Any
 
 import pybullet
 
-from egad.geometry.friction import OBJECT, TABLE, TABLE_ROLLING
+from egad.friction import OBJECT, TABLE, TABLE_ROLLING
 from egad.sim.drives import Follower
 from egad.sim.model import Model
 from egad.sim.robot import Box

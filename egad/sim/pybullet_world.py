@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
-from egad.geometry.friction import OBJECT
+from egad.friction import OBJECT
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.pybullet_scene import (
     Client,

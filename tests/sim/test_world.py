@@ -12,8 +12,8 @@ import trimesh
 from worlds import EACH_ARM, EACH_ENGINE, HAND, hand_at, start
 
 from egad.errors import UserError
+from egad.friction import TABLE
 from egad.geometry import Bundle
-from egad.geometry.friction import TABLE
 from egad.sim import mujoco_world
 from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world

@@ -17,7 +17,7 @@ from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.new_folder import check_not_file
 from egad.exchange.objects.simulation import inertia_tensor
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
-from egad.geometry.friction import FRICTION
+from egad.friction import FRICTION
 from egad.grasps import Grasps
 from egad.grippers import finger_span
 from egad.io import SUMS, write_obj

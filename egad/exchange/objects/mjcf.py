@@ -20,7 +20,7 @@ from egad.exchange.object_files import (
     write_poses,
     xml_document,
 )
-from egad.geometry.friction import MJCF_SPIN
+from egad.friction import MJCF_SPIN
 from egad.sim import SimulationObject
 
 
