@@ -220,7 +220,11 @@ def select(
     """The part of a configuration that a stage reads, one gripper or detector for some."""
     entries = ("gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding")
     names = [name for name in stage.model_fields if name not in entries]
-    shared = settings.model_copy(update={"evolution": settings.evolution_of_epoch})
+    # naive grasps share the engine of simulated labels, but not their number
+    engine = SimulatedLabel(engine=settings.simulated_label.engine)
+    labels = engine if "naive_grasp" in names else settings.simulated_label
+    evolution = settings.evolution_of_epoch
+    shared = settings.model_copy(update={"evolution": evolution, "simulated_label": labels})
     values = {name: getattr(shared, name) for name in names}
     if "gripper" in stage.model_fields:
         chooses = "select_eval" in values

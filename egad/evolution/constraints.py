@@ -161,7 +161,7 @@ def with_images(solid: Solid, mirror: tuple[str, ...]) -> Solid:
 def solid(output: Singles, threshold: float, rules: Rules) -> Solid:
     """The one solid body that the output of a network describes within the rules.
 
-    Solid above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
+    Voxels above the threshold are solid. Holes that no axis-parallel view shows are filled, thin
     parts are removed by an opening with the 6-neighborhood, and only the largest body is kept. The
     rules hold before and after. `RejectedError` if nothing is left, or it is against them.
     """

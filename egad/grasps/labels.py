@@ -133,7 +133,7 @@ def _table(
 
 
 def _rated(quality: Floats, fits: Flags, free: Flags) -> dict[str, ArrayLike]:
-    """Columns of grasps with one approach each, whose copies are not perturbed here; of a cup."""
+    """Columns of unperturbed grasps with their one approach; a cup is 0 wide."""
     return {
         "width": 0.0,
         "needed_opening": 0.0,

@@ -25,7 +25,11 @@ class Quality(Parameters):
 
 
 class Robust(Parameters):
-    """The mean quality over perturbed copies of a grasp."""
+    """The mean quality over perturbed copies of a grasp.
+
+    Standard deviations per axis: object 5 mm and 0.01 rad, center of mass 10 mm, grasp 1 mm and
+    0.001 rad, friction 0.1. A torque weighs 1000/m. Source: Dex-Net 2.0, Mahler et al. 2017.
+    """
 
     samples: int = Field(25, ge=1, description="number of perturbed copies of a grasp")
 

@@ -12,6 +12,7 @@ from egad._util.arrays import Floats
 from egad._util.kernels import kernel
 from egad.grasps.wrench_hull import depths
 
+CONE_FACES = 8
 ROUNDING = 1e-9  # relative: bounds are larger by this
 
 
@@ -24,7 +25,7 @@ def ferrari_canny(
     friction: ArrayLike = 0.5,
     torque_scaling: float = 100.0,
     finger_radius: float = 0.005,
-    cone_faces: int = 8,
+    cone_faces: int = CONE_FACES,
     floor: float = 0.0,
 ) -> Floats:
     """Quality of each of n grasps: 0 is useless, larger is better.

@@ -38,6 +38,7 @@ GRASP = ["u", "v", "angle", "opening", "depth_center", "quality"]
 SIMULATED = "simulated_success"
 NAMES = ["image", "id", "objects", "split", "depth", "mask", "height", "width", "focal", *GRASP]
 WINDOW = 2048  # images that are shuffled together; about as many are kept in memory, packed
+BREADTH = 0.02  # metres: width of the jaws in the training labels
 ZOOM = (0.5, 1.0)  # of an image's side: the part that is enlarged to the whole side
 FARTHEST = 1e5  # pixels; numbers of grasps beyond this are not pixels of an image
 
@@ -50,7 +51,7 @@ class PositiveFilter(NamedTuple):
     """
 
     quality: float
-    breadth: float = 0.02
+    breadth: float = BREADTH
     simulated: bool = False
 
     @property

@@ -55,7 +55,7 @@ class Training(Parameters):
     positive: Literal["quality", "simulated"] = Field(
         "quality",
         description="which collision-free grasps in images are positive: those above `quality`, or "
-        "those that succeeded in simulation",
+        "those that succeeded in simulation (networks: ggcnn, ggcnn2)",
     )
     quality: float = Field(
         0.001,
@@ -67,21 +67,22 @@ class Training(Parameters):
         ge=60,
         le=SIZE,
         multiple_of=12,
-        description="side of the square of an enlarged image that an example shows, pixels, a "
-        "multiple of 12; its position is also sampled",
+        description="side of the square that an example shows of an image, pixels, a multiple of "
+        "12; its position is sampled, as are quarter turns of the image and which fraction of its "
+        "side, 0.5 to 1, is enlarged to the whole side (networks: ggcnn, ggcnn2)",
     )
     rise: int = Field(
         6,
         ge=0,
         le=20,
         description="largest shift of a scene up or down in its cube, voxels; sampled for every "
-        "example, as are quarter turns and the views used",
+        "example, as are quarter turns and the views used (network: vgn)",
     )
     noise: tuple[NoiseName, ...] = Field(
         ("none",),
         min_length=1,
         description="kinds of noise added to scenes whose images have none; one is sampled per "
-        "example; validation and test use the images as they are",
+        "example; validation and test use the images as they are (network: vgn)",
     )
 
     @model_validator(mode="before")
@@ -89,6 +90,11 @@ class Training(Parameters):
     def _vgn_has_other_defaults(cls, given: Any) -> Any:  # noqa: ANN401 (any values of YAML)
         vgn = isinstance(given, dict) and given.get("network") == "vgn"
         return with_tuples(VGN_DEFAULTS | given if vgn else given)
+
+    @property
+    def unused(self) -> set[str]:
+        """The settings of the other networks, which change nothing."""
+        return FOR_IMAGES if self.network == "vgn" else FOR_SCENES
 
 
 class TrainNetwork(ParameterGroup):

@@ -13,7 +13,7 @@ from egad.io import checksum
 from egad.learning.dataset import ImageDataset, PositiveFilter
 from egad.learning.evaluation import Score, outline_score, score_table, total_score
 from egad.learning.model_card import TrainedNetwork, card
-from egad.learning.parameters import FOR_SCENES, TrainNetwork, TrainOnScenes
+from egad.learning.parameters import TrainNetwork, TrainOnScenes
 from egad.report.training import training_chart
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
@@ -70,7 +70,7 @@ def train(
         {
             "seed": seed,
             **start_notes(start),
-            **plan.model_dump(mode="json", exclude=FOR_SCENES),
+            **plan.model_dump(mode="json", exclude=plan.unused),
         },
     )
     parquet.write(trained.history, HISTORY, out / TABLE)
@@ -135,7 +135,9 @@ def fingerprint(
 
     files = [path for folder in folders for path in sorted(folder.glob("*-*.parquet"))]
     known = {
-        "settings": settings.model_dump(mode="json"),
+        "settings": settings.model_dump(
+            mode="json", exclude={"training": settings.training.unused}
+        ),
         "examples": [checksum(path) for path in files],
         "device": device,
         **start_notes(start),

@@ -8,7 +8,7 @@ import pandas as pd
 from egad._util.extras import needed_for
 from egad._util.files import write_text
 from egad.errors import UserError
-from egad.learning.parameters import FOR_IMAGES, TrainOnScenes
+from egad.learning.parameters import TrainOnScenes
 from egad.learning.scene_model_card import TrainedOnScenes, scene_card
 from egad.learning.scene_scores import (
     DECISION_THRESHOLD,
@@ -91,7 +91,7 @@ def train_on_scenes(
             "seed": seed,
             "device": device,
             **start_notes(start),
-            **plan.model_dump(mode="json", exclude={"network", *FOR_IMAGES}),
+            **plan.model_dump(mode="json", exclude={"network", *plan.unused}),
         },
     )
     parquet.write(trained.history, SCENE_HISTORY, out / TABLE)

@@ -10,7 +10,7 @@ from egad._util.arrays import Floats
 from egad.geometry import Bundle, MassProperties, Material
 from egad.grippers import Gripper
 from egad.objects import NamedMesh, scaled_solid
-from egad.sim import make_simulation_object
+from egad.sim.simulation_objects import make_simulation_object
 
 # kg; PyBullet's solver does not converge for lighter bodies under large grip forces:
 # studies/engines/README.md

@@ -11,7 +11,7 @@ from egad.detectors import prepare_input
 from egad.detectors.ggcnn import GGCNN, middle
 from egad.errors import TableError, UserError
 from egad.learning import Training, TrainNetwork
-from egad.learning.train_on_images import open_dataset, train
+from egad.learning.train_on_images import fingerprint, open_dataset, train
 from egad.tables import parquet
 from egad.tables.training import HISTORY, SCORE
 
@@ -100,6 +100,18 @@ def test_training_begins_with_given_weights(trained, images, check_start, tmp_pa
 def test_another_network_has_other_defaults():
     vgn = Training(network="vgn", batch=2)
     assert (vgn.epoch, vgn.batch, vgn.learning_rate) == (1000, 2, 0.0003)
+
+
+def test_a_checkpoint_does_not_depend_on_settings_of_other_networks():
+    pytest.importorskip("torch")
+
+    def of(**changes):
+        plan = PLAN.model_copy(update=changes)
+        return fingerprint(SETTINGS.model_copy(update={"training": plan}), [], "code")
+
+    assert of(rise=3, noise=("dex",), scenes=7) == of()
+    assert of(crop=120) != of()
+    assert of(network="vgn", crop=120) == of(network="vgn") != of(network="vgn", rise=3)
 
 
 def test_nothing_to_learn_from_is_a_mistake(write, pictures, tmp_path):

@@ -4,6 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from egad._util.parameters import ParameterGroup, Parameters
+from egad.bench import NaiveGraspParameters
 from egad.evolution import EvolutionParameters
 from egad.exchange import FORMATS, RescaleMeshes, settings_class
 from egad.grippers import Gripper
@@ -73,6 +74,14 @@ def test_every_section_is_read_by_some_stage():
     tables = {"grippers", "cameras", "detectors"}
     entries = {"gripper", "map_gripper", "camera", "detector", "density", "labels", "breeding"}
     assert set(Settings.model_fields) - of_the_workflow - tables == read - entries
+
+
+def test_naive_grasps_do_not_depend_on_how_many_labels_are_simulated():
+    few, many = (
+        select(Settings(simulated_label={"grasps": count}), NaiveGraspParameters, "panda")
+        for count in (5, 50)
+    )
+    assert few == many
 
 
 def stage_models(base):

@@ -15,7 +15,13 @@ from egad.exchange.dexnet_database import MEASURES, add_dataset, add_grasps
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
 from egad.exchange.parameters import DexNetDatabase
-from egad.grasps import ROBUST_TORQUE_SCALING, SPREAD, approach_directions, vectors
+from egad.grasps import (
+    CONE_FACES,
+    ROBUST_TORQUE_SCALING,
+    SPREAD,
+    approach_directions,
+    vectors,
+)
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
@@ -143,7 +149,7 @@ def metrics(settings: DexNetDatabase) -> dict[str, dict[str, object]]:
         "quality_method": "ferrari_canny_L1",
         "quality_type": "quasi_static",
         "friction_coef": settings.quality.friction,
-        "num_cone_faces": 8,  # the default of `ferrari_canny`
+        "num_cone_faces": CONE_FACES,
         "torque_scaling": settings.quality.torque_scaling,
         "finger_radius": settings.quality.finger_radius,
         "soft_fingers": 1,

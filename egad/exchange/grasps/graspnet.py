@@ -33,7 +33,7 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
     """
     known = with_outcome(grasps)
     labelled = Grasps(known)
-    poses = labelled.poses[:, :, [2, 0, 1, 3]]
+    poses = labelled.poses[:, :, [2, 0, 1, 3]]  # x approaches, y closes
     poses[:, :3, 3] -= DEPTH * poses[:, :3, 0]
     scores = MAX_SCORE - needed_friction(labelled).clip(*FRICTIONS)
     columns = [

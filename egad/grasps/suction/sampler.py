@@ -75,7 +75,7 @@ def sample_suction(
     settings = from_arguments(SuctionSampling, seed=seed, n=n)
     solid = mass_properties(mesh, check_positive("density", density))
     heavy = solid.mass if mass is None else check_positive("mass", mass)
-    com = center_or_given(mesh, center_of_mass)
+    com = solid.com if center_of_mass is None else center_or_given(mesh, center_of_mass)
     caster = RayCaster(mesh)
     origins, frames = _candidates(caster, settings)
     down = frames[:, 2]
