@@ -74,10 +74,9 @@ def test_measures_do_not_depend_on_the_unit_and_repeat(mug):
     first = egad.measure(mug, max_candidates=512)
     large = egad.measure(mug.copy().apply_scale(1024), max_candidates=512)
     assert large[:3] == pytest.approx(first[:3])
-    for factor in (1000, 25.4):
-        other = egad.measure(mug.copy().apply_scale(factor), max_candidates=512)
-        assert other.complexity == pytest.approx(first.complexity, abs=0.05)
-        assert other.graspability == pytest.approx(first.graspability, abs=first.graspability_std)
+    other = egad.measure(mug.copy().apply_scale(25.4), max_candidates=512)
+    assert other.complexity == pytest.approx(first.complexity, abs=0.05)
+    assert other.graspability == pytest.approx(first.graspability, abs=first.graspability_std)
     assert egad.measure(mug, max_candidates=512) == first
     assert egad.measure(mug, max_candidates=512, seed=1).graspability != first.graspability
 
@@ -109,11 +108,7 @@ def test_the_size_is_said_and_whether_cells_are_comparable(mug):
     assert "(yumi, opening 50 mm)" in repr(found)
     assert "by the rule exact" in repr(found)
     assert "comparable" not in repr(found)
-    for settings in (
-        {"rule": "none"},
-        {"gripper": "panda"},
-        {"gripper": egad.Gripper(opening=0.1)},
-    ):
+    for settings in ({"rule": "none"}, {"gripper": egad.Gripper(opening=0.1)}):
         other = egad.measure(mug, max_candidates=512, **settings)
         assert not other.comparable
         assert "not comparable with the map (exact, yumi)" in repr(other)

@@ -77,7 +77,6 @@ def bad(tmp_path_factory):
         "triangle": triangle(),
         "not_finite": not_finite(),
         "wide": potato().apply_scale(100),
-        "thousand": potato().apply_scale(1000),
         "thousandth": potato().apply_scale(0.001),
     }
     for name, mesh in meshes.items():
@@ -135,10 +134,10 @@ def test_open_surfaces_are_measured_as_shells_if_the_settings_say_so(bad, table)
     bowl.update_faces(bowl.triangles_center[:, 2] < 0)
     path = bad["good"].with_name("bowl.ply")
     bowl.export(path)
-    files = {"bowl": path, "open_scan": bad["open_scan"], "good": bad["good"]}
+    files = {"bowl": path, "good": bad["good"]}
     found = measure_files(settings, files, "m", 1).set_index("name")
-    assert found["reason"].tolist() == ["", "", ""]
-    assert found["shell_thickness"].tolist() == [0.004, 0, 0]
+    assert found["reason"].tolist() == ["", ""]
+    assert found["shell_thickness"].tolist() == [0.004, 0]
     assert found.loc["bowl", "longest_side"] == pytest.approx(bowl.extents.max() + 0.004, rel=0.01)
     pd.testing.assert_series_equal(found.loc["good"], table.loc["good"])
 
@@ -184,8 +183,9 @@ def test_cells_are_comparable_with_the_map_by_its_rule_and_gripper():
 
 
 def test_workers_leave_no_trace(bad, table):
-    one = measure_files(SETTINGS, bad, "m", 1).set_index("name")
-    pd.testing.assert_frame_equal(one, table)
+    names = ["several_bodies", "plane", "text", "absent"]
+    one = measure_files(SETTINGS, {name: bad[name] for name in names}, "m", 1).set_index("name")
+    pd.testing.assert_frame_equal(one, table.loc[names])
 
 
 def test_an_evolved_object_has_the_measures_of_its_mesh_file(tmp_path):

@@ -113,7 +113,7 @@ def test_damaged_code_is_compiled_again(start, tmp_path):
         files = sorted((tmp_path / "cache").rglob(f"*{ending}"))
         whole = {path: path.read_bytes() for path in files}
         assert whole
-        for end in (0, 20, -20, None):  # None: other bytes in the middle
+        for end in (0, -20, None):  # None: other bytes in the middle
             for path, data in whole.items():
                 middle = len(data) // 2
                 path.write_bytes(

@@ -45,7 +45,9 @@ try:
     # Missing files are named here, as Snakemake overlooks them where older results exist.
     check_input_files(SETTINGS)
     # The user's own measures by their code, so that editing them re-runs what they measure.
-    MEASURES = [source_hash(measure, "measures") for measure in SETTINGS.measures.functions().values()]
+    MEASURES = [
+        source_hash(measure, "measures") for measure in SETTINGS.measures.functions().values()
+    ]
     MEASURES += own_samplers([SETTINGS.grippers[SETTINGS.graspability.gripper]])
 except UserError as error:
     raise WorkflowError(f"The configuration cannot be used:\n{error}")

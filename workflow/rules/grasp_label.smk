@@ -35,6 +35,7 @@ rule grasp_label:
         "logs/{dataset}/grasp_label/{gripper}-{shard}.log",
     benchmark:
         "benchmarks/{dataset}/grasp_label/{gripper}-{shard}.tsv"
+    priority: 1  # before trials, which can run beside the datasheet that waits for all grasps
     conda:
         ENVIRONMENT
     threads: 1
