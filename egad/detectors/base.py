@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from egad._util.arrays import Floats
-from egad.grasps import hand_poses
+from egad.grasps import are_rigid, hand_poses
 from egad.grippers import Gripper
 from egad.tables.outcomes import Outcome
 
@@ -98,7 +98,7 @@ class Grasp:
             return Outcome.NOT_FINITE
         if pose is not None and not np.isfinite(pose).all():
             return Outcome.NOT_FINITE
-        if pose is not None and not _is_rigid(pose):
+        if pose is not None and not are_rigid(pose[None], RIGID).all():
             return Outcome.NOT_RIGID
         if not 0 <= self.width <= gripper.opening:
             return Outcome.TOO_WIDE
@@ -159,14 +159,6 @@ def rank_grasps(
     columns = np.column_stack([center, angle, width, depth, quality])
     order = np.argsort(-quality, kind="stable")[:MAX_GRASPS]
     return [Grasp((x, y, z), *others) for x, y, z, *others in columns[order].tolist()]
-
-
-def _is_rigid(pose: Floats) -> bool:
-    """Whether a pose, (4, 4), is a rotation and a translation."""
-    rotation = pose[:3, :3]
-    off = np.abs(rotation.T @ rotation - np.eye(3)).max()
-    last = np.abs(pose[3] - [0, 0, 0, 1]).max()
-    return bool(off <= RIGID and np.linalg.det(rotation) >= 0 and last <= RIGID)
 
 
 class DetectorError(Exception):

@@ -13,6 +13,7 @@ from .collision import blocked_turns as blocked_turns
 from .collision import expected_distance as expected_distance
 from .collision import roomy as roomy
 from .grasps import Grasps as Grasps
+from .grasps import are_rigid as are_rigid
 from .grasps import vectors as vectors
 from .labels import label_parameters as label_parameters
 from .labels import sample_for_labels as sample_for_labels

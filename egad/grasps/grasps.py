@@ -185,10 +185,10 @@ def vector_columns(name: str, values: Floats) -> dict[str, Floats]:
     return dict(zip(vector_names(name), values.T, strict=True))
 
 
-def are_rigid(matrices: Floats) -> Flags:
+def are_rigid(matrices: Floats, tolerance: float = RIGID) -> Flags:
     """Whether each of (n, 4, 4) transforms is a rotation and a translation, (n,)."""
     turns = matrices[:, :3, :3]
     with np.errstate(invalid="ignore"):
         off = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(axis=(1, 2), initial=0)
         last = np.abs(matrices[:, 3] - [0, 0, 0, 1]).max(axis=1, initial=0)
-        return np.asarray((off <= RIGID) & (np.linalg.det(turns) > 0) & (last <= RIGID))
+        return np.asarray((off <= tolerance) & (np.linalg.det(turns) > 0) & (last <= tolerance))
