@@ -38,6 +38,11 @@ _DROPPED = [
         "out have no volume",
     ),
 ]
+_REPAIR = [
+    boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
+    _SHELL,
+    *_DROPPED,
+]
 _GRAPH = binary("graph", "packed Reeb graph of the object")
 _GRASPS = integer("grasps", "number of grasps that the graspability was computed from")
 SOLIDS = schema(
@@ -52,9 +57,7 @@ SOLIDS = schema(
     real("volume", "volume of the solid", "m3"),
     real("area", "surface area", "m2"),
     boolean("watertight", "whether every edge has exactly two faces"),
-    boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
-    _SHELL,
-    *_DROPPED,
+    *_REPAIR,
     *vector("extents", "sides of the axis-aligned box", "m"),
     *vector("com", "center of mass", "m"),
     real("mass", "mass at the configured density", "kg"),
@@ -97,9 +100,7 @@ MEASURED = schema(
     real("opening", "widest opening of the gripper", "m"),
     real("factor", "size at which grasps were sampled / size of the mesh"),
     *vector("grasped", "side of the box at that size, ascending", "m", "123"),
-    boolean("repaired", "whether repair changed the mesh beyond merging vertices"),
-    _SHELL,
-    *_DROPPED,
+    *_REPAIR,
     _REASON,
 )
 
