@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from autolab_core import RigidTransform
+from hand_frames import hand_frames
 
 from egad.exchange.grasps import dexnet
 from egad.exchange.grasps.acronym import PANDA_REACH, panda_poses
@@ -11,14 +12,7 @@ from egad.grasps import hand_poses
 
 @pytest.fixture
 def grasps():
-    """Centers, axes and approaches at right angles to them; some axes are vertical."""
-    rng = np.random.default_rng(4)
-    axes = rng.normal(size=(50, 3))
-    axes[:2] = [[0, 0, 1], [0, 0, -1]]
-    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    approaches = np.cross(axes, rng.normal(size=(50, 3)))
-    approaches /= np.linalg.norm(approaches, axis=1, keepdims=True)
-    return rng.normal(size=(50, 3)), axes, approaches
+    return hand_frames()
 
 
 def test_fingertips_of_the_panda_hand_are_ours(grasps):
