@@ -28,6 +28,7 @@ from egad.bench import (
     film_clearing,
     gaps,
     groups_of,
+    refusal,
     verify_groups,
 )
 from egad.errors import EgadError, UserError
@@ -47,9 +48,9 @@ from egad_workflow.settings import Settings, select
 log = logging.getLogger(__name__)
 
 FOLDER, OUT = Path("leaderboard"), Path("build/leaderboard")
+SHOWN = 5  # problems of a table that are told
 PROTOCOLS, ENTRIES, ENTRY, FILMS = "protocols", "entries", "entry.yaml", "films"
 NAME = "[a-z0-9][a-z0-9_-]*"  # of an entry
-TOLD = 5  # problems reported per table
 Text = Annotated[str, StringConstraints(min_length=1, max_length=200, strip_whitespace=True)]
 
 
@@ -85,7 +86,6 @@ class Checks:
     """How tables are verified."""
 
     sample: int | None = None  # objects or rounds of each table to simulate again; all if None
-    tolerance: float = 0.0  # how much numbers may differ, on another kind of processor
     jobs: int = 1  # processes; the result does not depend on them
 
 
@@ -177,9 +177,8 @@ class _NotVerifiedError(Exception):
     """The simulation does not reproduce a table."""
 
     def __init__(self, reasons: list[str]) -> None:
-        more = [f"and {len(reasons) - TOLD} more"] if len(reasons) > TOLD else []
-        self.reasons = reasons[:TOLD] + more
-        super().__init__(*self.reasons)
+        self.reasons = reasons
+        super().__init__(*reasons)
 
 
 def _protocols(
@@ -223,29 +222,23 @@ def _verified(
     this: _Submitted, models_of: Callable[[Gripper, str], Models], checks: Checks, out: Path
 ) -> SubmittedTable:
     """A table that the simulation reproduces, with films of it; otherwise `_NotVerifiedError`."""
-    log.info("%s", this.path)
     if not this.path.is_file():
         raise UserError(f"{this.path} is missing: {ENTRY} names this protocol")
     rows = parquet.read(this.path, CLUTTER if this.protocol.is_clutter else TRIALS)
     if reasons := list(_contradictions(this, rows)):
-        raise _NotVerifiedError(reasons)
+        more = [f"and {len(reasons) - SHOWN} more"] if len(reasons) > SHOWN else []
+        raise _NotVerifiedError(reasons[:SHOWN] + more)
     models = models_of(this.settings.grippers[this.gripper], this.settings.rescale.rule)
     groups = groups_of(rows, checks.sample, this.settings.seed)
     try:
-        found = verify_groups(groups, models, this.rules, checks.tolerance, checks.jobs)
+        verdict = verify_groups(groups, models, this.rules, checks.jobs)
     except UserError as error:
         raise _NotVerifiedError([str(error)]) from error
-    simulated = sum(map(len, groups))
-    if found:
-        places = dict.fromkeys(each.place for each in found)
-        raise _NotVerifiedError(
-            [
-                f"{len(places)} of {simulated} attempts are not reproduced",
-                *(f"{e.place}: {e.column} is {e.said}, simulated: {e.found}" for e in found),
-            ]
-        )
+    if reasons := refusal(verdict, rows):
+        raise _NotVerifiedError(reasons)
+    log.info("%s, %s: %s", this.entry, this.protocol.name, verdict)
     films = dict(_films(this, rows, models, out))
-    return SubmittedTable(this.entry, this.protocol.name, rows, simulated, films)
+    return SubmittedTable(this.entry, this.protocol.name, rows, verdict, films)
 
 
 def _contradictions(this: _Submitted, rows: pd.DataFrame) -> Iterator[str]:
@@ -266,7 +259,7 @@ def _films(
         address = f"{FILMS}/{this.entry}-{this.protocol.name}-{words}.gif"
         try:
             film(out / address)
-        except UserError as error:  # within the tolerance, but not the same
+        except UserError as error:  # it ended otherwise than in the table
             log.warning("%s, %s: %s", this.path, title, error)
         else:
             yield title, address
@@ -309,15 +302,12 @@ def main() -> None:
     parser.add_argument(
         "--sample", type=int, help="number of objects, or rounds, of each table; default: all"
     )
-    parser.add_argument(
-        "--tolerance", type=float, default=0.0, help="how much numbers may differ; default: 0"
-    )
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     if given.sample is not None and given.sample < 1:
         parser.error(f"--sample is {given.sample}; allowed: at least 1")
-    checks = Checks(given.sample, given.tolerance, given.jobs)
+    checks = Checks(given.sample, given.jobs)
     try:
         problems = build(given.folder, given.out, checks)
     except UserError as error:

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from llvmlite.binding import get_host_cpu_name
 from numpy.typing import NDArray
 
+from egad._util.arithmetic import arithmetic
 from egad.errors import UserError
 
 PACKAGE = Path(__file__).parents[1]
@@ -45,11 +45,11 @@ def cached(kind: str, given: Iterable[object], code: str, make: Callable[[], Arr
 
 @cache
 def source_version(modules: tuple[str, ...], libraries: tuple[str, ...]) -> str:
-    """A digest of files and folders of egad, of distributions, if any, and of the processor."""
+    """A digest of files and folders of egad, of distributions, if any, and of `arithmetic`."""
     paths = [PACKAGE / name for name in modules]
     files = [file for path in paths for file in ([path] if path.is_file() else path.rglob("*.py"))]
     texts = [part for file in sorted(files) for part in (file.name, file.read_bytes())]
-    return _digest([*texts, *map(_version, libraries), get_host_cpu_name()])
+    return _digest([*texts, *map(_version, libraries), arithmetic()])
 
 
 def _version(library: str) -> str:

@@ -34,6 +34,8 @@ from .protocols import SceneKind as SceneKind
 from .replays import film_attempt as film_attempt
 from .replays import film_clearing as film_clearing
 from .replays import repeat_attempt as repeat_attempt
+from .reproduction import Difference as Difference
+from .reproduction import Reproduction as Reproduction
 from .rounds import Models as Models
 from .rounds import Round as Round
 from .rounds import draw_objects as draw_objects
@@ -54,9 +56,9 @@ from .scenes import make_scene as make_scene
 from .scenes import put as put
 from .trial_runner import TrialRunner as TrialRunner
 from .trial_runner import initial_poses as initial_poses
-from .verification import Difference as Difference
 from .verification import gaps as gaps
 from .verification import groups_of as groups_of
-from .verification import verify_attempts as verify_attempts
+from .verification import refusal as refusal
 from .verification import verify_groups as verify_groups
-from .verification import verify_rounds as verify_rounds
+from .verification import verify_round as verify_round
+from .verified_attempts import verify_attempts as verify_attempts

@@ -14,7 +14,7 @@ from egad.bench.trial_runner import TrialRunner
 from egad.detectors import Detector, Grasp, Labels
 from egad.errors import UserError
 from egad.random import entropy
-from egad.sim import ARMS, Model, Pose, open_world
+from egad.sim import ARMS, Model, Pose, open_world, platform_of
 from egad.tables.columns import INITIAL, POSE_PARTS
 from egad.tables.evaluation import TRIALS
 from egad.tables.outcomes import Outcome
@@ -74,7 +74,12 @@ def _hexadecimal(row: Mapping[str, Any], name: str) -> int:
 
 def _protocol(settings: TrialParameters) -> dict[str, str]:
     trials = settings.trials
-    return {"engine": trials.engine, "errors": str(trials.errors), "contact": trials.contact}
+    return {
+        "engine": trials.engine,
+        "platform": platform_of(trials.engine),
+        "errors": str(trials.errors),
+        "contact": trials.contact,
+    }
 
 
 class _Seeds(NamedTuple):

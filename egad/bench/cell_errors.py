@@ -11,6 +11,7 @@ from egad.bench.parameters import CellErrors
 from egad.detectors import Grasp
 from egad.grippers import Gripper
 from egad.random import generator
+from egad.sim import moved
 
 SESSION = 20  # attempts at an object between two calibrations
 
@@ -31,9 +32,9 @@ class Deviation:
         width = min(max(planned.width + self.opening, 0.0), gripper.opening)
         if planned.free_pose is not None:
             return replace(planned.moved(self.motion), width=width)
-        x, y, z = (self.motion[:3, :3] @ planned.center + self.motion[:3, 3]).tolist()
+        x, y, z = moved(np.array([planned.center]), self.motion)[0].tolist()
         cosine, sine = math.cos(planned.angle), math.sin(planned.angle)
-        along, across, _ = self.motion[:3, :3] @ [cosine, sine, 0.0]
+        along, across = cosine * self.motion[:2, 0] + sine * self.motion[:2, 1]
         turn = math.atan2(cosine * across - sine * along, cosine * along + sine * across)
         return replace(planned, center=(x, y, z), angle=planned.angle + turn, width=width)
 

@@ -18,7 +18,7 @@ from egad.detectors import Grasp, NoiseName
 from egad.errors import UserError
 from egad.geometry import nearest
 from egad.random import entropy, generator
-from egad.sim import Film, Model, World, free_hand, open_world
+from egad.sim import Film, Model, World, free_hand, open_world, platform_of
 from egad.tables import parquet
 from egad.tables.clutter import CLUTTER, GRASP_POSE
 from egad.tables.outcomes import Outcome
@@ -198,6 +198,7 @@ def _table(
         "factors": " ".join(map(repr, this.factors)),
         "n_objects": at_first,
         "engine": settings.clutter.engine,
+        "platform": platform_of(settings.clutter.engine),
         "protocol": settings.clutter.protocol.name,
         "errors": str(settings.clutter.errors),
     }

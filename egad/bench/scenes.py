@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.bench.protocols import ClutterProtocol, SceneKind
-from egad.sim import TIME_STEP, Model, Pose, UnstableError, World
+from egad.sim import TIME_STEP, Model, Pose, UnstableError, World, moved
 
 # As in VGN's repository (Breyer et al. 2020), unless it says "ours".
 WORKSPACE = 0.3  # metres, side of the cube; what leaves it is removed
@@ -136,8 +136,7 @@ def _pack(world: World, rng: np.random.Generator, protocol: ClutterProtocol) -> 
         while left:
             left -= 1
             pose = _upright(model, rng, protocol.packing_area)
-            matrix = pose.matrix
-            footprint = ConvexHull(model.mesh.vertices @ matrix[:2, :3].T + matrix[:2, 3])
+            footprint = ConvexHull(moved(model.mesh.vertices, pose.matrix)[:, :2])
             if all(_apart(footprint, other) for other in taken):
                 world.place(pose, number=number)
                 settle(world)
@@ -158,7 +157,7 @@ def _apart(first: ConvexHull, second: ConvexHull) -> bool:
 def _upright(model: Model, rng: np.random.Generator, area: float) -> Pose:
     """A pose just above the table, rotated about the vertical and shifted at random."""
     scaled = model.to_principal[:3, :3]
-    own = Rotation.from_matrix(scaled.T / np.cbrt(np.linalg.det(scaled)))
+    own = Rotation.from_matrix(scaled.T / np.sqrt((scaled[0] ** 2).sum()))
     turn = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi)) * own
     x, y = rng.uniform(-area / 2, area / 2, size=2)
     lowest = float(turn.apply(model.mesh.vertices)[:, 2].min())

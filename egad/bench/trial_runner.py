@@ -1,6 +1,7 @@
 """One grasp trial: drop the object, take an image, plan, and carry out the grasp."""
 
 import logging
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -29,7 +30,7 @@ from egad.detectors import (
     from_above,
     try_to_plan,
 )
-from egad.sim import Arm, ContactRules, Execution, Pose, UnstableError, World
+from egad.sim import Arm, ContactRules, Execution, Pose, UnstableError, World, moved
 from egad.sim.execution import execute
 from egad.tables.outcomes import Outcome
 
@@ -58,28 +59,33 @@ def initial_poses(
         yield left
     for _ in range(DROPS):
         quaternion = rng.normal(size=4)
-        quaternion /= np.linalg.norm(quaternion)
+        quaternion /= np.sqrt((quaternion**2).sum())  # BLAS has a norm for each processor
         yield InitialPose("dropped", _above(mesh, quaternion, rng))
+
+
+def drop_generator(seed: int) -> np.random.Generator:
+    """The random numbers of the drops of an attempt."""
+    return np.random.default_rng(seed).spawn(1)[0]
 
 
 def has_moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
     """Whether any point of an object moved by more than `MOVED`."""
     change = after.matrix - before.matrix
-    shifts = mesh.vertices @ change[:3, :3].T + change[:3, 3]
+    shifts = moved(mesh.vertices, change)
     return bool((np.linalg.norm(shifts, axis=1) > MOVED).any())
 
 
 def _above(mesh: trimesh.Trimesh, quaternion: Floats, rng: np.random.Generator) -> Pose:
     """A pose above the middle of the table, within `DROP_SPREAD`."""
     x, y = rng.uniform(-DROP_SPREAD, DROP_SPREAD, size=2)
-    turned = mesh.vertices @ Pose(np.zeros(3), quaternion).matrix[2, :3]
-    return Pose(np.array([x, y, DROP_HEIGHT - turned.min()]), quaternion)
+    turned = moved(mesh.vertices, Pose(np.zeros(3), quaternion).matrix)
+    return Pose(np.array([x, y, DROP_HEIGHT - turned[:, 2].min()]), quaternion)
 
 
 def _tilted(quaternion: Floats, rng: np.random.Generator) -> Floats:
     """Tilt a quaternion (x, y, z, w) any way by at most `TILT`, and turn it about the vertical."""
     turn, way = rng.uniform(-np.pi, np.pi, size=2)
-    axis = np.array([np.cos(way), np.sin(way), 0.0])
+    axis = np.array([math.cos(way), math.sin(way), 0.0])
     tilt = Rotation.from_rotvec(axis * rng.uniform(0, TILT))
     tilted: Floats = (
         Rotation.from_euler("z", turn) * tilt * Rotation.from_quat(quaternion)
@@ -200,13 +206,21 @@ class TrialRunner(Runner):
 
     def begin(self, rng: np.random.Generator, before: Attempt | None = None) -> Ready | None:
         """Drop the object, or leave it, until it lies still in the workspace; None if never."""
-        mesh = self.world.model.mesh
-        left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
-        for start in initial_poses(mesh, left, rng):
-            rest = self._settled(start)
-            if rest is not None and self._in_workspace(rest):
+        for start in self.starts(rng, before):
+            rest = self.rest_from(start)
+            if rest is not None:
                 return Ready(start, rest)
         return None
+
+    def starts(self, rng: np.random.Generator, before: Attempt | None) -> Iterator[InitialPose]:
+        """Initial poses to try in turn after an attempt."""
+        left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
+        return initial_poses(self.world.model.mesh, left, rng)
+
+    def rest_from(self, start: InitialPose) -> Pose | None:
+        """Where the object comes to rest in the workspace; None if it does not."""
+        rest = self._settled(start)
+        return rest if rest is not None and self._in_workspace(rest) else None
 
     def _left_by(self, before: Attempt) -> InitialPose | None:
         """Where an attempt left the object; None if it did not move or simulation broke."""

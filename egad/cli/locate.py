@@ -53,8 +53,9 @@ def locate(
 ) -> None:
     """Show the positions of meshes in the space of a dataset, and the most similar objects."""
     from egad._util.files import write_text
+    from egad.cli.table_files import write_frame
     from egad.cli.terminal_tables import located
-    from egad.io import check_ending, object_names, write_frame
+    from egad.io import check_ending, object_names
     from egad.report.axes import axis_pair
     from egad.report.locations import page
     from egad.tables.objects import LOCATED

@@ -55,8 +55,9 @@ def measure(
     `--out` also has the number of grasps, the size at which they were sampled, and how certain a
     cell is.
     """
+    from egad.cli.table_files import write_frame
     from egad.cli.terminal_tables import measured
-    from egad.io import check_ending, object_names, write_frame
+    from egad.io import check_ending, object_names
     from egad.report.axes import axis_pair
     from egad.tables.objects import MEASURED
 

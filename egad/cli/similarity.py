@@ -43,8 +43,9 @@ def similarity(
     jobs: Jobs = CORES,
 ) -> None:
     """Compute pairwise similarities of meshes: 1 for equal shapes, 0 for nothing in common."""
+    from egad.cli.table_files import write_matrix
     from egad.cli.terminal_tables import square
-    from egad.io import check_ending, object_names, write_matrix
+    from egad.io import check_ending, object_names
 
     check_ending(out)
     whole = settings_in(config, {"--bases": ("similarity.bases", bases)})

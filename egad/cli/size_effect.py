@@ -36,8 +36,9 @@ def size_effect(
 ) -> None:
     """Compute grasp quality of meshes at several sizes, relative to the gripper opening."""
     from egad._util.files import write_text
+    from egad.cli.table_files import write_frame
     from egad.cli.terminal_tables import size_curves
-    from egad.io import check_ending, object_names, write_frame
+    from egad.io import check_ending, object_names
     from egad.measures import SizeEffectParameters
     from egad.measures.size_effect import curves
     from egad.report.grasps import size_chart

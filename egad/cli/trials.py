@@ -92,7 +92,8 @@ def report(
     import pandas as pd
 
     from egad.bench.stats import read
-    from egad.io import check_ending, write_frame
+    from egad.cli.table_files import write_frame
+    from egad.io import check_ending
     from egad.tables.evaluation import RESULTS
 
     for path in out:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
+from egad._util.arrays import dot_products
 from egad._util.child_process import one_thread
 from egad.errors import RejectedError
 from egad.geometry.checks import check_mesh
@@ -167,7 +168,7 @@ def _split(bodies: list[Solid], touchable: Touchable, limits: _Limits) -> tuple[
         plane = best_plane(piece.solid, piece.hull.planes) if hollow else middle_plane(piece.solid)
         normal, offset = plane
         halves = piece.solid.split_by_plane(tuple(normal), offset)
-        above = piece.touchable.points @ normal > offset
+        above = dot_products(piece.touchable.points, normal[None])[:, 0] > offset
         for half, side in zip(halves, (above, ~above), strict=True):
             points = piece.touchable.where(side)
             for body in _bodies(half, crumb):

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from egad._util.arrays import Floats, Ints
+from egad._util.arrays import Floats, Ints, dot_products
 from egad.geometry.hulls import hull_of, least_volume
 from egad.geometry.manifold import Solid, arrays
 from egad.geometry.touchable import depths
@@ -87,7 +87,7 @@ def _sides(vertices: Floats, faces: Ints, planes: list[Plane], least: float) -> 
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     starts, ends = edges[edges[:, 0] < edges[:, 1]].T  # each once
     normals, offsets = (np.array(each) for each in zip(*planes, strict=True))
-    heights = normals @ vertices.T - offsets[:, None]
+    heights = dot_products(normals, vertices) - offsets[:, None]
     above = heights > 0
     plane, edge = np.nonzero(above[:, starts] != above[:, ends])
     first, second = starts[edge], ends[edge]
@@ -106,7 +106,8 @@ def _planes(vertices: Floats, faces: Ints, depths: Floats) -> list[Plane]:
     place = int(depths.argmax())
     deepest = vertices[place]
     normals = [*DIRECTIONS, *_flush(vertices, faces[(faces == place).any(axis=1)])]
-    through = [(normal, float(normal @ deepest)) for normal in normals]
+    offsets = dot_products(np.array(normals), deepest[None])[:, 0].tolist()
+    through = list(zip(normals, offsets, strict=True))
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     steps = np.arange(1, EVEN_PLANES + 1) / (EVEN_PLANES + 1)
     even = [

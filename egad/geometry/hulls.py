@@ -14,7 +14,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from egad._util.arrays import Floats, Ints
+from egad._util.arrays import Floats, Ints, dot_products
 from egad.geometry.manifold import to_mesh
 
 TOUCHING = 1e-6  # of the longest side: boxes this close count as touching
@@ -126,7 +126,7 @@ def fewer_vertices(hull: Hull, most: int, distance: float, share: float) -> tupl
     chosen = _far_apart(hull.points)
     while True:
         found = ConvexHull(hull.points[chosen])
-        beyond = hull.points @ found.equations[:, :3].T + found.equations[:, 3]
+        beyond = dot_products(hull.points, found.equations[:, :3]) + found.equations[:, 3]
         facets, heights = beyond.argmax(axis=1), beyond.max(axis=1)
         is_near = heights.max() <= distance and found.volume >= (1 - share) * hull.volume
         if is_near or len(chosen) >= min(most, len(hull.points)):
@@ -151,7 +151,7 @@ def _far_apart(points: Floats) -> list[int]:
     second = int((from_first**2).sum(axis=1).argmax())
     away = np.cross(from_first, from_first[second])
     third = int((away**2).sum(axis=1).argmax())
-    fourth = int(np.abs(from_first @ away[third]).argmax())
+    fourth = int(np.abs(dot_products(from_first, away[[third]])).argmax())
     return [first, second, third, fourth]
 
 

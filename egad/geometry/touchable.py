@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from egad._util.arrays import Flags, Floats
+from egad._util.arrays import Flags, Floats, dot_products
 from egad._util.kernels import kernel
 from egad.geometry.hulls import Hull, hull_of
 from egad.geometry.rays import RayCaster
@@ -17,7 +17,6 @@ FINGER = 0.01  # metres, the thickness of a finger: 99.6 % of labelled contacts 
 START = 1e-4  # metres in front of the surface, where the rays start so as not to meet it
 SAMPLES = 16000  # on the whole surface; half as many miss small necks
 MAX_BURIED = 0.01  # of the touchable surface: may lie deeper in parts than their deviation
-BLOCK = 2**16  # elements of a matrix that are computed at once
 FACING = 0.3  # cosine: planes turned further away from a point's normal do not cover it
 
 
@@ -51,23 +50,23 @@ def touchable_points(mesh: trimesh.Trimesh, purpose: str) -> Touchable:
     return Touchable(points[free], normals[free])
 
 
+@kernel()
 def depths(points: Floats, planes: Floats) -> Floats:
     """How far points (n, 3) lie below the outermost of m planes (m, 4), (n,); negative outside."""
-    # Single precision errs by less than 1e-8 m for lengths of the size of objects.
-    few, normals, offsets = (
-        each.astype(np.float32) for each in (points, planes[:, :3].T, planes[:, 3])
-    )
-    found = np.empty(len(points))
-    step = max(BLOCK // max(len(planes), 1), 1)  # rows that fit into a processor's cache
-    for rows in (slice(first, first + step) for first in range(0, len(points), step)):
-        found[rows] = -(few[rows] @ normals + offsets).max(axis=1)
+    found = np.full(len(points), np.inf)
+    for i in range(len(points)):
+        for j in range(len(planes)):
+            below = -planes[j, 3]
+            for k in range(3):
+                below -= points[i, k] * planes[j, k]
+            found[i] = min(found[i], below)
     return found
 
 
 def facing_depths(touchable: Touchable, planes: Floats) -> Floats:
     """Depths of points below planes that face the same way, (n, m); infinite below the others."""
-    facing = touchable.normals @ planes[:, :3].T > FACING
-    below = -(touchable.points @ planes[:, :3].T + planes[:, 3])
+    facing = dot_products(touchable.normals, planes[:, :3]) > FACING
+    below = -(dot_products(touchable.points, planes[:, :3]) + planes[:, 3])
     return np.where(facing, below, np.inf)
 
 

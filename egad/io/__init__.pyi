@@ -1,13 +1,11 @@
 from .csv_text import csv_lines as csv_lines
+from .endings import check_ending as check_ending
 from .folders import EVERY_FILE as EVERY_FILE
 from .folders import files_below as files_below
 from .folders import mesh_files as mesh_files
 from .folders import object_names as object_names
 from .folders import objects_in as objects_in
 from .folders import write_zip as write_zip
-from .frames import check_ending as check_ending
-from .frames import write_frame as write_frame
-from .frames import write_matrix as write_matrix
 from .gltf import GREY_LINEAR as GREY_LINEAR
 from .gltf import ROUGHNESS as ROUGHNESS
 from .gltf import write_glb as write_glb

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Ints
+from egad.bench import Reproduction
 from egad.bench.stats import (
     Clearing,
     Lead,
@@ -48,12 +49,12 @@ class Protocol:
 
 @dataclass(frozen=True)
 class SubmittedTable:
-    """A verified table, `TRIALS` or `CLUTTER`; `simulated` attempts were made again."""
+    """A verified table, `TRIALS` or `CLUTTER`, and what came of simulating attempts again."""
 
     entry: str
     protocol: str
     rows: pd.DataFrame
-    simulated: int
+    reproduction: Reproduction
     films: Mapping[str, str]
 
 
@@ -134,7 +135,7 @@ def page(board: Board) -> str:
         tables={name: list(_own(board, name)) for name in board.entries},
         letters=string.ascii_uppercase[:ROWS],
         digits=string.digits[:COLUMNS],
-        is_sample=any(each.simulated < len(each.rows) for each in board.tables),
+        is_sample=any(each.reproduction.attempts < len(each.rows) for each in board.tables),
     )
 
 

@@ -2,6 +2,7 @@ from .arms import ARMS as ARMS
 from .arms import Arm as Arm
 from .arms import HandPose as HandPose
 from .engines import open_world as open_world
+from .engines import platform_of as platform_of
 from .execution import ContactRules as ContactRules
 from .execution import Execution as Execution
 from .execution import execute_pose as execute_pose
@@ -17,6 +18,7 @@ from .labelled_trials import sample_labelled_grasps as sample_labelled_grasps
 from .model import Model as Model
 from .model import build as build
 from .model import model_of as model_of
+from .model import moved as moved
 from .model import principal_frame as principal_frame
 from .parameters import COLLISION_FORCE as COLLISION_FORCE
 from .parameters import ENGINES as ENGINES

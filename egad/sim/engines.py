@@ -3,7 +3,9 @@
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib.metadata import version
 
+from egad._util.arithmetic import arithmetic
 from egad.sim.model import Model
 from egad.sim.parameters import EngineName, check_engine
 from egad.sim.robot import Robot
@@ -28,6 +30,11 @@ def open_world(
     from egad.sim.mujoco_world import MujocoWorld  # noqa: PLC0415 (loads the other one in vain)
 
     return MujocoWorld(models, robot, walls)
+
+
+def platform_of(engine: EngineName) -> str:
+    """Version of an engine, and what else decides the last bits of a simulation here."""
+    return f"{engine} {version(engine)}, {arithmetic()}"
 
 
 @contextmanager

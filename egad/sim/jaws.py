@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, dot_products
 from egad.grippers import JAW_CLEARANCE
 from egad.sim.arms import Arm, HandPose
 from egad.sim.parameters import COLLISION_FORCE
@@ -170,8 +170,8 @@ class Hand(Fingers):
         """Where the fingertips of the closed hand would be."""
         if self._aside:
             hand_pose = hand_pose._replace(
-                x=hand_pose.x - self._aside * float(np.cos(hand_pose.angle)),
-                y=hand_pose.y - self._aside * float(np.sin(hand_pose.angle)),
+                x=hand_pose.x - self._aside * math.cos(hand_pose.angle),
+                y=hand_pose.y - self._aside * math.sin(hand_pose.angle),
             )
         return (
             hand_pose._replace(height=hand_pose.height - self._raised)
@@ -203,8 +203,8 @@ class FreeHand(Fingers):
 
         A suction cup stays where its ring lies on an object.
         """
-        start, length = self._joints, float(np.linalg.norm(shift))
-        along = self._rotation.T @ shift / length
+        start, length = self._joints, float(np.sqrt((shift**2).sum()))
+        along = dot_products(self._rotation.T, shift[None])[:, 0] / length
         for way in minimum_jerk(0.0, length, length / speed):
             joints = start + way * along
             self.world.drive(joints.tolist(), ((joints - self._joints) / TIME_STEP).tolist())
@@ -249,5 +249,6 @@ def minimum_jerk(start: float, end: float, seconds: float) -> list[float]:
     """Positions, one per time step, from rest to rest (Flash and Hogan 1985)."""
     steps = max(round(seconds / TIME_STEP), 1)
     t = np.arange(1, steps + 1) / steps
-    path: Floats = start + (end - start) * t**3 * (10 - 15 * t + 6 * t**2)
+    # NumPy's powers differ between processors.
+    path: Floats = start + (end - start) * (t * t * t) * (10 - 15 * t + 6 * t**2)
     return [float(place) for place in path]

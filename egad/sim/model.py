@@ -1,12 +1,13 @@
 """An object as the physics engine needs it: convex parts, mass and principal inertia."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
 
-from egad._util.arrays import Floats
+from egad._util.arrays import Floats, dot_products
 from egad.geometry import Bundle, MassProperties, Material
 from egad.grippers import Gripper
 from egad.objects import NamedMesh, scaled_solid
@@ -15,6 +16,8 @@ from egad.sim.simulation_objects import make_simulation_object
 # kg; PyBullet's solver does not converge for lighter bodies under large grip forces:
 # studies/engines/README.md
 MIN_MASS = 0.05
+SWEEPS = 10  # of Jacobi rotations; four or five are enough for double precision
+NEGLIGIBLE = 1e-30  # of the trace: an entry off the diagonal that changes no bit
 
 
 @dataclass(frozen=True)
@@ -55,8 +58,8 @@ def model_of(
     """Model an object of the simulation bundle, of at least 50 g, as in BURG."""
     moments, to_principal = principal_frame(physics)
     return Model(
-        mesh=mesh.copy().apply_transform(to_principal),
-        parts=tuple(part.copy().apply_transform(to_principal) for part in parts),
+        mesh=_moved(mesh, to_principal),
+        parts=tuple(_moved(part, to_principal) for part in parts),
         mass=max(physics.mass, MIN_MASS),
         solid_mass=physics.mass,
         inertia=moments,
@@ -68,12 +71,41 @@ def model_of(
 def principal_frame(physics: MassProperties) -> tuple[Floats, Floats]:
     """Principal moments (3,), kg m2, of at least 50 g, and the frame, as `Model.to_principal`."""
     mass = max(physics.mass, MIN_MASS)
-    moments, axes = np.linalg.eigh(physics.inertia * (mass / physics.mass))
-    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])  # right-handed
+    moments, axes = _principal_axes(physics.inertia * (mass / physics.mass))
     to_principal = np.eye(4)
-    to_principal[:3, :3] = axes.T
-    to_principal[:3, 3] = -axes.T @ physics.com
+    to_principal[:3, :3] = axes
+    to_principal[:3, 3] = -dot_products(axes, physics.com[None])[:, 0]
     return moments, to_principal
+
+
+def _principal_axes(inertia: Floats) -> tuple[Floats, Floats]:
+    """Moments, ascending, and axes as rows, by Jacobi rotations: LAPACK's bits differ."""
+    turned, axes = inertia.copy(), np.eye(3)
+    for i, j in SWEEPS * ((0, 1), (0, 2), (1, 2)):
+        if abs(turned[i, j]) <= NEGLIGIBLE * turned.trace():
+            continue
+        ratio = (turned[j, j] - turned[i, i]) / (2 * turned[i, j])
+        tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(ratio * ratio + 1))
+        cosine = 1 / math.sqrt(tangent * tangent + 1)
+        for matrix in (turned, turned.T, axes):
+            first, second = matrix[i].copy(), matrix[j].copy()
+            matrix[i] = cosine * (first - tangent * second)
+            matrix[j] = cosine * (second + tangent * first)
+        turned[i, j] = turned[j, i] = 0.0
+    order = np.argsort(turned.diagonal(), kind="stable")
+    axes = axes[order]
+    axes *= np.sign(axes[range(3), np.abs(axes).argmax(axis=1)])[:, None]
+    axes[2] = np.cross(axes[0], axes[1])  # right-handed
+    return turned.diagonal()[order], axes
+
+
+def moved(points: Floats, transform: Floats) -> Floats:
+    """Points (n, 3) after a (4, 4) transform, with the same bits on every processor."""
+    return dot_products(points, transform[:3, :3]) + transform[:3, 3]
+
+
+def _moved(mesh: trimesh.Trimesh, transform: Floats) -> trimesh.Trimesh:
+    return trimesh.Trimesh(moved(mesh.vertices, transform), mesh.faces, process=False)
 
 
 def build(mesh: trimesh.Trimesh, density: float, settings: Bundle, name: str = "the mesh") -> Model:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster
-from egad.sim.model import Model
+from egad.sim.model import Model, moved
 from egad.sim.robot import PALM, TIP, Robot
 
 GRAVITY = 9.81
@@ -282,9 +282,7 @@ class World(ABC):
 
     def vertices(self, number: int = 0) -> Floats:
         """The vertices of an object's surface at its current pose, (n, 3)."""
-        matrix = self.pose(number).matrix
-        moved: Floats = self.models[number].mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
-        return moved
+        return moved(self.models[number].mesh.vertices, self.pose(number).matrix)
 
     def step(self, steps: int = 1) -> None:
         """Advance by steps of 1/240 s; UnstableError if an object is faster than it can be."""

@@ -1,7 +1,7 @@
 """Schema of rounds of clearing a table."""
 
 from egad.tables.columns import Result, integer, real, schema, text
-from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, SUCCESS
+from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, PLATFORM, SUCCESS
 from egad.tables.outcomes import (
     EXECUTION,
     POSE_FAILURES,
@@ -44,6 +44,7 @@ CLUTTER = schema(
     real("score", "score that the detector predicted"),
     real("stopped", "distance before the grasp at which something stopped the hand", "m"),
     ENGINE,
+    PLATFORM,
     text("protocol", "rules of the round: egad, vgn, giga, edgegrasp, or custom for others"),
     ERRORS,
     FAILURE,

@@ -54,6 +54,9 @@ WITHIN = boolean(
 )
 PLACE = text("label", "name in the evaluation set")
 ENGINE = text("engine", "physics engine")
+PLATFORM = text(
+    "platform", "version of the engine, processor and libraries, which decide the last bits"
+)
 ERRORS = text(
     "errors",
     "errors of the robot cell (`trials.errors`, `clutter.errors`): a name, or their values",
@@ -175,6 +178,7 @@ TRIALS = schema(
     integer("parts", "number of convex parts of the simulated object"),
     real("volume_error", "volume of the parts / volume of the object - 1"),
     ENGINE,
+    PLATFORM,
     FAILURE,
 )
 

@@ -127,7 +127,7 @@ def as_success(table):
 ALTERATIONS = {
     "outcomes": (as_success, "6 of 6 attempts are not reproduced"),
     "one outcome": (changed("outcome", "missed"), "success and outcome contradict"),
-    "a grasp": (changed("grasp_x", lambda old: old + 1e-6, 4), "B1, attempt 1"),
+    "a grasp": (changed("grasp_x", lambda old: old + 1e-3, 4), "B1, attempt 1"),
     "a seed": (changed("seed", "1f" * 16, 2), "A0, attempt 2: seed is"),
     "no seed": (changed("calibration", "zz", 2), "attempt 2: calibration is 'zz'; allowed: a hex"),
     "the engine": (lambda table: table.assign(engine="pybullet"), "the engine is not mujoco"),
@@ -241,7 +241,7 @@ def test_tables_from_python_are_verified_and_replayed(tmp_path):
     config, mine, altered = (tmp_path / name for name in ("mine.yaml", "a.parquet", "b.parquet"))
     config.write_text("trials: {attempts: 1, errors: typical}")
     parquet.write(made, TRIALS, mine)
-    parquet.write(made.assign(end_z=made["end_z"] + 1e-9), TRIALS, altered)
+    parquet.write(made.assign(end_z=made["end_z"] + 1e-3), TRIALS, altered)
     where = ("--in", "evaluation-set", "--config", config)
     verify = ("trials", "verify", "--jobs", 1, *where)
     assert egad_command(*verify, mine).returncode == 0

@@ -16,12 +16,14 @@ from report import scene_pictures
 from egad.bench import (
     ClearedTables,
     ClutterParameters,
+    Reproduction,
     failed_round,
     film_clearing,
+    groups_of,
     proposed_by,
     rounds_of,
     run_round,
-    verify_rounds,
+    verify_groups,
 )
 from egad.errors import UserError
 from egad.exchange import any_objects, bundle_models, model_in, rows_by_id, write_bundle
@@ -240,19 +242,23 @@ def test_commands_benchmark_and_compare(own, tmp_path, monkeypatch):
     assert np.isfinite(one["score"]).any()
 
 
+def groups(table):
+    return groups_of(table, None, 0)
+
+
 def test_rounds_are_verified_and_altered_ones_told(table, made):
     given = select(WHOLE, ClutterParameters, GRIPPER)
     models = {name: model_in(made, row) for name, row in rows_by_id(made).items()}
-    assert verify_rounds(table, models, given) == []
+    assert verify_groups(groups(table), models, given) == Reproduction(len(table), same=len(table))
     row = table.index[table["success"]][0]
     altered = table.copy()
     altered.loc[row, "success"] = False
-    (found,) = verify_rounds(altered, models, given)
+    (found,) = verify_groups(groups(altered), models, given).unexplained
     assert (found.column, found.said, found.found) == ("success", False, True)
     whole_round = table["round"].eq(1) & table["scene"].eq("pile")
     reseeded = table.assign(seed=table["seed"].mask(whole_round, "0" * 32))
-    (found,) = verify_rounds(reseeded, models, given)
-    assert (found.place, found.column) == ("round 1, pile, noise none", "objects, factors, seed")
+    found = verify_groups(groups(reseeded), models, given).impossible[0]
+    assert (found.place, found.column) == ("round 1, pile, noise none, attempt 0", "seed")
 
 
 def test_rounds_that_were_cut_short_or_added_to_are_told(table, made):
@@ -260,11 +266,11 @@ def test_rounds_that_were_cut_short_or_added_to_are_told(table, made):
     given = select(WHOLE, ClutterParameters, GRIPPER)
     models = bundle_models(made)
     last = table.groupby(["scene", "noise", "round"], sort=False).tail(1)
-    (found,) = verify_rounds(table.drop(last.index[0]), models, given)
+    (found,) = verify_groups(groups(table.drop(last.index[0])), models, given).impossible
     count = int(last["attempt"].iloc[0]) + 1
     assert (found.column, found.said, found.found) == ("number of attempts", count - 1, count)
     more = last.iloc[[0]].assign(attempt=count)
-    (found,) = verify_rounds(pd.concat([table, more]), models, given)
+    (found,) = verify_groups(groups(pd.concat([table, more])), models, given).impossible
     assert (found.said, found.found) == (count + 1, count)
 
 
@@ -274,6 +280,8 @@ def test_a_round_that_began_cannot_be_said_to_have_failed(table, made):
     this = rounds_of(list(models), given)[0]
     failed = failed_round(this, given, Outcome.FAILED)
     others = table[~(table["scene"].eq(this.scene) & table["round"].eq(this.number))]
-    found = verify_rounds(pd.concat([failed, others]), models, given)
-    assert found
-    assert all(each.place.startswith(f"round 0, {this.scene}") for each in found)
+    verdict = verify_groups(groups(pd.concat([failed, others])), models, given)
+    assert [each.place for each in verdict.unexplained] == [
+        f"round 0, {this.scene}, noise {this.noise}, attempt 0"
+    ]
+    assert not verdict.is_honest

@@ -5,24 +5,8 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 
-from egad._util.files import atomic_output, check_writable
-from egad.errors import UserError
+from egad._util.files import atomic_output
 from egad.tables import parquet
-
-ENDINGS = (".parquet", ".csv")
-
-
-def check_ending(path: Path | None, endings: tuple[str, ...] = ENDINGS) -> None:
-    """Raise `UserError`, before any work, if a table cannot be written or has another ending."""
-    if path is None:
-        return
-    if path.suffix.lower() not in endings:
-        raise UserError(f"--out {path}: the name must end in {' or '.join(endings)}")
-    if path.is_dir():
-        raise UserError(f"--out {path} is a folder; name a file")
-    if not path.absolute().parent.is_dir():
-        raise UserError(f"--out {path}: there is no folder {path.parent}")
-    check_writable(path)
 
 
 def write_frame(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> None:
