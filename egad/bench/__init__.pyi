@@ -36,6 +36,8 @@ from .replays import film_clearing as film_clearing
 from .replays import repeat_attempt as repeat_attempt
 from .reproduction import Difference as Difference
 from .reproduction import Reproduction as Reproduction
+from .reproduction import judge as judge
+from .reproduction import nudged as nudged
 from .rounds import Models as Models
 from .rounds import Round as Round
 from .rounds import draw_objects as draw_objects

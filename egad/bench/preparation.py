@@ -36,6 +36,7 @@ def prepare_object(
     rule: str,
     label_seed: int | None,
     otherwise: str = "cannot be simulated",
+    grasps: int = GraspLabel().grasps,
 ) -> SceneObject | None:
     """An object as it is simulated, with grasps if there is a seed for them; None if it cannot."""
     try:
@@ -45,7 +46,7 @@ def prepare_object(
         return None
     if label_seed is None:
         return SceneObject(target.id, model, empty(GRASPS))
-    labels = label_parameters(gripper, GraspLabel().grasps, label_seed)
+    labels = label_parameters(gripper, grasps, label_seed)
     return SceneObject(target.id, model, grasps_if_any(mesh, target.id, labels))
 
 

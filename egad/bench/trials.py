@@ -39,6 +39,7 @@ from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.sim import EngineName
 from egad.tables.outcomes import Outcome
 
+SAMPLED = 2000  # grasps of an object for `labels`: from above, a hand can use a quarter of them
 BY_NAME = sorted({LABELS, *SHIPPED_NETWORKS, *QUICK} - set(IN_ANY_DIRECTION))
 
 
@@ -129,7 +130,7 @@ def run_trials(
             `antipodal-depth`, `random`, `ggcnn2-evolved` (a network that egad ships; it needs
             PyTorch), `ggcnn2-evolved-published` (the same, carried out as on the robot of EGAD);
             `suction-depth` for a suction cup; or `labels`, which knows where the object is and
-            proposes the best of 100 grasps that are sampled with the seed.
+            proposes the best of 2000 grasps that are sampled with the seed.
         objects: A dataset, or meshes in metres by name.
         gripper: The gripper, or its name.
         attempts: Attempts at each object: 10, as in the settings; the paper made 20.
@@ -212,7 +213,7 @@ def _attempts(
 ) -> pd.DataFrame:
     """All attempts at an object, columns of `tables.evaluation.TRIALS`; no detector: `labels`."""
     seed = None if ask else parameters.seed
-    known = prepare_object(target, parameters.gripper, rule, seed)
+    known = prepare_object(target, parameters.gripper, rule, seed, grasps=SAMPLED)
     if known is None:
         return failed_attempts(target.label, target.id, parameters, Outcome.FAILED)
     detect = ask or Labels(known.grasps)
