@@ -231,14 +231,14 @@ def _verified(
     models = models_of(this.settings.grippers[this.gripper], this.settings.rescale.rule)
     groups = groups_of(rows, checks.sample, this.settings.seed)
     try:
-        verdict = verify_groups(groups, models, this.rules, checks.jobs)
+        reproduction = verify_groups(groups, models, this.rules, checks.jobs)
     except UserError as error:
         raise _NotVerifiedError([str(error)]) from error
-    if reasons := refusal(verdict, rows):
+    if reasons := refusal(reproduction, rows):
         raise _NotVerifiedError(reasons)
-    log.info("%s, %s: %s", this.entry, this.protocol.name, verdict)
+    log.info("%s, %s: %s", this.entry, this.protocol.name, reproduction)
     films = dict(_films(this, rows, models, out))
-    return SubmittedTable(this.entry, this.protocol.name, rows, verdict, films)
+    return SubmittedTable(this.entry, this.protocol.name, rows, reproduction, films)
 
 
 def _contradictions(this: _Submitted, rows: pd.DataFrame) -> Iterator[str]:

@@ -12,6 +12,7 @@ from egad._util.progress import phase_if_slow
 from egad.bench.clearing_runner import ClearingRunner
 from egad.bench.parameters import ClutterParameters
 from egad.bench.protocols import ClutterProtocol, SceneKind
+from egad.bench.reproduction import END_TOLERANCE
 from egad.bench.runner import Attempt, Propose
 from egad.bench.scenes import BOX
 from egad.detectors import Grasp, NoiseName
@@ -135,7 +136,7 @@ def film_round(
     films: list[Film] = []
     again = repeat_round(rows, models, settings, lambda world: films.append(Film(world)))
     before, after = (each[ENDS].to_numpy(dtype=np.float64) for each in (rows, again))
-    if not np.array_equal(before, after):
+    if len(before) != len(after) or not np.allclose(before, after, rtol=0.0, atol=END_TOLERANCE):
         raise UserError(
             f"{name} was not reproduced; settings, objects, machine or the version of the engine "
             "must differ from those of the round"

@@ -46,6 +46,7 @@ DROPS = 5
 TILT = np.pi / 2
 WORKSPACE = 0.12  # metres: objects further than this from the middle are dropped again
 MOVED = 0.01  # metres; if no point moved further, a detector would try the same again
+UNSURE = 1e-3  # metres: by how much a shift may differ with other arithmetic
 
 
 def initial_poses(
@@ -68,11 +69,10 @@ def drop_generator(seed: int) -> np.random.Generator:
     return np.random.default_rng(seed).spawn(1)[0]
 
 
-def has_moved(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> bool:
-    """Whether any point of an object moved by more than `MOVED`."""
-    change = after.matrix - before.matrix
-    shifts = moved(mesh.vertices, change)
-    return bool((np.linalg.norm(shifts, axis=1) > MOVED).any())
+def largest_shift(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> float:
+    """How far the point of an object that moved furthest moved, metres."""
+    shifts = moved(mesh.vertices, after.matrix - before.matrix)
+    return float(np.linalg.norm(shifts, axis=1).max())
 
 
 def _above(mesh: trimesh.Trimesh, quaternion: Floats, rng: np.random.Generator) -> Pose:
@@ -206,13 +206,15 @@ class TrialRunner(Runner):
 
     def begin(self, rng: np.random.Generator, before: Attempt | None = None) -> Ready | None:
         """Drop the object, or leave it, until it lies still in the workspace; None if never."""
-        for start in self.starts(rng, before):
+        for start in self.initial_poses(rng, before):
             rest = self.rest_from(start)
             if rest is not None:
                 return Ready(start, rest)
         return None
 
-    def starts(self, rng: np.random.Generator, before: Attempt | None) -> Iterator[InitialPose]:
+    def initial_poses(
+        self, rng: np.random.Generator, before: Attempt | None
+    ) -> Iterator[InitialPose]:
         """Initial poses to try in turn after an attempt."""
         left = None if self.trials.reset == "redrop" or before is None else self._left_by(before)
         return initial_poses(self.world.model.mesh, left, rng)
@@ -228,8 +230,15 @@ class TrialRunner(Runner):
             return None
         if before.outcome == Outcome.SUCCESS:
             return InitialPose("from_hand", before.end)
-        elsewhere = has_moved(self.world.model.mesh, before.rest, before.end)
-        return InitialPose("left", before.end) if elsewhere else None
+        shift = largest_shift(self.world.model.mesh, before.rest, before.end)
+        return InitialPose("left", before.end) if shift > MOVED else None
+
+    def barely_moved(self, before: Attempt) -> bool:
+        """Whether rounding could decide if an attempt moved the object."""
+        if before.outcome == Outcome.SUCCESS or before.end is None or before.rest is None:
+            return False
+        shift = largest_shift(self.world.model.mesh, before.rest, before.end)
+        return abs(shift - MOVED) < UNSURE
 
     def _settled(self, start: InitialPose) -> Pose | None:
         """Let the object fall in an empty world until it lies still; None if it never does."""

@@ -12,15 +12,26 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.parameters import ClutterParameters, TrialParameters
 from egad.bench.reproduction import Difference, Reproduction, first_departure, judge, nudged
-from egad.bench.rounds import Models, failed_round, repeat_round, round_name, rounds_of
+from egad.bench.rounds import (
+    Models,
+    Round,
+    failed_round,
+    read_grasp,
+    repeat_round,
+    round_name,
+    rounds_of,
+)
 from egad.bench.verified_attempts import verify_attempts
 from egad.errors import UserError
 from egad.random import generator
-from egad.sim import UnstableError, platform_of
+from egad.sim import UnstableError, check_engine, platform_of
+from egad.tables import parquet
 from egad.tables.clutter import ROUND
-from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
+from egad.tables.columns import INITIAL
+from egad.tables.outcomes import POSE_FAILURES, SIMULATION_FAILURES, Outcome
 
-GIVEN = ["seed", "objects", "factors", "engine", "protocol", "errors"]  # known before a round
+DETERMINED = ["seed", "objects", "factors", "engine", "protocol", "errors"]  # before a round
+UNIT = 1e-6  # by how much the length of a quaternion may differ from 1
 
 
 def verify_round(rows: pd.DataFrame, models: Models, settings: ClutterParameters) -> Reproduction:
@@ -32,45 +43,57 @@ def verify_round(rows: pd.DataFrame, models: Models, settings: ClutterParameters
     places = [f"{round_name(*key)}, attempt {number}" for number in rows["attempt"]]
     planned = next((each for each in rounds_of(list(models), settings) if each[:3] == key), None)
     if planned is None:
-        absent = Difference(places[0], "round", key, "not in the protocol")
+        absent = Difference(places[0], "round", key[2], "not in the protocol")
         return Reproduction(len(rows), impossible=(absent,))
-    given = failed_round(planned, settings, Outcome.FAILED).iloc[0]
-    if impossible := tuple(
-        Difference(places[number], column, rows[column][number], given[column])
-        for column in GIVEN
-        for number in np.flatnonzero(rows[column].to_numpy() != given[column])
-    ):
+    if impossible := tuple(_contradictions(rows, planned, settings, places)):
         return Reproduction(len(rows), impossible=impossible)
     if rows["outcome"].iloc[0] == Outcome.CRASHED:
         return Reproduction()
 
-    def again(by: float, numbers: Ints) -> pd.DataFrame:
-        moved = {name: nudged(models[name], by) for name in planned.ids}
+    def simulate_nudged(fraction: float, numbers: Ints) -> pd.DataFrame:
+        objects = {name: nudged(models[name], fraction) for name in planned.ids}
         try:
-            return repeat_round(rows, moved, settings).reindex(numbers)
+            return repeat_round(rows, objects, settings).reindex(numbers)
         except UnstableError:  # it did not begin
             return failed_round(planned, settings, Outcome.FAILED).reindex(numbers)
 
-    return _judge_round(rows, again(0.0, np.arange(len(rows) + 1)), places, again)
+    return _judge_round(rows, simulate_nudged, places)
+
+
+def _contradictions(
+    rows: pd.DataFrame, planned: Round, settings: ClutterParameters, places: list[str]
+) -> Iterator[Difference]:
+    """Values that the plan of a round rules out, and grasps that no hand would try."""
+    determined = failed_round(planned, settings, Outcome.FAILED).iloc[0]
+    for column in DETERMINED:
+        for number in np.flatnonzero(rows[column].to_numpy() != determined[column]).tolist():
+            yield Difference(places[number], column, rows[column][number], determined[column])
+    for place, row in zip(places, parquet.records(rows), strict=True):
+        grasp, outcome = read_grasp(row), row["outcome"]
+        if isinstance(grasp, Outcome):
+            if outcome not in (*POSE_FAILURES, *SIMULATION_FAILURES):
+                yield Difference(place, "outcome", outcome, "no grasp was tried")
+        elif outcome in POSE_FAILURES or grasp.infeasibility(settings.gripper):
+            flaw = grasp.infeasibility(settings.gripper)
+            yield Difference(place, "outcome", outcome, flaw or "a grasp was tried")
 
 
 def _judge_round(
     said: pd.DataFrame,
-    found: pd.DataFrame,
+    simulate_nudged: Callable[[float, Ints], pd.DataFrame],
     places: list[str],
-    again: Callable[[float, Ints], pd.DataFrame],
 ) -> Reproduction:
     """Compare attempts up to the first that ended otherwise: the next ones began otherwise."""
-    found = found.dropna(subset=["outcome"])
-    common = min(len(said), len(found))
-    departure = first_departure(said[:common], found[:common])
+    simulated = simulate_nudged(0.0, np.arange(len(said) + 1)).dropna(subset=["outcome"])
+    common = min(len(said), len(simulated))
+    departure = first_departure(said[:common], simulated[:common])
     if departure is not None:
         common = departure + 1
-    verdict = judge(said[:common], found[:common], places, again)
-    if departure is None and len(said) != len(found):
-        length = Difference(places[-1], "number of attempts", len(said), len(found))
-        return verdict + Reproduction(impossible=(length,))
-    return verdict + Reproduction(unchecked=len(said) - common)
+    judged = judge(said[:common], simulated[:common], places, simulate_nudged)
+    if departure is None and len(said) != len(simulated):
+        length = Difference(places[-1], "number of attempts", len(said), len(simulated))
+        return judged + Reproduction(impossible=(length,))
+    return judged + Reproduction(skipped=len(said) - common)
 
 
 def groups_of(rows: pd.DataFrame, sample: int | None, seed: int) -> list[pd.DataFrame]:
@@ -93,28 +116,52 @@ def verify_groups(
     jobs: int = 1,
 ) -> Reproduction:
     """Simulate attempts again, without their detector, and say whether the table is honest."""
-    check = partial(_check, models=models, settings=settings)
+    for rows in groups:
+        _check_values(rows)
+    check = partial(_verify, models=models, settings=settings)
     with workers(jobs) as mapper:
         verdicts = mapper(check, groups)
         return sum(progress(verdicts, "simulating", len(groups)), start=Reproduction())
 
 
-def _check(
+def _verify(
     rows: pd.DataFrame, models: Models, settings: TrialParameters | ClutterParameters
 ) -> Reproduction:
     if isinstance(settings, ClutterParameters):
         return verify_round(rows, models, settings)
     if rows["outcome"].isin(SIMULATION_FAILURES).all():
-        return Reproduction()
+        return Reproduction(len(rows), same=len(rows))
     name = str(rows["id"].iloc[0])
     if name not in models:
         raise UserError(f"no object {rows['label'].iloc[0]} ({name}) in this dataset")
     return verify_attempts(models[name], rows, settings)
 
 
-def refusal(verdict: Reproduction, rows: pd.DataFrame) -> list[str]:
+def _check_values(rows: pd.DataFrame) -> None:
+    """Raise `UserError` for values that no attempt can have."""
+    for engine in rows["engine"].unique():
+        check_engine(engine)
+    unknown = rows[~rows["outcome"].isin(list(Outcome))]
+    missing = rows[rows[["seed", "platform"]].isna().any(axis=1)]
+    broken = rows[:0]
+    if "initial_pose" in rows:
+        length = np.linalg.norm(rows[list(INITIAL[3:])].to_numpy(np.float64), axis=1)
+        finite = np.isfinite(rows[list(INITIAL)].to_numpy(np.float64)).all(axis=1)
+        broken = rows[(rows["initial_pose"] != "") & ~(finite & (abs(length - 1) < UNIT))]
+    for some, sentence in (
+        (unknown, "its outcome is unknown"),
+        (missing, "it has no seed or no platform"),
+        (broken, "its initial pose is not finite, or no rotation"),
+    ):
+        if len(some):
+            row = some.iloc[0]
+            place = row["label"] if "label" in rows else round_name(*row[ROUND])
+            raise UserError(f"{place}, attempt {row['attempt']}: {sentence}")
+
+
+def refusal(reproduction: Reproduction, rows: pd.DataFrame) -> list[str]:
     """Why a table is refused; nothing if it is honest."""
-    reasons = verdict.reasons()
+    reasons = reproduction.reasons()
     here = platform_of(rows["engine"].iloc[0])
     others = sorted(set(rows["platform"]) - {here})
     if reasons and others:

@@ -1,6 +1,6 @@
 """Attempts at one object beside the same attempts simulated again, each from its initial pose."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import takewhile
 
@@ -15,39 +15,38 @@ from egad.bench.runner import Attempt, InitialPose
 from egad.bench.trial_runner import TrialRunner, drop_generator
 from egad.sim import ARMS, Model, Pose, open_world
 from egad.tables import parquet
-from egad.tables.outcomes import DETECTOR_FAILURES, Outcome
+from egad.tables.outcomes import DETECTOR_FAILURES, SIMULATION_FAILURES, Outcome
 
 # columns that settings, seed and model determine, whatever the attempts come to
-GIVEN = ["label", "id", "attempt", "seed", "calibration", "errors", "contact", "engine", "parts"]
+DETERMINED = ["label", "id", "attempt", "seed", "calibration", "errors", "contact", "engine"]
 ROUNDING = 1e-9  # metres and parts of a quaternion, of poses before any contact
 UNKNOWN = "does not follow from the seed and the attempt before"
-SKIPPED = "an earlier one comes to rest"
+EARLIER = "an earlier one comes to rest"
 
 
 def verify_attempts(model: Model, rows: pd.DataFrame, settings: TrialParameters) -> Reproduction:
     """Make all attempts of `TRIALS` at an object again, and tell altered ones from rounding."""
     rows = rows.reset_index(drop=True)
-    given = {"attempts": len(rows), "engine": rows["engine"].iloc[0]}
-    settings = settings.model_copy(update={"trials": settings.trials.model_copy(update=given)})
+    changes = {"attempts": len(rows), "engine": rows["engine"].iloc[0]}
+    settings = settings.model_copy(update={"trials": settings.trials.model_copy(update=changes)})
     places = [f"{rows['label'].iloc[0]}, attempt {number}" for number in rows["attempt"]]
     if impossible := tuple(_contradictions(model, rows, settings, places)):
         return Reproduction(len(rows), impossible=impossible)
-    repeats = list(_repeat(model, rows, settings))
-    flaws = {
-        flaw: tuple(
-            Difference(place, "initial_pose", kind, flaw)
-            for place, kind, (_, found) in zip(places, rows["initial_pose"], repeats, strict=True)
-            if found == flaw
-        )
-        for flaw in (UNKNOWN, SKIPPED)
-    }
+    attempts, flaws = zip(*_repeat(model, rows, settings), strict=True)
+    unlike: dict[str, list[Difference]] = {flaw: [] for flaw in (UNKNOWN, EARLIER)}
+    for place, kind, flaw in zip(places, rows["initial_pose"], flaws, strict=True):
+        if flaw:
+            unlike[flaw].append(Difference(place, "initial_pose", kind, flaw))
 
-    def again(by: float, numbers: Ints) -> pd.DataFrame:
+    def simulate_nudged(fraction: float, numbers: Ints) -> pd.DataFrame:
         some = rows.iloc[numbers]
-        return _table(some, list(_repeat(nudged(model, by), some, settings)))
+        repeated = _repeat(nudged(model, fraction), some, settings, alone=True)
+        return _table(some, [attempt for attempt, _ in repeated])
 
-    verdict = judge(rows, _table(rows, repeats), places, again)
-    return verdict + Reproduction(unexplained=flaws[SKIPPED], impossible=flaws[UNKNOWN])
+    judged = judge(rows, _table(rows, attempts), places, simulate_nudged)
+    return judged + Reproduction(
+        unexplained=tuple(unlike[EARLIER]), impossible=tuple(unlike[UNKNOWN])
+    )
 
 
 def _contradictions(
@@ -55,50 +54,66 @@ def _contradictions(
 ) -> Iterator[Difference]:
     """Values that settings, seed and model rule out, and grasps that no hand would try."""
     label, name = rows["label"].iloc[0], rows["id"].iloc[0]
-    given = failed_attempts(label, name, settings, Outcome.FAILED).assign(parts=len(model.parts))
-    for column in GIVEN:
-        for number in np.flatnonzero(rows[column].to_numpy() != given[column].to_numpy()):
-            yield Difference(places[number], column, rows[column][number], given[column][number])
+    determined = failed_attempts(label, name, settings, Outcome.FAILED)
+    determined = determined[DETERMINED].assign(parts=len(model.parts))
+    for column in determined:
+        expected = determined[column].to_numpy()
+        for number in np.flatnonzero(rows[column].to_numpy() != expected).tolist():
+            yield Difference(places[number], str(column), rows[column][number], expected[number])
     for place, row in zip(places, parquet.records(rows), strict=True):
+        is_failure, outcome = row["outcome"] in DETECTOR_FAILURES, row["outcome"]
         if not row["initial_pose"]:
+            if outcome not in SIMULATION_FAILURES:
+                yield Difference(place, "initial_pose", "missing", "needed to repeat the attempt")
             continue
         _, grasp, _ = read_attempt(row, settings.trials.errors)
-        flaw = Outcome.NO_GRASP if grasp is None else grasp.infeasibility(settings.gripper)
-        if (flaw is None) == (row["outcome"] in DETECTOR_FAILURES):
-            yield Difference(place, "outcome", row["outcome"], flaw or "a grasp that was tried")
+        flaw = None if grasp is None else grasp.infeasibility(settings.gripper)
+        if flaw or is_failure != (grasp is None):
+            tried = "no grasp" if grasp is None else "a grasp"
+            yield Difference(place, "outcome", outcome, flaw or f"{tried} was tried")
 
 
 def _repeat(
-    model: Model, rows: pd.DataFrame, settings: TrialParameters
+    model: Model, rows: pd.DataFrame, settings: TrialParameters, *, alone: bool = False
 ) -> Iterator[tuple[Attempt, str]]:
-    """Each attempt again from its recorded initial pose, and the flaw of that, if any."""
+    """Each attempt again from its recorded initial pose, and the flaw of that, if any.
+
+    Attempts `alone`, without those before them, have no flaw.
+    """
     arm = ARMS[settings.trials.arm](settings.gripper)
     with open_world(settings.trials.engine, [model], arm.robot) as world:
         runner = TrialRunner(world, arm, settings.trials)
         before = None
         for row in parquet.records(rows):
-            start, grasp, deviation = read_attempt(row, settings.trials.errors)
+            initial, grasp, deviation = read_attempt(row, settings.trials.errors)
+            seed, flaw = int(row["seed"], 16), ""
             runner.vary(deviation)
             if not row["initial_pose"]:
-                began = runner.begin(drop_generator(int(row["seed"], 16)))
-                again, flaw = Attempt(None if began else Outcome.FAILED), ""
+                began = not alone and runner.begin(drop_generator(seed), before)
+                repeated = Attempt(None if began else Outcome.FAILED)
             else:
-                flaw = _flaw(runner, start, int(row["seed"], 16), before)
-                again = runner.repeat(start, grasp, deviation)
-            yield again, flaw
+                flaw = "" if alone else _flaw(runner, initial, seed, before)
+                repeated = (
+                    Attempt(None) if flaw == UNKNOWN else runner.repeat(initial, grasp, deviation)
+                )
+            yield repeated, flaw
             end = Pose.of([row[name] for name in END])
-            before = replace(again, outcome=Outcome(row["outcome"]), end=end)
+            before = replace(
+                repeated,
+                outcome=Outcome(row["outcome"]),
+                end=end if np.isfinite(end.position).all() else None,
+            )
 
 
-def _flaw(runner: TrialRunner, start: InitialPose, seed: int, before: Attempt | None) -> str:
+def _flaw(runner: TrialRunner, initial: InitialPose, seed: int, before: Attempt | None) -> str:
     """Why an initial pose does not follow from a seed and the attempt before; empty if it does."""
-    # Whether the object had moved is a matter of rounding where it moved by just `MOVED`.
-    is_clear = before is None or before.outcome == Outcome.SUCCESS
-    for left in (before,) if is_clear else (before, None):
-        poses = list(runner.starts(drop_generator(seed), left))
-        earlier = list(takewhile(lambda pose: not _equal(pose, start), poses))
+    # Rounding decides whether an object has moved if it moved by nearly the least distance.
+    unsure = before is not None and runner.barely_moved(before)
+    for previous in (before, None) if unsure else (before,):
+        poses = list(runner.initial_poses(drop_generator(seed), previous))
+        earlier = list(takewhile(lambda pose: not _equal(pose, initial), poses))
         if len(earlier) < len(poses):
-            return SKIPPED if any(runner.rest_from(each) for each in earlier) else ""
+            return EARLIER if any(runner.rest_from(each) for each in earlier) else ""
     return UNKNOWN
 
 
@@ -107,8 +122,8 @@ def _equal(first: InitialPose, second: InitialPose) -> bool:
     return first.kind == second.kind and bool(np.allclose(one, two, rtol=0.0, atol=ROUNDING))
 
 
-def _table(rows: pd.DataFrame, repeats: list[tuple[Attempt, str]]) -> pd.DataFrame:
+def _table(rows: pd.DataFrame, attempts: Iterable[Attempt]) -> pd.DataFrame:
     """What attempts came to; why there was no grasp is known from the table alone."""
-    found = pd.DataFrame([columns_of(attempt) for attempt, _ in repeats])
-    untold = (found["outcome"] == "").to_numpy() & rows["outcome"].isin(DETECTOR_FAILURES)
-    return found.assign(outcome=np.where(untold, rows["outcome"], found["outcome"]))
+    table = pd.DataFrame([columns_of(attempt) for attempt in attempts])
+    without_reason = (table["outcome"] == "").to_numpy() & rows["outcome"].isin(DETECTOR_FAILURES)
+    return table.assign(outcome=np.where(without_reason, rows["outcome"], table["outcome"]))

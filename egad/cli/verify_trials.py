@@ -51,10 +51,10 @@ def verify_trials(
         if is_clutter
         else select(settings, TrialParameters, hand)
     )
-    verdict = verify_groups(groups, models, parameters, jobs)
-    if reasons := refusal(verdict, rows):
+    reproduction = verify_groups(groups, models, parameters, jobs)
+    if reasons := refusal(reproduction, rows):
         raise UserError("\n".join([f"{table}: {reasons[0]}", *reasons[1:]]))
-    typer.echo(f"{table}: {verdict}")
+    typer.echo(f"{table}: {reproduction}")
     labels = dict(zip(rows["id"], rows.get("label", rows["id"]), strict=True))
     objects = [(labels.get(name, name), name) for name in models]
     missing = list(gaps(rows, pd.DataFrame(objects, columns=["label", "id"]), parameters))

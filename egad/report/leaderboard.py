@@ -57,6 +57,11 @@ class SubmittedTable:
     reproduction: Reproduction
     films: Mapping[str, str]
 
+    @property
+    def is_sample(self) -> bool:
+        """Whether some objects or rounds were left out."""
+        return self.reproduction.attempts + self.reproduction.skipped < len(self.rows)
+
 
 class Refusal(NamedTuple):
     """A table that the simulation does not reproduce."""
@@ -135,7 +140,7 @@ def page(board: Board) -> str:
         tables={name: list(_own(board, name)) for name in board.entries},
         letters=string.ascii_uppercase[:ROWS],
         digits=string.digits[:COLUMNS],
-        is_sample=any(each.reproduction.attempts < len(each.rows) for each in board.tables),
+        is_sample=any(each.is_sample for each in board.tables),
     )
 
 

@@ -1,11 +1,18 @@
 """What arithmetic can explain: a nudged attempt that ends otherwise, and no altered one."""
 
+from itertools import cycle
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from egad.bench import Difference, Reproduction
-from egad.bench.reproduction import AMPLE, CHAOTIC, CLOSE, first_departure, judge
+from egad.bench.reproduction import (
+    END_TOLERANCE,
+    SPREAD_RATIO,
+    first_departure,
+    judge,
+)
 
 ROWS = 200
 
@@ -31,50 +38,58 @@ def changed(rows, **values):
     return frame
 
 
-def verdict(said, spread=0.0):
-    """The verdict on a table whose attempts end `spread` apart if they are nudged."""
+def verdict(said, spread=0.0, outcomes=("success",)):
+    """The verdict on a table if nudged attempts have some outcomes and end `spread` apart."""
     places = [f"A0, attempt {number}" for number in range(ROWS)]
-    return judge(said, table(), places, lambda _, numbers: table(0.4 + spread).iloc[numbers])
+    turns = cycle(outcomes)
+    return judge(
+        said,
+        table(),
+        places,
+        lambda _, numbers: table(0.4 + spread, next(turns)).iloc[numbers],
+    )
 
 
 def test_the_same_bits_and_rounding_are_told_apart():
-    found = verdict(changed([3, 5], end_z=0.4 + CLOSE / 2))
+    found = verdict(changed([3, 5], end_z=0.4 + END_TOLERANCE / 2))
     assert found == Reproduction(attempts=ROWS, same=ROWS - 2, close=2)
     assert found.is_honest
     assert found.reasons() == []
 
 
-@pytest.mark.parametrize(
-    ("shift", "spread", "is_explained"),
-    [
-        (0.1, 0.0, False),
-        (0.1, 0.9 * CHAOTIC, False),
-        (0.1, 1.1 * CHAOTIC, True),
-        (CHAOTIC, 1.1 * CHAOTIC / AMPLE, True),
-        (CHAOTIC, 0.9 * CHAOTIC / AMPLE, False),
-    ],
-)
-def test_another_end_is_explained_if_nudged_attempts_differ_as_much(shift, spread, is_explained):
-    found = verdict(changed([7], end_z=0.4 + shift), spread)
+@pytest.mark.parametrize(("ratio", "is_explained"), [(0.9, True), (1.1, False)])
+def test_another_end_is_explained_if_nudged_attempts_end_about_as_far_apart(ratio, is_explained):
+    found = verdict(changed([7], end_z=0.4 + 0.01 * ratio * SPREAD_RATIO), spread=0.01)
     assert len(found.explained) == is_explained
     assert len(found.unexplained) == (not is_explained)
     assert found.is_honest == is_explained
 
 
-def test_an_outcome_that_was_turned_is_named_even_if_the_object_ends_in_the_same_place():
-    found = verdict(changed([7], outcome="missed", success=False), CHAOTIC / 2)
-    assert found.unexplained == (Difference("A0, attempt 7", "outcome", "missed", "success"),)
-    assert "A0, attempt 7: outcome is missed, simulated: success" in found.reasons()
+def test_another_outcome_is_explained_only_if_a_nudged_attempt_has_it():
+    turned = changed([7], outcome="missed", success=False)
+    (found,) = verdict(turned, spread=0.1).unexplained
+    assert found == Difference("A0, attempt 7", "outcome", "missed", "success")
+    assert str(found) in verdict(turned, spread=0.1).reasons()
+    assert len(verdict(turned, spread=0.1, outcomes=("success", "missed")).turned) == 1
 
 
-def test_one_attempt_in_a_hundred_that_were_rounded_otherwise_may_be_unexplained():
-    rounded = 0.4 + CLOSE / 2
-    two = changed(range(ROWS), end_z=rounded)
-    two.loc[:1, "end_z"] = 0.5
-    assert verdict(two).is_honest
-    two.loc[2, "end_z"] = 0.5
-    assert not verdict(two).is_honest
-    assert not verdict(changed([0], end_z=0.5)).is_honest  # all others have the same bits
+def test_as_many_may_differ_as_in_honest_tables():
+    """None if all others have the same bits, and of 200 others 2, with 0.2 % expected."""
+    assert not verdict(changed([0], end_z=0.5)).is_honest
+    some = changed(range(ROWS), end_z=0.4 + END_TOLERANCE / 2)
+    some.loc[:1, "end_z"] = 0.5
+    assert verdict(some).is_honest
+    some.loc[2, "end_z"] = 0.5
+    assert not verdict(some).is_honest
+
+
+def test_a_table_of_which_too_many_results_differ_or_are_skipped_is_refused():
+    turned = changed(range(20), outcome="missed", success=False)
+    turned.loc[20:, "end_z"] = 0.4 + END_TOLERANCE / 2
+    found = verdict(turned, outcomes=("success", "missed"))
+    assert len(found.turned) == 20
+    assert not found.is_honest
+    assert not Reproduction(attempts=ROWS, same=ROWS, skipped=ROWS).is_honest
 
 
 def test_missing_numbers_agree_only_with_missing_numbers():

@@ -1,4 +1,4 @@
-"""Models and simulations have the same bits with every kernel of BLAS and NumPy."""
+"""Models and simulations have the same bits with every kernel of BLAS, NumPy and the C library."""
 
 import os
 import platform
@@ -11,6 +11,7 @@ KINDS = {
     "this processor": {},
     "Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
     "Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
+    "C library without AVX": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
     "NumPy without AVX": {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR"},
 }
 PROGRAM = """

@@ -9,7 +9,7 @@ from worlds import EACH_ENGINE
 from egad.bench import NAMED_ERRORS, Reproduction, TrialParameters, TrialProtocol, run_attempts
 from egad.bench.reproduction import nudged
 from egad.bench.trial_runner import drop_generator, initial_poses
-from egad.bench.verified_attempts import SKIPPED, UNKNOWN, verify_attempts
+from egad.bench.verified_attempts import EARLIER, UNKNOWN, verify_attempts
 from egad.detectors.registry import QUICK
 from egad.geometry import Bundle
 from egad.grippers import GRIPPERS
@@ -79,7 +79,7 @@ def test_a_turned_outcome_is_named_and_so_is_what_does_not_follow_from_it(table)
     verdict = verify_attempts(MODEL, turned(table, first), settings())
     assert [each.place for each in verdict.unexplained] == [f"A0, attempt {first}"]
     if first + 1 < COUNT:  # after a success, the hand drops the object
-        assert [each.found for each in verdict.impossible] == [UNKNOWN]
+        assert [each.simulated for each in verdict.impossible] == [UNKNOWN]
     assert not verdict.is_honest
 
 
@@ -102,7 +102,7 @@ def test_attempts_at_another_object_are_refused(table):
 def test_an_initial_pose_must_follow_from_the_seed_and_the_attempt_before(table):
     moved = table.assign(initial_x=table["initial_x"].where(table.index != 0, 0.01))
     (found,) = verify_attempts(MODEL, moved, settings()).impossible
-    assert (found.place, found.found) == ("A0, attempt 0", UNKNOWN)
+    assert (found.place, found.simulated) == ("A0, attempt 0", UNKNOWN)
 
 
 def test_a_drop_that_the_protocol_would_not_come_to_is_told():
@@ -114,7 +114,7 @@ def test_a_drop_that_the_protocol_would_not_come_to_is_told():
     for column, number in zip(INITIAL, second, strict=True):
         found.loc[0, column] = number
     verdict = verify_attempts(MODEL, found, settings(reset="redrop"))
-    assert SKIPPED in [each.found for each in verdict.unexplained]
+    assert EARLIER in [each.simulated for each in verdict.unexplained]
 
 
 @pytest.mark.parametrize(
@@ -127,6 +127,12 @@ def test_values_that_settings_and_hand_rule_out_are_named(table, column, value):
     forged.loc[row, column] = value
     (found,) = verify_attempts(MODEL, forged, settings()).impossible
     assert found.place == f"A0, attempt {row}"
+
+
+def test_an_attempt_without_an_initial_pose_cannot_be_checked(table):
+    blank = table.assign(initial_pose=table["initial_pose"].where(table.index != 1, ""))
+    (found,) = verify_attempts(MODEL, blank, settings()).impossible
+    assert (found.place, found.said) == ("A0, attempt 1", "missing")
 
 
 def test_a_detector_cannot_be_said_to_have_failed_with_a_grasp_or_succeeded_without(table):

@@ -254,7 +254,7 @@ def test_rounds_are_verified_and_altered_ones_told(table, made):
     altered = table.copy()
     altered.loc[row, "success"] = False
     (found,) = verify_groups(groups(altered), models, given).unexplained
-    assert (found.column, found.said, found.found) == ("success", False, True)
+    assert (found.column, found.said, found.simulated) == ("success", False, True)
     whole_round = table["round"].eq(1) & table["scene"].eq("pile")
     reseeded = table.assign(seed=table["seed"].mask(whole_round, "0" * 32))
     found = verify_groups(groups(reseeded), models, given).impossible[0]
@@ -268,10 +268,10 @@ def test_rounds_that_were_cut_short_or_added_to_are_told(table, made):
     last = table.groupby(["scene", "noise", "round"], sort=False).tail(1)
     (found,) = verify_groups(groups(table.drop(last.index[0])), models, given).impossible
     count = int(last["attempt"].iloc[0]) + 1
-    assert (found.column, found.said, found.found) == ("number of attempts", count - 1, count)
+    assert (found.column, found.said, found.simulated) == ("number of attempts", count - 1, count)
     more = last.iloc[[0]].assign(attempt=count)
     (found,) = verify_groups(groups(pd.concat([table, more])), models, given).impossible
-    assert (found.said, found.found) == (count + 1, count)
+    assert (found.said, found.simulated) == (count + 1, count)
 
 
 def test_a_round_that_began_cannot_be_said_to_have_failed(table, made):
