@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from egad._util.arrays import dot_products
 from egad.geometry.hulls import hull_of
 from egad.geometry.touchable import (
     Touchable,
@@ -64,3 +65,12 @@ def test_deeper_points_are_those_whose_depths_are_larger():
     found = deeper_points(points, normals, planes, 0.2, 0.4)
     np.testing.assert_array_equal(found, all_planes & facing)
     assert 0 < found.sum() < all_planes.sum()
+
+
+def test_depths_are_those_of_matrix_products():
+    rng = np.random.default_rng(0)
+    points, planes = rng.normal(size=(200, 3)), rng.normal(size=(30, 4))
+    slow = -(points @ planes[:, :3].T + planes[:, 3]).max(axis=1)
+    np.testing.assert_allclose(depths(points, planes), slow, atol=1e-14)
+    products = dot_products(points, planes[:, :3])
+    np.testing.assert_allclose(products, points @ planes[:, :3].T, atol=1e-14)

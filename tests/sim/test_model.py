@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
-from egad.geometry import Bundle
-from egad.sim.model import MIN_MASS, build
+from egad.geometry import Bundle, MassProperties
+from egad.sim.model import MIN_MASS, build, principal_frame
 
 BUNDLE = Bundle()
 SIDES = np.array([0.08, 0.05, 0.03])
@@ -77,3 +78,21 @@ def test_a_light_object_that_grows_has_the_mass_of_the_larger_solid() -> None:
     assert grown.mass == pytest.approx(8 * 400 * SIDES.prod())
     expected = build(tilted_box().apply_scale(2.0), 400.0, BUNDLE)
     np.testing.assert_allclose(grown.inertia, expected.inertia, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "moments", [(1.0, 2.0, 2.5), (1.0, 1.0, 1.5), (2.0, 2.0, 2.0), (1.0, 1.0, 2.0)]
+)
+def test_principal_axes_are_those_of_lapack(moments: tuple[float, float, float]) -> None:
+    for turn in (Rotation.identity(), *Rotation.random(20, rng=np.random.default_rng(0))):
+        matrix = turn.as_matrix()
+        inertia = 1e-5 * matrix @ np.diag(moments) @ matrix.T
+        physics = MassProperties(1e-3, 0.1, np.zeros(3), 1.0, (inertia + inertia.T) / 2)
+        found, frame = principal_frame(physics)
+        axes = frame[:3, :3]
+        np.testing.assert_allclose(found, np.linalg.eigvalsh(inertia), rtol=1e-10)
+        np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-14)
+        assert np.linalg.det(axes) > 0
+        np.testing.assert_allclose(axes.T @ np.diag(found) @ axes, inertia, atol=1e-18)
+        largest = np.abs(axes[:2]).argmax(axis=1)
+        assert (axes[[0, 1], largest] > 0).all()
