@@ -8,11 +8,10 @@ instead. Tables of attempts are kept in FOLDER.
 """
 
 import argparse
-import pickle
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from string import ascii_uppercase
 from typing import Any
@@ -27,7 +26,7 @@ from scipy.optimize import linear_sum_assignment
 import egad
 from egad._util.files import atomic_output
 from egad.bench import TrialParameters, TrialProtocol, run_attempts
-from egad.bench.stats import compare, object_positions, results, trend, trial_grid
+from egad.bench.stats import compare, mean_rate, object_positions, results, trend, trial_grid
 from egad.detectors import GGCNN, Grasp, View, camera_above
 from egad.detectors.ggcnn import MIN_TIP, MapDetector
 from egad.grippers import Gripper
@@ -67,12 +66,11 @@ CONDITIONS: dict[str, dict[str, Any]] = {
     "documented": DOCUMENTED,
     "documented, 9 mm deeper": DOCUMENTED | NINE,
     "documented, 21 mm deeper": DOCUMENTED | TWENTY_ONE,
-    "documented, 2 N": DOCUMENTED | {"force": 2.0},
-    "documented, 21 mm deeper, 2 N": DOCUMENTED | TWENTY_ONE | {"force": 2.0},
     "documented, 21 mm deeper, friction 0.4": DOCUMENTED | TWENTY_ONE | {"friction": 0.4},
     "documented, 21 mm deeper, 75 mm": DOCUMENTED | TWENTY_ONE | {"rule": "egad-script"},
 }
-TITLES = ["success", "difference", "no aborts", "row A", "row G", "rho", "cut", "missed", "slipped"]
+TITLES = ["success", "difference", "row A", "row G", "C-G: simple", "C-G: others", "rho"]
+TITLES += ["no aborts", "widths cut", "missed", "slipped or dropped"]
 
 
 class AsOnTheRobot:
@@ -101,9 +99,8 @@ def published(folder: Path) -> Iterator[NamedMesh]:
     cells = list(np.ndindex(7, 7))
     far = np.linalg.norm((np.array(cells)[:, None] + 0.5) / 7 - at - (1 / 48, 1 / 52), axis=2)
     for (i, j), chosen in zip(cells, linear_sum_assignment(far)[1], strict=True):
-        yield NamedMesh(
-            f"{ascii_uppercase[i]}{j}", paths[chosen].stem, partial(_read, paths[chosen])
-        )
+        path = paths[chosen]
+        yield NamedMesh(f"{ascii_uppercase[i]}{j}", path.stem, partial(_read, path))
 
 
 def _read(path: Path) -> trimesh.Trimesh:
@@ -112,14 +109,11 @@ def _read(path: Path) -> trimesh.Trimesh:
     return mesh
 
 
-def models(path: Path, objects: Path | None, rule: str) -> list[Any]:
-    """Label, id and model of all objects, made once."""
-    if not path.exists():
-        targets = published(objects) if objects else named_meshes(egad.load("evaluation-set"))
-        made = [(each.label, each.id, simulated(each, HAND, rule)[1]) for each in targets]
-        with atomic_output(path) as out:
-            out.write_bytes(pickle.dumps(made))
-    return pickle.loads(path.read_bytes())  # type: ignore[no-any-return]  # noqa: S301 (this file is ours)
+@cache
+def models(objects: Path | None, rule: str) -> list[Any]:
+    """Label, id and model of all objects."""
+    targets = published(objects) if objects else named_meshes(egad.load("evaluation-set"))
+    return [(each.label, each.id, simulated(each, HAND, rule)[1]) for each in targets]
 
 
 def attempts(made: list[Any], detect: MapDetector, changes: dict[str, Any]) -> pd.DataFrame:
@@ -143,11 +137,14 @@ def figures(found: pd.DataFrame, base: pd.DataFrame, opening: float) -> Iterator
     yield percent(grid.overall.value, grid.overall.interval)
     difference = compare(*(results(each, "ggcnn") for each in (found, base)))
     yield percent(difference.difference, difference.interval)
-    yield f"{100 * found['success'].sum() / (found['outcome'] != 'collided').sum():.0f}"
-    yield from (percent(row.value, row.interval) for row in (grid.rows[0], grid.rows[-1]))
+    later = found[found["label"].str[0] > "B"]
+    simple = later["label"].str[1] < "2"
+    groups = (grid.rows[0], grid.rows[-1], *map(mean_rate, (later[simple], later[~simple])))
+    yield from (percent(mean.value, mean.interval) for mean in groups)
     places = object_positions(found)
     rho = trend(places["difficulty"].to_numpy(), places["rate"].to_numpy())
     yield f"{rho.rho:.2f} ({rho.ci_low:.2f} to {rho.ci_high:.2f})"
+    yield f"{100 * found['success'].sum() / (found['outcome'] != 'collided').sum():.0f}"
     yield f"{100 * (found['width'] > opening - 1e-6).mean():.0f}"
     for beginnings in (("missed",), ("slipped", "dropped")):
         yield f"{100 * found['outcome'].str.startswith(beginnings).mean():.0f}"
@@ -161,22 +158,21 @@ def main(given: argparse.Namespace) -> None:
         detect = MapDetector(keras_network(given.network), "published")
     else:
         detect = GGCNN(str(given.network), "published")
-    folder = given.folder / ("published" if given.objects else "released")
-    own = folder / given.network.stem / f"{given.engine}-{given.attempts}"
-    own.mkdir(parents=True, exist_ok=True)
+    folder = given.folder / ("published" if given.objects else "released") / given.network.stem
+    folder /= f"{given.engine}-{given.attempts}"
+    folder.mkdir(parents=True, exist_ok=True)
+    usual = {"engine": given.engine, "attempts": given.attempts}
+    usual |= {"errors": "typical", "depth_noise": 0.1}
 
     def found(name: str) -> pd.DataFrame:
-        path, changes = own / f"{name}.parquet", CONDITIONS[name]
+        path, changes = folder / f"{name}.parquet", CONDITIONS[name]
         if not path.exists():
-            rule = changes.get("rule", "paper")
-            made = models(folder / f"{rule}.pickle", given.objects, rule)
-            usual = {"engine": given.engine, "attempts": given.attempts}
-            usual |= {"errors": "typical", "depth_noise": 0.1}
+            made = models(given.objects, changes.get("rule", "paper"))
             with atomic_output(path) as out:
                 attempts(made, detect, usual | changes).to_parquet(out)
         return pd.read_parquet(path)
 
-    def cells(name: str) -> Iterable[str]:
+    def cells(name: str) -> Iterator[str]:
         opening = CONDITIONS[name].get("opening", HAND.opening)
         return figures(found(name), found("baseline"), opening)
 
