@@ -66,6 +66,7 @@ CONDITIONS: dict[str, dict[str, Any]] = {
     "documented": DOCUMENTED,
     "documented, 9 mm deeper": DOCUMENTED | NINE,
     "documented, 21 mm deeper": DOCUMENTED | TWENTY_ONE,
+    "documented, 21 mm deeper, 2 N": DOCUMENTED | TWENTY_ONE | {"force": 2.0},
     "documented, 21 mm deeper, friction 0.4": DOCUMENTED | TWENTY_ONE | {"friction": 0.4},
     "documented, 21 mm deeper, 75 mm": DOCUMENTED | TWENTY_ONE | {"rule": "egad-script"},
 }
