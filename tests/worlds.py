@@ -11,14 +11,14 @@ from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
 from egad.sim.jaws import Hand
 from egad.sim.model import Model
-from egad.sim.parameters import ENGINES, EngineName
+from egad.sim.parameters import ENGINES, MODULES, EngineName
 from egad.sim.world import World
 
 EACH_ENGINE = pytest.mark.parametrize(
     "engine",
     [
         pytest.param(
-            name, marks=pytest.mark.skipif(find_spec(name) is None, reason="not installed")
+            name, marks=pytest.mark.skipif(find_spec(MODULES.get(name, name)) is None, reason="not installed")
         )
         for name in ENGINES
     ],

@@ -15,17 +15,16 @@ from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
 from egad.sim.mujoco_model import (
     CLOSE,
-    DAMPING_TIME,
     HOLD,
     OBJECT,
     OBJECT_BIT,
     ROBOT,
-    SUBSTEPS,
     TABLE_BIT,
     WALL,
     scene_spec,
 )
 from egad.sim.robot import Robot
+from egad.sim.servos import DAMPING_TIME, SUBSTEPS
 from egad.sim.world import CLOSING_SPEED, DOWN, Forces, Pose, UnstableError, World
 
 log = logging.getLogger(__name__)

@@ -13,7 +13,8 @@ from egad.grippers import Gripper
 
 # A Panda stops at about this contact force; lighter contacts only push the object aside.
 COLLISION_FORCE = 20.0
-EngineName = Literal["mujoco", "pybullet"]  # the default first
+EngineName = Literal["mujoco", "pybullet", "drake"]  # the default first
+MODULES = {"drake": "pydrake"}
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
 Contact = Literal["collided", "close", "ignore"]
 """What a contact during the approach means; a setting says which of these it allows."""
@@ -32,7 +33,7 @@ def contacts_in_words(*allowed: Contact) -> str:
 def check_engine(name: str) -> None:
     """Raise UserError unless there is an engine of this name and it is installed."""
     check_name("engine", name, ENGINES)
-    if importlib.util.find_spec(name) is None:
+    if importlib.util.find_spec(MODULES.get(name, name)) is None:
         raise UserError(
             f"the physics engine {name} is not installed: pip install 'egad[sim]' (PyBullet has "
             f"packages for Python 3.11 and older only), or choose another one of "
