@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any
 
+import numpy as np
 import pytest
 
 from egad.grippers import GRIPPERS, Gripper
@@ -18,7 +19,10 @@ EACH_ENGINE = pytest.mark.parametrize(
     "engine",
     [
         pytest.param(
-            name, marks=pytest.mark.skipif(find_spec(MODULES.get(name, name)) is None, reason="not installed")
+            name,
+            marks=pytest.mark.skipif(
+                find_spec(MODULES.get(name, name)) is None, reason="not installed"
+            ),
         )
         for name in ENGINES
     ],
@@ -42,5 +46,11 @@ def twist(world: Any, torque: Sequence[float]) -> None:
     """Turn the object by a torque (N m) in the next step."""
     if hasattr(world, "data"):
         world.data.xfrc_applied[world.engine.body("object0").id, 3:] = torque
+    elif hasattr(world, "scene"):
+        plant = world.scene.plant
+        speed = plant.GetJointByName("object0").velocity_start()
+        pull = np.zeros(plant.num_velocities())
+        pull[speed : speed + 3] = torque
+        plant.get_applied_generalized_force_input_port().FixValue(world.context, pull)
     else:
         world.client.applyExternalTorque(world.objects[0], -1, torque, 2)  # in the world's frame

@@ -4,35 +4,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from pydrake.geometry import (
-    AddCompliantHydroelasticProperties,
-    AddContactMaterial,
-    AddRigidHydroelasticProperties,
-    CollisionFilterDeclaration,
-    Convex,
-    ProximityProperties,
-    SceneGraph,
-    Shape,
-)
-from pydrake.geometry import Box as BoxShape
+from pydrake import geometry
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.plant import (
-    AddMultibodyPlant,
-    CoulombFriction,
-    MultibodyPlant,
-    MultibodyPlantConfig,
-)
-from pydrake.multibody.tree import (
-    FixedOffsetFrame,
-    PdControllerGains,
-    PrismaticJoint,
-    QuaternionFloatingJoint,
-    RevoluteJoint,
-    RigidBody,
-    RotationalInertia,
-    SpatialInertia,
-    WeldJoint,
-)
+from pydrake.multibody import plant as multibody
+from pydrake.multibody import tree
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from scipy.spatial.transform import Rotation
 
@@ -40,19 +15,21 @@ from egad._util.arrays import Floats
 from egad.friction import OBJECT, TABLE
 from egad.sim.drives import LEFT, RIGHT, Follower
 from egad.sim.model import Model
-from egad.sim.robot import PALM, Box, Joint, Link, Robot, wall_boxes
+from egad.sim.robot import PALM, Box, HullShape, Joint, Robot, wall_boxes
 from egad.sim.servos import SUBSTEPS, arm_servos, finger_servos
 from egad.sim.world import TIME_STEP
 
 STEP = TIME_STEP / SUBSTEPS
-# Pressure in a soft body rises from 0 at its surface to this in its middle, pascals. Objects are
-# rigid, robot, table and walls are soft: contacts are patches, whose size decides the torsion.
+# Pressure in a soft body rises from 0 at its surface to this in its middle, pascals. Robot, table
+# and walls are soft, and objects rigid: contacts are patches, whose size decides the torsion.
 MODULUS = 3e7
-TABLE_SIZE = Box((12.0, 12.0, 0.2), (0.0, 0.0, -0.1))  # metres
+# Pads with this modulus touch a ball of 25 mm at 20 N in a patch that resists twisting as much as a
+# disc of this radius, pascals and metres.
+PAD_MODULUS, PAD_RADIUS, MIN_RADIUS = 2e6, 0.005, 0.002
+TABLE_SIZE = Box((12.0, 12.0, 0.2), (0.0, 0.0, -0.1))
 RELAXATION_TIME = 0.005  # seconds, within which a penetration is undone
-POINT_STIFFNESS = 1e5  # N/m, between objects, which touch at points
 MIN_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
-PARKED = (0.0, 0.0, 100.0)  # where an unused robot waits
+PARKED = [0.0, 0.0, 100.0]  # where an unused robot waits
 ONE_OBJECT_FRICTION = 10.0
 MAX_FRICTION = 1.9  # of a contact, in multiples of that of the object
 LINKAGE_STIFFNESS = 1e5  # N/m, of all joints of a linkage together, at the pad
@@ -70,42 +47,46 @@ class Scene(NamedTuple):
     """A compiled scene."""
 
     diagram: Diagram
-    plant: MultibodyPlant
-    graph: SceneGraph
-    objects: list[RigidBody]
-    walls: list[RigidBody]
-    links: list[RigidBody]
-    base: FixedOffsetFrame | None  # frame of the robot's root
+    plant: multibody.MultibodyPlant
+    graph: geometry.SceneGraph
+    objects: list[tree.RigidBody]
+    walls: list[tree.RigidBody]
+    links: list[tree.RigidBody]  # of the robot
+    base: tree.FixedOffsetFrame  # where the root of a robot is
 
 
 class Surfaces:
-    """Surfaces in contact with objects, whose own friction only other objects and walls feel."""
+    """Surfaces of objects and of what they touch; the engine takes the harmonic mean of friction.
+
+    An object's own number counts between objects. What they touch makes up for it.
+    """
 
     def __init__(self, several: bool) -> None:
-        """Choose the friction of objects, which matters only if there are several."""
+        """Choose the friction of objects, which nothing depends on if there is only one."""
         self._object, self._several = OBJECT.friction if several else ONE_OBJECT_FRICTION, several
 
-    def of_object(self) -> ProximityProperties:
-        """That of an object."""
-        made = ProximityProperties()
-        if self._several:  # two rigid ones would touch at one point of each pair of parts
-            AddCompliantHydroelasticProperties(1.0, MODULUS, made)
+    def of_object(self) -> geometry.ProximityProperties:
+        """That of an object; if there are several, they are soft, or they would touch at points."""
+        made = geometry.ProximityProperties()
+        if self._several:
+            geometry.AddCompliantHydroelasticProperties(1.0, MODULUS, made)
         else:
-            AddRigidHydroelasticProperties(1.0, made)
+            geometry.AddRigidHydroelasticProperties(1.0, made)
         return _with_friction(made, self._object)
 
-    def against_object(self, friction: float) -> ProximityProperties:
-        """A surface whose contacts with an object have this friction."""
-        made = ProximityProperties()
-        AddCompliantHydroelasticProperties(1.0, MODULUS, made)
-        # The engine takes the harmonic mean of both.
+    def on_object(self, friction: float, modulus: float) -> geometry.ProximityProperties:
+        """A soft surface whose contacts with an object have this friction."""
+        made = geometry.ProximityProperties()
+        geometry.AddCompliantHydroelasticProperties(1.0, modulus, made)
         capped = min(friction, MAX_FRICTION * self._object)
         return _with_friction(made, capped * self._object / (2 * self._object - capped))
 
 
-def _with_friction(made: ProximityProperties, friction: float) -> ProximityProperties:
-    coulomb = CoulombFriction(friction, friction)
-    AddContactMaterial(point_stiffness=POINT_STIFFNESS, friction=coulomb, properties=made)
+def _with_friction(
+    made: geometry.ProximityProperties, friction: float
+) -> geometry.ProximityProperties:
+    coulomb = multibody.CoulombFriction(friction, friction)
+    geometry.AddContactMaterial(friction=coulomb, properties=made)
     made.AddProperty("material", "relaxation_time", RELAXATION_TIME)
     return made
 
@@ -114,95 +95,98 @@ def make_scene(
     models: Sequence[Model],
     robot: Robot | None,
     walls: float | None,
-    mass_factor: float,
-    friction_factor: float,
+    factors: tuple[float, float],
     held: Held | None,
 ) -> Scene:
-    """Table, objects, one of which the palm may hold, and robot with motors."""
+    """Table, objects, one of which the palm may hold, and robot with motors.
+
+    The factors are those of the objects' masses and of the robot's friction.
+    """
     builder = DiagramBuilder()
-    config = MultibodyPlantConfig(
+    config = multibody.MultibodyPlantConfig(
         time_step=STEP,
-        contact_model="hydroelastic_with_fallback",
+        contact_model="hydroelastic",
         discrete_contact_approximation="sap",
         sap_near_rigid_threshold=0.0,  # otherwise pads sink in by millimetres
     )
-    plant, graph = AddMultibodyPlant(config, builder)
-    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])  # it acts on objects only
-    surfaces = Surfaces(len(models) > 1)
-    world = plant.world_body()
-    _add_box(plant, world, TABLE_SIZE, surfaces.against_object(TABLE.friction))
-    side = surfaces.against_object(OBJECT.friction)
-    boxes = []
-    for number, box in enumerate(wall_boxes(walls) if walls else []):
-        boxes.append(plant.AddRigidBody(f"wall{number}", _inertia(1.0, (1.0, 1.0, 1.0))))
-        plant.WeldFrames(plant.world_frame(), boxes[-1].body_frame())
-        _add_box(plant, boxes[-1], box, side)
-    objects = [
-        _add_object(plant, model, number, mass_factor, surfaces.of_object())
-        for number, model in enumerate(models)
-    ]
-    links: list[RigidBody] = []
-    base = None
-    if robot is not None:
-        pad = surfaces.against_object(friction_factor * robot.gripper.pad.friction)
-        place = RigidTransform(list(PARKED))
-        base = plant.AddFrame(FixedOffsetFrame("base", plant.world_frame(), place))
-        links = _add_robot(plant, robot, base, pad)
-        within = CollisionFilterDeclaration().ExcludeWithin(plant.CollectRegisteredGeometries(links))
-        graph.collision_filter_manager().Apply(within)
-    for number, body in enumerate(objects):
+    plant, graph = multibody.AddMultibodyPlant(config, builder)
+    plant.mutable_gravity_field().set_gravity_vector(np.zeros(3))  # it acts on objects only
+    surfaces, world = Surfaces(len(models) > 1), plant.world_frame()
+    side = surfaces.on_object(OBJECT.friction, MODULUS)
+    ground = surfaces.on_object(TABLE.friction, MODULUS)
+    _add_shapes(plant, plant.world_body(), [TABLE_SIZE], ground)
+    bodies = [plant.AddRigidBody("walls", _inertia(1.0, (1.0, 1.0, 1.0)))] if walls else []
+    for body in bodies:
+        plant.WeldFrames(world, body.body_frame())
+        _add_shapes(plant, body, wall_boxes(walls or 0.0), side)
+    base = plant.AddFrame(tree.FixedOffsetFrame("base", world, RigidTransform(PARKED)))
+    links = [] if robot is None else _add_robot(plant, robot, base, factors[1], surfaces)
+    within = geometry.CollisionFilterDeclaration()
+    within.ExcludeWithin(plant.CollectRegisteredGeometries(links))
+    graph.collision_filter_manager().Apply(within)
+    objects = []
+    for number, model in enumerate(models):
+        objects.append(plant.AddRigidBody(f"object{number}", object_inertia(model, factors[0])))
+        parts = [HullShape(part.vertices) for part in model.parts]
+        _add_shapes(plant, objects[-1], parts, surfaces.of_object())
+        frame = objects[-1].body_frame()
         if held is not None and held.number == number:
-            palm = plant.GetFrameByName(PALM)
-            weld = WeldJoint("held", palm, body.body_frame(), RigidTransform(held.pose))
-            plant.AddJoint(weld)
+            palm, place = plant.GetFrameByName(PALM), RigidTransform(held.pose)
+            plant.AddJoint(tree.WeldJoint("held", palm, frame, place))
         else:
-            name = f"object{number}"
-            free = QuaternionFloatingJoint(name, plant.world_frame(), body.body_frame())
-            plant.AddJoint(free)
+            plant.AddJoint(tree.QuaternionFloatingJoint(f"object{number}", world, frame))
     plant.Finalize()
-    return Scene(builder.Build(), plant, graph, objects, boxes, links, base)
+    return Scene(builder.Build(), plant, graph, objects, bodies, links, base)
 
 
-def _add_object(
-    plant: MultibodyPlant, model: Model, number: int, factor: float, surface: ProximityProperties
-) -> RigidBody:
-    body = plant.AddRigidBody(f"object{number}", object_inertia(model, factor))
-    for part in model.parts:
-        _add_shape(plant, body, Convex(part.vertices.T, "part"), surface)
-    return body
-
-
-def object_inertia(model: Model, factor: float) -> SpatialInertia:
+def object_inertia(model: Model, factor: float) -> tree.SpatialInertia:
     """Mass and inertia of an object, times a factor."""
-    central = RotationalInertia(*(factor * model.inertia))
-    return SpatialInertia.MakeFromCentralInertia(factor * model.mass, np.zeros(3), central)
+    return _inertia(factor * model.mass, factor * model.inertia)
+
+
+def _inertia(
+    mass: float, moments: Sequence[float] | Floats, center: Sequence[float] = (0.0, 0.0, 0.0)
+) -> tree.SpatialInertia:
+    central = tree.RotationalInertia(*moments)
+    return tree.SpatialInertia.MakeFromCentralInertia(mass, list(center), central)
 
 
 def _add_robot(
-    plant: MultibodyPlant, robot: Robot, base: FixedOffsetFrame, surface: ProximityProperties
-) -> list[RigidBody]:
+    plant: multibody.MultibodyPlant,
+    robot: Robot,
+    base: tree.FixedOffsetFrame,
+    factor: float,
+    surfaces: Surfaces,
+) -> list[tree.RigidBody]:
+    """The links of a robot, with the friction of its pads times a factor."""
+    friction, radius = robot.gripper.pad
+    modulus = PAD_MODULUS * (PAD_RADIUS / max(radius, MIN_RADIUS)) ** 4
+    surface = surfaces.on_object(factor * friction, modulus)
     joints = {joint.child: joint for joint in robot.joints}
-    links: dict[str, RigidBody] = {}
+    links = []
     for link in robot.links:
-        links[link.name] = body = _add_link(plant, link, surface)
+        moments = np.maximum(link.moments, MIN_INERTIA)
+        inertia = _inertia(max(link.mass, MIN_INERTIA), moments, link.box.center)
+        links.append(plant.AddRigidBody(link.name, inertia))
+        _add_shapes(plant, links[-1], link.shapes, surface)
         if link.name in joints:
-            joint = joints[link.name]
-            plant.AddJoint(_joint(joint, links[joint.parent]))
+            plant.AddJoint(_joint(plant, joints[link.name]))
         else:
-            plant.WeldFrames(base, body.body_frame())
+            plant.WeldFrames(base, links[-1].body_frame())
     for servo in [*arm_servos(robot), *finger_servos(robot)]:
-        name, strength, stiffness, damping, armature = servo
-        motor = plant.AddJointActuator(name, plant.GetJointByName(name), strength)
-        motor.set_controller_gains(PdControllerGains(p=stiffness, d=damping))
-        motor.set_default_rotor_inertia(armature)
+        motor = plant.AddJointActuator(
+            servo.joint, plant.GetJointByName(servo.joint), servo.strength
+        )
+        motor.set_controller_gains(tree.PdControllerGains(p=servo.stiffness, d=servo.damping))
+        motor.set_default_rotor_inertia(servo.armature)
     for follower in robot.followers:
         stiffness = linkage_stiffness(robot, follower)
         motor = plant.AddJointActuator(follower.joint, plant.GetJointByName(follower.joint))
-        gains = PdControllerGains(p=stiffness, d=LINKAGE_DAMPING_TIME * stiffness)
-        motor.set_controller_gains(gains)
+        damping = LINKAGE_DAMPING_TIME * stiffness
+        motor.set_controller_gains(tree.PdControllerGains(p=stiffness, d=damping))
     if robot.drive.joints and robot.drive.mirrored:
         plant.AddCouplerConstraint(plant.GetJointByName(LEFT), plant.GetJointByName(RIGHT), 1.0)
-    return list(links.values())
+    return links
 
 
 def linkage_stiffness(robot: Robot, follower: Follower) -> float:
@@ -211,48 +195,28 @@ def linkage_stiffness(robot: Robot, follower: Follower) -> float:
     return float(LINKAGE_STIFFNESS / len(robot.followers) / slope**2)
 
 
-def _add_link(plant: MultibodyPlant, link: Link, surface: ProximityProperties) -> RigidBody:
-    body = plant.AddRigidBody(link.name, _inertia(link.mass, link.moments, link.box.center))
-    for shape in link.shapes:
-        if isinstance(shape, Box):
-            _add_box(plant, body, shape, surface)
-        else:
-            _add_shape(plant, body, Convex(shape.points.T, "link"), surface)
-    return body
-
-
-def _joint(joint: Joint, parent: RigidBody) -> WeldJoint | PrismaticJoint | RevoluteJoint:
-    """The joint, except for its child, which has its name."""
+def _joint(
+    plant: multibody.MultibodyPlant, joint: Joint
+) -> tree.WeldJoint | tree.PrismaticJoint | tree.RevoluteJoint:
     turn = RotationMatrix(Rotation.from_rotvec(joint.turn).as_matrix())
-    plant = parent.GetParentPlant()
-    child, place = plant.GetFrameByName(joint.child), RigidTransform(turn, list(joint.origin))
+    parent, child = plant.GetFrameByName(joint.parent), plant.GetFrameByName(joint.child)
+    place = RigidTransform(turn, list(joint.origin))
     if joint.kind == "fixed":
-        return WeldJoint(joint.child, parent.body_frame(), child, place)
-    frame = FixedOffsetFrame(f"{joint.child}-joint", parent.body_frame(), place)
-    kind = PrismaticJoint if joint.kind == "prismatic" else RevoluteJoint
-    return kind(joint.child, plant.AddFrame(frame), child, list(joint.axis), *joint.limits)
+        return tree.WeldJoint(joint.child, parent, child, place)
+    frame = plant.AddFrame(tree.FixedOffsetFrame(f"{joint.child}-joint", parent, place))
+    kind = tree.PrismaticJoint if joint.kind == "prismatic" else tree.RevoluteJoint
+    return kind(joint.child, frame, child, list(joint.axis), *joint.limits)
 
 
-def _add_box(
-    plant: MultibodyPlant, body: RigidBody, box: Box, surface: ProximityProperties
+def _add_shapes(
+    plant: multibody.MultibodyPlant,
+    body: tree.RigidBody,
+    shapes: Sequence[Box | HullShape],
+    surface: geometry.ProximityProperties,
 ) -> None:
-    _add_shape(plant, body, BoxShape(*box.size), surface, RigidTransform(list(box.center)))
-
-
-def _add_shape(
-    plant: MultibodyPlant,
-    body: RigidBody,
-    shape: Shape,
-    surface: ProximityProperties,
-    place: RigidTransform | None = None,
-) -> None:
-    name = f"shape{len(plant.GetCollisionGeometriesForBody(body))}"
-    plant.RegisterCollisionGeometry(body, place or RigidTransform(), shape, name, surface)
-
-
-def _inertia(
-    mass: float, moments: Sequence[float], center: Sequence[float] = (0.0, 0.0, 0.0)
-) -> SpatialInertia:
-    least = np.maximum(moments, MIN_INERTIA)
-    central = RotationalInertia(*least)
-    return SpatialInertia.MakeFromCentralInertia(max(mass, MIN_INERTIA), list(center), central)
+    for number, shape in enumerate(shapes):
+        if isinstance(shape, Box):
+            solid, place = geometry.Box(*shape.size), RigidTransform(list(shape.center))
+        else:
+            solid, place = geometry.Convex(shape.points.T, "hull"), RigidTransform()
+        plant.RegisterCollisionGeometry(body, place, solid, f"shape{number}", surface)

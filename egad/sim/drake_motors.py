@@ -1,6 +1,7 @@
 """The motors of a robot in Drake: where they pull, and how the joints of a linkage follow."""
 
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -33,11 +34,9 @@ class Motors:
         self._speeds = [joint.velocity_start() for joint in self._joints]
         self.targets, self.speeds, self.closing = np.zeros(len(names)), np.zeros(len(names)), False
 
-    def park(self, context: Context) -> None:
-        """Put the robot at rest in the middle of its range."""
-        limits = {joint.child: joint.limits for joint in self._robot.joints}
-        middles = [sum(limits[name]) / 2 for name in self._robot.arm]
-        self.place(context, middles, self._robot.gripper.opening)
+    def resume(self, before: Self) -> None:
+        """Go on with the commands of others."""
+        self.targets, self.speeds, self.closing = before.targets, before.speeds, before.closing
 
     def place(self, context: Context, joints: Sequence[float], opening: float) -> None:
         """Put the robot at rest at positions of the arm and an opening, metres."""
@@ -78,6 +77,8 @@ class Motors:
             self.speeds[number] = slope * speeds[finger]
             missing = self.targets[number] - positions[number]
             late = self.speeds[number] - speeds[number]
-            pull = linkage_stiffness(self._robot, follower) * (missing + LINKAGE_DAMPING_TIME * late)
+            pull = linkage_stiffness(self._robot, follower) * (
+                missing + LINKAGE_DAMPING_TIME * late
+            )
             back[self._speeds[finger]] -= slope * pull
         self._plant.get_applied_generalized_force_input_port().FixValue(context, back)

@@ -18,12 +18,21 @@ from egad._util.arrays import Floats
 from egad.friction import TABLE_ROLLING
 from egad.sim.drake_model import STEP, Held, make_scene, object_inertia
 from egad.sim.drake_motors import Motors
-from egad.sim.drives import LEFT, RIGHT
 from egad.sim.servos import SUBSTEPS
-from egad.sim.world import DOWN, TIME_STEP, Forces, Pose, UnstableError, World
+from egad.sim.world import (
+    DOWN,
+    FINGERS,
+    FIRST_OBJECT,
+    OTHERS,
+    TABLE,
+    TIME_STEP,
+    WALLS,
+    Forces,
+    Pose,
+    UnstableError,
+    World,
+)
 
-# Owners of shapes; objects have the numbers from FIRST_OBJECT on
-TABLE, LEFT_FINGER, RIGHT_FINGER, OTHERS, WALLS, FIRST_OBJECT = range(6)
 PIN_FACTOR = 1e4  # of the mass of an object that is held in place
 
 
@@ -40,43 +49,33 @@ class DrakeWorld(World):
 
     def _build(self, held: Held | None) -> None:
         """Compile the scene with the current factors."""
-        self._factors = self.mass_factor, self.friction_factor
-        self.scene = make_scene(self.models, self.robot, self.walls, *self._factors, held)
-        plant = self.scene.plant
-        self._held = held
+        self._factors, self._held = (self.mass_factor, self.friction_factor), held
+        self.scene = make_scene(self.models, self.robot, self.walls, self._factors, held)
+        plant, robot = self.scene.plant, self.robot
         self._simulator = Simulator(self.scene.diagram)
-        self._owners = {
-            shape: owner
-            for owner, body in self._bodies()
-            for shape in plant.GetCollisionGeometriesForBody(body)
-        }
-        self._free = {
-            number: plant.GetJointByName(body.name())
-            for number, body in enumerate(self.scene.objects)
-            if held is None or number != held.number
-        }
-        self._motors = None if self.robot is None else Motors(plant, self.robot)
-        self._start()
-
-    def _bodies(self) -> list[tuple[int, RigidBody]]:
-        """All bodies with their owners."""
-        sides = {} if self.robot is None else self.robot.sides
-        fingers = {LEFT: LEFT_FINGER, RIGHT: RIGHT_FINGER}
-        return [
-            (TABLE, self.scene.plant.world_body()),
-            *((WALLS, wall) for wall in self.scene.walls),
-            *((fingers.get(sides.get(link.name(), ""), OTHERS), link) for link in self.scene.links),
+        sides = {} if robot is None else robot.sides
+        bodies = [
+            (TABLE, plant.world_body()),
+            *((WALLS, body) for body in self.scene.walls),
+            *((FINGERS.get(sides.get(link.name(), ""), OTHERS), link) for link in self.scene.links),
             *enumerate(self.scene.objects, FIRST_OBJECT),
         ]
+        self._owners = {
+            shape: owner
+            for owner, body in bodies
+            for shape in plant.GetCollisionGeometriesForBody(body)
+        }
+        if robot is not None:
+            self._motors = Motors(plant, robot)
+        self._start()
 
     def _start(self) -> None:
         """Return to the initial state of the compiled scene."""
         self._simulator.reset_context(self.scene.diagram.CreateDefaultContext())
         root = self._simulator.get_mutable_context()
         self.context = self.scene.plant.GetMyMutableContextFromRoot(root)
-        self._ticks = 0
+        self._ticks, self._walled = 0, True
         self._sums: Floats | None = None
-        self._walled = True
         self._pinned: dict[int, Pose] = {}
 
     @override
@@ -86,13 +85,11 @@ class DrakeWorld(World):
         self._start()
         self.set_gravity(DOWN)
         self._here, self.attached = False, None
-        if self._motors is not None:
-            self._motors.park(self.context)  # the engine crashes if joints with motors are locked
-        if len(self.models) == 1:
-            self.place(Pose.of((0.0, 0.0, float(self.model.mesh.scale), 0.0, 0.0, 0.0, 1.0)))
-            return
-        for number in range(len(self.models)):
-            self.park(number)
+        if self.robot is not None:
+            # not locked where it is parked: the engine crashes if joints with motors are
+            middles = {joint.child: sum(joint.limits) / 2 for joint in self.robot.joints}
+            self._motors.place(self.context, [middles[name] for name in self.robot.arm], 0.0)
+        self._place_objects()
 
     @override
     def set_gravity(self, acceleration: Sequence[float]) -> None:
@@ -106,7 +103,7 @@ class DrakeWorld(World):
         turning: Sequence[float] = (0.0, 0.0, 0.0),
         number: int = 0,
     ) -> None:
-        joint = self._free[number]
+        joint = self.scene.plant.GetJointByName(f"object{number}")
         self._unpin(number)
         joint.SetPose(self.context, _transform(pose))
         joint.set_translational_velocity(self.context, velocity)
@@ -125,41 +122,30 @@ class DrakeWorld(World):
     @override
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
         self.scene.base.SetPoseInParentFrame(self.context, _transform(base))
-        self._known_motors.place(self.context, joints, opening)
+        self._motors.place(self.context, joints, opening)
         self._here = True
 
     @override
     def drive(self, joints: Sequence[float], speeds: Sequence[float]) -> None:
-        motors = self._known_motors
-        motors.targets[motors.arm], motors.speeds[motors.arm] = joints, speeds
+        arm = self._motors.arm
+        self._motors.targets[arm], self._motors.speeds[arm] = joints, speeds
 
     @override
     def close_fingers(self) -> None:
-        self._known_motors.closing = True
+        self._motors.closing = True
 
     @override
     def arm_joints(self) -> Floats:
-        motors = self._known_motors
-        return motors.state(self.context, motors.arm)[0]
+        return self._motors.state(self.context, self._motors.arm)[0]
 
     @override
     def fingers(self) -> tuple[Floats, Floats]:
-        motors = self._known_motors
-        return self.known_robot.drive.pads(*motors.state(self.context, motors.fingers))
+        state = self._motors.state(self.context, self._motors.fingers)
+        return self.known_robot.drive.pads(*state)
 
     @override
     def forces(self, number: int | None = None) -> Forces:
-        sums = self._contact_forces()
-        chosen = slice(FIRST_OBJECT, None) if number is None else [FIRST_OBJECT + number]
-        on_objects = sums[:, chosen].sum(axis=1)
-        left, right, rest = on_objects[[LEFT_FINGER, RIGHT_FINGER, OTHERS]].tolist()
-        blocked = float(sums[TABLE, [LEFT_FINGER, RIGHT_FINGER, OTHERS]].sum())
-        return Forces(left, right, rest, support=float(on_objects[TABLE]), blocked=blocked)
-
-    @property
-    def _known_motors(self) -> Motors:
-        assert self._motors is not None  # noqa: S101
-        return self._motors
+        return Forces.between(self._contact_forces(), number)
 
     def _contact_forces(self) -> Floats:
         """Forces between all owners in the last step; those of the table are normal to it.
@@ -167,8 +153,7 @@ class DrakeWorld(World):
         The others include friction, so they are up to a quarter higher than normal forces.
         """
         if self._sums is None:
-            count = FIRST_OBJECT + len(self.models)
-            self._sums = np.zeros((count, count))
+            self._sums = np.zeros((FIRST_OBJECT + len(self.models),) * 2)
             contacts = self.scene.plant.get_contact_results_output_port().Eval(self.context)
             for index in range(contacts.num_hydroelastic_contacts() if self._ticks else 0):
                 contact = contacts.hydroelastic_contact_info(index)
@@ -207,7 +192,7 @@ class DrakeWorld(World):
         try:
             self._apply_weights()
             for _ in range(SUBSTEPS):
-                if self._motors is not None:
+                if self.robot is not None:
                     self._motors.apply(self.context)
                 self._ticks += 1
                 self._simulator.AdvanceTo(self._ticks * STEP)
@@ -249,15 +234,13 @@ class DrakeWorld(World):
 
     def _rebuild(self, held: Held | None) -> None:
         """Weld an object to the palm, or release it, and go on from the current state."""
-        before, context, motors = self.scene, self.context, self._known_motors
+        scene, context, motors = self.scene, self.context, self._motors
         walled, pinned = self._walled, self._pinned
         self._build(held)
-        after = self._known_motors
-        after.targets, after.speeds, after.closing = motors.targets, motors.speeds, motors.closing
-        self.scene.base.SetPoseInParentFrame(
-            self.context, before.base.GetPoseInParentFrame(context)
-        )
-        _copy_state(before.plant, context, self.scene.plant, self.context)
+        self._motors.resume(motors)
+        place = scene.base.GetPoseInParentFrame(context)
+        self.scene.base.SetPoseInParentFrame(self.context, place)
+        _copy_state(scene.plant, context, self.scene.plant, self.context)
         for number, pose in pinned.items():
             self._pin(pose, number)
         if not walled:
@@ -291,23 +274,14 @@ class DrakeWorld(World):
         self.scene.objects[number].SetSpatialInertiaInBodyFrame(self.context, inertia)
 
 
-def _copy_state(
-    before: MultibodyPlant, old: Context, after: MultibodyPlant, new: Context
-) -> None:
+def _copy_state(before: MultibodyPlant, old: Context, after: MultibodyPlant, new: Context) -> None:
     """Copy the state of the joints that two plants have in common."""
-    positions, speeds = after.GetPositions(new), after.GetVelocities(new)
-    for joint in map(after.get_joint, after.GetJointIndices()):
-        if before.HasJointNamed(joint.name()):
-            twin = before.GetJointByName(joint.name())
-            place, speed = joint.position_start(), joint.velocity_start()
-            positions[place : place + joint.num_positions()] = before.GetPositions(old)[
-                twin.position_start() : twin.position_start() + twin.num_positions()
-            ]
-            speeds[speed : speed + joint.num_velocities()] = before.GetVelocities(old)[
-                twin.velocity_start() : twin.velocity_start() + twin.num_velocities()
-            ]
-    after.SetPositions(new, positions)
-    after.SetVelocities(new, speeds)
+    for what in ("Positions", "Velocities"):
+        read, write = getattr(MultibodyPlant, f"Get{what}"), getattr(MultibodyPlant, f"Set{what}")
+        names = getattr(MultibodyPlant, f"Get{what.replace('ies', 'y').rstrip('s')}Names")
+        known = dict(zip(names(before), read(before, old), strict=True))
+        values = zip(names(after), read(after, new), strict=True)
+        write(after, new, [known.get(name, value) for name, value in values])
 
 
 def _transform(pose: Pose) -> RigidTransform:

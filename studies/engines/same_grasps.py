@@ -88,8 +88,10 @@ def without_torsion_in_pybullet(world: Any) -> None:
 # What is applied after a reset; or, for Drake, which constants of its scene differ.
 SWITCHES: dict[str, dict[str, Change]] = {
     "mujoco": {
-        "one point per pair": in_mujoco(disableflags=mujoco.mjtDisableBit.mjDSBL_AUTORESET
-        | mujoco.mjtDisableBit.mjDSBL_MULTICCD),
+        "one point per pair": in_mujoco(
+            disableflags=mujoco.mjtDisableBit.mjDSBL_AUTORESET
+            | mujoco.mjtDisableBit.mjDSBL_MULTICCD
+        ),
         "no torsion": without_torsion_in_mujoco,
         "friction cone a pyramid": in_mujoco(cone=mujoco.mjtCone.mjCONE_PYRAMIDAL),
         "friction as stiff as normal forces": in_mujoco(impratio=1.0),
@@ -122,7 +124,9 @@ def prepared(folder: Path, label: str) -> tuple[Any, pd.DataFrame]:
     """The model of an object and its grasps, which are kept in a file."""
     path = folder / f"{label}.pickle"
     if not path.is_file():
-        (target,) = (each for each in named_meshes(egad.load("evaluation-set")) if each.label == label)
+        (target,) = (
+            each for each in named_meshes(egad.load("evaluation-set")) if each.label == label
+        )
         mesh, model = simulated(target, GRIPPER, "paper")
         grasps = egad.sample_grasps(mesh, GRIPPER, n=SAMPLED, seed=0).to_frame()
         free = grasps[grasps["collision_free"]]
@@ -194,13 +198,15 @@ def main(folder: Path, variants: list[str]) -> None:
                 if ((known["variant"] == variant) & (known["errors"] == errors)).any():
                     continue
                 start = process_time()
-                rows = pd.DataFrame({
-                    "label": label,
-                    "grasp": grasps["grasp"].to_numpy(),
-                    "variant": variant,
-                    "errors": errors,
-                    "outcome": outcomes(variant, model, grasps, errors, label),
-                })
+                rows = pd.DataFrame(
+                    {
+                        "label": label,
+                        "grasp": grasps["grasp"].to_numpy(),
+                        "variant": variant,
+                        "errors": errors,
+                        "outcome": outcomes(variant, model, grasps, errors, label),
+                    }
+                )
                 rows["seconds"] = (process_time() - start) / len(rows)
                 known = pd.concat([known, rows], ignore_index=True)
                 known.to_csv(path, index=False)
