@@ -1,7 +1,6 @@
 """Worlds for tests: in each engine, with a hand on an arm."""
 
 from collections.abc import Sequence
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -12,21 +11,19 @@ from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
 from egad.sim.jaws import Hand
 from egad.sim.model import Model
-from egad.sim.parameters import ENGINES, MODULES, EngineName
+from egad.sim.parameters import ENGINES, FAST_ENGINES, EngineName, is_installed
 from egad.sim.world import World
 
-EACH_ENGINE = pytest.mark.parametrize(
-    "engine",
-    [
-        pytest.param(
-            name,
-            marks=pytest.mark.skipif(
-                find_spec(MODULES.get(name, name)) is None, reason="not installed"
-            ),
-        )
-        for name in ENGINES
-    ],
-)
+
+def _each(engines: Sequence[EngineName]) -> pytest.MarkDecorator:
+    params = [
+        pytest.param(name, marks=pytest.mark.skipif(not is_installed(name), reason="not installed"))
+        for name in engines
+    ]
+    return pytest.mark.parametrize("engine", params)
+
+
+EACH_ENGINE, EACH_FAST_ENGINE = _each(ENGINES), _each(FAST_ENGINES)
 EACH_ARM = pytest.mark.parametrize("arm", list(ARMS))
 HAND = GRIPPERS["egad_75mm"]
 

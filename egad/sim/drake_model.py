@@ -32,8 +32,8 @@ MIN_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
 PARKED = [0.0, 0.0, 100.0]  # where an unused robot waits
 ONE_OBJECT_FRICTION = 10.0
 MAX_FRICTION = 1.9  # of a contact, in multiples of that of the object
-LINKAGE_STIFFNESS = 1e5  # N/m, of all joints of a linkage together, at the pad
-LINKAGE_DAMPING_TIME = 0.005  # seconds
+LINKAGE_STIFFNESS = 4e5  # N/m, of all joints of a finger together, at its pad
+LINKAGE_DAMPING_TIME = 0.001  # seconds
 
 
 class Held(NamedTuple):
@@ -192,7 +192,8 @@ def _add_robot(
 def linkage_stiffness(robot: Robot, follower: Follower) -> float:
     """Stiffness with which a joint follows its finger, N/m or N m."""
     slope = np.ptp(follower.positions) / np.ptp(follower.distances)
-    return float(LINKAGE_STIFFNESS / len(robot.followers) / slope**2)
+    beside = sum(each.side == follower.side for each in robot.followers)
+    return float(LINKAGE_STIFFNESS / beside / slope**2)
 
 
 def _joint(
