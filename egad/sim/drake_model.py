@@ -15,7 +15,7 @@ from egad._util.arrays import Floats
 from egad.friction import OBJECT, TABLE
 from egad.sim.drives import LEFT, RIGHT, Follower
 from egad.sim.model import Model
-from egad.sim.robot import PALM, Box, HullShape, Joint, Robot, wall_boxes
+from egad.sim.robot import Box, HullShape, Joint, Robot, wall_boxes
 from egad.sim.servos import SUBSTEPS, arm_servos, finger_servos
 from egad.sim.world import TIME_STEP
 
@@ -36,23 +36,16 @@ LINKAGE_STIFFNESS = 4e5  # N/m, of all joints of a finger together, at its pad
 LINKAGE_DAMPING_TIME = 0.001  # seconds
 
 
-class Held(NamedTuple):
-    """An object in the hand: its number, and its pose in the frame of the palm, (4, 4)."""
-
-    number: int
-    pose: Floats
-
-
 class Scene(NamedTuple):
     """A compiled scene."""
 
     diagram: Diagram
     plant: multibody.MultibodyPlant
-    graph: geometry.SceneGraph
     objects: list[tree.RigidBody]
-    walls: list[tree.RigidBody]
+    walls: tree.RigidBody
     links: list[tree.RigidBody]  # of the robot
-    base: tree.FixedOffsetFrame  # where the root of a robot is
+    walls_frame: tree.FixedOffsetFrame
+    base: tree.FixedOffsetFrame  # where the root of the robot is
 
 
 class Surfaces:
@@ -96,12 +89,8 @@ def make_scene(
     robot: Robot | None,
     walls: float | None,
     factors: tuple[float, float],
-    held: Held | None,
 ) -> Scene:
-    """Table, objects, one of which the palm may hold, and robot with motors.
-
-    The factors are those of the objects' masses and of the robot's friction.
-    """
+    """Table, objects and robot with motors; factors of the objects' masses and its friction."""
     builder = DiagramBuilder()
     config = multibody.MultibodyPlantConfig(
         time_step=STEP,
@@ -115,10 +104,10 @@ def make_scene(
     side = surfaces.on_object(OBJECT.friction, MODULUS)
     ground = surfaces.on_object(TABLE.friction, MODULUS)
     _add_shapes(plant, plant.world_body(), [TABLE_SIZE], ground)
-    bodies = [plant.AddRigidBody("walls", _inertia(1.0, (1.0, 1.0, 1.0)))] if walls else []
-    for body in bodies:
-        plant.WeldFrames(world, body.body_frame())
-        _add_shapes(plant, body, wall_boxes(walls or 0.0), side)
+    around = plant.AddRigidBody("walls", _inertia(1.0, (1.0, 1.0, 1.0)))
+    walls_frame = plant.AddFrame(tree.FixedOffsetFrame("around", world, RigidTransform()))
+    plant.WeldFrames(walls_frame, around.body_frame())
+    _add_shapes(plant, around, wall_boxes(walls) if walls else [], side)
     base = plant.AddFrame(tree.FixedOffsetFrame("base", world, RigidTransform(PARKED)))
     links = [] if robot is None else _add_robot(plant, robot, base, factors[1], surfaces)
     within = geometry.CollisionFilterDeclaration()
@@ -130,13 +119,9 @@ def make_scene(
         parts = [HullShape(part.vertices) for part in model.parts]
         _add_shapes(plant, objects[-1], parts, surfaces.of_object())
         frame = objects[-1].body_frame()
-        if held is not None and held.number == number:
-            palm, place = plant.GetFrameByName(PALM), RigidTransform(held.pose)
-            plant.AddJoint(tree.WeldJoint("held", palm, frame, place))
-        else:
-            plant.AddJoint(tree.QuaternionFloatingJoint(f"object{number}", world, frame))
+        plant.AddJoint(tree.QuaternionFloatingJoint(f"object{number}", world, frame))
     plant.Finalize()
-    return Scene(builder.Build(), plant, graph, objects, bodies, links, base)
+    return Scene(builder.Build(), plant, objects, around, links, walls_frame, base)
 
 
 def object_inertia(model: Model, factor: float) -> tree.SpatialInertia:

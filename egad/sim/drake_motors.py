@@ -1,7 +1,6 @@
 """The motors of a robot in Drake: where they pull, and how the joints of a linkage follow."""
 
 from collections.abc import Sequence
-from typing import Self
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -33,10 +32,6 @@ class Motors:
         self._positions = [joint.position_start() for joint in self._joints]
         self._speeds = [joint.velocity_start() for joint in self._joints]
         self.targets, self.speeds, self.closing = np.zeros(len(names)), np.zeros(len(names)), False
-
-    def resume(self, before: Self) -> None:
-        """Go on with the commands of others."""
-        self.targets, self.speeds, self.closing = before.targets, before.speeds, before.closing
 
     def place(self, context: Context, joints: Sequence[float], opening: float) -> None:
         """Put the robot at rest at positions of the arm and an opening, metres."""

@@ -5,19 +5,19 @@ from typing import Self
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context
+from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
 from egad.friction import TABLE_ROLLING
-from egad.sim.drake_model import STEP, Held, make_scene, object_inertia
+from egad.sim.drake_model import STEP, make_scene, object_inertia
 from egad.sim.drake_motors import Motors
+from egad.sim.robot import PALM
 from egad.sim.servos import SUBSTEPS
 from egad.sim.world import (
     DOWN,
@@ -25,7 +25,6 @@ from egad.sim.world import (
     FIRST_OBJECT,
     OTHERS,
     TABLE,
-    TIME_STEP,
     WALLS,
     Forces,
     Pose,
@@ -33,6 +32,7 @@ from egad.sim.world import (
     World,
 )
 
+AWAY = [0.0, 0.0, -10.0]  # where removed walls are, metres
 PIN_FACTOR = 1e4  # of the mass of an object that is held in place
 
 
@@ -40,23 +40,23 @@ class DrakeWorld(World):
     """A world in Drake: the compiled `scene`, and the state of its bodies, `context`."""
 
     def __enter__(self) -> Self:
-        self._build(None)
+        self._build()
         self.reset()
         return self
 
     def __exit__(self, *_: object) -> None:
         del self._simulator, self.scene, self.context
 
-    def _build(self, held: Held | None) -> None:
+    def _build(self) -> None:
         """Compile the scene with the current factors."""
-        self._factors, self._held = (self.mass_factor, self.friction_factor), held
-        self.scene = make_scene(self.models, self.robot, self.walls, self._factors, held)
+        self._factors = self.mass_factor, self.friction_factor
+        self.scene = make_scene(self.models, self.robot, self.walls, self._factors)
         plant, robot = self.scene.plant, self.robot
         self._simulator = Simulator(self.scene.diagram)
         sides = {} if robot is None else robot.sides
         bodies = [
             (TABLE, plant.world_body()),
-            *((WALLS, body) for body in self.scene.walls),
+            (WALLS, self.scene.walls),
             *((FINGERS.get(sides.get(link.name(), ""), OTHERS), link) for link in self.scene.links),
             *enumerate(self.scene.objects, FIRST_OBJECT),
         ]
@@ -67,22 +67,16 @@ class DrakeWorld(World):
         }
         if robot is not None:
             self._motors = Motors(plant, robot)
-        self._start()
-
-    def _start(self) -> None:
-        """Return to the initial state of the compiled scene."""
-        self._simulator.reset_context(self.scene.diagram.CreateDefaultContext())
-        root = self._simulator.get_mutable_context()
-        self.context = self.scene.plant.GetMyMutableContextFromRoot(root)
-        self._ticks, self._walled = 0, True
-        self._sums: Floats | None = None
-        self._pinned: dict[int, Pose] = {}
 
     @override
     def reset(self) -> None:
-        if (self.mass_factor, self.friction_factor) != self._factors or self._held is not None:
-            self._build(None)
-        self._start()
+        if (self.mass_factor, self.friction_factor) != self._factors:
+            self._build()
+        self._simulator.reset_context(self.scene.diagram.CreateDefaultContext())
+        root = self._simulator.get_mutable_context()
+        self.context = self.scene.plant.GetMyMutableContextFromRoot(root)
+        self._ticks, self._sums, self._welded = 0, None, None
+        self._pinned: set[int] = set()
         self.set_gravity(DOWN)
         self._here, self.attached = False, None
         if self.robot is not None:
@@ -111,13 +105,7 @@ class DrakeWorld(World):
 
     @override
     def remove_walls(self) -> None:
-        graph = self.scene.graph
-        context = graph.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
-        walls = GeometrySet([s for s, owner in self._owners.items() if owner == WALLS])
-        others = GeometrySet([s for s, owner in self._owners.items() if owner != WALLS])
-        rule = CollisionFilterDeclaration().ExcludeBetween(walls, others)
-        graph.collision_filter_manager(context).Apply(rule)
-        self._walled = False
+        self.scene.walls_frame.SetPoseInParentFrame(self.context, RigidTransform(AWAY))
 
     @override
     def put_robot(self, base: Pose, joints: Sequence[float], opening: float) -> None:
@@ -188,24 +176,21 @@ class DrakeWorld(World):
         return position.tolist(), quaternion.tolist()
 
     def _advance(self) -> float:
-        pulls = []
+        self._pulls: list[Floats] = []
         try:
-            self._apply_weights()
             for _ in range(SUBSTEPS):
+                self._apply_forces()
                 if self.robot is not None:
                     self._motors.apply(self.context)
                 self._ticks += 1
                 self._simulator.AdvanceTo(self._ticks * STEP)
-                if self._held is not None:
-                    pulls.append(self._pull_now(self._held.number))
+                self._sums = None
         except (RuntimeError, SystemExit) as error:  # the latter after failed assertions
             raise UnstableError(str(error)) from error
-        self._sums = None
-        self._mean_pull = np.mean(pulls, axis=0) if pulls else np.zeros((2, 3))
         return self.speeds()[0]
 
-    def _apply_weights(self) -> None:
-        """Apply gravity, and the torque with which the table resists rolling."""
+    def _apply_forces(self) -> None:
+        """Apply gravity, the torque with which the table resists rolling, and the pull of a cup."""
         wrenches = []
         for number, (model, body) in enumerate(zip(self.models, self.scene.objects, strict=True)):
             if number in self._pinned:
@@ -213,75 +198,72 @@ class DrakeWorld(World):
             _, turning = self._velocity(body)
             speed, support = float(np.linalg.norm(turning)), self.forces(number).support
             # no more than would stop the object in this step
-            most = self.mass_factor * model.inertia.min() * speed / (2 * TIME_STEP)
+            most = self.mass_factor * model.inertia.min() * speed / (2 * STEP)
             torque = min(TABLE_ROLLING * support, most) / max(speed, 1e-12)
-            force = self.mass_factor * model.mass * self._gravity
-            wrench = ExternallyAppliedSpatialForce()
-            wrench.body_index = body.index()
-            wrench.p_BoBq_B = np.zeros(3)
-            wrench.F_Bq_W = SpatialForce(-torque * turning, force)
-            wrenches.append(wrench)
+            weight = self.mass_factor * model.mass * self._gravity
+            wrenches.append(_wrench(body, -torque * turning, weight))
+        if self.attached is not None:
+            force, torque = self._follow_palm(self.attached)
+            self._pulls.append(np.stack([force, torque]))
+            palm, body = self._palm, self.scene.objects[self.attached]
+            lever = self._pose(body).position - self._pose(palm).position
+            wrenches.append(_wrench(body, torque, force))
+            wrenches.append(_wrench(palm, -torque - np.cross(lever, force), -force))
         port = self.scene.plant.get_applied_spatial_force_input_port()
         port.FixValue(self.context, wrenches)
 
+    @property
+    def _palm(self) -> RigidBody:
+        return self.scene.plant.GetBodyByName(PALM)
+
     def _attach(self, pose: Floats, number: int) -> None:
-        self._rebuild(Held(number, pose))
+        del number
+        self._welded = pose
 
     def _detach(self, number: int) -> None:
-        place, velocity = self.pose(number), self._velocity(self.scene.objects[number])
-        self._rebuild(None)
-        self.place(place, *velocity, number=number)
+        del number
 
-    def _rebuild(self, held: Held | None) -> None:
-        """Weld an object to the palm, or release it, and go on from the current state."""
-        scene, context, motors = self.scene, self.context, self._motors
-        walled, pinned = self._walled, self._pinned
-        self._build(held)
-        self._motors.resume(motors)
-        place = scene.base.GetPoseInParentFrame(context)
-        self.scene.base.SetPoseInParentFrame(self.context, place)
-        _copy_state(scene.plant, context, self.scene.plant, self.context)
-        for number, pose in pinned.items():
-            self._pin(pose, number)
-        if not walled:
-            self.remove_walls()
+    def _follow_palm(self, number: int) -> tuple[Floats, Floats]:
+        """Force and torque that let an object move with the palm, one step behind it."""
+        model, body = self.models[number], self.scene.objects[number]
+        palm, place = self._pose(self._palm).matrix, self._pose(body).matrix
+        target = palm @ self._welded
+        shift = target[:3, 3] - place[:3, 3]
+        turn = Rotation.from_matrix(target[:3, :3] @ place[:3, :3].T).as_rotvec()
+        speed, turning = self._velocity(self._palm)
+        lever = place[:3, 3] - palm[:3, 3]
+        wanted = speed + np.cross(turning, lever) + shift / (2 * STEP), turning + turn / (2 * STEP)
+        missing = np.array(wanted) - self._velocity(body)
+        inertia = place[:3, :3] * model.inertia @ place[:3, :3].T
+        scale = self.mass_factor / STEP
+        return scale * model.mass * missing[0], scale * inertia @ missing[1]
 
     def _pull(self, number: int) -> Floats:
         del number
-        return self._mean_pull
-
-    def _pull_now(self, number: int) -> Floats:
-        """Same as `_pull`, but for the last of the engine's own steps."""
-        plant = self.scene.plant
-        weld = plant.GetJointByName("held").index()
-        pull = plant.get_reaction_forces_output_port().Eval(self.context)[int(weld)]
-        turn = self._pose(self.scene.objects[number]).matrix[:3, :3]
-        return np.stack([turn @ pull.translational(), turn @ pull.rotational()])
+        return np.mean(self._pulls, axis=0)
 
     def _pin(self, pose: Pose, number: int) -> None:
         # heavy and without weight; the engine crashes if joints are locked
         self.place(pose, number=number)
-        self._pinned[number] = pose
-        self._weigh(number, PIN_FACTOR)
+        self._pinned.add(number)
+        self._set_mass(number, PIN_FACTOR)
 
     def _unpin(self, number: int) -> None:
-        if self._pinned.pop(number, None) is not None:
-            self._weigh(number, 1.0)
+        if number in self._pinned:
+            self._pinned.remove(number)
+            self._set_mass(number, 1.0)
 
-    def _weigh(self, number: int, factor: float) -> None:
+    def _set_mass(self, number: int, factor: float) -> None:
         """Give an object a multiple of its mass."""
         inertia = object_inertia(self.models[number], factor * self.mass_factor)
         self.scene.objects[number].SetSpatialInertiaInBodyFrame(self.context, inertia)
 
 
-def _copy_state(before: MultibodyPlant, old: Context, after: MultibodyPlant, new: Context) -> None:
-    """Copy the state of the joints that two plants have in common."""
-    for what in ("Positions", "Velocities"):
-        read, write = getattr(MultibodyPlant, f"Get{what}"), getattr(MultibodyPlant, f"Set{what}")
-        names = getattr(MultibodyPlant, f"Get{what.replace('ies', 'y').rstrip('s')}Names")
-        known = dict(zip(names(before), read(before, old), strict=True))
-        values = zip(names(after), read(after, new), strict=True)
-        write(after, new, [known.get(name, value) for name, value in values])
+def _wrench(body: RigidBody, torque: Floats, force: Floats) -> ExternallyAppliedSpatialForce:
+    made = ExternallyAppliedSpatialForce()
+    made.body_index, made.p_BoBq_B = body.index(), np.zeros(3)
+    made.F_Bq_W = SpatialForce(torque, force)
+    return made
 
 
 def _transform(pose: Pose) -> RigidTransform:
