@@ -197,8 +197,8 @@ class DrakeWorld(World):
                 continue
             _, turning = self._velocity(body)
             speed, support = float(np.linalg.norm(turning)), self.forces(number).support
-            # no more than would stop the object in this step
-            most = self.mass_factor * model.inertia.min() * speed / (2 * STEP)
+            # much less than would stop the object in this step
+            most = self.mass_factor * model.inertia.min() * speed / (4 * STEP)
             torque = min(TABLE_ROLLING * support, most) / max(speed, 1e-12)
             weight = self.mass_factor * model.mass * self._gravity
             wrenches.append(_wrench(body, -torque * turning, weight))

@@ -54,7 +54,7 @@ class Lifting(Parameters):
     engine: EngineName = Field(
         ENGINES[0],
         description="physics engine; pybullet has packages for Python 3.11 and older only; drake "
-        "is an extra, and takes 10 to 40 times as long",
+        "is an extra, and takes 30 to 50 times as long as mujoco",
     )
     arm: Literal["axis", "panda"] = Field(
         "axis",
