@@ -60,6 +60,12 @@ def soft_in_mujoco(world: World) -> None:
     world.engine.geom_solimp[:, :3] = 0.9, 0.95, 0.001
 
 
+def soft_with_half_the_step(world: World) -> None:
+    """Both."""
+    soft_in_mujoco(world)
+    world.engine.opt.timestep = 1 / 960
+
+
 def damped_in_mujoco(world: World) -> None:
     """Twice the critical damping."""
     world.engine.geom_solref[:, 1] = 2.0
@@ -101,6 +107,7 @@ SWITCHES: dict[str, dict[str, Change]] = {
         "soft contacts": soft_in_mujoco,
         "twice the damping": damped_in_mujoco,
         "half the step": in_mujoco(timestep=1 / 960),
+        "soft contacts and half the step": soft_with_half_the_step,
     },
     "pybullet": {
         "no torsion": without_torsion_in_pybullet,
@@ -150,7 +157,7 @@ def world_of(variant: str, model: Model, arm: Arm) -> Iterator[tuple[World, Chan
         for constant, value in DRAKE[name].items():
             kept[drake_model, constant] = getattr(drake_model, constant)
             setattr(drake_model, constant, value)
-    if variant == "mujoco: half the step":
+    if engine == "mujoco" and name.endswith("half the step"):
         kept[mujoco_world, "SUBSTEPS"] = mujoco_world.SUBSTEPS
         mujoco_world.SUBSTEPS *= 2
     change = SWITCHES.get(engine, {}).get(name, lambda _: None)

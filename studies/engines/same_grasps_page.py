@@ -44,6 +44,7 @@ def engines_table(table: pd.DataFrame) -> None:
         print(f"errors {errors}: {len(found)} grasps, {found.index.unique('label').size} objects")
         for engine in ENGINES:
             print(f"  {NAMES[engine]}: {share(found[engine])}")
+        print(found.astype(int).value_counts().to_string())
         for first, second in combinations(ENGINES, 2):
             parted = share(found[first] != found[second])
             gap = share(found[first] - found[second])
@@ -51,7 +52,7 @@ def engines_table(table: pd.DataFrame) -> None:
 
 
 def switches_table(table: pd.DataFrame) -> None:
-    """For each switch: what it changes in its engine, and how far that engine is from the others.
+    """For each switch: what it changes in its engine, and how far that engine is from another.
 
     Parted grasps are those of the two engines without a switch; `joined` is the part of them that
     the switch brings together.
@@ -59,18 +60,18 @@ def switches_table(table: pd.DataFrame) -> None:
     known = table["typical"]
     for variant in known.columns:
         engine, _, name = variant.partition(": ")
-        if not name:
-            continue
-        others = [each for each in ENGINES if each != engine]
-        rows = known[[variant, *ENGINES]].dropna().astype(float)
-        line = [f"{NAMES[engine]}, {name}: n {len(rows)}, {share(rows[variant])}"]
-        line.append(f"changed {share(rows[variant] != rows[engine])}")
-        for other in others:
+        for other in ENGINES if name else ():
+            if other == engine:
+                continue
+            rows = known[[variant, engine, other]].dropna().astype(float)
             parted = rows[rows[engine] != rows[other]]
             joined = (parted[variant] == parted[other]).sum()
-            now = share(rows[variant] != rows[other])
-            line.append(f"{NAMES[other]}: joined {joined} of {len(parted)}, parted now {now}")
-        print("; ".join(line))
+            print(
+                f"{NAMES[engine]}, {name}, against {NAMES[other]}: {len(rows)} grasps; "
+                f"success {share(rows[variant])}; changed {share(rows[variant] != rows[engine])}; "
+                f"joined {joined} of {len(parted)}; parted {share(rows[variant] != rows[other])}; "
+                f"difference {share(rows[variant] - rows[other])}"
+            )
 
 
 def main(folders: list[Path]) -> None:
