@@ -75,7 +75,8 @@ class DrakeWorld(World):
         self._simulator.reset_context(self.scene.diagram.CreateDefaultContext())
         root = self._simulator.get_mutable_context()
         self.context = self.scene.plant.GetMyMutableContextFromRoot(root)
-        self._ticks, self._sums, self._welded = 0, None, None
+        self._ticks = 0
+        self._sums: Floats | None = None
         self._pinned: set[int] = set()
         self.set_gravity(DOWN)
         self._here, self.attached = False, None
@@ -214,7 +215,8 @@ class DrakeWorld(World):
 
     @property
     def _palm(self) -> RigidBody:
-        return self.scene.plant.GetBodyByName(PALM)
+        palm: RigidBody = self.scene.plant.GetBodyByName(PALM)
+        return palm
 
     def _attach(self, pose: Floats, number: int) -> None:
         del number
@@ -240,7 +242,8 @@ class DrakeWorld(World):
 
     def _pull(self, number: int) -> Floats:
         del number
-        return np.mean(self._pulls, axis=0)
+        mean: Floats = np.mean(self._pulls, axis=0)
+        return mean
 
     def _pin(self, pose: Pose, number: int) -> None:
         # heavy and without weight; the engine crashes if joints are locked

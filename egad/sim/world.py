@@ -74,8 +74,8 @@ class Forces(NamedTuple):
         """Those on one object or on all, from the sums between owners, the lower one first."""
         chosen = slice(FIRST_OBJECT, None) if number is None else [FIRST_OBJECT + number]
         on_objects, robot = sums[:, chosen].sum(axis=1), [LEFT_FINGER, RIGHT_FINGER, OTHERS]
-        blocked = float(sums[TABLE, robot].sum())
-        return cls(*on_objects[robot].tolist(), float(on_objects[TABLE]), blocked)
+        left, right, rest = on_objects[robot].tolist()
+        return cls(left, right, rest, float(on_objects[TABLE]), float(sums[TABLE, robot].sum()))
 
     @property
     def hand(self) -> float:
