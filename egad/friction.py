@@ -10,7 +10,7 @@
 | objects in files for other programs | `OBJECT`, `MJCF_SPIN` | `bundle.friction`, `egad export` |
 
 In MuJoCo, the number of table or robot counts, whatever touches it. PyBullet multiplies the numbers
-of both bodies, so its world divides them by that of the object.
+of both bodies and Drake takes their harmonic mean, so their worlds correct them for the object's.
 """
 
 from typing import NamedTuple

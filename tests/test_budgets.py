@@ -44,7 +44,7 @@ def settings():
     ("what", "size", "limit"),
     [
         ("lines of egad/ above the line", lines_above_the_line, 21_000),
-        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 60_000),
+        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 60_700),
         ("entries of egad/", entries, 26),
         ("settings", settings, 300),
         ("words of README.md", words_of("README.md"), 850),

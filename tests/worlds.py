@@ -1,9 +1,9 @@
 """Worlds for tests: in each engine, with a hand on an arm."""
 
 from collections.abc import Sequence
-from importlib.util import find_spec
 from typing import Any
 
+import numpy as np
 import pytest
 
 from egad.grippers import GRIPPERS, Gripper
@@ -11,18 +11,19 @@ from egad.sim.arms import ARMS, HandPose
 from egad.sim.engines import open_world
 from egad.sim.jaws import Hand
 from egad.sim.model import Model
-from egad.sim.parameters import ENGINES, EngineName
+from egad.sim.parameters import ENGINES, FAST_ENGINES, EngineName, is_installed
 from egad.sim.world import World
 
-EACH_ENGINE = pytest.mark.parametrize(
-    "engine",
-    [
-        pytest.param(
-            name, marks=pytest.mark.skipif(find_spec(name) is None, reason="not installed")
-        )
-        for name in ENGINES
-    ],
-)
+
+def _each(engines: Sequence[EngineName]) -> pytest.MarkDecorator:
+    params = [
+        pytest.param(name, marks=pytest.mark.skipif(not is_installed(name), reason="not installed"))
+        for name in engines
+    ]
+    return pytest.mark.parametrize("engine", params)
+
+
+EACH_ENGINE, EACH_FAST_ENGINE = _each(ENGINES), _each(FAST_ENGINES)
 EACH_ARM = pytest.mark.parametrize("arm", list(ARMS))
 HAND = GRIPPERS["egad_75mm"]
 
@@ -42,5 +43,11 @@ def twist(world: Any, torque: Sequence[float]) -> None:
     """Turn the object by a torque (N m) in the next step."""
     if hasattr(world, "data"):
         world.data.xfrc_applied[world.engine.body("object0").id, 3:] = torque
+    elif hasattr(world, "scene"):
+        plant = world.scene.plant
+        speed = plant.GetJointByName("object0").velocity_start()
+        pull = np.zeros(plant.num_velocities())
+        pull[speed : speed + 3] = torque
+        plant.get_applied_generalized_force_input_port().FixValue(world.context, pull)
     else:
         world.client.applyExternalTorque(world.objects[0], -1, torque, 2)  # in the world's frame

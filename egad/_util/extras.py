@@ -27,6 +27,7 @@ PACKAGES = {
     "mujoco": Package("MuJoCo", "sim"),
     "pxr": Package("OpenUSD", "usd"),
     "pybullet": Package("PyBullet", "sim"),
+    "pydrake": Package("Drake", "drake"),
     "safetensors": Package("safetensors", "vision"),
     "snakemake": Package("Snakemake", "workflow"),
     "torch": Package("PyTorch", "vision"),

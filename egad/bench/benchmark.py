@@ -168,7 +168,7 @@ def run_benchmark(
         errors: Errors of a real cell, as for `egad.run_trials`.
         seed: The same seed gives the same scenes, for all detectors and kinds of noise.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
-        engine: What computes the physics: `mujoco` or `pybullet`.
+        engine: What computes the physics: `mujoco`, `pybullet` or `drake`.
         jobs: Number of processes; the result does not depend on it.
         keep_going: Whether to go on with a detector that fails in every attempt of three rounds.
 

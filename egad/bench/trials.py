@@ -145,7 +145,7 @@ def run_trials(
         contact: What a contact on the way down means: `collided` is a failure; with `close` the
             fingers close where the hand was stopped, as on the robot of EGAD.
         stopping_force: Contact force that stops the hand on its way down, newtons.
-        engine: What computes the physics: `mujoco` or `pybullet`.
+        engine: What computes the physics: `mujoco`, `pybullet` or `drake`.
         jobs: Number of processes; the result does not depend on it.
         keep_going: Whether to go on with a detector that fails in every attempt at the first three
             objects.

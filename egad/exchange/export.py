@@ -109,7 +109,7 @@ def export(
             without grasps ignore this, `seed` and `engine`.
         seed: Seed of the grasps; with the same one, a dataset of the pipeline has the same grasps.
         rule: How objects are scaled: see `egad.rescale`.
-        engine: What simulates the grasps: `mujoco` or `pybullet`.
+        engine: What simulates the grasps: `mujoco`, `pybullet` or `drake`.
 
     Returns:
         What was written, and which objects were left out and why: their mesh does not bound a

@@ -22,8 +22,10 @@ from .model import moved as moved
 from .model import principal_frame as principal_frame
 from .parameters import COLLISION_FORCE as COLLISION_FORCE
 from .parameters import ENGINES as ENGINES
+from .parameters import FAST_ENGINES as FAST_ENGINES
 from .parameters import Contact as Contact
 from .parameters import EngineName as EngineName
+from .parameters import FastEngine as FastEngine
 from .parameters import LabelAgreement as LabelAgreement
 from .parameters import LabelTrialParameters as LabelTrialParameters
 from .parameters import Lifting as Lifting
@@ -32,6 +34,7 @@ from .parameters import SimulatedLabelParameters as SimulatedLabelParameters
 from .parameters import SimulatedLabels as SimulatedLabels
 from .parameters import check_engine as check_engine
 from .parameters import contacts_in_words as contacts_in_words
+from .parameters import is_installed as is_installed
 from .robots import free_hand as free_hand
 from .simulated_labels import SimulatedGrasp as SimulatedGrasp
 from .simulated_labels import chosen_grasps as chosen_grasps

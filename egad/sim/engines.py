@@ -27,6 +27,10 @@ def open_world(
         from egad.sim.pybullet_world import PyBulletWorld  # noqa: PLC0415 (may not be installed)
 
         return PyBulletWorld(models, robot, walls)
+    if engine == "drake":
+        from egad.sim.drake_world import DrakeWorld  # noqa: PLC0415 (may not be installed)
+
+        return DrakeWorld(models, robot, walls)
     from egad.sim.mujoco_world import MujocoWorld  # noqa: PLC0415 (loads the other one in vain)
 
     return MujocoWorld(models, robot, walls)

@@ -12,19 +12,14 @@ from egad.friction import TABLE_ROLLING, Surface
 from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
 from egad.sim.robot import EFFORT, PALM, Box, HullShape, Joint, Link, Robot, wall_boxes
-from egad.sim.world import CLOSING_SPEED, TIME_STEP
+from egad.sim.servos import SUBSTEPS, Servo, arm_servos, finger_servos
+from egad.sim.world import TIME_STEP
 
-SUBSTEPS = 2  # of a time step
 # Contacts are soft: the stiffest that the step allows, and close to rigid.
 CONTACT_TIME = 2 * TIME_STEP / SUBSTEPS  # seconds, within which a penetration is undone
 IMPEDANCE = (0.99, 0.995, 0.0005, 0.5, 2.0)
 FRICTION_STIFFNESS = 100.0  # of friction against normal forces, or held objects creep
-# Servos: stiff, but with the lag that any controller has.
-SLACK = 0.01  # metres or radians off the target, where an arm uses all its strength
-DAMPING_TIME = 0.02  # seconds
-FINGER_SLACK = 0.002  # metres
 MIN_INERTIA = 1e-6  # kg and kg m2; links without mass are not allowed
-ARMATURE = 0.004  # s2/m or s2: inertia of what drives a joint, by its strength
 FOLLOWER_ARMATURE = 1e-5  # kg or kg m2
 PARKED = (0.0, 0.0, 100.0)  # where an unused robot waits
 ROBOT = "robot-"  # prefix of the names of its links and joints
@@ -134,23 +129,16 @@ def _add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
     for follower in robot.followers:
         spec.joint(ROBOT + follower.joint).armature = FOLLOWER_ARMATURE
         _couple(spec, follower.joint, follower.side, follower.polynomial())
-    for name, strength in robot.strength.items():
-        spec.joint(ROBOT + name).armature = ARMATURE * strength
-        _add_servo(spec, name, strength, strength / SLACK, DAMPING_TIME * strength / SLACK, ARM)
-    drive = robot.drive
-    if not drive.joints:
-        return
-    force, factor = drive.strength, abs(drive.closing)
-    stiffness, damping = force / (FINGER_SLACK * factor), force / (CLOSING_SPEED * factor)
-    for name in drive.joints:
-        driven = spec.joint(ROBOT + name)
-        driven.armature = 2 * TIME_STEP / SUBSTEPS * force / (CLOSING_SPEED * factor)
+    for servo in arm_servos(robot):
+        _add_servo(spec, servo, ARM)
+    fingers = finger_servos(robot)
+    for servo in fingers:
+        driven = spec.joint(ROBOT + servo.joint)
         driven.solref_limit[:2], driven.solimp_limit = _CONTACT["solref"], _CONTACT["solimp"]
-        _add_servo(spec, name, force, stiffness, damping, HOLD)
-    # As with a motor, the force of a closing finger falls with its speed, to zero at full speed.
-    for name in drive.joints:
-        _add_servo(spec, name, force, 0.0, damping, CLOSE)
-    if drive.mirrored:
+        _add_servo(spec, servo, HOLD)
+    for servo in fingers:
+        _add_servo(spec, servo._replace(stiffness=0.0), CLOSE)
+    if robot.drive.joints and robot.drive.mirrored:
         _couple(spec, LEFT, RIGHT, [0.0, 1.0])
 
 
@@ -214,12 +202,12 @@ def _couple(
     gear.solimp[:] = IMPEDANCE
 
 
-def _add_servo(
-    spec: mujoco.MjSpec, joint: str, strength: float, stiffness: float, damping: float, group: int
-) -> None:
+def _add_servo(spec: mujoco.MjSpec, servo: Servo, group: int) -> None:
     """Add a motor that drives a joint to a position or, without stiffness, to a speed."""
-    servo = spec.add_actuator(
-        target=ROBOT + joint,
+    name, strength, stiffness, damping, armature = servo
+    spec.joint(ROBOT + name).armature = armature
+    motor = spec.add_actuator(
+        target=ROBOT + name,
         trntype=mujoco.mjtTrn.mjTRN_JOINT,
         gaintype=mujoco.mjtGain.mjGAIN_FIXED,
         biastype=mujoco.mjtBias.mjBIAS_AFFINE,
@@ -227,5 +215,5 @@ def _add_servo(
         forcerange=[-strength, strength],
         group=group,
     )
-    servo.gainprm[0] = stiffness or damping
-    servo.biasprm[1:3] = -stiffness, -damping
+    motor.gainprm[0] = stiffness or damping
+    motor.biasprm[1:3] = -stiffness, -damping

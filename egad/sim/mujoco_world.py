@@ -11,27 +11,36 @@ from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from egad._util.arrays import Floats
-from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model
 from egad.sim.mujoco_model import (
     CLOSE,
-    DAMPING_TIME,
     HOLD,
     OBJECT,
     OBJECT_BIT,
     ROBOT,
-    SUBSTEPS,
     TABLE_BIT,
     WALL,
     scene_spec,
 )
 from egad.sim.robot import Robot
-from egad.sim.world import CLOSING_SPEED, DOWN, Forces, Pose, UnstableError, World
+from egad.sim.servos import DAMPING_TIME, SUBSTEPS
+from egad.sim.world import (
+    CLOSING_SPEED,
+    DOWN,
+    FINGERS,
+    FIRST_OBJECT,
+    LEFT_FINGER,
+    OTHERS,
+    RIGHT_FINGER,
+    TABLE,
+    WALLS,
+    Forces,
+    Pose,
+    UnstableError,
+    World,
+)
 
 log = logging.getLogger(__name__)
-
-# Owners of shapes; objects have the numbers from FIRST_OBJECT on
-TABLE, LEFT_FINGER, RIGHT_FINGER, OTHERS, WALLS, FIRST_OBJECT = range(6)
 
 
 class MujocoWorld(World):
@@ -83,11 +92,7 @@ class MujocoWorld(World):
         self.engine.geom_contype[self._owners == WALLS] = TABLE_BIT
         self.engine.geom_conaffinity[self._owners == WALLS] = OBJECT_BIT
         self._here, self.attached = False, None
-        if len(self.models) == 1:
-            self.data.qpos[2] = float(self.model.mesh.scale)
-            return
-        for number in range(len(self.models)):
-            self.park(number)
+        self._place_objects()
 
     @override
     def set_gravity(self, acceleration: Sequence[float]) -> None:
@@ -159,16 +164,7 @@ class MujocoWorld(World):
         # The first number of each contact is the normal force.
         sums = np.zeros((count, count))
         np.add.at(sums, (pairs[:, 0], pairs[:, 1]), self.data.efc_force[first[first >= 0]])
-        chosen = slice(FIRST_OBJECT, None) if number is None else [FIRST_OBJECT + number]
-        on_objects = sums[:, chosen].sum(axis=1)
-        left, right, rest = on_objects[[LEFT_FINGER, RIGHT_FINGER, OTHERS]].tolist()
-        return Forces(
-            left,
-            right,
-            rest,
-            support=float(on_objects[TABLE]),
-            blocked=float(sums[TABLE, [LEFT_FINGER, RIGHT_FINGER, OTHERS]].sum()),
-        )
+        return Forces.between(sums, number)
 
     @override
     def link_poses(self) -> list[Pose]:
@@ -283,4 +279,4 @@ def _owner(engine: mujoco.MjModel, shape: int, sides: Mapping[str, str]) -> int:
     if body == "world":
         return WALLS if engine.geom(shape).name.startswith(WALL) else TABLE
     side = sides.get(body.removeprefix(ROBOT))
-    return {LEFT: LEFT_FINGER, RIGHT: RIGHT_FINGER}.get(side or "", OTHERS)
+    return FINGERS.get(side or "", OTHERS)

@@ -13,7 +13,9 @@ from egad.grippers import Gripper
 
 # A Panda stops at about this contact force; lighter contacts only push the object aside.
 COLLISION_FORCE = 20.0
-EngineName = Literal["mujoco", "pybullet"]  # the default first
+FastEngine = Literal["mujoco", "pybullet"]
+EngineName = Literal[FastEngine, "drake"]  # the default first
+FAST_ENGINES: tuple[FastEngine, ...] = get_args(FastEngine)
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
 Contact = Literal["collided", "close", "ignore"]
 """What a contact during the approach means; a setting says which of these it allows."""
@@ -32,12 +34,18 @@ def contacts_in_words(*allowed: Contact) -> str:
 def check_engine(name: str) -> None:
     """Raise UserError unless there is an engine of this name and it is installed."""
     check_name("engine", name, ENGINES)
-    if importlib.util.find_spec(name) is None:
+    if not is_installed(name):
+        extra = "drake" if name == "drake" else "sim"
         raise UserError(
-            f"the physics engine {name} is not installed: pip install 'egad[sim]' (PyBullet has "
-            f"packages for Python 3.11 and older only), or choose another one of "
+            f"the physics engine {name} is not installed: pip install 'egad[{extra}]' (PyBullet "
+            f"has packages for Python 3.11 and older only), or choose another one of "
             f"{', '.join(ENGINES)}"
         )
+
+
+def is_installed(engine: str) -> bool:
+    """Whether the package of an engine is installed."""
+    return importlib.util.find_spec("pydrake" if engine == "drake" else engine) is not None
 
 
 class Lifting(Parameters):
@@ -45,7 +53,8 @@ class Lifting(Parameters):
 
     engine: EngineName = Field(
         ENGINES[0],
-        description="physics engine; pybullet has packages for Python 3.11 and older only",
+        description="physics engine; pybullet has packages for Python 3.11 and older only; drake "
+        "is an extra, and takes 30 to 50 times as long as mujoco",
     )
     arm: Literal["axis", "panda"] = Field(
         "axis",

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad.geometry import RayCaster
+from egad.sim.drives import LEFT, RIGHT
 from egad.sim.model import Model, moved
 from egad.sim.robot import PALM, TIP, Robot
 
@@ -24,6 +25,11 @@ REACH = 5.0  # metres; anything further away did not get there by physics
 SUNK = 0.05
 # m/s; a fall from 40 cm ends at 3. Only a penetration that is undone at once causes more than this.
 MAX_SPEED = 10.0
+
+
+# Owners of shapes; objects have the numbers from FIRST_OBJECT on
+TABLE, LEFT_FINGER, RIGHT_FINGER, OTHERS, WALLS, FIRST_OBJECT = range(6)
+FINGERS = {LEFT: LEFT_FINGER, RIGHT: RIGHT_FINGER}
 
 
 class UnstableError(Exception):
@@ -62,6 +68,14 @@ class Forces(NamedTuple):
     rest: float
     support: float
     blocked: float
+
+    @classmethod
+    def between(cls, sums: Floats, number: int | None) -> Self:
+        """Those on one object or on all, from the sums between owners, the lower one first."""
+        chosen = slice(FIRST_OBJECT, None) if number is None else [FIRST_OBJECT + number]
+        on_objects, robot = sums[:, chosen].sum(axis=1), [LEFT_FINGER, RIGHT_FINGER, OTHERS]
+        left, right, rest = on_objects[robot].tolist()
+        return cls(left, right, rest, float(on_objects[TABLE]), float(sums[TABLE, robot].sum()))
 
     @property
     def hand(self) -> float:
@@ -260,6 +274,15 @@ class World(ABC):
             yield
         finally:
             self._unpin(0)
+
+    def _place_objects(self) -> None:
+        """Put a single object above the table, and park several."""
+        if len(self.models) == 1:
+            height = float(self.model.mesh.scale)
+            self.place(Pose.of((0.0, 0.0, height, 0.0, 0.0, 0.0, 1.0)))
+            return
+        for number in range(len(self.models)):
+            self.park(number)
 
     def park(self, number: int) -> None:
         """Move an object out of the way, until it is placed again."""

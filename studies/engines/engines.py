@@ -23,12 +23,12 @@ from egad._util.workers import workers
 from egad.bench import CellErrors, TrialProtocol, TrialRunner, read_attempt
 from egad.exchange import model_in, rows_by_id
 from egad.grippers import GRIPPERS
-from egad.sim import ARMS, ENGINES, open_world
+from egad.sim import ARMS, FAST_ENGINES, open_world
 from egad.sim.pybullet_world import PyBulletWorld
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 
-PAIR = list(ENGINES)
+PAIR = list(FAST_ENGINES)
 ANCHORLESS = "without anchors"
 
 
@@ -36,10 +36,10 @@ class WithoutAnchors(PyBulletWorld):
     """PyBullet, whose contacts forget where they stuck."""
 
     @override
-    def _add_object(self, number: int) -> int:
-        body = super()._add_object(number)
-        self.client.changeDynamics(body, -1, frictionAnchor=0)
-        return body
+    def reset(self) -> None:
+        super().reset()
+        for body in self.objects:
+            self.client.changeDynamics(body, -1, frictionAnchor=0)
 
 
 def attempts_of(results: Path, gripper: str) -> pd.DataFrame:

@@ -42,7 +42,7 @@ from egad.grasps import RobustSuction
 from egad.grasps.suction import collision_free, robust_suction_quality, sample_suction, seal_cups
 from egad.grippers import SuctionCup
 from egad.report.colors import COLOR_MAP, UNKNOWN
-from egad.sim import ARMS, ENGINES, Film, build, open_world
+from egad.sim import ARMS, FAST_ENGINES, Film, build, open_world
 from egad.sim.film import draw
 
 FOLDER = Path(__file__).parent
@@ -203,7 +203,7 @@ def print_trials(attempts: int, rounds: int) -> None:
     print("| detector | engine | success | no_grasp | no_seal | lost | collided |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
     for detector in ("labels", "suction-depth"):
-        for engine in ENGINES:
+        for engine in FAST_ENGINES:
             found = egad.run_trials(detector, objects, GRIPPER, attempts, engine=engine)
             counts = Counter(found.table["outcome"])
             lost = counts["slipped_lifting"] + counts["dropped"]
@@ -212,7 +212,7 @@ def print_trials(attempts: int, rounds: int) -> None:
     print("| detector | engine | scene | success | cleared |")
     print("| --- | --- | --- | --- | --- |")
     for detector in ("labels", "suction-cloud"):
-        for engine in ENGINES:
+        for engine in FAST_ENGINES:
             cleared = egad.run_benchmark(
                 detector, objects, GRIPPER, rounds=rounds, noise=("none",), engine=engine
             )

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from worlds import EACH_ENGINE, start
+from worlds import EACH_ENGINE, EACH_FAST_ENGINE, start
 
 from egad.bench import (
     NAMED_ERRORS,
@@ -90,7 +90,7 @@ def clumsy(view: View, gripper: Gripper, rng: np.random.Generator, /) -> list[Gr
     return [replace(found[0], center=(x, y, z))]
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize("model", [CUBE, BALL, CYLINDER], ids=["cube", "ball", "cylinder"])
 def test_simple_shapes_are_mostly_held(engine: EngineName, model: Model) -> None:
     trials = attempts(model, engine=engine, depth_noise=0.1)
@@ -118,7 +118,7 @@ def test_the_same_settings_give_the_same_bytes(engine: EngineName, ell: Model) -
     pd.testing.assert_frame_equal(first, second, check_exact=True)
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize(
     "changes",
     [{}, {"arm": "panda"}, {"reset": "redrop"}, WITH_ERRORS],

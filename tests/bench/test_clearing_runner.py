@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
-from worlds import EACH_ENGINE, HAND
+from worlds import EACH_ENGINE, EACH_FAST_ENGINE, HAND
 
 from egad.bench import Clutter, RestingObject, proposed_by
 from egad.bench.clearing_runner import ClearingRunner
@@ -69,7 +69,7 @@ def clear(propose: Propose, engine: EngineName = "mujoco") -> list[Attempt]:
         return list(runner.clear(propose, "packed", "none", 3))
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_a_round_ends_when_the_table_is_empty(engine: EngineName) -> None:
     attempts = clear(knowing, engine)
     assert [each.outcome for each in attempts] == [Outcome.SUCCESS] * 3

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 import trimesh
-from worlds import EACH_ENGINE
+from worlds import EACH_ENGINE, EACH_FAST_ENGINE
 
 import egad
 from egad.bench import (
@@ -48,7 +48,7 @@ def test_attempts_are_repeated_from_their_table(engine: EngineName) -> None:
     assert [each.column for each in verdict.unexplained] == ["lifted"]
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize(
     ("detector", "scene"),
     [("labels", "packed"), ("suction-cloud", "packed"), ("suction-depth", "single")],

@@ -6,7 +6,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 from scipy.stats import chisquare, kstest
-from worlds import EACH_ENGINE, HAND
+from worlds import EACH_FAST_ENGINE, HAND
 
 from egad.bench import NaiveGrasp, NaiveGraspParameters, naive_grasps, try_naive_grasps
 from egad.bench.naive_grasps import (
@@ -130,7 +130,7 @@ def test_nothing_faces_up_on_a_needle():
     assert sample_pose(needle, HAND, np.random.default_rng(0)) is not None
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_a_ball_is_held_whenever_the_fingertips_pass_its_middle(engine):
     """Every hand comes along a diameter; with too little depth the pads slide off, or miss."""
     arm = TurningAxis(HAND)
@@ -150,7 +150,7 @@ def test_a_ball_is_held_whenever_the_fingertips_pass_its_middle(engine):
     assert Outcome.SUCCESS not in shallow
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_a_ball_on_a_table_is_held_at_times_and_the_hand_collides_at_others(engine):
     with open_world(engine, [BALL], free_hand(HAND)) as world:
         found = {try_on_table(world, generator(0, "ball", number)) for number in range(16)}

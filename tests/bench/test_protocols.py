@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from standing_cube import CUBE, DOWN, SIDE, UPRIGHT, grasp, stand
 from test_clearing_runner import MODELS, from_above, in_turn, knowing, nowhere
-from worlds import EACH_ENGINE, HAND
+from worlds import EACH_FAST_ENGINE, HAND
 
 from egad.bench import (
     NAMED_PROTOCOLS,
@@ -81,7 +81,7 @@ def test_the_field_of_view_is_as_published(name: str, vertical: float) -> None:
     assert camera.center == ((camera.width - 1) / 2, (camera.height - 1) / 2)
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_a_contact_on_the_way_closes_fails_or_is_ignored(engine: EngineName) -> None:
     """The left finger comes down on a heavy cube, and the hand is 10 mm off its middle.
 
@@ -266,7 +266,7 @@ def test_what_is_no_protocol_is_named(given: object, text: str) -> None:
         Clutter(protocol=given)  # type: ignore[arg-type]
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_the_hand_has_the_force_and_the_pads_of_the_protocol(engine: EngineName) -> None:
     this = Round("single", "none", 0, 0, ("cube",), (1.0,))
     for name, force, friction in (("egad", 70.0, 0.8), ("edgegrasp", 20.0, 0.75)):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from scipy.spatial import ConvexHull
-from worlds import EACH_ENGINE
+from worlds import EACH_FAST_ENGINE
 
 from egad.bench import SCENE_KINDS, WORKSPACE, RestingObject, SceneKind, make_scene, scenes
 from egad.bench.scenes import BOX, settle_from
@@ -34,7 +34,7 @@ def footprint(world: World, number: int) -> ConvexHull:
     return ConvexHull(world.vertices(number)[:, :2])
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize("kind", SCENE_KINDS)
 def test_scenes_are_at_rest_and_reproducible(engine: EngineName, kind: SceneKind) -> None:
     models = MODELS[:1] if kind == "single" else MODELS

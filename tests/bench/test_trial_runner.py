@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from worlds import EACH_ENGINE, HAND, start
+from worlds import EACH_ENGINE, EACH_FAST_ENGINE, HAND, start
 
 from egad.bench import Attempt, InitialPose, RestingObject, TrialProtocol, TrialRunner
 from egad.bench.trial_runner import DROP_HEIGHT, WORKSPACE
@@ -54,19 +54,19 @@ def test_a_grasp_at_the_middle_succeeds(engine: EngineName) -> None:
     assert attempt.outcome == "success"
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_a_grasp_beside_the_object_misses(engine: EngineName) -> None:
     attempt = outcome(CUBE, always((0, 0.1, -0.03)), engine=engine)
     assert attempt.outcome == "missed"
     assert attempt.lifted == pytest.approx(0, abs=0.001)
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_a_finger_on_top_of_the_object_collides(engine: EngineName) -> None:
     assert outcome(CUBE, always((0.035, 0, -0.03)), engine=engine).outcome == "collided"
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_too_heavy_an_object_slips(engine: EngineName) -> None:
     middle, density = always((0, 0, -0.03)), 2.5 / 0.04**3
     attempt = outcome(CUBE, middle, density, engine, force=20.0, friction=0.5)
@@ -147,7 +147,7 @@ def test_how_an_attempt_begins(
         assert -1e-9 < begin[2, 2] < 1 - 1e-9  # tilted, by 90 degrees at most
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize("velocity", [(200.0, 0.0, 0.0), (np.nan, 0.0, 0.0)])
 def test_an_object_that_explodes_has_failed_and_the_next_attempt_begins_anew(
     engine: EngineName,

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from worlds import EACH_ENGINE
+from worlds import EACH_FAST_ENGINE
 
 from egad.bench import NAMED_ERRORS, Reproduction, TrialParameters, TrialProtocol, run_attempts
 from egad.bench.reproduction import nudged
@@ -46,14 +46,14 @@ def table() -> pd.DataFrame:
     return found
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize("detector", ["random", "antipodal-depth"])
 def test_a_table_is_reproduced_to_the_last_bit(engine, detector):
     found = run(detector=detector, engine=engine)
     assert verify_attempts(MODEL, found, settings(engine)) == Reproduction(COUNT, same=COUNT)
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize("by", [3e-14, -2e-13])
 def test_a_table_that_was_rounded_otherwise_is_honest(engine, by):
     found = run(nudged(MODEL, by), engine=engine)

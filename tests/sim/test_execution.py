@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import trimesh
-from worlds import EACH_ARM, EACH_ENGINE, HAND, start
+from worlds import EACH_ARM, EACH_ENGINE, EACH_FAST_ENGINE, HAND, start
 
 from egad.bench import Attempt, TrialProtocol, TrialRunner
 from egad.detectors.base import Grasp
@@ -100,7 +100,7 @@ def held_up(
         return execute(world, ARMS[arm](gripper), TrialProtocol(lift_height=lift), grasp)
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @EACH_ARM
 def test_a_hand_that_meets_the_table_closes_there_if_the_protocol_says_so(
     engine: EngineName, arm: str
@@ -125,7 +125,7 @@ def in_full(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Stillness, "__call__", lambda _: False)
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize(("arm", "spared"), [("axis", 1.2), ("panda", 0.75)])
 def test_what_is_held_firmly_is_not_simulated_to_the_end(
     engine: EngineName, arm: str, spared: float, monkeypatch: pytest.MonkeyPatch
@@ -166,7 +166,7 @@ def test_what_is_taken_out_of_a_hand_on_the_axis_is_dropped(engine: EngineName) 
     assert held_up(*case, lift=lift, watch=take).outcome == "dropped"
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @EACH_ARM
 def test_loads_around_what_friction_carries_end_as_if_simulated_in_full(
     engine: EngineName, arm: str, monkeypatch: pytest.MonkeyPatch
@@ -190,7 +190,7 @@ def attempts(engine: EngineName, model: Model, count: int) -> list[Attempt]:
         return [runner.attempt(QUICK["random"], seed) for seed in range(count)]
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 @pytest.mark.parametrize(
     "mesh",
     [

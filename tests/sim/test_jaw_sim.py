@@ -1,4 +1,4 @@
-"""A hand with one moving jaw in both engines: driven by torque, one-sided, at an angle."""
+"""A hand with one moving jaw in all engines: driven by torque, one-sided, at an angle."""
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from egad.sim.engines import open_world
 from egad.sim.execution import execute_pose, place_hand_above
 from egad.sim.jaws import Hand
 from egad.sim.model import build
+from egad.sim.parameters import ENGINES, is_installed
 from egad.sim.robots import free_hand, on_axis
 from egad.sim.world import WEIGHTLESS, Pose
 
@@ -36,10 +37,10 @@ def swinging(tmp_path_factory):
     return Gripper.from_file(jaw_urdf(tmp_path_factory.mktemp("hand") / "jaw.urdf"), force=FORCE)
 
 
-@pytest.fixture(params=["mujoco", "pybullet"])
+@pytest.fixture(params=ENGINES)
 def engine(request):
-    if request.param == "pybullet":
-        pytest.importorskip("pybullet")
+    if not is_installed(request.param):
+        pytest.skip("not installed")
     return request.param
 
 

@@ -80,7 +80,8 @@ def test_thin_light_plates_are_not_squeezed_flat(
         hand = hand_at(world, HandPose(0.0, 0.0, 0.01, 0.0), 0.07)
         hand.close()
         hand.lift(LIFT, 1.0)
-        assert hand.opening() == pytest.approx(thickness, abs=0.0005)
+        soft = 0.001 if engine == "drake" else 0.0  # its pads are of silicone
+        assert hand.opening() == pytest.approx(thickness, abs=0.0005 + soft)
         assert hand.carries()
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
-from worlds import EACH_ENGINE, HAND
+from worlds import EACH_FAST_ENGINE, HAND
 
 from egad.geometry import Bundle
 from egad.sim import simulated_labels
@@ -44,7 +44,7 @@ def labelled(mass, *rows, **settings):
     return simulate_labels(model, pd.DataFrame(rows), parameters(**settings))
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_the_load_decides_when_a_grasp_slips(engine):
     """Two pads of 20 N and friction 0.5 carry 20 N; shaking asks for 11 m/s2, lifting for 12."""
     middle = grasp()
@@ -55,7 +55,7 @@ def test_the_load_decides_when_a_grasp_slips(engine):
     assert found == {0.1: "success", 1.4: "success", 5.0: "slipped_shaking"}
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_what_is_held_moves_little_and_what_is_off_the_middle_more(engine):
     """A cube of 100 g is pushed to the middle of the hand by 5 mm while the fingers close."""
     middle, aside = (grasp((x, 0, 0)) for x in (0.0, 0.005))
@@ -70,7 +70,7 @@ def test_what_is_held_moves_little_and_what_is_off_the_middle_more(engine):
     assert set(found["simulated_engine"]) == {engine}
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_what_is_not_between_the_fingers_is_missed(engine):
     found = labelled(0.1, grasp((0, 0.1, 0)), engine=engine)
     assert found["simulated_outcome"].item() == "missed"
@@ -79,7 +79,7 @@ def test_what_is_not_between_the_fingers_is_missed(engine):
     assert found["simulated_shaking_shift"].isna().all()
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_no_grasp_depends_on_those_before(engine):
     rows = [grasp((0, 0, z), approach=way) for z in (0, 0.01) for way in (DOWN, UP)]
     together = labelled(1.0, *rows, engine=engine)

@@ -180,6 +180,9 @@ def test_an_engine_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -
         check_engine("pybullet")
     with pytest.raises(UserError, match="pybullet is not installed"):
         open_world("pybullet", [])
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    with pytest.raises(UserError, match=r"drake is not installed: pip install 'egad\[drake\]'"):
+        check_engine("drake")
 
 
 @EACH_ENGINE

@@ -37,7 +37,7 @@ from egad_workflow.settings import Settings, select
 log = logging.getLogger(__name__)
 PACKAGES = (
     *("egad", "snakemake", "numpy", "numba", "trimesh", "scikit-image", "manifold3d"),
-    *("neat-python", "embreex", "pybullet", "mujoco", "pandas", "pyarrow"),
+    *("neat-python", "embreex", "pybullet", "mujoco", "drake", "pandas", "pyarrow"),
 )
 THUMBNAIL, PORTRAIT = 96, 192
 SHOWN = 4  # scenes of clutter of each kind

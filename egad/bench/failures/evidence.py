@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from egad.sim import ENGINES
+from egad.sim import FAST_ENGINES
 
 ODDS = 0.1  # fraction of the failures allowed by the null hypothesis that the bet expects
 STAKE = 0.9  # of the largest bet that cannot lose everything
@@ -76,7 +76,7 @@ def pairs_of(attempts: pd.DataFrame, engine: str, purpose: str = "confirm") -> l
 def counts_of(attempts: pd.DataFrame, purpose: str = "confirm") -> dict[str, float]:
     """Results of the fresh drops at an object, by engine: columns of `tables.failures.EXAMINED`."""
     values: dict[str, float] = {}
-    for engine in ENGINES:
+    for engine in FAST_ENGINES:
         pairs = pairs_of(attempts, engine, purpose)
         difference = sum(pair.reference - pair.detector for pair in pairs)
         values |= {

@@ -35,7 +35,7 @@ from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import GraspLabel, label_parameters
 from egad.grippers import Gripper, as_gripper
 from egad.objects import Dataset, load
-from egad.sim import ENGINES, EngineName, check_engine
+from egad.sim import FAST_ENGINES, EngineName, check_engine
 from egad.tables import parquet
 from egad.tables.failures import FAILURES
 
@@ -103,7 +103,7 @@ def find_failures(
     Source: ours; the difference is the regret of PAIRED (Dennis et al. 2020), not learned.
     """
     hand = as_gripper(gripper)
-    used = tuple(filter(find_spec, ENGINES)) if engines is None else tuple(engines)
+    used = tuple(filter(find_spec, FAST_ENGINES)) if engines is None else tuple(engines)
     detect = as_detector(detector, (*SHIPPED_NETWORKS, *IN_SCENES))
     if isinstance(detect, DetectorConfig):
         check_searchable(detect, hand)

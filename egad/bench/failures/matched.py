@@ -29,7 +29,7 @@ from egad.evalset import label_at
 from egad.evolution import Archive, Shape
 from egad.measures.reeb import graph as reeb
 from egad.objects import Dataset, dataset_of, load
-from egad.sim import ENGINES, EngineName
+from egad.sim import FAST_ENGINES, EngineName
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 from egad.tables.failures import FAILURE_ATTEMPTS, MATCHED
@@ -80,7 +80,7 @@ class MatchedSet:
     @property
     def engines(self) -> list[EngineName]:
         """Engines in which all were tried."""
-        return [each for each in ENGINES if self.table[f"n_pairs_{each}"].sum()]
+        return [each for each in FAST_ENGINES if self.table[f"n_pairs_{each}"].sum()]
 
     @property
     def objects(self) -> Dataset:

@@ -24,7 +24,7 @@ from egad.evalset import print_problems
 from egad.measures import cell_of
 from egad.measures.reeb import Forest, similarities
 from egad.measures.reeb import graph as reeb
-from egad.sim import ENGINES
+from egad.sim import FAST_ENGINES
 from egad.tables import parquet
 from egad.tables.failures import FAILURE_ATTEMPTS
 
@@ -131,7 +131,7 @@ class Matching:
         """Ids of failures and of their partners; UserError if there is no pair."""
         some = np.flatnonzero(self._near.any(axis=1))
         self.unmatched = len(self._near) - len(some)
-        names = [f"difference_{engine}" for engine in ENGINES]
+        names = [f"difference_{engine}" for engine in FAST_ENGINES]
         difference = self._failures[names].min(axis=1).fillna(0)
         order = some[spread(_cells(self._failures)[some], difference.to_numpy()[some])].tolist()
         chosen, waiting = order[:most], order[most:]

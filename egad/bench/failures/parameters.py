@@ -13,7 +13,7 @@ from egad.evolution import EvolutionParameters
 from egad.geometry import Bundle, Material, Rescale
 from egad.grasps import LabelParameters
 from egad.grippers import Gripper
-from egad.sim import ENGINES, EngineName
+from egad.sim import FAST_ENGINES, FastEngine
 
 Strategy = Literal["evolution", "screening", "mutation", "random"]
 
@@ -45,8 +45,10 @@ class FailureSearch(Parameters):
         description="noise of the depth images, as in `trials.depth_noise`, pixels; with the "
         "approach `any`, everything above 0 is 0.1",
     )
-    engines: tuple[EngineName, ...] = Field(
-        ENGINES, min_length=1, description="physics engines; a failure must be one in all of them"
+    engines: tuple[FastEngine, ...] = Field(
+        FAST_ENGINES,
+        min_length=1,
+        description="physics engines; a failure must be one in all of them",
     )
     screen: int = Field(
         5,

@@ -88,7 +88,7 @@ def make_scenes(
             that networks will be tested on.
         seed: The same arguments give the same scenes.
         rule: How objects are scaled to the gripper: see `egad.rescale`.
-        engine: What computes the physics: `mujoco` or `pybullet`.
+        engine: What computes the physics: `mujoco`, `pybullet` or `drake`.
         jobs: Number of processes; the result does not depend on it.
         out: Folder for the scenes; without one, they are deleted together with the result.
 

@@ -12,12 +12,12 @@ from egad.bench.failures.finding import failure_parameters
 from egad.detectors import Grasp
 from egad.detectors.antipodal import antipodal_depth
 from egad.evalset import PrintCheck
-from egad.sim import ENGINES
+from egad.sim import FAST_ENGINES
 
 PANDA = egad.gripper("panda")
 CUBE = trimesh.creation.box((0.05, 0.05, 0.05))
-USED = tuple(filter(find_spec, ENGINES))
-EACH_ENGINE = pytest.mark.parametrize("engine", USED)
+USED = tuple(filter(find_spec, FAST_ENGINES))
+EACH_FAST_ENGINE = pytest.mark.parametrize("engine", USED)
 QUICK = {
     "screen": 2,
     "choose": 2,

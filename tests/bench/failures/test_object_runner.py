@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from failing import CUBE, EACH_ENGINE, PANDA, broken, nothing, rng
+from failing import CUBE, EACH_FAST_ENGINE, PANDA, broken, nothing, rng
 
 from egad.bench import TrialProtocol, TrialRunner
 from egad.bench.failures.finding import failure_parameters
@@ -26,7 +26,7 @@ def runner(engine, from_above, contact=None):
 
 
 @EACH_WAY
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_labelled_grasps_hold_and_can_be_repeated(engine, from_above):
     with runner(engine, from_above) as table:
         assert table.engine == engine
@@ -58,7 +58,7 @@ def test_proposals_are_ranked_and_feasible(from_above):
     assert "oops" in failure.text
 
 
-@EACH_ENGINE
+@EACH_FAST_ENGINE
 def test_a_grasp_from_above_is_carried_out_as_in_trials(engine):
     arm = ARMS["axis"](PANDA)
     with open_world(engine, [MODEL], arm.robot) as world:
