@@ -237,6 +237,6 @@ def test_a_program_with_useless_poses_is_told(program, caplog, height, said):
     if said == "not_finite":
         assert set(egad.run_benchmark(detect, boxes, **few).table["outcome"]) == {said}
         return
-    with pytest.raises(UserError, match="failed in all 3 attempts"):
+    with pytest.raises(UserError, match="failed in all"):
         egad.run_benchmark(detect, boxes, **few)
     assert said in caplog.text
