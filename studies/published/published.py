@@ -5,8 +5,8 @@
 
 clears up to `--rounds` tables for each row, ten rounds of each row before the next ten of any, and
 prints the tables. Results in OUT are not repeated; `--show` prints what there is, and `--only`
-names the rows to run. The repository of EdgeGrasp has the household scans that VGN, GIGA and
-EdgeGrasp were tested with.
+names the rows to run. OUT/ROW.parquet has a row when all its rounds are done. The repository of
+EdgeGrasp has the household scans that VGN, GIGA and EdgeGrasp were tested with.
 """
 
 import argparse
@@ -193,6 +193,10 @@ def print_rows(out: Path, chosen: list[Row]) -> None:
         if not paths:
             continue
         table = pd.concat([parquet.read(path, CLUTTER) for path in paths])
+        if len(paths) * CHUNK == row.clutter.rounds:
+            order = {name: n for n, name in enumerate((*row.clutter.scenes, *row.clutter.noises))}
+            whole = table.sort_values(["scene", "noise"], key=lambda c: c.map(order), kind="stable")
+            parquet.write(whole, CLUTTER, out / f"{row.name}.parquet")
         seconds = [s for path in paths for s in json.loads(path.with_suffix(".json").read_text())]
         for each in clearing_rates(table):
             cells = [row.name, each.scene, each.noise, each.rounds]
