@@ -50,7 +50,7 @@ class Row(NamedTuple):
     """One row of a table.
 
     Attributes:
-        part: The table: own, piles, noise or leaderboard.
+        part: The table: own, piles, piles-meshes (without convex hulls), noise or leaderboard.
         detector: One of the detectors of `detectors`.
         objects: A set of objects, from `sets`.
         clutter: The scenes and rules.
@@ -87,6 +87,8 @@ def rows() -> list[Row]:
             rounds=100, scenes=("pile",), protocol=rules, noise=("none",), engine="pybullet"
         )
         made.append(Row("piles", detector, "evolved", clutter, last.objects))
+        solid = tuple(change for change in last.objects if change != "hulls")
+        made.append(Row("piles-meshes", detector, "evolved", clutter, solid))
     scenes = ("packed", "pile")
     typical = {"noise": ("stereo",), "errors": NAMED_ERRORS["typical"]}
     for detector in DETECTORS:

@@ -46,5 +46,8 @@ def test_the_leaderboard_rows_follow_its_protocol():
 def test_the_piles_follow_all_rules_of_neugraspnet():
     rows = [row for row in published.rows() if row.part == "piles"]
     assert {row.changes for row in rows} == {("sizes", "hulls", "mass")}
+    meshes = [row for row in published.rows() if row.part == "piles-meshes"]
+    assert {row.changes for row in meshes} == {("sizes", "mass")}
+    assert [row.clutter for row in meshes] == [row.clutter for row in rows]
     assert {row.clutter.protocol.skips for row in rows} == {3}
     assert {row.detector: row.clutter.protocol.threshold for row in rows}["vgn"] == 0.5
