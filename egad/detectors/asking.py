@@ -17,6 +17,7 @@ from egad.tables.outcomes import Outcome
 
 Seen = View | tuple[View, ...] | PointCloud | tuple[PointCloud, ...] | Tsdf | Observation
 
+FAR = 0.4  # metres from the middle of the table: outside of any workspace
 INPUTS = ("view", "views", "cloud", "object_clouds", "tsdf", "observation")
 
 
@@ -94,9 +95,25 @@ def choose(
     threshold: float = -math.inf,
     shuffled: np.random.Generator | None = None,
 ) -> Grasp | Outcome:
-    """The best grasp above the threshold that the hand can execute, with its pose; or why none."""
+    """The best grasp above the threshold that the hand can execute, with its pose; or why none.
+
+    DetectorError if all grasps are out of the workspace, as in the frame of a camera.
+    """
+    _check_frame(answer)
     best = _executable(_ordered(answer, threshold, shuffled), gripper, 1)
     return best if isinstance(best, Outcome) else best[0].as_pose(gripper)
+
+
+def _check_frame(answer: Answer) -> None:
+    if isinstance(answer, GraspPoses):
+        places = answer.poses[:, :3, 3]
+    else:
+        places = np.array([each.center for each in answer])
+    if len(places) and (np.linalg.norm(places, axis=1) > FAR).all():
+        raise DetectorError(
+            f"all {len(places)} grasps are more than {FAR} m from the middle of the table; are "
+            "they in the frame of a camera, or not in metres? They must be in the world's"
+        )
 
 
 def best_grasp(grasps: list[Grasp], gripper: Gripper) -> Grasp | Outcome:

@@ -99,12 +99,14 @@ FACTORS: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class FixedMass(Model):
-    """An object of 150 g in any size."""
+    """An object of the same mass in any size."""
+
+    fixed: float = MASS
 
     def scaled(self, factor: float) -> Model:
         """The same object in another size."""
         made = super().scaled(factor)
-        return replace(made, mass=MASS, inertia=made.inertia * MASS / made.mass)
+        return replace(made, mass=self.fixed, inertia=made.inertia * self.fixed / made.mass)
 
 
 class FineVgn:

@@ -5,10 +5,12 @@ import functools
 import numpy as np
 import pytest
 
-from egad.detectors import GraspPoses, from_above, seen_by, wanted_input
+from egad.detectors import Grasp, GraspPoses, choose, from_above, seen_by, wanted_input
 from egad.detectors.base import DetectorError
 from egad.detectors.registry import with_checked_answers
 from egad.errors import UserError
+from egad.grippers import GRIPPERS
+from egad.tables.outcomes import Outcome
 
 
 def of_view(view, _gripper, _rng):
@@ -113,3 +115,24 @@ def test_a_tuple_of_arrays_is_an_answer_of_poses():
 def test_poses_are_not_from_above():
     with pytest.raises(DetectorError, match="benchmark"):
         from_above(GraspPoses(np.empty((0, 4, 4)), np.empty(0), np.empty(0)))
+
+
+def test_grasps_in_the_frame_of_a_camera_are_an_error():
+    """One of 0.6 m above the table sees an object in its middle; one grasp in place is enough."""
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    poses[:, 2, 3] = (0.55, 0.58)
+    answer = GraspPoses(poses, np.full(2, 0.05), np.ones(2))
+    with pytest.raises(DetectorError, match=r"all 2 grasps are more than 0\.4 m .* of a camera"):
+        choose(answer, GRIPPERS["panda"])
+    above = [Grasp((100.0, 0.0, 30.0), 0.0, 0.05, 0.01, 1.0)]
+    with pytest.raises(DetectorError, match="not in metres"):
+        choose(above, GRIPPERS["panda"])
+    poses[0, 2, 3] = 0.1
+    assert choose(answer, GRIPPERS["panda"]).center == (0, 0, 0.1)
+    poses[:, 2, 3] = (np.nan, 0.55)
+    assert choose(answer, GRIPPERS["panda"]).center == (0, 0, 0.55)
+
+
+def test_no_grasps_are_in_no_wrong_frame():
+    for answer in ([], GraspPoses(np.zeros((0, 4, 4)), np.zeros(0), np.zeros(0))):
+        assert choose(answer, GRIPPERS["panda"]) is Outcome.NO_GRASP

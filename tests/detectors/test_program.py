@@ -218,3 +218,25 @@ def test_trials_give_a_view_and_nothing_else(observation, program):
     """)
     with Program(command, PATIENT, PATIENT) as detect:
         assert ask(detect, view)[0].quality == 1
+
+
+@pytest.mark.parametrize(
+    ("height", "said"),
+    [("0.55", "in the frame of a camera"), ("float('nan')", "not_finite")],
+)
+def test_a_program_with_useless_poses_is_told(program, caplog, height, said):
+    command = program(f"""
+        send(HELLO)
+        while True:
+            ask()
+            answer([[[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, {height}], [0, 0, 0, 1]]])
+    """)
+    boxes = {"box": trimesh.creation.box((0.03, 0.04, 0.05))}
+    few = {"rounds": 3, "rule": "none", "scenes": ["single"], "noise": ["none"]}
+    detect = DetectorConfig(command=tuple(command))
+    if said == "not_finite":
+        assert set(egad.run_benchmark(detect, boxes, **few).table["outcome"]) == {said}
+        return
+    with pytest.raises(UserError, match="failed in all"):
+        egad.run_benchmark(detect, boxes, **few)
+    assert said in caplog.text
