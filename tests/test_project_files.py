@@ -22,6 +22,7 @@ SPELLED = {  # packages that are imported by another name
     "collada": "pycollada",
     "igl": "libigl",
     "pxr": "usd-core",
+    "pydrake": "drake",
     "skimage": "scikit-image",
     "zmq": "pyzmq",
 }
@@ -129,7 +130,7 @@ def test_every_imported_package_is_declared():
 def test_every_pin_has_a_hash(name):
     text = LOCKS[name]
     blocks = re.split(r"\n(?=[a-z0-9])", text[text.index("\n" + next(iter(pins(name)))) :].strip())
-    assert len(blocks) == len(pins(name))
+    assert len({block.partition("==")[0] for block in blocks}) == len(pins(name))
     assert all("--hash=sha256:" in block for block in blocks)
 
 

@@ -93,9 +93,7 @@ def _repeat(
                 repeated = Attempt(None if began else Outcome.FAILED)
             else:
                 flaw = "" if alone else _flaw(runner, initial, seed, before)
-                repeated = (
-                    Attempt(None) if flaw == UNKNOWN else runner.repeat(initial, grasp, deviation)
-                )
+                repeated = runner.repeat(initial, grasp, deviation)
             yield repeated, flaw
             end = Pose.of([row[name] for name in END])
             before = replace(

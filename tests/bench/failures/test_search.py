@@ -74,7 +74,7 @@ def test_evolution_breeds_failures_and_is_the_same_after_an_interruption(monkeyp
 
 
 def test_a_cell_full_of_failures_is_closed():
-    twins = OBJECTS[["H01_2", "H01_0"]].archive
+    twins = OBJECTS[["C03_0", "C03_1"]].archive
     assert len(twins[CELL].drop_duplicates()) == 1
     settings = parameters(strategy="screening", elites_per_cell=1)
     found = joined(run(settings, archive=twins)).examined

@@ -190,18 +190,16 @@ def verified(dataset, trials, tmp_path, *words):
 def test_a_table_is_verified_without_its_detector(dataset, table, tmp_path):
     trials = parquet.read(table, TRIALS)
     all_of_it = verified(dataset, trials, tmp_path).stdout
-    assert "9 of 9 attempts simulated again: all as in the table" in all_of_it
-    assert "6 of 9 attempts" in verified(dataset, trials, tmp_path, "--sample", 2).stdout
+    assert "9 of 9 attempts are the same to the last bit" in all_of_it
+    assert "6 of 6 attempts" in verified(dataset, trials, tmp_path, "--sample", 2).stdout
 
 
 @pytest.mark.parametrize("column", ["lifted", "initial_z"])
 def test_a_table_altered_in_one_place_is_refused(dataset, table, tmp_path, column):
     trials = parquet.read(table, TRIALS)
     row = trials.index[(trials["label"] == "A1") & trials["success"]][0]
-    trials.loc[row, column] += 1e-6
+    trials.loc[row, column] += 1e-3
     refused = verified(dataset, trials, tmp_path)
     assert refused.returncode == 1
-    assert "9 attempts are not reproduced: the table was altered, or" in refused.stderr
-    assert f"A1, attempt {trials['attempt'][row]}: " in refused.stdout
-    if column == "lifted":
-        assert verified(dataset, trials, tmp_path, "--tolerance", "1e-5").returncode == 0
+    assert "of 9 attempts are not reproduced" in refused.stderr
+    assert f"A1, attempt {trials['attempt'][row]}: " in refused.stderr
