@@ -30,7 +30,7 @@ from egad.exchange import any_objects, bundle_models, model_in, rows_by_id, writ
 from egad.io import write_obj
 from egad.sim import SimulationBundle
 from egad.tables import parquet
-from egad.tables.clutter import CLUTTER
+from egad.tables.clutter import CLUTTER, GRASP_POSE
 from egad.tables.outcomes import Outcome
 from egad_workflow.settings import Settings, select
 
@@ -272,6 +272,18 @@ def test_rounds_that_were_cut_short_or_added_to_are_told(table, made):
     more = last.iloc[[0]].assign(attempt=count)
     (found,) = verify_groups(groups(pd.concat([table, more])), models, given).impossible
     assert (found.said, found.simulated) == (count + 1, count)
+
+
+def test_a_success_without_a_grasp_and_another_number_of_objects_are_told(table, made):
+    given, models = select(WHOLE, ClutterParameters, GRIPPER), bundle_models(made)
+    row = table.index[table["success"]][0]
+    without = table.copy()
+    without.loc[row, list(GRASP_POSE)] = np.nan
+    found = verify_groups(groups(without), models, given).impossible
+    assert [(each.column, each.simulated) for each in found] == [("outcome", "no grasp was tried")]
+    fewer = table.assign(n_objects=table["n_objects"].where(table.index != row, 9))
+    (found,) = verify_groups(groups(fewer), models, given).unexplained
+    assert (found.column, found.said) == ("n_objects", 9)
 
 
 def test_a_round_that_began_cannot_be_said_to_have_failed(table, made):
