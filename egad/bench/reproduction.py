@@ -7,7 +7,7 @@ a nudged attempt has the same result, and nudged attempts end about as far apart
 altered.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import compress
 from typing import NamedTuple
@@ -122,7 +122,7 @@ def judge(
     `simulate_nudged` does so for some of them, by number, with the object nudged by a fraction.
     """
     distances, have_same_results = _distances(said, simulated), _same_results(said, simulated)
-    departed = np.flatnonzero(~have_same_results | (distances > END_TOLERANCE))
+    departed = _departed(have_same_results, distances)
     spread, seen = np.zeros(len(departed)), np.zeros(len(departed), dtype=np.bool_)
     for fraction in NUDGES if len(departed) else ():
         others = simulate_nudged(fraction, departed)
@@ -145,8 +145,23 @@ def judge(
 
 def first_departure(said: pd.DataFrame, simulated: pd.DataFrame) -> int | None:
     """Number of the first row that ended otherwise; None if there is none."""
-    departed = ~_same_results(said, simulated) | (_distances(said, simulated) > END_TOLERANCE)
-    return next(iter(np.flatnonzero(departed).tolist()), None)
+    departed = _departed(_same_results(said, simulated), _distances(said, simulated))
+    return next(iter(departed.tolist()), None)
+
+
+def differing(
+    rows: pd.DataFrame, determined: pd.DataFrame, places: Sequence[str]
+) -> Iterator[Difference]:
+    """Values of rows that differ from those of the same rows that are determined beforehand."""
+    for column in determined:
+        expected = determined[column].to_numpy()
+        for number in np.flatnonzero(rows[column].to_numpy() != expected).tolist():
+            yield Difference(places[number], str(column), rows[column][number], expected[number])
+
+
+def _departed(have_same_results: Flags, distances: Floats) -> Ints:
+    """Numbers of the rows that ended otherwise."""
+    return np.flatnonzero(~have_same_results | (distances > END_TOLERANCE))
 
 
 def _same_results(first: pd.DataFrame, second: pd.DataFrame) -> Flags:

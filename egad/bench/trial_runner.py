@@ -64,9 +64,9 @@ def initial_poses(
         yield InitialPose("dropped", _above(mesh, quaternion, rng))
 
 
-def drop_generator(seed: int) -> np.random.Generator:
-    """The random numbers of the drops of an attempt."""
-    return np.random.default_rng(seed).spawn(1)[0]
+def generators(seed: int) -> list[np.random.Generator]:
+    """The random numbers of an attempt: of its drops, its detector and its camera."""
+    return np.random.default_rng(seed).spawn(3)
 
 
 def largest_shift(mesh: trimesh.Trimesh, before: Pose, after: Pose) -> float:
@@ -120,7 +120,7 @@ class TrialRunner(Runner):
     ) -> Attempt:
         """Make one attempt, from drop to hold; the seed alone determines all random numbers."""
         self.vary(deviation)
-        drop_rng, detector_rng, camera_rng = np.random.default_rng(seed).spawn(3)
+        drop_rng, detector_rng, camera_rng = generators(seed)
         ready = self.begin(drop_rng, before)
         if ready is None:
             return Attempt(Outcome.FAILED)

@@ -11,7 +11,14 @@ from egad._util.arrays import Ints
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.parameters import ClutterParameters, TrialParameters
-from egad.bench.reproduction import Difference, Reproduction, first_departure, judge, nudged
+from egad.bench.reproduction import (
+    Difference,
+    Reproduction,
+    differing,
+    first_departure,
+    judge,
+    nudged,
+)
 from egad.bench.rounds import (
     Models,
     Round,
@@ -64,17 +71,14 @@ def _contradictions(
     rows: pd.DataFrame, planned: Round, settings: ClutterParameters, places: list[str]
 ) -> Iterator[Difference]:
     """Values that the plan of a round rules out, and grasps that no hand would try."""
-    determined = failed_round(planned, settings, Outcome.FAILED).iloc[0]
-    for column in DETERMINED:
-        for number in np.flatnonzero(rows[column].to_numpy() != determined[column]).tolist():
-            yield Difference(places[number], column, rows[column][number], determined[column])
+    determined = failed_round(planned, settings, Outcome.FAILED)[DETERMINED]
+    yield from differing(rows, determined.iloc[[0] * len(rows)], places)
     for place, row in zip(places, parquet.records(rows), strict=True):
         grasp, outcome = read_grasp(row), row["outcome"]
         if isinstance(grasp, Outcome):
             if outcome not in (*POSE_FAILURES, *SIMULATION_FAILURES):
                 yield Difference(place, "outcome", outcome, "no grasp was tried")
-        elif outcome in POSE_FAILURES or grasp.infeasibility(settings.gripper):
-            flaw = grasp.infeasibility(settings.gripper)
+        elif (flaw := grasp.infeasibility(settings.gripper)) or outcome in POSE_FAILURES:
             yield Difference(place, "outcome", outcome, flaw or "a grasp was tried")
 
 

@@ -10,9 +10,9 @@ import pandas as pd
 from egad._util.arrays import Ints
 from egad.bench.attempts import END, columns_of, failed_attempts, read_attempt
 from egad.bench.parameters import TrialParameters
-from egad.bench.reproduction import Difference, Reproduction, judge, nudged
+from egad.bench.reproduction import Difference, Reproduction, differing, judge, nudged
 from egad.bench.runner import Attempt, InitialPose
-from egad.bench.trial_runner import TrialRunner, drop_generator
+from egad.bench.trial_runner import TrialRunner, generators
 from egad.sim import ARMS, Model, Pose, open_world
 from egad.tables import parquet
 from egad.tables.outcomes import DETECTOR_FAILURES, SIMULATION_FAILURES, Outcome
@@ -55,11 +55,7 @@ def _contradictions(
     """Values that settings, seed and model rule out, and grasps that no hand would try."""
     label, name = rows["label"].iloc[0], rows["id"].iloc[0]
     determined = failed_attempts(label, name, settings, Outcome.FAILED)
-    determined = determined[DETERMINED].assign(parts=len(model.parts))
-    for column in determined:
-        expected = determined[column].to_numpy()
-        for number in np.flatnonzero(rows[column].to_numpy() != expected).tolist():
-            yield Difference(places[number], str(column), rows[column][number], expected[number])
+    yield from differing(rows, determined[DETERMINED].assign(parts=len(model.parts)), places)
     for place, row in zip(places, parquet.records(rows), strict=True):
         is_failure, outcome = row["outcome"] in DETECTOR_FAILURES, row["outcome"]
         if not row["initial_pose"]:
@@ -89,7 +85,7 @@ def _repeat(
             seed, flaw = int(row["seed"], 16), ""
             runner.vary(deviation)
             if not row["initial_pose"]:
-                began = not alone and runner.begin(drop_generator(seed), before)
+                began = not alone and runner.begin(generators(seed)[0], before)
                 repeated = Attempt(None if began else Outcome.FAILED)
             else:
                 flaw = "" if alone else _flaw(runner, initial, seed, before)
@@ -108,7 +104,7 @@ def _flaw(runner: TrialRunner, initial: InitialPose, seed: int, before: Attempt 
     # Rounding decides whether an object has moved if it moved by nearly the least distance.
     unsure = before is not None and runner.barely_moved(before)
     for previous in (before, None) if unsure else (before,):
-        poses = list(runner.initial_poses(drop_generator(seed), previous))
+        poses = list(runner.initial_poses(generators(seed)[0], previous))
         earlier = list(takewhile(lambda pose: not _equal(pose, initial), poses))
         if len(earlier) < len(poses):
             return EARLIER if any(runner.rest_from(each) for each in earlier) else ""

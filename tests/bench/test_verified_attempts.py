@@ -8,7 +8,7 @@ from worlds import EACH_FAST_ENGINE
 
 from egad.bench import NAMED_ERRORS, Reproduction, TrialParameters, TrialProtocol, run_attempts
 from egad.bench.reproduction import nudged
-from egad.bench.trial_runner import drop_generator, initial_poses
+from egad.bench.trial_runner import generators, initial_poses
 from egad.bench.verified_attempts import EARLIER, UNKNOWN, verify_attempts
 from egad.detectors.registry import QUICK
 from egad.geometry import Bundle
@@ -109,7 +109,7 @@ def test_a_drop_that_the_protocol_would_not_come_to_is_told():
     """The drops after the first one are only for objects that roll away."""
     found = run(reset="redrop")
     seed = int(found["seed"][0], 16)
-    poses = list(initial_poses(MODEL.mesh, None, drop_generator(seed)))
+    poses = list(initial_poses(MODEL.mesh, None, generators(seed)[0]))
     second = [*poses[1].pose.position, *poses[1].pose.quaternion]
     for column, number in zip(INITIAL, second, strict=True):
         found.loc[0, column] = number
