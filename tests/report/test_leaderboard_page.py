@@ -5,6 +5,7 @@ import pytest
 from chromium import IN_CHROMIUM, STANDARDS
 from partial_tables import fill_columns
 
+from egad.bench.reproduction import Reproduction
 from egad.report.leaderboard import Board, Protocol, Refusal, SubmittedTable, page
 from egad.tables.evaluation import TRIALS
 
@@ -43,7 +44,7 @@ def board(tmp_path_factory):
     }
     tables = [
         SubmittedTable(
-            name, protocol, attempts(rate, each.engine), 196, {"A0, attempt 0": "films/a.gif"}
+            name, protocol, attempts(rate, each.engine), Reproduction(196, same=196), {"A0, attempt 0": "films/a.gif"}
         )
         for protocol, each in protocols.items()
         for name, rate in (("good", 0.9), ("fair", 0.5))
