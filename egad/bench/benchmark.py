@@ -1,6 +1,6 @@
 """Clearing tables of objects with a grasp detector, from Python."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,12 +11,13 @@ import trimesh
 
 from egad._util.display import table_html
 from egad._util.files import as_path
+from egad._util.lazy import Lazy
 from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.bench.clearing import check_detector, clear_rounds
+from egad.bench.clearing import Cleared, check_detector, clear_rounds
 from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
-from egad.bench.preparation import SceneObject, prepare_objects
+from egad.bench.preparation import SceneObject, lazy_objects, prepare_objects
 from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
 from egad.bench.rounds import film_round, rounds_of
 from egad.bench.stats import (
@@ -38,7 +39,7 @@ from egad.detectors import (
     knows_scene,
     wanted_input,
 )
-from egad.errors import UserError
+from egad.errors import RejectedError, UserError
 from egad.grippers import Gripper
 from egad.io import check_ending
 from egad.objects import Dataset, NamedMesh, named_meshes
@@ -212,33 +213,52 @@ def try_tables(
     """Let a detector clear tables of objects; see `run_benchmark`, also for errors."""
     check_detector(detect, settings)
     label_seed = settings.seed if knows_scene(detect) else None
-    objects = prepare_objects(targets, settings.gripper, rule, label_seed, jobs)
-    return clear_tables(detect, objects, settings, jobs, keep_going)
+    given = (targets, settings.gripper, rule, label_seed)
+    try:
+        return clear_tables(detect, lazy_objects(*given), settings, jobs, keep_going)
+    except RejectedError:  # of an object; which rounds there are depends on those that are usable
+        usable = {each.id: each for each in prepare_objects(*given, jobs)}
+        return clear_tables(detect, usable, settings, jobs, keep_going)
 
 
 def clear_tables(
     detect: Detect,
-    objects: Sequence[SceneObject],
+    objects: Mapping[str, SceneObject],
     settings: ClutterParameters,
     jobs: int = 1,
     keep_going: bool = False,
 ) -> Benchmark:
-    """Let a detector clear tables of prepared objects; `labels` needs objects with grasps."""
-    todo = rounds_of([each.id for each in objects], settings)
-    shards = [todo[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(todo)))]
+    """Let a detector clear tables of objects by id; `labels` needs objects with grasps."""
+    todo = rounds_of(list(objects), settings)
+    single, rest = todo[:jobs], todo[jobs:]  # the first rounds are soon done
+    shards = [[each] for each in single]
+    shards += [rest[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(rest)))]
     work = partial(
         clear_rounds, objects=objects, detect=detect, settings=settings, keep_going=keep_going
     )
-    done, monitor = [], FailureMonitor(len(todo), keep_going, "rounds")
+    seconds: list[float] = []
+    monitor = FailureMonitor(len(todo), keep_going, "rounds")
+    by_round = {}
     with workers(jobs) as mapper:
-        for cleared in progress(mapper(work, shards), "clearing", len(shards)):
-            for _, rows in cleared[0].groupby(ROUND, sort=False):
-                monitor.check(rows)
-            done.append(cleared)
-    by_round = {key: rows for table, _ in done for key, rows in table.groupby(ROUND)}
-    seconds = [time for _, times in done for time in times]
+        done = _by_round(mapper(work, shards), seconds)
+        for key, rows in progress(done, "clearing", len(todo)):
+            monitor.check(rows)
+            by_round[key] = rows
     return Benchmark(
         pd.concat([by_round[this[:3]] for this in todo]),
         float(np.median(seconds)) if seconds else float("nan"),
-        Scenes({each.id: each.model for each in objects}, settings),
+        Scenes(Lazy({name: partial(_model, objects, name) for name in objects}), settings),
     )
+
+
+def _by_round(
+    cleared: Iterable[Cleared], seconds: list[float]
+) -> Iterator[tuple[Hashable, pd.DataFrame]]:
+    """The attempts of each round; planning times are appended to `seconds`."""
+    for table, times in cleared:
+        seconds.extend(times)
+        yield from table.groupby(ROUND, sort=False)
+
+
+def _model(objects: Mapping[str, SceneObject], name: str) -> Model:
+    return objects[name].model

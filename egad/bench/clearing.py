@@ -1,6 +1,6 @@
 """Preparation of objects and detectors for clearing tables, and the rounds themselves."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TypeAlias
 
@@ -34,15 +34,20 @@ def check_detector(detect: Detect, settings: ClutterParameters) -> None:
 
 def clear_rounds(
     rounds: Sequence[Round],
-    objects: Sequence[SceneObject],
+    objects: Mapping[str, SceneObject],
     detect: Detect,
     settings: ClutterParameters,
     keep_going: bool = False,
 ) -> Cleared:
-    """The attempts of some rounds, and the planning times."""
-    models = {each.id: each.model for each in objects}
-    grasps = {each.id: each.grasps for each in objects}
-    with open_table(detect, models.__getitem__, grasps.__getitem__, settings) as clear:
+    """The attempts of some rounds with objects by id, and the planning times."""
+
+    def model(name: str) -> Model:
+        return objects[name].model
+
+    def grasps(name: str) -> pd.DataFrame:
+        return objects[name].grasps
+
+    with open_table(detect, model, grasps, settings) as clear:
         # These may be only a few of the rounds; only the caller sees whether all of them fail.
         done = []
         monitor = FailureMonitor(len(rounds) + 1, keep_going, "rounds", quiet=True)

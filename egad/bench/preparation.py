@@ -1,12 +1,13 @@
 """Objects as they are simulated, with their labelled grasps."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
 import pandas as pd
 
+from egad._util.lazy import Lazy
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.detectors import grasps_if_any
@@ -30,6 +31,28 @@ class SceneObject(NamedTuple):
     grasps: pd.DataFrame
 
 
+def lazy_objects(
+    targets: Sequence[NamedMesh], gripper: Gripper, rule: str, label_seed: int | None
+) -> Mapping[str, SceneObject]:
+    """Objects by id, made when they are looked up; RejectedError if one cannot be simulated."""
+    return Lazy({each.id: partial(_made, each, gripper, rule, label_seed) for each in targets})
+
+
+def _made(
+    target: NamedMesh,
+    gripper: Gripper,
+    rule: str,
+    label_seed: int | None,
+    grasps: int = GraspLabel().grasps,
+) -> SceneObject:
+    """An object as it is simulated, with grasps if there is a seed for them."""
+    mesh, model = simulated(target, gripper, rule)
+    if label_seed is None:
+        return SceneObject(target.id, model, empty(GRASPS))
+    labels = label_parameters(gripper, grasps, label_seed)
+    return SceneObject(target.id, model, grasps_if_any(mesh, target.id, labels))
+
+
 def prepare_object(
     target: NamedMesh,
     gripper: Gripper,
@@ -40,14 +63,10 @@ def prepare_object(
 ) -> SceneObject | None:
     """An object as it is simulated, with grasps if there is a seed for them; None if it cannot."""
     try:
-        mesh, model = simulated(target, gripper, rule)
+        return _made(target, gripper, rule, label_seed, grasps)
     except RejectedError as reason:
         log.warning("%s %s: %s", target.label, otherwise, reason)
         return None
-    if label_seed is None:
-        return SceneObject(target.id, model, empty(GRASPS))
-    labels = label_parameters(gripper, grasps, label_seed)
-    return SceneObject(target.id, model, grasps_if_any(mesh, target.id, labels))
 
 
 def prepare_objects(

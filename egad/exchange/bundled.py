@@ -1,12 +1,13 @@
 """Objects to simulate: those of a bundle, of a dataset, or as shipped."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from egad._util.lazy import Lazy
 from egad.bench import Models
 from egad.errors import RejectedError, UserError
 from egad.exchange.objects.simulation import read_simulation_object
@@ -41,30 +42,10 @@ def model_of_parts(path: Path, density: float, parts: pd.DataFrame) -> Model:
     return model_of(made.mesh, made.parts, made.physics, made.volume_error)
 
 
-class LazyModels(Mapping[str, Model]):
-    """Objects to simulate by their ids; each is made when it is looked up."""
-
-    def __init__(self, makers: Mapping[str, Callable[[], Model]]) -> None:
-        """Take functions that make each object."""
-        self._makers = dict(makers)
-        self._made: dict[str, Model] = {}
-
-    def __getitem__(self, name: str) -> Model:
-        if name not in self._made:
-            self._made[name] = self._makers[name]()
-        return self._made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._makers)
-
-    def __len__(self) -> int:
-        return len(self._makers)
-
-
 def bundle_models(bundle: Path) -> Models:
     """The objects in the folder of a simulation bundle."""
     rows = rows_by_id(bundle)
-    return LazyModels({name: partial(model_in, bundle, row) for name, row in rows.items()})
+    return Lazy({name: partial(model_in, bundle, row) for name, row in rows.items()})
 
 
 def evaluation_set_models(gripper: Gripper, rule: str) -> Models:
@@ -74,7 +55,7 @@ def evaluation_set_models(gripper: Gripper, rule: str) -> Models:
 
 def lazy_models(targets: Sequence[NamedMesh], gripper: Gripper, rule: str) -> Models:
     """Objects scaled to a gripper, as `egad benchmark` and `egad.run_trials` simulate them."""
-    return LazyModels({each.id: partial(_simulated, each, gripper, rule) for each in targets})
+    return Lazy({each.id: partial(_simulated, each, gripper, rule) for each in targets})
 
 
 def _simulated(target: NamedMesh, gripper: Gripper, rule: str) -> Model:

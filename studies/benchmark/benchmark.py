@@ -112,7 +112,7 @@ def run(
     for name in missing:
         begin = sum(os.times()[:4])
         settings = settings_of(noise_of(name, simple=simple), protocol)
-        found = clear_tables(detectors[name], objects, settings, jobs)
+        found = clear_tables(detectors[name], {each.id: each for each in objects}, settings, jobs)
         parquet.write(found.table, CLUTTER, folder / f"{name}.parquet")
         minutes = (sum(os.times()[:4]) - begin) / 60
         print(

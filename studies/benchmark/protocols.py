@@ -227,7 +227,7 @@ def clear(run: Run, first: int, objects: list[SceneObject], given: argparse.Name
     given_threshold = run.clutter.protocol.threshold
     threshold = THRESHOLD if given_threshold is None else given_threshold
     detect = (FineVgn if run.fine else Vgn)(given.vgn, threshold)
-    table, _ = clear_rounds(todo, known, detect, settings)
+    table, _ = clear_rounds(todo, {each.id: each for each in known}, detect, settings)
     path.parent.mkdir(parents=True, exist_ok=True)
     parquet.write(table, CLUTTER, path)
     print(run.folder, first, flush=True)

@@ -180,7 +180,9 @@ def clear(row: Row, first: int, objects: list[SceneObject], given: argparse.Name
         for each in rounds_of([one.id for one in known], settings)
         if first <= each.number < first + CHUNK
     ]
-    table, seconds = clear_rounds(todo, known, detectors(given)[row.detector], settings)
+    table, seconds = clear_rounds(
+        todo, {each.id: each for each in known}, detectors(given)[row.detector], settings
+    )
     path.parent.mkdir(parents=True, exist_ok=True)
     path.with_suffix(".json").write_text(json.dumps(seconds))
     parquet.write(table, CLUTTER, path)

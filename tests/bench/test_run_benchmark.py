@@ -8,7 +8,15 @@ import trimesh
 from PIL import Image
 
 import egad
-from egad.bench import Clutter, ClutterParameters, clearing, repeat_round, rounds_of, scenes
+from egad.bench import (
+    Clutter,
+    ClutterParameters,
+    clearing,
+    preparation,
+    repeat_round,
+    rounds_of,
+    scenes,
+)
 from egad.detectors import DetectorConfig, GraspPoses
 from egad.errors import UserError
 from egad.grippers import GRIPPERS
@@ -32,7 +40,7 @@ def at_the_highest_point(cloud, gripper, _rng):
 
 
 def test_a_detector_that_cannot_be_started_is_noticed_before_objects_are_made(monkeypatch):
-    monkeypatch.setattr("egad.bench.benchmark.prepare_objects", None)  # it is not called
+    monkeypatch.setattr("egad.bench.benchmark.lazy_objects", None)  # it is not called
     command = DetectorConfig(command=["/no/such/program"])
     with pytest.raises(UserError, match=r"/no/such/program cannot be started: .*No such file"):
         egad.run_benchmark(command, OBJECTS, **FEW)
@@ -144,9 +152,25 @@ def test_rounds_do_not_depend_on_the_order_of_the_objects():
 def test_an_object_that_cannot_be_simulated_is_left_out(caplog):
     flat = trimesh.Trimesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     objects = {"box": OBJECTS["box0"], "flat": flat}
-    table = egad.run_benchmark("random", objects, scenes=["single"], **FEW).table
+    few = FEW | {"rounds": 4}
+    table = egad.run_benchmark("random", objects, scenes=["single"], **few).table
     assert set(table["objects"]) == {"box"}
     assert "flat is left out" in caplog.text
+    alone = egad.run_benchmark("random", {"box": OBJECTS["box0"]}, scenes=["single"], **few).table
+    assert table.equals(alone)
+
+
+def test_only_objects_of_the_rounds_are_made(monkeypatch):
+    made = []
+    simulated = preparation.simulated
+    monkeypatch.setattr(
+        preparation,
+        "simulated",
+        lambda target, *rest: made.append(target.id) or simulated(target, *rest),
+    )
+    few = FEW | {"rounds": 1, "scenes": ["single"]}
+    table = egad.run_benchmark("random", OBJECTS, **few).table
+    assert made == table["objects"].unique().tolist()
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,11 @@ def board(tmp_path_factory):
     }
     tables = [
         SubmittedTable(
-            name, protocol, attempts(rate, each.engine), Reproduction(196, same=196), {"A0, attempt 0": "films/a.gif"}
+            name,
+            protocol,
+            attempts(rate, each.engine),
+            Reproduction(196, same=196),
+            {"A0, attempt 0": "films/a.gif"},
         )
         for protocol, each in protocols.items()
         for name, rate in (("good", 0.9), ("fair", 0.5))
