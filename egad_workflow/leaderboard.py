@@ -75,6 +75,10 @@ class Entry(Parameters):
     link: Annotated[Text, AfterValidator(_is_address)] | None = Field(
         None, description="web address of the code or weights"
     )
+    sees: Text | None = Field(None, description="what the detector gets, e.g. one depth image")
+    seconds: float | None = Field(
+        None, gt=0, description="median time from the images to the grasps, on that hardware"
+    )
     license: Text = Field("CC-BY-4.0", description="license of the tables")
     reference: Text | None = Field(
         None, description="why the entry does not compete: it is then shown, but not ranked"

@@ -18,6 +18,8 @@ ABOUT = {
     "hardware": "a computer",
     "paper": "a paper",
     "link": "https://example.org/mine",
+    "sees": "a depth image",
+    "seconds": 0.25,
     "license": "CC-BY-4.0",
     "reference": None,
 }
