@@ -1,7 +1,7 @@
 """The tables of egad's own entries in leaderboard/: made again when the simulation has changed.
 
-`python docs/scripts/leaderboard.py` makes those that are missing; delete one to make it again. Only
-their authors can make the entries of others.
+`python docs/scripts/leaderboard.py` makes those that are missing; delete one to make it again.
+Those of published networks need their weights: `studies/published/published.py` makes them.
 """
 
 import argparse
@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import egad
+from egad.detectors.parameters import SHIPPED
 from egad.tables import parquet
 from egad.tables.evaluation import TRIALS
 from egad_workflow.leaderboard import ENTRIES, ENTRY, PROTOCOLS, read_entry, read_protocol
@@ -42,6 +43,8 @@ if __name__ == "__main__":
     given = parser.parse_args()
     for path in sorted((FOLDER / ENTRIES).glob(f"*/{ENTRY}")):
         entry = read_entry(path)
+        if entry.detector not in SHIPPED:
+            continue
         for name in entry.protocols:
             table = path.with_name(f"{name}.parquet")
             if not table.exists():
