@@ -9,7 +9,6 @@ from typer.core import TyperGroup
 from egad import __version__
 from egad.cli.benchmark import benchmark
 from egad.cli.bundle import bundle
-from egad.cli.collage import collage
 from egad.cli.export import export
 from egad.cli.export_meshes import export_meshes
 from egad.cli.failures import failures
@@ -29,7 +28,7 @@ from egad.cli.trials import trials
 from egad.cli.view import view
 
 GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
-    "Objects": (*(measure, similarity, locate), *(genome, export_meshes, bundle, collage, heatmap)),
+    "Objects": (measure, similarity, locate, genome, export_meshes, bundle, heatmap),
     "Grasps and grippers": (rescale, view, size_effect, gripper),
     "Detectors": (benchmark, failures, matched_set, train, trials, log_sheet),
     "Files and runs": (export, check_config, provenance, verify),

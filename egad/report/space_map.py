@@ -1,19 +1,15 @@
-"""The section Map: the objects of each dataset over the space, and the same as one picture."""
+"""The section Map: the objects of each dataset over the space."""
 
 import base64
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
-from PIL import Image, ImageDraw, ImageFont
 
 from egad.measures import Attainable, MeasureSpace, cell_name
-from egad.report.axes import USUAL, AxisPair, MeasureAxis
+from egad.report.axes import AxisPair, MeasureAxis
 from egad.report.colors import scale_color
 from egad.report.page import Section, data_uri, section_of
 
@@ -21,8 +17,6 @@ SHOWN = 4  # objects of a cell with a picture
 BY_CELL = ["difficulty_cell", "complexity_cell"]
 STOPS = 11
 CLIPPED = 0.02
-INK = (28, 36, 48)
-GROUND = (236, 238, 242)
 
 
 @dataclass(frozen=True)
@@ -85,11 +79,6 @@ def shown_objects(objects: pd.DataFrame) -> list[str]:
     """Labels of the objects that the map has pictures of: the most diverse ones of each cell."""
     labels: list[str] = _by_diversity(objects).groupby(BY_CELL).head(SHOWN)["label"].tolist()
     return labels
-
-
-def most_diverse(objects: pd.DataFrame) -> pd.DataFrame:
-    """The most diverse object of every cell."""
-    return _by_diversity(objects).drop_duplicates(BY_CELL)
 
 
 def _by_diversity(objects: pd.DataFrame) -> pd.DataFrame:
@@ -156,42 +145,3 @@ def _details(group: pd.DataFrame, pictures: Mapping[str, bytes]) -> dict[str, An
 
 def _round(value: float, digits: int) -> float | None:
     return None if np.isnan(value) else round(float(value), digits)
-
-
-def collage(
-    objects: pd.DataFrame,
-    pictures: Mapping[str, bytes],
-    space: MeasureSpace,
-    unit: int = 48,
-    axes: AxisPair = USUAL,
-) -> bytes:
-    """A PNG of the most diverse object with a picture of every cell, `unit` pixels wide."""
-    side, margin = unit * space.cells, unit
-    image = Image.new("RGB", (side + margin, side + margin), "white")
-    pictured = objects[objects["label"].isin(list(pictures))]
-    for item in most_diverse(pictured).to_dict("records"):
-        corner = (
-            margin + int(item["complexity_cell"]) * unit,
-            (space.cells - 1 - int(item["difficulty_cell"])) * unit,
-        )
-        _paste(image, pictures[item["label"]], corner, unit)
-    _write(image, axes.across.long_label, (margin + side // 2, side + margin // 2), unit)
-    turned = image.transpose(Image.Transpose.ROTATE_270)
-    _write(turned, axes.upwards.long_label, (turned.width - side // 2, margin // 2), unit)
-    buffer = io.BytesIO()
-    turned.transpose(Image.Transpose.ROTATE_90).save(buffer, "png", optimize=True)
-    return buffer.getvalue()
-
-
-def _paste(image: Image.Image, content: bytes, corner: tuple[int, int], unit: int) -> None:
-    x, y = corner
-    picture = Image.open(io.BytesIO(content)).convert("RGBA")
-    scaled = picture.resize((unit - 4, unit - 4), Image.Resampling.LANCZOS)
-    image.paste(GROUND, (x + 1, y + 1, x + unit - 1, y + unit - 1))
-    image.paste(scaled, (x + 2, y + 2), scaled)
-
-
-def _write(image: Image.Image, text: str, center: tuple[int, int], unit: int) -> None:
-    name = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
-    font = ImageFont.truetype(name, 0.4 * unit)
-    ImageDraw.Draw(image).text(center, text, fill=INK, font=font, anchor="mm")

@@ -17,10 +17,6 @@ from egad import __version__
 from egad.cli import gripper, trials
 from egad.cli.commands import app
 from egad.cli.gripper import _name_of
-from egad.io import read_mesh
-from egad.report.pictures import png_bytes, render
-from egad.tables import parquet
-from egad.tables.objects import OBJECTS
 
 FUNCTIONS = [
     each.callback
@@ -128,26 +124,6 @@ def test_an_error_of_a_setting_names_the_option(tmp_path):
     done = egad("train", tmp_path, "--out", tmp_path / "new", "--seed", 2**32)
     assert done.returncode == 1
     assert done.stderr.startswith("egad: --seed: seed: 4294967296 is not allowed")
-
-
-def test_a_collage_does_not_depend_on_cores(tmp_path):
-    (tmp_path / "meshes").mkdir()
-    objects = pd.DataFrame(0, index=range(2), columns=OBJECTS.names).assign(
-        id=["1", "2"], label=["A00_0", "B01_0"], complexity_cell=[0, 1], difficulty_cell=[0, 1]
-    )
-    parquet.write(objects, OBJECTS, tmp_path / "objects.parquet")
-    trimesh.creation.box((0.03, 0.04, 0.05)).export(tmp_path / "meshes" / "A00_0.obj")
-    trimesh.creation.torus(0.04, 0.01).export(tmp_path / "meshes" / "B01_0.obj")
-    made = [tmp_path / f"{jobs}.png" for jobs in (1, 2)]
-    for jobs, path in enumerate(made, 1):
-        done = egad("collage", tmp_path, "--out", path, "--jobs", jobs)
-        assert done.returncode == 0, done.stderr
-    assert made[0].read_bytes() == made[1].read_bytes()
-    picture = png_bytes(render(read_mesh(tmp_path / "meshes" / "A00_0.obj", "m"), 96))
-    assert len(made[0].read_bytes()) > len(picture)
-    refused = egad("collage", tmp_path, "--out", tmp_path / "collage.jpg")
-    assert "--out" in refused.stderr
-    assert "must end in .png" in refused.stderr
 
 
 @pytest.mark.parametrize(
