@@ -2,21 +2,15 @@
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    Config,
-    Jobs,
-    Meshes,
-    OutFolder,
-    Units,
-    check_spare,
-    files_in,
-    settings_in,
-)
+from egad.cli import common
 
 
 def bundle(
-    meshes: Meshes, out: OutFolder, units: Units = None, config: Config = None, jobs: Jobs = CORES
+    meshes: common.Meshes,
+    out: common.OutFolder,
+    units: common.Units = None,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Prepare meshes for simulators: convex parts, URDF, MJCF, poses at rest."""
     from egad.exchange import any_objects, write_bundle
@@ -24,9 +18,9 @@ def bundle(
     from egad_workflow.provenance import recorded
     from egad_workflow.settings import select
 
-    settings = select(settings_in(config), SimulationBundle)
-    meshes = files_in(meshes, units)
-    check_spare(out, meshes, "bundle.parquet")
+    settings = select(common.settings_in(config), SimulationBundle)
+    meshes = common.files_in(meshes, units)
+    common.check_spare(out, meshes, "bundle.parquet")
     with recorded("bundle", settings=settings, inputs=meshes, arguments={"units": units}):
         rejected = write_bundle(settings, any_objects(meshes), units, out, jobs)
     if rejected:

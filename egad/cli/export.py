@@ -6,14 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from egad.cli.common import (
-    Config,
-    gripper_in,
-    gripper_option,
-    named_gripper,
-    out_option,
-    settings_in,
-)
+from egad.cli import common
 from egad.errors import UserError
 from egad.exchange import (
     ALL,
@@ -41,10 +34,10 @@ RELEASED = "released"
 
 def export(
     dataset: Dataset,
-    gripper: Annotated[str, gripper_option()],
-    out: Annotated[Path, out_option("file or folder to write, depending on the format")],
+    gripper: Annotated[str, common.gripper_option()],
+    out: Annotated[Path, common.out_option("file or folder to write, depending on the format")],
     format_name: Annotated[Format, typer.Option("--format", help="format to write")],
-    config: Config = None,
+    config: common.Config = None,
     objects: Annotated[
         ObjectSet | None,
         typer.Option(
@@ -66,11 +59,12 @@ def export(
     chosen = objects or EVALUATION_SET
     reads = {name: dataset / file for name, file in sources(format_name, gripper, chosen).items()}
     if format_name in OBJECT_FORMATS:
-        named_gripper(settings_in(config), gripper)  # not an opening: results have names
+        # not an opening: results have names
+        common.named_gripper(common.settings_in(config), gripper)
         _check_made(dataset / file for file in last_files(format_name, gripper, chosen))
     for name in reads.keys() & {"grasps", "simulated_grasps"}:
         reads[name] = grasp_table(dataset, gripper)
-    whole, _ = named_gripper(settings_in(config), gripper)
+    whole, _ = common.named_gripper(common.settings_in(config), gripper)
     check_opening(dataset, gripper, whole.grippers[gripper].opening)
     settings = select(whole, settings_class(format_name, chosen), gripper)
     arguments = {"gripper": gripper, "format": format_name, "objects": objects}
@@ -103,14 +97,13 @@ def _export_archive(
             f"{archive} contains only objects, but {format_name} needs results of a run; first "
             f"make them with snakemake --cores 2{shipped} {files}, then export {folder}"
         )
-    settings, name = gripper_in(settings_in(config), gripper)
+    settings, name = common.gripper_in(common.settings_in(config), gripper)
     hand = name if config is None and name in GRIPPERS else settings.grippers[name]
     whole = str(archive) != RELEASED or objects == ALL
     export(load(str(archive) if whole else EVALUATION_SET), format_name, hand, out)
 
 
 def _check_made(files: Iterable[Path]) -> None:
-    """UserError if a file of a run does not exist."""
     for file in files:
         if not file.exists():
             raise UserError(f"{file} is missing; make it first: snakemake --cores 2 {file}")

@@ -10,7 +10,7 @@ import typer
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cli.common import CORES, ArchiveFile, Config, Jobs, OutFolder, check_spare, settings_in
+from egad.cli import common
 from egad.errors import RejectedError, UserError
 from egad.evolution import COARSEST, FINEST, Shape
 from egad_workflow.settings import select
@@ -24,8 +24,8 @@ log = logging.getLogger(__name__)
 
 
 def export_meshes(
-    archive: ArchiveFile,
-    out: OutFolder,
+    archive: common.ArchiveFile,
+    out: common.OutFolder,
     resolution: Annotated[
         int | None,
         typer.Option(
@@ -36,8 +36,8 @@ def export_meshes(
         list[str] | None,
         typer.Option("--object", help="label or id; may be repeated; default: all objects"),
     ] = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Write the meshes of an archive as ID.obj, in metres, without repair."""
     from egad.data import archive_path
@@ -45,8 +45,8 @@ def export_meshes(
     from egad.objects import load
     from egad_workflow.archive_settings import check_provenance
 
-    check_spare(out)
-    archive, settings = archive_path(archive), settings_in(config)
+    common.check_spare(out)
+    archive, settings = archive_path(archive), common.settings_in(config)
     if archive.is_dir() and not (archive / "archive.parquet").is_file():
         raise UserError(f"{archive} has no archive.parquet: its objects come from meshes")
     archive = archive / "archive.parquet" if archive.is_dir() else archive
@@ -109,7 +109,6 @@ def _write(
 
 
 def _stored(row: dict[str, Any], shape: Shape) -> "trimesh.Trimesh":
-    """The mesh of the voxels in the archive."""
     from egad.evolution import packed_surface
     from egad.geometry import in_single_precision
 

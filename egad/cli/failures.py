@@ -6,18 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from egad._util.files import check_writable
-from egad.cli.common import (
-    CORES,
-    Command,
-    Config,
-    DetectorName,
-    Jobs,
-    Rule,
-    Weights,
-    gripper_option,
-    out_option,
-    settings_to_try,
-)
+from egad.cli import common
 from egad.errors import UserError
 
 if TYPE_CHECKING:
@@ -34,10 +23,10 @@ TABLES = {
 
 
 def failures(
-    detector: DetectorName,
-    weights: Weights = None,
-    command: Command = None,
-    gripper: Annotated[str, gripper_option()] = "panda",
+    detector: common.DetectorName,
+    weights: common.Weights = None,
+    command: common.Command = None,
+    gripper: Annotated[str, common.gripper_option()] = "panda",
     objects: Annotated[
         str,
         typer.Option(help="released, the folder of a dataset of evolved objects, or an archive"),
@@ -77,18 +66,18 @@ def failures(
             "default: failures.engines"
         ),
     ] = None,
-    rule: Rule = None,
+    rule: common.Rule = None,
     films: Annotated[
         int, typer.Option(min=0, help="number of the worst failures to show films of on the page")
     ] = FILMS,
     out: Annotated[
         Path | None,
-        out_option(
+        common.out_option(
             "folder to write; an interrupted search resumes from it; default: failures/DETECTOR"
         ),
     ] = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Search for objects at which a grasp detector fails although they can be grasped."""
     from egad.bench.failures import DetectorFailures, check_searchable, search_failures
@@ -106,7 +95,9 @@ def failures(
         "--engines": ("failures.engines", engines.split(",") if engines else None),
         "--rule": ("rescale.rule", rule),
     }
-    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
+    settings, gripper, name = common.settings_to_try(
+        config, options, gripper, detector, weights, command
+    )
     check_searchable(settings.detectors[name], settings.grippers[gripper])
     chosen, files = _objects(objects)
     settings = settings.model_copy(update={"shape": chosen.shape})
@@ -141,7 +132,6 @@ def _objects(text: str) -> tuple["Dataset", list[Path]]:
 
 
 def _tell(atlas: "FailureAtlas", name: str, folder: Path) -> None:
-    """Print what a search has found, and where it was written."""
     from egad.bench.failures import ObjectVerdict
 
     words = {

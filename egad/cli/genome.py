@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import Config, out_option, settings_in
+from egad.cli import common
 
 
 def genome(
@@ -13,12 +13,12 @@ def genome(
     source: Annotated[
         str, typer.Option("--in", help="`released`, archive.parquet, or folder of a dataset")
     ] = "released",
-    out: Annotated[Path | None, out_option("drawing to write as well: .svg")] = None,
+    out: Annotated[Path | None, common.out_option("drawing to write as well: .svg")] = None,
     digits: Annotated[
         int | None,
         typer.Option(min=1, max=17, help="significant digits; default: as many as shapes need"),
     ] = None,
-    config: Config = None,
+    config: common.Config = None,
 ) -> None:
     """Print the network that an object was grown from as expressions, and draw it."""
     from egad._util.files import write_text
@@ -28,7 +28,7 @@ def genome(
     from egad.report.genome_drawing import genome_svg
 
     check_ending(out, (".svg",))
-    objects, settings = load(source), settings_in(config)
+    objects, settings = load(source), common.settings_in(config)
     if name not in objects and name in objects.lineage:
         row = objects.lineage.genome(name)
     else:

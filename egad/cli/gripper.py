@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad.cli.common import Config, out_option, settings_in, with_packaged
+from egad.cli import common
 from egad.errors import UserError, check_name
 
 if TYPE_CHECKING:
@@ -32,8 +32,10 @@ def inspect(
             metavar="FILE|NAME", help="URDF or MJCF file, or a gripper of the configuration"
         ),
     ],
-    out: Annotated[Path | None, out_option("page to write: .html; default: NAME.html")] = None,
-    config: Config = None,
+    out: Annotated[
+        Path | None, common.out_option("page to write: .html; default: NAME.html")
+    ] = None,
+    config: common.Config = None,
 ) -> None:
     """Show what is found in the file of a hand: joints, fingers, pads, opening, shape in 3D.
 
@@ -47,10 +49,10 @@ def inspect(
 
     check_ending(out, (".html",))
     if Path(hand).is_file():
-        name = _name_of(Path(hand), settings_in(config).grippers)
+        name = _name_of(Path(hand), common.settings_in(config).grippers)
         chosen = Gripper.from_file(hand)
     else:
-        known = with_packaged(settings_in(config), hand).grippers
+        known = common.with_packaged(common.settings_in(config), hand).grippers
         name = check_name("gripper or file", hand, known)
         chosen = known[name]
     describe = {JawKind.name: _describe_hand, CupKind.name: _describe_cup}[chosen.kind.name]
@@ -83,7 +85,6 @@ def _describe_hand(name: str, hand: "Gripper") -> tuple[dict[str, str], str, str
 
 
 def _write(out: Path | None, name: str, facts: Mapping[str, str], entry: str, page: str) -> None:
-    """Print the facts and the entry, and write the page."""
     from egad._util.files import write_text
 
     for key, value in facts.items():

@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import Annotated
 
-from egad.cli.common import ArchiveFile, Config, out_option, settings_in
+from egad.cli import common
 
 
 def heatmap(
-    archive: ArchiveFile,
-    out: Annotated[Path, out_option("drawing to write: .svg")],
-    config: Config = None,
+    archive: common.ArchiveFile,
+    out: Annotated[Path, common.out_option("drawing to write: .svg")],
+    config: common.Config = None,
 ) -> None:
     """Draw the number of elites per cell of an archive, as SVG."""
     from egad._util.files import write_text
@@ -24,7 +24,7 @@ def heatmap(
     from egad_workflow.settings import select
 
     check_ending(out, (".svg",))
-    settings = settings_in(config)
+    settings = common.settings_in(config)
     check_provenance(archive_path(archive), select(settings, MeasureMeshes), ("space",))
     objects = parquet.read(archive_path(archive), ARCHIVE)
     limit = attainable_graspability(select(settings, MeasureParameters))

@@ -9,19 +9,7 @@ import typer
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cli.common import (
-    CORES,
-    Config,
-    Jobs,
-    MaxCandidates,
-    Meshes,
-    Units,
-    complain,
-    files_in,
-    out_option,
-    reasons_in,
-    settings_in,
-)
+from egad.cli import common
 from egad.cli.measure import measure_row, warn_of_measures
 from egad.errors import UserError
 from egad.measures import MeasureMeshes
@@ -39,17 +27,17 @@ PORTRAIT, THUMBNAIL = 192, 96
 
 
 def locate(
-    meshes: Meshes,
+    meshes: common.Meshes,
     among: Annotated[
         Path, typer.Option("--in", help="archive.parquet, `released`, or folder of a dataset")
     ],
-    units: Units = None,
+    units: common.Units = None,
     out: Annotated[
-        list[Path], out_option("file to write: .html, .parquet or .csv; may be repeated")
+        list[Path], common.out_option("file to write: .html, .parquet or .csv; may be repeated")
     ] = [Path("locate.html")],  # noqa: B006 (typer copies it)
-    max_candidates: MaxCandidates = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    max_candidates: common.MaxCandidates = None,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Show the positions of meshes in the space of a dataset, and the most similar objects."""
     from egad._util.files import write_text
@@ -63,11 +51,11 @@ def locate(
     for path in out:
         check_ending(path, (".html", ".parquet", ".csv"))
     options = {"--max-candidates": ("postprocess.max_candidates", max_candidates)}
-    settings = select(settings_in(config, options), MeasureMeshes)
+    settings = select(common.settings_in(config, options), MeasureMeshes)
     objects = reference(among, settings)
-    files = object_names(files_in(meshes, units))
+    files = object_names(common.files_in(meshes, units))
     table, shown = locate_files(settings, objects, files, units, jobs)
-    reasons, axes = reasons_in(table), axis_pair(settings.measures)
+    reasons, axes = common.reasons_in(table), axis_pair(settings.measures)
     for path in out:
         if path.suffix.lower() == ".html":
             text = page(str(among), objects.table, shown, reasons, settings.space, axes)
@@ -75,7 +63,7 @@ def locate(
         else:
             write_frame(table, LOCATED, path)
     located(table, axes)
-    complain(reasons, len(table))
+    common.complain(reasons, len(table))
 
 
 def reference(source: Path, settings: MeasureMeshes) -> "Dataset":

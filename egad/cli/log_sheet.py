@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad.cli.common import Config, gripper_in, gripper_option, out_option, settings_in
+from egad.cli import common
 from egad.errors import UserError, check_name
 
 if TYPE_CHECKING:
@@ -24,12 +24,13 @@ def log_sheet(
         ),
     ],
     detectors: Annotated[str, typer.Option(help="names of the detectors, separated by commas")],
-    gripper: Annotated[str, gripper_option()] = "egad_75mm",
+    gripper: Annotated[str, common.gripper_option()] = "egad_75mm",
     attempts: Annotated[
         int, typer.Option(min=1, help="attempts of each detector at each object")
     ] = ATTEMPTS,
     out: Annotated[
-        list[Path], out_option("file to write: .html, the page; .csv, the order; may be repeated")
+        list[Path],
+        common.out_option("file to write: .html, the page; .csv, the order; may be repeated"),
     ] = [Path("log.html")],  # noqa: B006 (typer copies it)
     seed: Annotated[int, typer.Option(min=0, help="random seed of the order")] = 0,
     blind: Annotated[
@@ -45,7 +46,7 @@ def log_sheet(
     objects: Annotated[
         str | None, typer.Option(help="labels of the objects, separated by commas; default: all")
     ] = None,
-    config: Config = None,
+    config: common.Config = None,
 ) -> None:
     """Write a page for a phone or a computer to log attempts with a real robot; works offline.
 
@@ -63,7 +64,7 @@ def log_sheet(
         check_ending(path, (".html", ".csv"))
         if path.suffix.lower() == ".csv" and path.exists():
             raise UserError(f"--out {path} exists and may already be filled in; give another file")
-    settings, hand = gripper_in(settings_in(config), gripper)
+    settings, hand = common.gripper_in(common.settings_in(config), gripper)
     outcomes = observable(cup=not settings.grippers[hand].kind.closes)
     found = evaluation_objects(dataset, None if objects is None else _words(objects))
     planned = plan(found, attempts, _words(detectors), seed, blind=blind, rounds=rounds)
@@ -107,5 +108,4 @@ def evaluation_objects(dataset: Path, labels: list[str] | None) -> "dict[str, Ev
 
 
 def _words(text: str) -> list[str]:
-    """The words between commas, without blanks around them."""
     return [word.strip() for word in text.split(",") if word.strip()]

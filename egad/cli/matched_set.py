@@ -5,19 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    Command,
-    Config,
-    Jobs,
-    OutFolder,
-    Weights,
-    check_spare,
-    detector_in,
-    gripper_in,
-    gripper_option,
-    settings_in,
-)
+from egad.cli import common
 from egad.cli.log_sheet import log_sheet
 from egad.errors import UserError
 
@@ -33,10 +21,10 @@ def matched_set(
     detector: Annotated[
         str, typer.Option(help="the detector of the atlas, as in `egad benchmark`")
     ],
-    out: OutFolder,
-    weights: Weights = None,
-    command: Command = None,
-    gripper: Annotated[str, gripper_option(opening=False)] = "panda",
+    out: common.OutFolder,
+    weights: common.Weights = None,
+    command: common.Command = None,
+    gripper: Annotated[str, common.gripper_option(opening=False)] = "panda",
     pairs: Annotated[
         int,
         typer.Option(
@@ -58,17 +46,17 @@ def matched_set(
             min=0.05, max=1, help="minimum success rate of the detector at a partner, 0.05 to 1"
         ),
     ] = 0.8,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Pair failures with similar objects that are grasped: plates, bundle, datasheet, log sheet."""
     from egad.bench.failures import FailureAtlas, match_failures
     from egad.cli.matched_folder import write_matched_set
     from egad_workflow.provenance import recorded
 
-    check_spare(out, [atlas / "failures.parquet"], "pairs.parquet")
+    common.check_spare(out, [atlas / "failures.parquet"], "pairs.parquet")
     known = FailureAtlas.load(atlas)
-    settings = settings_in(config)
+    settings = common.settings_in(config)
     settings, hand, name = _of_atlas(known, settings, gripper, detector, weights, command)
     found = match_failures(
         known,
@@ -101,8 +89,8 @@ def _of_atlas(
     command: str | None,
 ) -> tuple["Settings", str, str]:
     """The settings that the search of an atlas had, and the names of its hand and detector."""
-    settings, hand = gripper_in(settings, gripper)
-    settings, name = detector_in(settings, detector, weights, command)
+    settings, hand = common.gripper_in(settings, gripper)
+    settings, name = common.detector_in(settings, detector, weights, command)
     searched = atlas.searched_with()
     if settings.grippers[hand] != searched.gripper:
         raise UserError(f"--gripper {gripper}: the failures were found with another gripper")

@@ -11,21 +11,7 @@ import typer
 from egad._util.parameters import ScaleRule
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cli.common import (
-    CORES,
-    Config,
-    Jobs,
-    MaxCandidates,
-    Meshes,
-    TableFile,
-    Units,
-    complain,
-    files_in,
-    gripper_in,
-    gripper_option,
-    reasons_in,
-    settings_in,
-)
+from egad.cli import common
 from egad.grippers import SUCTION
 from egad.measures import MAP_RULE, MeasureMeshes
 from egad_workflow.settings import Settings, select
@@ -38,17 +24,17 @@ log = logging.getLogger(__name__)
 
 
 def measure(
-    meshes: Meshes,
-    units: Units = None,
-    gripper: Annotated[str | None, gripper_option("graspability.gripper")] = None,
+    meshes: common.Meshes,
+    units: common.Units = None,
+    gripper: Annotated[str | None, common.gripper_option("graspability.gripper")] = None,
     rule: Annotated[
         ScaleRule,
         typer.Option("--rule", help=f"scaling to the gripper; cells compare only with {MAP_RULE}"),
     ] = MAP_RULE,
-    out: TableFile = None,
-    max_candidates: MaxCandidates = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    out: common.TableFile = None,
+    max_candidates: common.MaxCandidates = None,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Measure complexity and graspability of meshes, and print their cells.
 
@@ -63,9 +49,9 @@ def measure(
 
     check_ending(out)
     options = {"--max-candidates": ("postprocess.max_candidates", max_candidates)}
-    whole = settings_in(config, options)
-    whole, name = gripper_in(whole, gripper or whole.graspability.gripper)
-    files = object_names(files_in(meshes, units))
+    whole = common.settings_in(config, options)
+    whole, name = common.gripper_in(whole, gripper or whole.graspability.gripper)
+    files = object_names(common.files_in(meshes, units))
     settings = select(whole, MeasureMeshes, name)
     table = measure_files(settings, files, units, jobs, rule)
     if settings.gripper.grasps_with == SUCTION:
@@ -76,7 +62,7 @@ def measure(
     warn_of_measures(table)
     if note := incomparable(whole, name, rule):
         typer.echo(note)
-    complain(reasons_in(table), len(table))
+    common.complain(common.reasons_in(table), len(table))
 
 
 def measure_files(

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import settings_in
+from egad.cli import common
 from egad.errors import UserError
 
 
@@ -44,5 +44,5 @@ def verify(
 def check_config(files: Annotated[list[Path], typer.Argument(help="configuration files")]) -> None:
     """Check configuration files and list all problems."""
     for file in files:
-        settings_in(file)
+        common.settings_in(file)
         typer.echo(f"{file}: fine")

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from egad.bench import SceneKind
-from egad.cli.common import Config, out_option
+from egad.cli import common
 from egad.cli.repeat import RunGripper, SimulatedIn, repeatable_in
 from egad.detectors import NoiseName
 from egad.errors import UserError
@@ -16,7 +16,7 @@ def replay(
     label: Annotated[str, typer.Argument(help="label in the evaluation set, such as C4")],
     attempt: Annotated[int, typer.Argument(help="number of the attempt, from 0")],
     out: Annotated[
-        Path | None, out_option("film to write: .gif or .mp4; default: LABEL-ATTEMPT.gif")
+        Path | None, common.out_option("film to write: .gif or .mp4; default: LABEL-ATTEMPT.gif")
     ] = None,
     dataset: SimulatedIn = None,
     gripper: RunGripper = None,
@@ -26,7 +26,7 @@ def replay(
     table: Annotated[
         Path | None, typer.Option(help="table of other attempts at the objects of this dataset")
     ] = None,
-    config: Config = None,
+    config: common.Config = None,
 ) -> None:
     """Repeat a simulated attempt exactly, and film it."""
     from egad.bench import TrialParameters, film_attempt
@@ -49,7 +49,7 @@ def film(
     number: Annotated[int, typer.Argument(help="number of the round, from 0")],
     noise: Annotated[NoiseName, typer.Option(help="noise of the depth images")] = "none",
     out: Annotated[
-        Path | None, out_option("film to write: .gif or .mp4; default: SCENE-NUMBER.gif")
+        Path | None, common.out_option("film to write: .gif or .mp4; default: SCENE-NUMBER.gif")
     ] = None,
     dataset: SimulatedIn = None,
     gripper: RunGripper = None,
@@ -59,7 +59,7 @@ def film(
     table: Annotated[
         Path | None, typer.Option(help="table of other rounds with the objects of this dataset")
     ] = None,
-    config: Config = None,
+    config: common.Config = None,
 ) -> None:
     """Repeat a round of clearing a table exactly, and film it."""
     from egad.bench import ClutterParameters, film_clearing

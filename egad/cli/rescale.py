@@ -4,33 +4,20 @@ from typing import Annotated, Literal
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    Config,
-    Jobs,
-    Meshes,
-    OutFolder,
-    Rule,
-    Units,
-    check_spare,
-    files_in,
-    gripper_in,
-    gripper_option,
-    settings_in,
-)
+from egad.cli import common
 
 
 def rescale(
-    meshes: Meshes,
-    out: OutFolder,
-    gripper: Annotated[str, gripper_option()],
-    rule: Rule = None,
-    units: Units = None,
+    meshes: common.Meshes,
+    out: common.OutFolder,
+    gripper: Annotated[str, common.gripper_option()],
+    rule: common.Rule = None,
+    units: common.Units = None,
     ending: Annotated[
         Literal["obj", "stl"], typer.Option("--format", help="obj is in metres, stl in millimetres")
     ] = "obj",
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Scale meshes to a gripper."""
     from egad.exchange import RescaleMeshes, rescale_files
@@ -39,11 +26,11 @@ def rescale(
     from egad_workflow.provenance import recorded
     from egad_workflow.settings import select
 
-    whole = settings_in(config, {"--rule": ("rescale.rule", rule)})
-    whole, name = gripper_in(whole, gripper)
+    whole = common.settings_in(config, {"--rule": ("rescale.rule", rule)})
+    whole, name = common.gripper_in(whole, gripper)
     settings = select(whole, RescaleMeshes, name)
-    meshes = files_in(meshes, units)
-    check_spare(out, meshes)
+    meshes = common.files_in(meshes, units)
+    common.check_spare(out, meshes)
     suffix = scale_suffix(settings.rescale.rule, settings.gripper.opening)
     with recorded(
         "rescale", settings=settings, inputs=meshes, arguments={"units": units, "format": ending}

@@ -5,33 +5,19 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    Command,
-    Config,
-    DetectorName,
-    Jobs,
-    KeepGoing,
-    Objects,
-    Rule,
-    Units,
-    Weights,
-    gripper_option,
-    out_option,
-    settings_to_try,
-)
+from egad.cli import common
 from egad.cli.repeat import run_trials
 
 FOLDER = Path("trials")
 
 
 def run(
-    detector: DetectorName,
-    weights: Weights = None,
-    command: Command = None,
-    objects: Objects = "evaluation-set",
-    units: Units = None,
-    gripper: Annotated[str, gripper_option()] = "egad_75mm",
+    detector: common.DetectorName,
+    weights: common.Weights = None,
+    command: common.Command = None,
+    objects: common.Objects = "evaluation-set",
+    units: common.Units = None,
+    gripper: Annotated[str, common.gripper_option()] = "egad_75mm",
     attempts: Annotated[
         int | None, typer.Option(min=1, help="attempts at each object; default: trials.attempts")
     ] = None,
@@ -39,13 +25,13 @@ def run(
         int | None,
         typer.Option(min=0, help="seed of everything random; default: that of the configuration"),
     ] = None,
-    keep_going: KeepGoing = False,
-    rule: Rule = None,
+    keep_going: common.KeepGoing = False,
+    rule: common.Rule = None,
     out: Annotated[
-        Path | None, out_option(f"table to write; default: {FOLDER}/DETECTOR.parquet")
+        Path | None, common.out_option(f"table to write; default: {FOLDER}/DETECTOR.parquet")
     ] = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Let a grasp detector grasp objects in simulation, one at a time, as `egad.run_trials` does.
 
@@ -67,7 +53,9 @@ def run(
         "--keep-going": ("keep_going", keep_going or None),
         "--rule": ("rescale.rule", rule),
     }
-    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
+    settings, gripper, name = common.settings_to_try(
+        config, options, gripper, detector, weights, command
+    )
     check_engine(settings.trials.engine)
     path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
     check_ending(out, (".parquet",))

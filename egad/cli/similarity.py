@@ -10,17 +10,7 @@ import typer
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.cli.common import (
-    CORES,
-    Config,
-    Jobs,
-    Meshes,
-    TableFile,
-    Units,
-    complain,
-    files_in,
-    settings_in,
-)
+from egad.cli import common
 from egad.errors import RejectedError
 from egad.measures.reeb import Bases, Similarity
 
@@ -32,15 +22,15 @@ if TYPE_CHECKING:
 
 
 def similarity(
-    meshes: Meshes,
-    units: Units = None,
-    out: TableFile = None,
+    meshes: common.Meshes,
+    units: common.Units = None,
+    out: common.TableFile = None,
     bases: Annotated[
         Bases | None,
         typer.Option(help="scan: as in the original program; default: as in the configuration"),
     ] = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Compute pairwise similarities of meshes: 1 for equal shapes, 0 for nothing in common."""
     from egad.cli.table_files import write_matrix
@@ -48,13 +38,13 @@ def similarity(
     from egad.io import check_ending, object_names
 
     check_ending(out)
-    whole = settings_in(config, {"--bases": ("similarity.bases", bases)})
-    files = object_names(files_in(meshes, units))
+    whole = common.settings_in(config, {"--bases": ("similarity.bases", bases)})
+    files = object_names(common.files_in(meshes, units))
     matrix, reasons = similarity_of_files(whole.similarity, files, units, jobs)
     if out is not None:
         write_matrix(matrix, out)
     square(matrix)
-    complain(reasons, len(files))
+    common.complain(reasons, len(files))
 
 
 def similarity_of_files(

@@ -5,34 +5,21 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    FIRST_TARGET,
-    Config,
-    Jobs,
-    Meshes,
-    Units,
-    complain,
-    files_in,
-    gripper_in,
-    gripper_option,
-    out_option,
-    settings_in,
-)
+from egad.cli import common
 
 
 def size_effect(
-    meshes: Meshes,
-    units: Units = None,
-    gripper: Annotated[str | None, gripper_option(FIRST_TARGET)] = None,
+    meshes: common.Meshes,
+    units: common.Units = None,
+    gripper: Annotated[str | None, common.gripper_option(common.FIRST_TARGET)] = None,
     out: Annotated[
-        list[Path], out_option("file to write: .svg, .parquet or .csv; may be repeated")
+        list[Path], common.out_option("file to write: .svg, .parquet or .csv; may be repeated")
     ] = [],  # noqa: B006 (typer copies it)
     grasps: Annotated[
         int | None, typer.Option(min=1, help="number of grasps; default: as in the configuration")
     ] = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Compute grasp quality of meshes at several sizes, relative to the gripper opening."""
     from egad._util.files import write_text
@@ -47,11 +34,11 @@ def size_effect(
 
     for path in out:
         check_ending(path, (".svg", ".parquet", ".csv"))
-    whole = settings_in(config, {"--grasps": ("size_effect.grasps", grasps)})
-    whole, name = gripper_in(whole, gripper or whole.targets.grippers[0])
-    files = object_names(files_in(meshes, units))
+    whole = common.settings_in(config, {"--grasps": ("size_effect.grasps", grasps)})
+    whole, name = common.gripper_in(whole, gripper or whole.targets.grippers[0])
+    files = object_names(common.files_in(meshes, units))
     table, reasons = curves(select(whole, SizeEffectParameters, name), files, units, jobs)
-    complain(reasons, len(files))
+    common.complain(reasons, len(files))
     for path in out:
         if path.suffix.lower() == ".svg":
             write_text(path, size_chart(table))

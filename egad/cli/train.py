@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from egad.cli.common import CORES, Config, Jobs, OutFolder, settings_in
+from egad.cli import common
 from egad.errors import UserError
 from egad.learning import NetworkName
 from egad_workflow.settings import Settings
@@ -16,7 +16,7 @@ def train(
         list[Path],
         typer.Argument(help="folders of rendered images, or of scenes for vgn, used as one set"),
     ],
-    out: OutFolder,
+    out: common.OutFolder,
     network: Annotated[
         NetworkName | None, typer.Option(help="default: as in the configuration")
     ] = None,
@@ -41,8 +41,8 @@ def train(
             help="device that vgn is trained on; on a GPU, the last digits may differ each time"
         ),
     ] = "cpu",
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Train a grasp network on rendered images or scenes: weights, history, chart, model card.
 
@@ -53,7 +53,7 @@ def train(
         "--seed": ("seed", seed),
         "--budget": ("training.examples", budget),
     }
-    whole = settings_in(config, options)
+    whole = common.settings_in(config, options)
     scenes = whole.training.network == "vgn"
     if not scenes and device != "cpu":
         raise UserError(f"--device {device} is for the network vgn; others train on the CPU")
@@ -119,5 +119,4 @@ def _on_scenes(
 
 
 def _inputs(folders: list[Path], start: Path | None) -> list[Path]:
-    """All files and folders that a training reads."""
     return folders if start is None else [*folders, start]

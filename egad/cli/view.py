@@ -9,19 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from egad._util.progress import phase_if_slow
-from egad.cli.common import (
-    FIRST_TARGET,
-    RUN,
-    Config,
-    DatasetIn,
-    Rule,
-    Units,
-    gripper_in,
-    gripper_option,
-    named_gripper,
-    out_option,
-    settings_in,
-)
+from egad.cli import common
 from egad.errors import RejectedError, UserError, check_name
 from egad.geometry import Rescale
 from egad.grasps import LabelParameters
@@ -43,16 +31,16 @@ def view(
     item: Annotated[
         str, typer.Argument(metavar="OBJECT", help="label of an object, or a mesh file")
     ],
-    gripper: Annotated[str | None, gripper_option(FIRST_TARGET)] = None,
-    dataset: DatasetIn = RUN,
-    units: Units = None,
-    rule: Rule = None,
-    out: Annotated[Path, out_option("page to write: .html")] = Path("view.html"),
+    gripper: Annotated[str | None, common.gripper_option(common.FIRST_TARGET)] = None,
+    dataset: common.DatasetIn = common.RUN,
+    units: common.Units = None,
+    rule: common.Rule = None,
+    out: Annotated[Path, common.out_option("page to write: .html")] = Path("view.html"),
     grasps: Annotated[
         int | None,
         typer.Option(min=1, help="number of grasps for a mesh file; default: grasp_label.grasps"),
     ] = None,
-    config: Config = None,
+    config: common.Config = None,
 ) -> None:
     """Show an object in 3D with its labelled grasps, as an HTML page that works offline."""
     from egad._util.files import write_text
@@ -61,18 +49,18 @@ def view(
 
     check_ending(out, (".html",))
     options = {"--grasps": ("grasp_label.grasps", grasps), "--rule": ("rescale.rule", rule)}
-    whole = settings_in(config, options)
+    whole = common.settings_in(config, options)
     if Path(item).suffix.lower() not in ENDINGS and not Path(item).is_file():
         for option, value in {"--rule": rule, "--units": units, "--grasps": grasps}.items():
             if value is not None:
                 raise UserError(
                     f"{option} is for mesh files; the grasps of {item} were made for one size"
                 )
-        whole, name = named_gripper(whole, gripper)
+        whole, name = common.named_gripper(whole, gripper)
         shown = from_dataset(dataset, name, item, whole.grippers[name].opening)
     else:
         check_unit_known([Path(item)], units)
-        whole, name = gripper_in(whole, gripper or whole.targets.grippers[0])
+        whole, name = common.gripper_in(whole, gripper or whole.targets.grippers[0])
         shown = from_mesh(Path(item), units, select(whole, ViewMesh, name))
     write_text(out, page(shown, name, whole.grippers[name]))
     free = int(shown.grasps["collision_free"].sum())
