@@ -66,7 +66,6 @@ class EvolvedObject:
         return f"EvolvedObject({self.label!r})"
 
     def _repr_html_(self) -> str:
-        """A thumbnail and its measures, for notebooks."""
         facts = {
             name.replace("_", " "): form.format(self.row[name])
             for name, form in FACTS.items()
@@ -197,7 +196,6 @@ class Dataset:
         return f"Dataset({len(self)} objects)"
 
     def _repr_html_(self) -> str:
-        """Labels and measures of the objects, for notebooks."""
         shown = self.table.set_index("label")
         return table_html(repr(self), shown[[name for name in FACTS if name in shown]])
 
@@ -259,7 +257,6 @@ class Dataset:
         return given.to_numpy(dtype=bool)
 
     def _position(self, name: object) -> int:
-        """The row of an object in the table."""
         if not isinstance(name, str):
             raise UserError(
                 f"an object is selected by its label or id, got {name!r}; "

@@ -99,7 +99,6 @@ def file_hash(path: str | Path, where: str) -> str:
 
 
 def _source(module: str, name: str, where: str) -> Path:
-    """The file of a module."""
     missing = f"{where}: {name}: there is no such file or module"
     try:
         path: Path | None = Path(module)

@@ -39,7 +39,6 @@ class Picture:
         write_text(file, self.svg)
 
     def _repr_svg_(self) -> str:
-        """The drawing, for notebooks."""
         return self.svg
 
 

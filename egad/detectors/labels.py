@@ -59,7 +59,6 @@ class Labels:
         return by_kind[gripper.kind.name](matrix, view, gripper)
 
     def _for_jaws(self, matrix: Floats, view: View, gripper: Gripper) -> list[Grasp]:
-        """The grasps of `propose` for jaws."""
         heightmap = heightmap_of(restore(view))
         axis = self._axis @ matrix[:3, :3].T
         level = np.flatnonzero(np.abs(axis[:, 2]) <= np.sin(TILT))
@@ -83,7 +82,6 @@ class Labels:
         return rank_grasps(*(values[depth >= MIN_DEPTH] for values in columns))
 
     def _for_cup(self, matrix: Floats, _view: View, _gripper: Gripper) -> list[Grasp]:
-        """The grasps of `propose` for a suction cup."""
         cosine = -vectors(self._free, "approach") @ matrix[2, :3]
         down = np.flatnonzero((cosine >= np.cos(CUP_TILT)) & (self._quality > 0))
         center = self._center[down] @ matrix[:3, :3].T + matrix[:3, 3]

@@ -103,7 +103,6 @@ class Program:
                 os.set_blocking(pipe.fileno(), False)
 
     def _greeting(self) -> str:
-        """What the program wants to see."""
         hello = self._exchange(b"", self._starting_limit)
         if not isinstance(hello, dict) or hello.get("protocol") != PROTOCOL:
             raise DetectorError(

@@ -71,7 +71,6 @@ def _item(
 
 
 def _note(pose: PrintPose, problems: list[str], plate: int | None, settings: PrintExport) -> str:
-    """What to know before printing."""
     if problems:
         return f"not printable at this size: {', '.join(problems)}"
     if plate is None:

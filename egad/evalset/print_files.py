@@ -146,7 +146,6 @@ def _write_plate(
 
 
 def _advice(settings: PrintExport) -> str:
-    """Instructions for printing."""
     return (
         f"{print_settings(settings)}, supports beyond {OVERHANG_ANGLE:g} degrees from the vertical"
     )

@@ -48,7 +48,6 @@ class Lineage:
         return f"Lineage({len(self)} objects, {founders} of them founders)"
 
     def _repr_html_(self) -> str:
-        """Parents and measures of the objects, for notebooks."""
         return table_html(repr(self), self.table.set_index("id")[["parents", *MEASURES]])
 
     def genome(self, name: str) -> Row:

@@ -82,7 +82,6 @@ class Archive:
         return f"Archive({len(self)} elites, coverage {self.coverage:.3f})"
 
     def _repr_html_(self) -> str:
-        """Summary for notebooks; `plot` draws the archive."""
         counts, space = self.counts(), self.space
         facts = {
             "elites": len(self),

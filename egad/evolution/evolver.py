@@ -59,7 +59,6 @@ class Evolver:
         return f"Evolver({self.archive!r})"
 
     def _repr_html_(self) -> str:
-        """Summary of its archive, for notebooks."""
         return self.archive._repr_html_()
 
     def ask(self) -> list[Candidate]:

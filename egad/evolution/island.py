@@ -45,7 +45,6 @@ class Candidate:
         return f"Candidate({self.id!r})"
 
     def _repr_html_(self) -> str:
-        """A thumbnail, for notebooks."""
         facts = {"solid voxels": int(self.voxels.sum()), "resolution": self.shape.resolution}
         return facts_html(repr(self), facts, self.mesh)
 

@@ -65,7 +65,6 @@ class Exported:
         )
 
     def _repr_html_(self) -> str:
-        """The folder and what was left out, for notebooks."""
         facts = {"exported": len(self.labels)} | {
             f"left out: {label}": reason for label, reason in self.left_out.items()
         }

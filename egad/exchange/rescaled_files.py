@@ -61,7 +61,6 @@ def rescale_files(
 
 
 def _log_fit(scales: list[dict[str, Any]], opening: float) -> None:
-    """Log how much of the surface fits into the gripper."""
     before, after = (
         100 * np.mean([row[f"graspable_fraction_{when}"] for row in scales]) for when in BOTH
     )

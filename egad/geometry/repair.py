@@ -120,7 +120,6 @@ class Repaired(NamedTuple):
         return f"Repaired({', '.join(self._facts().values())})"
 
     def _repr_html_(self) -> str:
-        """A thumbnail and what was done, for notebooks."""
         return facts_html("Repaired", self._facts(), self.mesh)
 
     def _facts(self) -> dict[str, str]:

@@ -46,7 +46,6 @@ class StablePose(NamedTuple):
         return f"StablePose({facts})"
 
     def _repr_html_(self) -> str:
-        """Its numbers, for notebooks."""
         return facts_html("StablePose", self._facts())
 
     def _facts(self) -> dict[str, str]:

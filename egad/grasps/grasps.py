@@ -51,7 +51,6 @@ class Grasps:
         return f"Grasps({', '.join(parts)})"
 
     def _repr_html_(self) -> str:
-        """Summary for notebooks; `plot` draws the quality, `egad.view` the grasps."""
         return facts_html("Grasps", {"grasps": len(self), **self._facts()})
 
     def _facts(self) -> dict[str, str]:

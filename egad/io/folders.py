@@ -77,7 +77,6 @@ def _matches(folder: Path, pattern: str) -> Iterator[Path]:
 
 
 def _check_folder(folder: Path) -> None:
-    """Raise UserError if a folder is missing or cannot be read."""
     try:
         os.scandir(folder).close()
     except (FileNotFoundError, NotADirectoryError) as error:

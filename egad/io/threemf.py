@@ -271,7 +271,6 @@ def _local_name(element: Element) -> str:
 
 
 def _unit(root: Element) -> str | None:
-    """The unit that a model states."""
     name = root.get("unit")
     if name is not None and name not in UNITS:
         raise RejectedError(f"its unit is {name!r}; allowed in 3MF: {', '.join(UNITS)}")

@@ -129,7 +129,6 @@ def _row(
 
 
 def _noise(index: pd.DataFrame) -> str:
-    """How many cameras there are, and what their noise is."""
     low, high = index["views"].min(), index["views"].max()
     counts = index["noise"].value_counts().sort_index()
     noise = ", ".join(f"{name} in {count:,} scenes" for name, count in counts.items())

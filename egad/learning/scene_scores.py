@@ -174,7 +174,6 @@ def _balanced_accuracy(answers: Sequence[GraspAnswers]) -> SceneEstimate:
 
 
 def _mean_estimate(values: Sequence[Floats]) -> SceneEstimate:
-    """The mean over the values of all scenes."""
     sums = np.array([[each.sum(), len(each)] for each in values], dtype=np.float64)
     return _estimate(sums, lambda found: np.asarray(found[..., 0] / found[..., 1]))
 

@@ -261,7 +261,6 @@ class _Lesson:
         return total
 
     def _gradients(self, number: int) -> tuple[Losses, tuple[torch.Tensor, ...]]:
-        """Losses and gradients of an example."""
         losses = self.task.losses(self.state.network, number)
         gradients = torch.autograd.grad(losses.sum(), list(self.state.network.parameters()))
         return losses.detach().cpu().double().numpy(), gradients

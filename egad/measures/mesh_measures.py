@@ -97,7 +97,6 @@ class Measures(NamedTuple):
         return f"Measures({self.label or 'no cell'}: {facts})"
 
     def _repr_html_(self) -> str:
-        """The measures as a table, for notebooks."""
         return facts_html(self.label or "no cell", self._facts)
 
 

@@ -109,7 +109,6 @@ def _color_bar(figure: Figure, grid: NDArray[np.object_], most: int) -> None:
 
 
 def _hatch(axes: Axes, rows: int, cells: int) -> None:
-    """Hatch the easiest rows."""
     if rows:
         box = Rectangle((0, 0), cells, rows, fill=False, edgecolor=SOFT, hatch="/////", linewidth=0)
         axes.add_patch(box)

@@ -109,7 +109,6 @@ def _draw(
 
 
 def _by_cell(table: pd.DataFrame) -> Iterable[tuple[str, pd.DataFrame]]:
-    """The rows of each cell, by its name."""
     cells = zip(table["complexity_cell"], table["difficulty_cell"], strict=True)
     names = np.array([cell_name(column, row) for column, row in cells], dtype=object)
     for name, rows in table.groupby(names):

@@ -227,7 +227,6 @@ def _by_who(fresh: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def _example(row: pd.Series, fresh: pd.DataFrame, example: Example) -> dict[str, object]:
-    """What the template shows of a failure."""
     outcomes = lost_outcomes(fresh[fresh["id"] == row["id"]])
     return {
         "label": row["label"],

@@ -239,7 +239,6 @@ def _by_engine(
 
 
 def _own(board: Board, entry: str) -> Iterator[SubmittedTableView]:
-    """The tables of an entry."""
     for table in board.tables:
         if table.entry != entry:
             continue

@@ -170,7 +170,6 @@ def page(
 
 
 def _outcome(outcome: Outcome) -> dict[str, Any]:
-    """What the page says about an outcome."""
     return {
         "code": outcome.value,
         "name": outcome.value.replace("_", " "),

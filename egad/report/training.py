@@ -22,7 +22,6 @@ def scene_training_chart(history: pd.DataFrame) -> str:
 
 
 def _chart(history: pd.DataFrame, unit: str, score: str, title: str) -> str:
-    """Losses and a score over the examples so far."""
     examples = history[unit]
     dots: dict[str, Any] = {"marker": "o", "ms": 3}
     with new_figure(7.6, 3.0) as drawing:

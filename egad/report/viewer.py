@@ -171,7 +171,6 @@ class MeshView:
         write_text(as_path("path", path), self.html)
 
     def _repr_html_(self) -> str:
-        """The page in its own frame, for notebooks."""
         page = html.escape(self.html)
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 640px; border: 0"></iframe>'
 
@@ -213,7 +212,6 @@ def view(
 
 
 def _check_contacts(mesh: trimesh.Trimesh, grasps: Grasps | None) -> None:
-    """Make sure that contacts lie near the mesh."""
     if grasps is None or len(grasps) == 0:
         return
     low, high = np.asarray(mesh.bounds)

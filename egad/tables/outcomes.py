@@ -52,7 +52,6 @@ class Outcome(StrEnum):
 
 
 def _group(*names: str) -> tuple[Outcome, ...]:
-    """Some outcomes, by their values."""
     return tuple(map(Outcome, names))
 
 

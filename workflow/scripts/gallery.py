@@ -150,7 +150,6 @@ def _grasps(path: Path) -> pd.DataFrame:
 
 
 def _genomes(archive: Path | None) -> pd.DataFrame:
-    """The genomes of an archive, with ids."""
     schema = pa.schema([ID, *GENOME])
     return parquet.read(archive, schema) if archive else parquet.empty(schema)
 

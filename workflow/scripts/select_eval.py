@@ -129,7 +129,6 @@ def _problems(row: pd.Series, settings: EvalSelection) -> list[str]:
 
 
 def _reason(problems: list[str], settings: EvalSelection) -> str:
-    """A sentence about an object that was left out."""
     opening = f"{1000 * settings.gripper.opening:g} mm"
     return f"not printable for an opening of {opening}: {', '.join(problems)}"
 

@@ -169,7 +169,6 @@ def add_object(
 
 
 def _mesh(hand: GraspGenHand) -> trimesh.Trimesh:
-    """The open hand."""
     body = hand_body(hand.gripper)
     if isinstance(body, ModelBody):
         links = body.model.points(hand.gripper.opening)

@@ -110,6 +110,5 @@ def _geom(
     inertia: str,
     attributes: dict[str, str],
 ) -> None:
-    """Add a mesh and the geom that shows it."""
     ElementTree.SubElement(assets, "mesh", MESH, name=name, file=file, inertia=inertia)
     ElementTree.SubElement(body, "geom", {"mesh": name, **attributes, **GEOM})

@@ -158,7 +158,6 @@ def _made(
 
 
 def _to_hold_out(given: object, ids: Collection[str], lineage: Lineage | None) -> set[str]:
-    """The argument `hold_out` as a set."""
     if isinstance(given, str) or not isinstance(given, Iterable):
         raise UserError(f"hold_out is {given!r}; allowed: a list of ids of objects")
     found = set(given)

@@ -66,7 +66,6 @@ class LabelledScene:
         )
 
     def _repr_html_(self) -> str:
-        """Its grasps, for notebooks."""
         return table_html(repr(self), self.grasps)
 
     @property
@@ -161,7 +160,6 @@ class SceneDataset:
         return f"SceneDataset({len(self)} scenes, {grasps} grasps, {positive} positive)"
 
     def _repr_html_(self) -> str:
-        """Its scenes, for notebooks."""
         return table_html(repr(self), self.index.drop(columns=["shard", "group", "row"]))
 
     def __len__(self) -> int:

@@ -93,7 +93,6 @@ class GalleryData:
 
     @cached_property
     def _grasps(self) -> dict[str, pd.DataFrame]:
-        """Grasps by label."""
         if self.grasps is None:
             return {}
         return {str(label): own for label, own in self.grasps.groupby("label")}
