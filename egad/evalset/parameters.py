@@ -39,9 +39,7 @@ class PrintCheck(Parameters):
 
     wall: Length = Field(0.0012, description="thinnest wall, metres: a few nozzle widths")
     blunting: float = Field(
-        0.0015,
-        ge=0,
-        description="how much printing may round off edges and tips, metres",
+        0.0015, ge=0, description="how much printing may round off edges and tips, metres"
     )
 
 

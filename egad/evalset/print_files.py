@@ -95,10 +95,7 @@ def _engraved(
     touched = _contacts(grasps, set(names.values())) if grasps else {}
     cut = {
         label: engrave(
-            mesh,
-            label,
-            settings.print_check.wall,
-            touched.get(names[label], np.empty((0, 3))),
+            mesh, label, settings.print_check.wall, touched.get(names[label], np.empty((0, 3)))
         )
         for label, mesh in progress(solids.items(), "engraving", len(solids))
     }

@@ -238,10 +238,7 @@ def bound(candidates: Sequence[Ints], distances: Distances) -> float:
 
 
 def best_of_random(
-    candidates: Sequence[Ints],
-    distances: Distances,
-    rng: np.random.Generator,
-    draws: int = 1000,
+    candidates: Sequence[Ints], distances: Distances, rng: np.random.Generator, draws: int = 1000
 ) -> float:
     """The largest mean distance among random sets, to compare with that of the chosen set."""
     drawn = (random_choice(candidates, rng) for _ in range(draws))

@@ -224,13 +224,7 @@ Example = tuple[NDArray[np.float32], NDArray[np.float32]]
 class Stream:
     """Shuffled and changed training images: pass after pass, each image once per pass."""
 
-    def __init__(
-        self,
-        shards: ImageDataset,
-        length: int,
-        crop: int = SIZE,
-        seed: int = 0,
-    ) -> None:
+    def __init__(self, shards: ImageDataset, length: int, crop: int = SIZE, seed: int = 0) -> None:
         """Show the split `train`; `crop` is the side of an example, pixels."""
         self._shards, self._length, self._seed = shards, length, seed
         self._crop = crop

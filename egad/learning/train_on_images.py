@@ -67,11 +67,7 @@ def train(
         pd.DataFrame(rows),
         score,
         outline_score(shards, held),
-        {
-            "seed": seed,
-            **start_notes(start),
-            **plan.model_dump(mode="json", exclude=plan.unused),
-        },
+        {"seed": seed, **start_notes(start), **plan.model_dump(mode="json", exclude=plan.unused)},
     )
     parquet.write(trained.history, HISTORY, out / TABLE)
     parquet.write(score_table(trained.score), SCORE, out / REACHED)

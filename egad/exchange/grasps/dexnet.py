@@ -15,13 +15,7 @@ from egad.exchange.dexnet_database import MEASURES, add_dataset, add_grasps
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
 from egad.exchange.parameters import DexNetDatabase
-from egad.grasps import (
-    CONE_FACES,
-    ROBUST_TORQUE_SCALING,
-    SPREAD,
-    approach_directions,
-    vectors,
-)
+from egad.grasps import CONE_FACES, ROBUST_TORQUE_SCALING, SPREAD, approach_directions, vectors
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
