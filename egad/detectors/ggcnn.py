@@ -141,7 +141,6 @@ class GGCNN(MapDetector):
             raise UserError(f"{error}; {GGCNN_WEIGHTS}") from error
 
     def __reduce__(self) -> tuple[type["GGCNN"], tuple[str, Execution]]:
-        """For other processes, which load it again."""
         return GGCNN, (str(self._weights), self._execution)
 
 

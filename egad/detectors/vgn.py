@@ -62,7 +62,6 @@ class Vgn:
         self._avoids_collisions = avoid_collisions
 
     def __reduce__(self) -> tuple[type["Vgn"], tuple[str, float, bool]]:
-        """For other processes, which load it again."""
         return Vgn, (self._weights, self._threshold, self._avoids_collisions)
 
     @property

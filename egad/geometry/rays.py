@@ -31,7 +31,6 @@ class LibiglScene:
     """Casts rays with the Embree of libigl, one at a time; the hits are those of embreex."""
 
     def __init__(self, vertices: Singles, faces: Ints32) -> None:
-        """Prepare triangles; vertices (n, 3), faces (m, 3)."""
         from igl.embree import EmbreeIntersector  # noqa: PLC0415 (where embreex is, it need not be)
 
         a, b, c = np.moveaxis(vertices[faces], 1, 0)

@@ -35,7 +35,6 @@ class ContactPairs:
         return cls(np.empty((0, 2, 3)), np.empty((0, 2, 3)), np.empty((0, 3)))
 
     def __len__(self) -> int:
-        """The number of grasps."""
         return len(self.axes)
 
     @property

@@ -92,7 +92,6 @@ class ImageDataset:
         self._lock = Lock()
 
     def __reduce__(self) -> tuple[type["ImageDataset"], tuple[Sequence[Path], PositiveFilter]]:
-        """A copy for another process looks through the shards again."""
         return ImageDataset, (self.folders, self.rule)
 
     def __str__(self) -> str:
@@ -208,7 +207,6 @@ class Passes:
         self._kept: dict[int, NDArray[np.int64]] = {}  # the order of the last pass
 
     def __getitem__(self, number: int) -> int:
-        """The label of an example."""
         times, place = divmod(number, len(self._index))
         found = self._kept.get(times)
         if found is None:

@@ -92,7 +92,6 @@ class Measures(NamedTuple):
         return facts
 
     def __repr__(self) -> str:
-        """All of it on one line."""
         facts = ", ".join(f"{name} {text}" for name, text in self._facts.items())
         return f"Measures({self.label or 'no cell'}: {facts})"
 

@@ -22,7 +22,6 @@ class Bars:
     """Draws two rows for each job and one for the whole run."""
 
     def __init__(self, run: Run, stream: TextIO) -> None:
-        """Start a thread that draws on the terminal of the stream."""
         self._run, self._start = run, time.monotonic()
         self._console = Console(file=stream, force_terminal=True)
         self.stream = cast("TextIO", FileProxy(self._console, stream))

@@ -16,7 +16,6 @@ class Lines:
     """Prints a line for each job, now and then."""
 
     def __init__(self, run: Run, stream: TextIO) -> None:
-        """Start a thread that prints to the stream."""
         self.stream, self._run = stream, run
         self._last: dict[Job, float] = {}  # when a line was printed
         self._ended = threading.Event()

@@ -147,7 +147,6 @@ class SceneDataset:
         check_splits(self.index, self.source)
 
     def __reduce__(self) -> tuple[type["SceneDataset"], tuple[Sequence[Path]]]:
-        """A copy for another process looks through the shards again."""
         return SceneDataset, (self.folders,)
 
     @property
