@@ -90,23 +90,6 @@ def _alone(path: Path) -> Iterator[None]:
             lock.unlink(missing_ok=True)
 
 
-@contextmanager
-def new_folder(path: Path) -> Iterator[Path]:
-    """A folder to fill, which appears only at the end; `UserError` if there are files already."""
-    check_not_file(path)
-    if path.is_dir() and any(path.iterdir()):
-        raise UserError(f"{path} is not empty, and its files would be lost; name a new folder")
-    with atomic_output(path, keep=False) as folder:
-        folder.mkdir()
-        yield folder
-
-
-def check_not_file(folder: Path) -> None:
-    """Raise `UserError` if the path of a folder is a file."""
-    if folder.is_file():
-        raise UserError(f"{folder} is a file; name a folder")
-
-
 def write_text(path: Path, text: str) -> None:
     """Write a text file atomically."""
     with atomic_output(path) as temporary:

@@ -11,11 +11,11 @@ import trimesh
 
 from egad._util.display import table_html
 from egad._util.files import as_path
-from egad._util.lazy import Lazy
 from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.clearing import Cleared, check_detector, clear_rounds
+from egad.bench.lazy import Lazy
 from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
 from egad.bench.preparation import SceneObject, lazy_objects, prepare_objects
 from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from egad._util.lazy import Lazy
 from egad._util.progress import progress
 from egad._util.workers import workers
+from egad.bench.lazy import Lazy
 from egad.detectors import grasps_if_any
 from egad.errors import RejectedError, UserError
 from egad.grasps import GraspLabel, label_parameters

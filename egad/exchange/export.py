@@ -10,11 +10,12 @@ from pathlib import Path
 import trimesh
 
 from egad._util.display import facts_html
-from egad._util.files import as_path, new_folder
+from egad._util.files import as_path
 from egad._util.parameters import SCALE_RULES, check_count
 from egad._util.progress import progress
 from egad.errors import RejectedError, UserError, check_name
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import NamedGripper
 from egad.exchange.registry import (
     FORMATS,

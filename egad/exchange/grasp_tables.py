@@ -104,7 +104,6 @@ def check_simulated(grasps: Path) -> None:
 
 
 def simulated_by_object(grasps: Path) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The grasps of one object after the other, with progress; errors: see `check_simulated`."""
-    check_simulated(grasps)
+    """The grasps of one object after the other, with progress: see `by_object`."""
     labels = parquet.distinct(grasps, "label")
     return progress(by_object(grasps, SIMULATED_COLUMNS), "writing grasps", len(labels))

@@ -4,8 +4,8 @@ import logging
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from egad._util.files import new_folder
 from egad._util.progress import progress
+from egad.exchange.new_folder import new_folder
 from egad.exchange.objects.simulation import read_convex_objects, read_simulation_object
 from egad.exchange.parameters import AllObjects, GripperFormat
 from egad.grippers import Gripper

@@ -10,10 +10,11 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
-from egad._util.files import atomic_output, check_not_file
+from egad._util.files import atomic_output
 from egad.errors import UserError
-from egad.exchange.grasp_tables import simulated_by_object
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
+from egad.exchange.new_folder import check_not_file
 from egad.exchange.objects.simulation import inertia_tensor
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
 from egad.friction import FRICTION
@@ -173,6 +174,7 @@ def run(
             "give a separate folder"
         )
     check_key(gripper, "gripper")
+    check_simulated(simulated_grasps)
     table = parquet.read(objects, OBJECTS)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
     known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}

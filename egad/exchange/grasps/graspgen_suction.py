@@ -9,11 +9,11 @@ import pandas as pd
 import trimesh
 
 from egad._util.arrays import Floats
-from egad._util.files import new_folder
 from egad._util.progress import progress
 from egad.exchange.grasp_tables import by_object
 from egad.exchange.grasps.graspgen import DESCRIPTION, add_object, start_dataset
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.geometry import RayCaster
 from egad.grasps import Grasps

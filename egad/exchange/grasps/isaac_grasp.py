@@ -8,10 +8,10 @@ import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from egad._util.files import new_folder
 from egad.errors import UserError
-from egad.exchange.grasp_tables import simulated_by_object
+from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
+from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.grasps import Grasps
 from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values
@@ -86,6 +86,7 @@ def write(
 def run(settings: GripperFormat, simulated_grasps: Path, out: Path) -> None:
     """Write a file for each object that has grasps, in the frame of its scaled mesh."""
     with new_folder(out) as folder:
+        check_simulated(simulated_grasps)
         for label, rows in simulated_by_object(simulated_grasps):
             path = folder / f"{check_key(label)}.yaml"
             write_isaac_grasp(path, label, settings.gripper, rows)
