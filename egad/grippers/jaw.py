@@ -27,6 +27,7 @@ PAD_DEPTH = 1e-3  # metres that a pad may lie behind the foremost point of its j
 FLAT, BUMPS = 1e-4, 0.1  # metres by which points of a plane differ, and fraction of bumps on it
 CLOSED = 2e-3  # metres that a pad may be further from the other jaw than its foremost point
 FINE = 8 * LEVELS  # positions of the joint at which the gap is measured first
+HALVINGS = 12  # of the step in which jaws meet
 
 
 class JawStroke(NamedTuple):
@@ -97,7 +98,8 @@ def _find_pads(jaws: JawSolids, frame: JawFrame, joints: Floats, parallel: float
     beside = np.abs((points - points[first]) @ frame.approach) < GRID
     level, end = heights[beside].max(), ends[beside].min()
     both = (np.abs(heights - level) < PAD_DEPTH) & (np.abs(ends - end) < PAD_DEPTH)
-    both &= (apart <= apart[first] + CLOSED) | np.isinf(apart)
+    passed = np.isinf(apart) & ((points - points[first]) @ frame.approach > 0)
+    both &= (apart <= apart[first] + CLOSED) | passed
     both[first] = True
     chosen = points[both] @ frame.matrix
     middle, extent = _middle(chosen[:, 1:]), np.ptp(chosen[:, 1:], axis=0) + GRID
@@ -147,14 +149,29 @@ def _lines(height: float, middle: Floats, extent: Floats) -> Floats:
 def _gaps_before_contact(
     jaws: JawSolids, frame: JawFrame, joints: Floats, points: Floats
 ) -> Floats:
-    """Distances from points of the fixed face to the other jaw, just before it touches any."""
+    """Distances from points of the fixed face to the other jaw, just before it touches any.
+
+    Infinite where the other jaw has swung past by then, or has only a steep face there.
+    """
     nearest = np.full(len(points), np.inf)
-    for joint in joints[::-8]:
-        gaps = jaws.gaps(points, float(joint), frame)
+
+    def clear(joint: float) -> bool:
+        """Whether the jaw touches no point at a position; remembers how near it is."""
+        nonlocal nearest
+        gaps = jaws.gaps(points, joint, frame)
         if np.isneginf(gaps).any():
+            return False
+        nearest = gaps if np.isfinite(gaps).any() else nearest
+        return True
+
+    free = blocked = float(joints[-1])
+    for blocked in map(float, joints[::-8]):
+        if not clear(blocked):
             break
-        if np.isfinite(gaps).any():
-            nearest = gaps
+        free = blocked
+    for _ in range(HALVINGS):
+        middle = (free + blocked) / 2
+        free, blocked = (middle, blocked) if clear(middle) else (free, middle)
     return nearest
 
 

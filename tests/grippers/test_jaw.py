@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 from described_hands import FIXED_STEPS, HINGE, JAW_STROKE, PANDA, box_urdf, jaw_gap, jaw_urdf
 from scipy.optimize import brentq
 
@@ -200,3 +201,37 @@ def _within(point, corners):
 
     planes = ConvexHull(corners).equations
     return bool((planes[:, :3] @ point + planes[:, 3] < 0).all())
+
+
+def test_plates_that_toe_in_meet_at_their_tips_whatever_is_rough_behind(tmp_path):
+    """Plates 45 mm long, parallel at 30 mm; the hinge is 65 mm behind them.
+
+    Flanks of ridges are at 62 degrees where the plates are parallel, and at 78 where they meet.
+    """
+    plate = [(0.03, 0, 0), (0.034, 0, 0), (0.034, 0, 0.045), (0.03, 0, 0.045)]
+    ridges = [
+        [(0.0305, 0, z), (0.0292, 0, z), (0.0305, 0, z - 0.0007)]
+        for z in np.arange(0.004, 0.022, 0.0011)
+    ]
+    for name, profiles in (("smooth", [plate]), ("rough", [plate, *ridges])):
+        solids = [
+            trimesh.convex.convex_hull([(x, y, z) for x, _, z in each for y in (-0.008, 0.008)])
+            for each in profiles
+        ]
+        trimesh.util.concatenate(solids).export(tmp_path / f"{name}.stl")
+        path = tmp_path / f"{name}.urdf"
+        path.write_text(f"""<robot name="plates"><link name="fixed">
+          <collision><origin xyz="-0.002 0 0.0225"/><geometry><box size="0.004 0.016 0.045"/>
+          </geometry></collision></link><link name="jaw"><collision>
+          <origin xyz="-0.03 0 0.065"/><geometry><mesh filename="{name}.stl"/></geometry>
+          </collision></link><joint name="swing" type="revolute"><parent link="fixed"/>
+          <child link="jaw"/><origin xyz="0.03 0 -0.065"/><axis xyz="0 1 0"/>
+          <limit lower="-0.5" upper="1.5" effort="1" velocity="1"/></joint></robot>""")
+        found = read_model(path)
+        closed = np.arcsin(30 / 110)
+        meet = -65 + 110 * np.cos(closed)
+        middle = (meet - 2 / np.tan(closed) + 45) / 2  # what is within 2 mm there, and the tip
+        z = 1000 * found.palm_to_hand[2, 3]
+        assert z == pytest.approx(middle, abs=0.6)
+        wide = 30 + 110 * np.sin(np.arccos((z + 65) / 110))
+        assert 1000 * found.openings[[0, -1]] == pytest.approx([0, wide], abs=0.7)
