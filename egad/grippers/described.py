@@ -1,5 +1,6 @@
 """A hand described by a URDF or MJCF file, and its sizes; MuJoCo is loaded only if there is one."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,19 @@ def sizes_of(model: HandModel) -> dict[str, Any]:
         "fingertip": _positive(tip),
         "palm": tuple(_positive(size) for size in palm),
     }
+
+
+def force_at_pads(model: HandModel, torque: float, force: float | None = None) -> float:
+    """Newtons that a torque of the joint, N m, gives between the pads; `ValueError` if not so."""
+    if model.lever is None or model.joint_kind != "revolute":
+        raise ValueError("torque is for a hand with one jaw that turns; give its force instead")
+    at_pads = torque / model.lever
+    if force is not None and not math.isclose(force, at_pads, rel_tol=1e-6):
+        raise ValueError(
+            f"torque is {torque:g} N m, which gives {at_pads:.4g} N at the pads, {model.lever:.4g} "
+            f"m from the hinge; force is {force:g}: leave out one of them"
+        )
+    return at_pads
 
 
 def _around_the_pad(finger: list[Floats], lowest: float) -> tuple[Floats, Floats]:

@@ -157,7 +157,17 @@ class Gripper(UserParameters):
         "collisions; x is the closing axis, z the approach, and the origin lies midway between the "
         "fingers, where they begin",
     )
-    force: float = Field(default=40.0, gt=0, description="closing force, newtons")
+    force: float = Field(
+        default=40.0,
+        gt=0,
+        description="closing force, newtons; of a jaw that turns, at its pads",
+    )
+    torque: float | None = Field(
+        default=None,
+        gt=0,
+        description="torque of the joint of a jaw that turns, newton metres, in place of `force`, "
+        "which follows from the distance of the pads from the hinge",
+    )
     pads: Literal["silicone", "bare"] = Field(
         default="silicone",
         description="finger pads in simulation: silicone, friction 0.8; or bare plastic or metal, "
@@ -199,24 +209,31 @@ class Gripper(UserParameters):
         values = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
         if values.get("cup") is not None:
             return _with_cup(values)
+        torque = values.get("torque")
         if not isinstance(values.get("file"), str | Path):
+            if torque is not None:
+                raise ValueError("torque is for the file of a hand with a jaw that turns")
             return values
         if values.get("mesh") is not None:
             raise ValueError("a gripper takes a file or a mesh for its palm, not both")
         missing = SIZES - {name for name, value in values.items() if value is not None}
-        if not missing:
+        if not missing and (torque is None or values.get("force") is not None):
             return values
         from egad.grippers.described import (  # noqa: PLC0415 (it takes long)
+            force_at_pads,
             read_described,
             sizes_of,
         )
 
-        found = sizes_of(read_described(Path(values["file"]).expanduser(), values))
+        model = read_described(Path(values["file"]).expanduser(), values)
+        found = sizes_of(model)
         if isinstance(opening := values.get("opening"), int | float) and opening > found["opening"]:
             raise ValueError(
                 f"opening is {opening:g}; the hand of {values['file']} opens at most "
                 f"{found['opening']:.4g} m"
             )
+        if isinstance(torque, int | float) and torque > 0:
+            values = values | {"force": force_at_pads(model, torque, values.get("force"))}
         return values | {name: found[name] for name in missing}
 
     @property

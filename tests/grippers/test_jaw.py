@@ -94,6 +94,29 @@ def test_torque_is_force_times_the_depth_of_the_pads_below_the_hinge(model):
     assert model.lever == pytest.approx(HINGE[1] / 1000 - model.palm_to_hand[2, 3], abs=1e-9)
 
 
+def test_a_servo_presses_less_where_the_pads_are_farther_from_the_hinge(tmp_path):
+    """Moments about the hinge: the same torque at pads 10 mm nearer to it, at another tcp."""
+    path, torque = jaw_urdf(tmp_path / "jaw.urdf"), 0.81
+    tip = Gripper.from_file(path, torque=torque)
+    lever = HINGE[1] / 1000 - model_of(tip).palm_to_hand[2, 3]
+    assert tip.force == pytest.approx(torque / lever)
+    deeper = Gripper.from_file(path, torque=torque, tcp=(-0.0099, 0, -0.09))
+    assert deeper.force == pytest.approx(torque / (0.09 + HINGE[1] / 1000), rel=1e-4)
+    assert Gripper(**deeper.model_dump()) == deeper
+
+
+def test_a_torque_that_cannot_apply_is_refused(tmp_path):
+    path = jaw_urdf(tmp_path / "jaw.urdf")
+    slides = jaw_urdf(tmp_path / "slides.urdf", slides=True)
+    with pytest.raises(UserError, match=r"gives .* N at the pads.*force is 50: leave out one"):
+        Gripper.from_file(path, torque=0.8, force=50)
+    for file in (slides, box_urdf(tmp_path / "hand.urdf")):
+        with pytest.raises(UserError, match="one jaw that turns; give its force"):
+            Gripper.from_file(file, torque=0.8)
+    with pytest.raises(UserError, match="torque is for the file of a hand"):
+        Gripper(opening=0.08, torque=0.8)
+
+
 def test_a_joint_that_counts_the_other_way_is_the_same_hand(tmp_path, boxes):
     found = read_model(jaw_urdf(tmp_path / "jaw.urdf", mirrored=True))
     np.testing.assert_allclose(found.openings, boxes.openings, atol=1e-9)

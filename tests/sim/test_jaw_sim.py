@@ -118,6 +118,26 @@ def test_the_joint_never_has_more_than_its_torque(swinging):
         assert np.abs(torque).max() <= most * (1 + 1e-9)
 
 
+@pytest.mark.parametrize(("diameter", "nearer"), [(0.0158, 0.0), (0.0252, 0.045)])
+def test_a_ball_is_pressed_by_the_torque_over_its_distance_from_the_hinge(
+    swinging, engine, diameter, nearer
+):
+    """Both balls stop the jaw where its faces are parallel to the fixed ones: at 0 degrees."""
+    torque = 0.6
+    gripper = Gripper.from_file(swinging.file, torque=torque, friction=0.3)
+    ball = build(trimesh.creation.icosphere(4, diameter / 2), 300.0, ROUND)
+    with open_world(engine, [ball], on_axis(gripper)) as world:
+        world.place(Pose(np.array([0.0, 0.0, 0.1 + nearer]), UPRIGHT))
+        world.set_gravity(WEIGHTLESS)
+        hand_pose = HandPose(0, 0, 0.1 - finger_span(gripper)[1], 0.0)
+        hand = Hand(world, ARMS["axis"](gripper), hand_pose, gripper.opening, 0.0158)
+        hand.close()
+        world.step(60)
+        forces = world.forces()
+    expected = torque / (model_of(gripper).lever - nearer)
+    assert [forces.left, forces.right] == pytest.approx([expected, expected], rel=0.04)
+
+
 @pytest.fixture(scope="module")
 def balls():
     return {
