@@ -3,6 +3,8 @@ from .bench.benchmark import Benchmark as Benchmark
 from .bench.benchmark import run_benchmark as run_benchmark
 from .bench.failures.atlas import FailureAtlas as FailureAtlas
 from .bench.failures.finding import find_failures as find_failures
+from .bench.hands.comparing import compare_hands as compare_hands
+from .bench.hands.comparison import HandComparison as HandComparison
 from .bench.stats.paired import Comparison as Comparison
 from .bench.stats.rates import Mean as Mean
 from .bench.trials import Trials as Trials

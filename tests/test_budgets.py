@@ -43,8 +43,8 @@ def settings():
 @pytest.mark.parametrize(
     ("what", "size", "limit"),
     [
-        ("lines of egad/ above the line", lines_above_the_line, 21_050),
-        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 60_500),
+        ("lines of egad/ above the line", lines_above_the_line, 21_150),
+        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 61_750),
         ("entries of egad/", entries, 26),
         ("settings", settings, 300),
         ("words of README.md", words_of("README.md"), 850),

@@ -15,7 +15,7 @@ from egad._util.arrays import Flags, Floats
 from egad.bench.parameters import NaiveGraspParameters
 from egad.bench.scenes import make_scene, put
 from egad.grasps import TABLE_CLEARANCE, hand_poses
-from egad.grippers import Gripper, check_jaws, finger_span
+from egad.grippers import Gripper, check_jaws
 from egad.random import generator
 from egad.sim import (
     FREE,
@@ -63,7 +63,7 @@ def approach_pose(touch: Touch, turn: float, depth: float, gripper: Gripper) -> 
     aside = np.cross(approach, SIDEWAYS[int(abs(approach[0]) > abs(approach[1]))])
     aside /= np.linalg.norm(aside)
     axis = np.cos(turn) * aside + np.sin(turn) * np.cross(approach, aside)
-    center = touch.point + (depth - finger_span(gripper)[1]) * approach
+    center = touch.point + (depth - gripper.kind.span[1]) * approach
     pose: Floats = hand_poses(center[None], axis[None], approach[None])[0]
     return pose
 

@@ -100,6 +100,27 @@ def succeeded(rates: Mapping[str, Mean], engines: Mapping[str, str]) -> None:
     )
 
 
+def hand_rates(rates: Mapping[str, Mapping[str, Mean]]) -> None:
+    """Print success rates of hands, by who chose the grasps."""
+    show(
+        ["hand", *(title for who in rates for title in (f"{who} %", "95 % interval"))],
+        [
+            (
+                name,
+                *(
+                    text
+                    for means in rates.values()
+                    for text in (
+                        number(100 * means[name].value, 1),
+                        _interval(means[name].interval),
+                    )
+                ),
+            )
+            for name in next(iter(rates.values()))
+        ],
+    )
+
+
 def compared(pairs: Sequence["Pair"]) -> None:
     """Print the comparison of each pair of detectors."""
     show(

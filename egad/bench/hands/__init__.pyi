@@ -1,0 +1,10 @@
+from .attempts import deviation as deviation
+from .attempts import try_hands as try_hands
+from .comparing import compare_at as compare_at
+from .comparing import compare_hands as compare_hands
+from .comparing import named_hands as named_hands
+from .comparison import HandComparison as HandComparison
+from .films import film_attempt_of_hand as film_attempt_of_hand
+from .hand_runner import HandRunner as HandRunner
+from .parameters import HandParameters as HandParameters
+from .parameters import HandTrials as HandTrials
