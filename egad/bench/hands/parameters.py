@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from egad._util.parameters import Length, ParameterGroup, Parameters, Seed
+from egad._util.parameters import Length, Parameters, Seed
 from egad.bench.parameters import NAMED_ERRORS, PLANNING_TIME, Errors, PlanningTime
 from egad.detectors import NoiseName
 from egad.sim import ENGINES, EngineName
@@ -30,7 +30,7 @@ class HandTrials(Parameters):
     )
 
 
-class HandParameters(ParameterGroup):
+class HandParameters(Parameters):
     """The settings that attempts of hands depend on, besides the hands."""
 
     seed: Seed
