@@ -33,6 +33,6 @@ class HandTrials(Parameters):
 class HandParameters(Parameters):
     """The settings that attempts of hands depend on, besides the hands."""
 
-    seed: Seed
-    hands: HandTrials
+    seed: Seed = Field(description="seed of everything random")
+    hands: HandTrials = Field(description="the attempts")
     planning_time: PlanningTime = PLANNING_TIME
