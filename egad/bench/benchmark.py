@@ -15,9 +15,8 @@ from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.clearing import Cleared, check_detector, clear_rounds
-from egad.bench.lazy import Lazy
 from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
-from egad.bench.preparation import SceneObject, lazy_objects, prepare_objects
+from egad.bench.preparation import SceneObject, lazy_objects, models_of, prepare_objects
 from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
 from egad.bench.rounds import film_round, rounds_of
 from egad.bench.stats import (
@@ -247,7 +246,7 @@ def clear_tables(
     return Benchmark(
         pd.concat([by_round[this[:3]] for this in todo]),
         float(np.median(seconds)) if seconds else float("nan"),
-        Scenes(Lazy({name: partial(_model, objects, name) for name in objects}), settings),
+        Scenes(models_of(objects), settings),
     )
 
 
@@ -258,7 +257,3 @@ def _by_round(
     for table, times in cleared:
         seconds.extend(times)
         yield from table.groupby(ROUND, sort=False)
-
-
-def _model(objects: Mapping[str, SceneObject], name: str) -> Model:
-    return objects[name].model

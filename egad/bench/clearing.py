@@ -7,7 +7,7 @@ from typing import TypeAlias
 import pandas as pd
 
 from egad.bench.parameters import ClutterParameters
-from egad.bench.preparation import SceneObject
+from egad.bench.preparation import SceneObject, models_of
 from egad.bench.rounds import Round, run_round
 from egad.bench.runner import Propose, proposed_by, timed
 from egad.bench.scene_labels import SceneLabels
@@ -40,14 +40,10 @@ def clear_rounds(
     keep_going: bool = False,
 ) -> Cleared:
     """The attempts of some rounds with objects by id, and the planning times."""
-
-    def model(name: str) -> Model:
-        return objects[name].model
-
-    def grasps(name: str) -> pd.DataFrame:
-        return objects[name].grasps
-
-    with open_table(detect, model, grasps, settings) as clear:
+    models = models_of(objects)
+    with open_table(
+        detect, models.__getitem__, lambda name: objects[name].grasps, settings
+    ) as clear:
         # These may be only a few of the rounds; only the caller sees whether all of them fail.
         done = []
         monitor = FailureMonitor(len(rounds) + 1, keep_going, "rounds", quiet=True)

@@ -1,15 +1,14 @@
 """Objects as they are simulated, with their labelled grasps."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.bench.lazy import Lazy
 from egad.detectors import grasps_if_any
 from egad.errors import RejectedError, UserError
 from egad.grasps import GraspLabel, label_parameters
@@ -20,7 +19,29 @@ from egad.sim.model import simulated
 from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
+T = TypeVar("T")
+
 log = logging.getLogger(__name__)
+
+
+class Lazy(Mapping[str, T]):
+    """Values by name; each is made once, when it is looked up."""
+
+    def __init__(self, makers: Mapping[str, Callable[[], T]]) -> None:
+        """Take a function for each value."""
+        self._makers = dict(makers)
+        self._made: dict[str, T] = {}
+
+    def __getitem__(self, name: str) -> T:
+        if name not in self._made:
+            self._made[name] = self._makers[name]()
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        return len(self._makers)
 
 
 class SceneObject(NamedTuple):
@@ -36,6 +57,15 @@ def lazy_objects(
 ) -> Mapping[str, SceneObject]:
     """Objects by id, made when they are looked up; RejectedError if one cannot be simulated."""
     return Lazy({each.id: partial(_made, each, gripper, rule, label_seed) for each in targets})
+
+
+def models_of(objects: Mapping[str, SceneObject]) -> Mapping[str, Model]:
+    """The models of objects by id, each looked up when it is needed."""
+    return Lazy({name: partial(_model, objects, name) for name in objects})
+
+
+def _model(objects: Mapping[str, SceneObject], name: str) -> Model:
+    return objects[name].model
 
 
 def _made(

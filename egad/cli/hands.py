@@ -19,7 +19,6 @@ from egad.cli.common import (
     out_option,
     settings_in,
 )
-from egad.errors import UserError
 from egad.grippers import Gripper
 from egad_workflow.settings import Settings
 
@@ -76,7 +75,7 @@ def hands(
 ) -> None:
     """Compare hands: what each can hold, how easily, with a detector, and what it never holds."""
     from egad._util.parameters import from_arguments
-    from egad.bench.hands import HandParameters, HandTrials, compare_at
+    from egad.bench.hands import HandParameters, HandTrials, check_distinct, compare_at
     from egad.detectors import keep_failure
     from egad.io import check_ending
     from egad.report.hands import write_card
@@ -86,12 +85,9 @@ def hands(
     check_ending(out, (".html",))
     check_engine(engine)
     settings = settings_in(config)
-    compared: dict[str, Gripper] = {}
-    for text in names:
-        name, hand = _hand(settings, text)
-        if name in compared:
-            raise UserError(f"the hand {name} is given twice")
-        compared[name] = hand
+    named = [_hand(settings, text) for text in names]
+    check_distinct([name for name, _ in named])
+    compared = dict(named)
     detect = None
     if detector is not None or command is not None or weights is not None:
         settings, chosen = detector_in(settings, detector or "detector", weights, command)

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from egad.bench import Models
-from egad.bench.lazy import Lazy
+from egad.bench.preparation import Lazy
 from egad.errors import RejectedError, UserError
 from egad.exchange.objects.simulation import read_simulation_object
 from egad.grippers import Gripper

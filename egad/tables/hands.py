@@ -16,6 +16,8 @@ from egad.tables.columns import (
 from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, PLACE, PLATFORM, SUCCESS
 from egad.tables.outcomes import DETECTOR_FAILURES, Outcome
 
+SWING = 30.0  # degrees
+
 
 class Cause(StrEnum):
     """What became of an attempt, or why it failed; its value is what tables hold."""
@@ -33,7 +35,7 @@ class Cause(StrEnum):
     HELD = "held", "held to the end", "#0072b2"
     SWUNG = (
         "swung",
-        "held to the end, but turned by more than 30 degrees from how it lay",
+        f"held to the end, but turned by more than {SWING:g} degrees from how it lay",
         "#7fb8d8",
     )
     DROPPED = "dropped", "lost while held up", "#009e73"
@@ -47,7 +49,6 @@ class Cause(StrEnum):
     ENGINE = "engine", "the simulation became unstable", "#a7adb8"
 
 
-SWING = 30.0  # degrees
 OF_OUTCOME = {
     **dict.fromkeys(DETECTOR_FAILURES, Cause.DETECTOR),
     Outcome.NO_GRASP: Cause.UNREACHABLE,

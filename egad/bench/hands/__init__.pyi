@@ -1,5 +1,6 @@
 from .attempts import deviation as deviation
 from .attempts import try_hands as try_hands
+from .comparing import check_distinct as check_distinct
 from .comparing import compare_at as compare_at
 from .comparing import compare_hands as compare_hands
 from .comparing import named_hands as named_hands

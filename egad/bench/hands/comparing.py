@@ -107,12 +107,17 @@ def named_hands(hands: Hands) -> dict[str, Gripper]:
         names = [hands] if isinstance(hands, str) else list(hands)
         if unnamed := [each for each in names if not isinstance(each, str)]:
             raise UserError(f"{unnamed[0]!r} has no name; give hands as {{'mine': egad.Gripper()}}")
-        if twice := [name for name in names if names.count(name) > 1]:
-            raise UserError(f"the hand {twice[0]} is given twice")
+        check_distinct(names)
         hands = {name: name for name in names}
     if not hands:
         raise UserError("there are no hands to compare")
     return {name: as_gripper(hand) for name, hand in hands.items()}
+
+
+def check_distinct(names: Sequence[str]) -> None:
+    """Raise UserError for a hand that is given twice."""
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise UserError(f"the hand {twice[0]} is given twice")
 
 
 def compare_at(

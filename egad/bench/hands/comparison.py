@@ -75,8 +75,8 @@ class HandComparison:
                 or `naive`: naive grasps.
 
         Returns:
-            Rows of `table`, whose columns `attempt` and `initial_pose` are the same for all hands
-            in attempts that are the same but for the hand.
+            Rows of `table`. The columns `attempt` and `initial_pose` are equal in attempts that
+            differ only in the hand.
 
         Raises:
             UserError: There is no such hand or grasper.
