@@ -1,6 +1,7 @@
 """Budgets of what there is to read. A commit that raises one says what it leaves out instead."""
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -55,3 +56,14 @@ def settings():
 def test_what_there_is_to_read_is_within_its_budget(what, size, limit):
     found = size()
     assert found <= limit, f"{what}: {found:,}, {found - limit:,} over the budget of {limit:,}"
+
+
+def test_the_repository_holds_no_large_file():
+    listed = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    if listed.returncode:
+        pytest.skip("not a git repository")
+    files = [ROOT / name for name in listed.stdout.split("\0") if name]
+    sizes = {path: path.stat().st_size for path in files if path.is_file()}
+    assert not {path.name: size for path, size in sizes.items() if size > 5e6}
