@@ -14,7 +14,7 @@ from egad._util.files import as_path
 from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.bench.clearing import Cleared, check_detector, clear_rounds
+from egad.bench.clearing import Cleared, clear_rounds
 from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
 from egad.bench.preparation import SceneObject, lazy_objects, models_of, prepare_objects
 from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
@@ -46,6 +46,7 @@ from egad.sim import ENDINGS, EngineName, Model, write_film
 from egad.tables.clutter import ROUND
 
 SHARDS = 4  # per job, so that no job waits long for the others
+FEWEST = 5  # rounds of a shard: each starts the detector again
 
 
 class Scenes(NamedTuple):
@@ -210,7 +211,6 @@ def try_tables(
     keep_going: bool = False,
 ) -> Benchmark:
     """Let a detector clear tables of objects; see `run_benchmark`, also for errors."""
-    check_detector(detect, settings)
     label_seed = settings.seed if knows_scene(detect) else None
     given = (targets, settings.gripper, rule, label_seed)
     try:
@@ -231,7 +231,8 @@ def clear_tables(
     todo = rounds_of(list(objects), settings)
     single, rest = todo[:jobs], todo[jobs:]  # the first rounds are soon done
     shards = [[each] for each in single]
-    shards += [rest[first :: SHARDS * jobs] for first in range(min(SHARDS * jobs, len(rest)))]
+    count = max(jobs, min(SHARDS * jobs, len(rest) // FEWEST))
+    shards += [shard for first in range(count) if (shard := rest[first::count])]
     work = partial(
         clear_rounds, objects=objects, detect=detect, settings=settings, keep_going=keep_going
     )
