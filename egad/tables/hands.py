@@ -3,16 +3,7 @@
 from enum import StrEnum
 from typing import Self
 
-from egad.tables.columns import (
-    FLOAT,
-    ID,
-    integer,
-    pose,
-    real,
-    schema,
-    text,
-    values,
-)
+from egad.tables.columns import FLOAT, ID, Result, integer, pose, real, schema, text, values
 from egad.tables.evaluation import ENGINE, ERRORS, FAILURE, PLACE, PLATFORM, SUCCESS
 from egad.tables.outcomes import DETECTOR_FAILURES, Outcome
 
@@ -99,3 +90,8 @@ HAND_ATTEMPTS = schema(
     ERRORS,
     FAILURE,
 )
+
+FILES = [
+    Result("D/hands/card.html", "report card of the grippers of `targets`; works offline"),
+    Result("D/hands/attempts.parquet", "attempts of these at the evaluation set", HAND_ATTEMPTS),
+]

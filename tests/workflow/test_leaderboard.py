@@ -14,7 +14,7 @@ import trimesh
 from commands import egad as egad_command
 
 import egad
-from egad.bench import TrialParameters, TrialProtocol, run_attempts
+from egad.bench import NAMED_ERRORS, TrialParameters, TrialProtocol, run_attempts
 from egad.detectors import Grasp
 from egad.geometry import mass_properties
 from egad.grippers import GRIPPERS
@@ -23,7 +23,15 @@ from egad.tables import parquet
 from egad.tables.clutter import CLUTTER
 from egad.tables.evaluation import TRIALS
 from egad_workflow import leaderboard
-from egad_workflow.leaderboard import ENTRIES, ENTRY, PROTOCOLS, Checks, build, read_entry
+from egad_workflow.leaderboard import (
+    ENTRIES,
+    ENTRY,
+    PROTOCOLS,
+    Checks,
+    build,
+    read_entry,
+    read_protocol,
+)
 
 SHIPPED = Path(egad.__file__).parents[1] / "leaderboard"
 BOX = trimesh.creation.box((0.03, 0.05, 0.03))
@@ -262,3 +270,16 @@ def test_cleared_tables_from_python_are_filmed(tmp_path):
     where = ("--gripper", "panda", "--out", film)
     assert egad_command("trials", "film", "single", 0, *where, *words).returncode == 0
     assert film.stat().st_size > 10_000
+
+
+def test_the_example_of_a_submission_runs_what_its_protocol_says(monkeypatch):
+    page = (SHIPPED.parent / "docs/leaderboard.md").read_text()
+    (call,) = re.findall(r"egad\.run_trials\(\n.*?\n *\)", page, flags=re.DOTALL)
+    given = {}
+    monkeypatch.setattr(egad, "run_trials", lambda *_, **options: given.update(options))
+    eval(call, {"egad": egad, "detect": across})  # noqa: S307 (our own page)
+    _, settings = read_protocol(SHIPPED / PROTOCOLS / "single-mujoco.yaml")
+    assert given["errors"] == "typical"
+    assert settings.trials.errors == NAMED_ERRORS["typical"]
+    assert given["attempts"] == settings.trials.attempts
+    assert given["depth_noise"] == settings.trials.depth_noise

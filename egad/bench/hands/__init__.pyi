@@ -7,5 +7,6 @@ from .comparing import named_hands as named_hands
 from .comparison import HandComparison as HandComparison
 from .films import film_attempt_of_hand as film_attempt_of_hand
 from .hand_runner import HandRunner as HandRunner
+from .parameters import ComparedHands as ComparedHands
 from .parameters import HandParameters as HandParameters
 from .parameters import HandTrials as HandTrials

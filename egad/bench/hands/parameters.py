@@ -5,6 +5,7 @@ from pydantic import Field
 from egad._util.parameters import Length, Parameters, Seed
 from egad.bench.parameters import NAMED_ERRORS, PLANNING_TIME, Errors, PlanningTime
 from egad.detectors import NoiseName
+from egad.grippers import Gripper
 from egad.sim import ENGINES, EngineName
 
 
@@ -35,4 +36,12 @@ class HandParameters(Parameters):
 
     seed: Seed = Field(description="seed of everything random")
     hands: HandTrials = Field(description="the attempts")
+    planning_time: PlanningTime = PLANNING_TIME
+
+
+class ComparedHands(Parameters):
+    """The settings that the workflow's comparison of hands reads."""
+
+    seed: Seed = Field(description="seed of everything random")
+    grippers: dict[str, Gripper] = Field(description="hands by name")
     planning_time: PlanningTime = PLANNING_TIME
