@@ -14,7 +14,7 @@ from egad._util.files import as_path
 from egad._util.parameters import from_arguments
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.bench.clearing import Cleared, clear_rounds
+from egad.bench.clearing import Cleared, check_detector, clear_rounds
 from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
 from egad.bench.preparation import SceneObject, lazy_objects, models_of, prepare_objects
 from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
@@ -38,15 +38,15 @@ from egad.detectors import (
     knows_scene,
     wanted_input,
 )
-from egad.errors import RejectedError, UserError
+from egad.errors import UserError
 from egad.grippers import Gripper
 from egad.io import check_ending
-from egad.objects import Dataset, NamedMesh, named_meshes
+from egad.objects import EVALUATION_SET, Dataset, NamedMesh, load, named_meshes
 from egad.sim import ENDINGS, EngineName, Model, write_film
 from egad.tables.clutter import ROUND
 
 SHARDS = 4  # per job, so that no job waits long for the others
-FEWEST = 5  # rounds of a shard: each starts the detector again
+FEWEST = 5  # rounds of a shard, if there are enough: each starts the detector again
 
 
 class Scenes(NamedTuple):
@@ -213,11 +213,12 @@ def try_tables(
     """Let a detector clear tables of objects; see `run_benchmark`, also for errors."""
     label_seed = settings.seed if knows_scene(detect) else None
     given = (targets, settings.gripper, rule, label_seed)
-    try:
+    released = set(load(EVALUATION_SET).table["id"])
+    if all(each.id in released for each in targets):  # all of them can be simulated
         return clear_tables(detect, lazy_objects(*given), settings, jobs, keep_going)
-    except RejectedError:  # of an object; which rounds there are depends on those that are usable
-        usable = {each.id: each for each in prepare_objects(*given, jobs)}
-        return clear_tables(detect, usable, settings, jobs, keep_going)
+    check_detector(detect, settings)
+    usable = {each.id: each for each in prepare_objects(*given, jobs)}
+    return clear_tables(detect, usable, settings, jobs, keep_going)
 
 
 def clear_tables(

@@ -20,8 +20,16 @@ from egad.detectors import (
     opened,
 )
 from egad.sim import Model
+from egad.tables.grasping import GRASPS
+from egad.tables.parquet import empty
 
 Cleared: TypeAlias = tuple[pd.DataFrame, list[float]]  # attempts; planning times in seconds
+
+
+def check_detector(detect: Detect, settings: ClutterParameters) -> None:
+    """Start and stop a detector, before objects take minutes; UserError as from `open_table`."""
+    with _proposer(detect, lambda _: empty(GRASPS), settings):
+        pass
 
 
 def clear_rounds(

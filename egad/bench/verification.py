@@ -76,7 +76,7 @@ def _contradictions(
     for place, row in zip(places, parquet.records(rows), strict=True):
         grasp, outcome = read_grasp(row), row["outcome"]
         if isinstance(grasp, Outcome):
-            if outcome not in (*POSE_FAILURES, *SIMULATION_FAILURES):
+            if outcome not in (POSE_FAILURES if row["n_objects"] else SIMULATION_FAILURES):
                 yield Difference(place, "outcome", outcome, "no grasp was tried")
         elif (flaw := grasp.infeasibility(settings.gripper)) or outcome in POSE_FAILURES:
             yield Difference(place, "outcome", outcome, flaw or "a grasp was tried")

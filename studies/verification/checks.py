@@ -142,9 +142,10 @@ def main() -> None:
     parser.add_argument("--honest", type=int, default=25)
     parser.add_argument("--forged", type=int, default=100)
     parser.add_argument("--labels", nargs="*", default=[])
+    parser.add_argument("--detectors", nargs="*", default=DETECTORS)
     given = parser.parse_args()
     for engine in given.engines:
-        for detector in DETECTORS:
+        for detector in given.detectors:
             table = Table(engine, detector, given.labels)
             print(f"\n{engine}, {detector}: {len(table.rows)} attempts", flush=True)
             honest = list(table.honest(given.honest))
@@ -153,6 +154,11 @@ def main() -> None:
             print(total, flush=True)
             refused = Counter(each.is_honest for each in verdicts)[False]
             print(line("honest", refused, given.honest), flush=True)
+            rng = generator(0, "joined", engine, detector)
+            chosen = [rng.choice(given.honest, JOINED) for _ in range(given.forged)]
+            joined = [sum((verdicts[each] for each in some), Reproduction()) for some in chosen]
+            refused = sum(not each.is_honest for each in joined)
+            print(line(f"{JOINED} honest ones, joined", refused, given.forged), flush=True)
             for ends in (False, True):
                 for share in SHARES:
                     rng = generator(0, "forged", engine, detector, str(share), str(ends))

@@ -40,7 +40,7 @@ def at_the_highest_point(cloud, gripper, _rng):
 
 
 def test_a_detector_that_cannot_be_started_is_noticed_before_objects_are_made(monkeypatch):
-    monkeypatch.setattr("egad.bench.benchmark.lazy_objects", None)  # it is not called
+    monkeypatch.setattr("egad.bench.benchmark.prepare_objects", None)  # it is not called
     command = DetectorConfig(command=["/no/such/program"])
     with pytest.raises(UserError, match=r"/no/such/program cannot be started: .*No such file"):
         egad.run_benchmark(command, OBJECTS, **FEW)
@@ -160,7 +160,7 @@ def test_an_object_that_cannot_be_simulated_is_left_out(caplog):
     assert table.equals(alone)
 
 
-def test_only_objects_of_the_rounds_are_made(monkeypatch):
+def test_of_the_evaluation_set_only_objects_of_the_rounds_are_made(monkeypatch):
     made = []
     simulated = preparation.simulated
     monkeypatch.setattr(
@@ -168,9 +168,22 @@ def test_only_objects_of_the_rounds_are_made(monkeypatch):
         "simulated",
         lambda target, *rest: made.append(target.id) or simulated(target, *rest),
     )
-    few = FEW | {"rounds": 1, "scenes": ["single"]}
-    table = egad.run_benchmark("random", OBJECTS, **few).table
+    few = FEW | {"rounds": 1, "scenes": ["single"], "rule": "paper"}
+    table = egad.run_benchmark("random", egad.load("evaluation-set"), **few).table
     assert made == table["objects"].unique().tolist()
+
+
+def test_more_rounds_begin_with_the_same_scenes_though_an_object_cannot_be_used():
+    broken = trimesh.creation.box((0.03, 0.03, 0.03))
+    broken.update_faces(broken.face_normals[:, 2] < 0.5)  # a box without a lid
+    few = FEW | {"scenes": ["single"]}
+    objects = {"broken": broken, **OBJECTS}
+    one, more = (
+        egad.run_benchmark("random", objects, **few | {"rounds": rounds}).table for rounds in (1, 6)
+    )
+    first = more[more["round"] == 0]
+    assert one["objects"].tolist() == first["objects"].tolist()
+    assert set(more["objects"]) <= set(OBJECTS)
 
 
 @pytest.mark.parametrize(

@@ -297,3 +297,14 @@ def test_a_round_that_began_cannot_be_said_to_have_failed(table, made):
         f"round 0, {this.scene}, noise {this.noise}, attempt 0"
     ]
     assert not verdict.is_honest
+
+
+def test_a_failure_cannot_be_said_to_be_one_of_the_simulation(table, made):
+    """Those do not count either."""
+    given, models = select(WHOLE, ClutterParameters, GRIPPER), bundle_models(made)
+    last = table.groupby(["scene", "noise", "round"], sort=False).tail(1).index[0]
+    failed = table.copy()
+    failed.loc[last, [*GRASP_POSE, "width", "score", "stopped"]] = np.nan
+    failed.loc[last, ["success", "outcome"]] = False, "failed"
+    verdict = verify_groups(groups(failed), models, given)
+    assert [each.column for each in verdict.impossible] == ["outcome"]
