@@ -121,7 +121,7 @@ class ContactGraspNet:
         batch = torch.zeros(len(cloud), dtype=torch.long)
         centers = sys.modules["torch_cluster"].fps(cloud, batch, min(1, CENTERS / len(cloud)))
         with torch.no_grad():
-            # This limits half the distance by which a hand is beside its contact to 40 mm.
+            # Predicted widths reach 80 mm.
             _, poses, scores, *_ = self._network(
                 cloud[:, 3:], cloud, batch, centers, gripper_width=0.16
             )

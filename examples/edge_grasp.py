@@ -136,6 +136,8 @@ class EdgeGrasp:
             setattr(module, function.__name__, function)
             sys.modules[name] = module
         sys.modules["torch_geometric"] = types.ModuleType("torch_geometric")
+        if not REPOSITORY.is_dir():
+            sys.exit(f"edge_grasp: {REPOSITORY} is missing; edge_grasp.py says how to get it")
         sys.path.insert(0, str(REPOSITORY / "models"))
         from vn_edge_grasp_network import EdgeGrasp as Network  # noqa: PLC0415
 

@@ -21,7 +21,8 @@ from egad.sim.world import TIME_STEP
 
 STEP = TIME_STEP / SUBSTEPS
 # Pressure in a soft body rises from 0 at its surface to this in its middle, pascals. Robot, table
-# and walls are soft, and objects rigid: contacts are patches, whose size decides the torsion.
+# and walls are soft, and a single object is rigid: contacts are patches, whose size decides the
+# torsion.
 MODULUS = 3e7
 # Pads with this modulus touch a ball of 25 mm at 20 N in a patch that resists twisting as much as a
 # disc of this radius, pascals and metres.

@@ -36,10 +36,10 @@ def check_engine(name: str) -> None:
     check_name("engine", name, ENGINES)
     if not is_installed(name):
         extra = "drake" if name == "drake" else "sim"
+        old = " (it has packages for Python 3.11 and older only)" if name == "pybullet" else ""
         raise UserError(
-            f"the physics engine {name} is not installed: pip install 'egad[{extra}]' (PyBullet "
-            f"has packages for Python 3.11 and older only), or choose another one of "
-            f"{', '.join(ENGINES)}"
+            f"the physics engine {name} is not installed: pip install 'egad[{extra}]'{old}, or "
+            f"choose another one of {', '.join(ENGINES)}"
         )
 
 

@@ -24,6 +24,7 @@ from egad._util.files import atomic_output
 from egad._util.workers import workers
 from egad.bench import NAMED_ERRORS, TrialParameters, TrialProtocol, run_attempts
 from egad.bench.stats import Interval, compare, mean_rate, results
+from egad.bench.trials import SAMPLED
 from egad.detectors import DETECTORS, GGCNN, Detector, Labels, make_detector
 from egad.grasps import label_parameters
 from egad.grasps.sampling import dataset_grasps
@@ -56,9 +57,9 @@ class Prepared(NamedTuple):
 
 
 def prepare(target: NamedMesh) -> Prepared:
-    """Scale an object, split it into convex parts, and label 100 grasps of it."""
+    """Scale an object, split it into convex parts, and label grasps of it."""
     mesh, model = simulated(target, HAND, "paper")
-    grasps = dataset_grasps(mesh, target.id, label_parameters(HAND, 100, 0))
+    grasps = dataset_grasps(mesh, target.id, label_parameters(HAND, SAMPLED, 0))
     return Prepared(target.label, target.id, model, Labels(grasps))
 
 

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -96,6 +97,15 @@ def test_without_points_there_are_no_grasps(monkeypatch):
         cloud = {"points": np.zeros((0, 3)), "normals": np.zeros((0, 3))}
         rng = np.random.default_rng(0)
         assert [len(each) for each in detect({"cloud": cloud}, PANDA.model_dump(), rng)] == [0] * 3
+
+
+def test_a_missing_repository_is_told(monkeypatch, tmp_path):
+    module = load("edge_grasp", monkeypatch)
+    monkeypatch.setattr(module, "REPOSITORY", tmp_path / "nowhere")
+    for name in ("torch", "torch_geometric", "torch_cluster", "torch_scatter"):
+        monkeypatch.setitem(sys.modules, name, MagicMock())
+    with pytest.raises(SystemExit, match=r"nowhere is missing; edge_grasp\.py says how to get it"):
+        module.EdgeGrasp()
 
 
 @pytest.mark.parametrize("name", ADAPTERS)
