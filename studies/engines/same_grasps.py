@@ -4,7 +4,7 @@ Ten of the collision-free labelled grasps of each object of the evaluation set a
 floating object, as in `egad.sim.labelled_trials`: in the same pose in all engines, once exactly
 and once with the errors of a typical real cell. A variant is an engine, or an engine with one cause
 of disagreement switched (`SWITCHES`). The results go to one file for each object in FOLDER; what is
-there is not simulated again. `same_grasps_page.py` prints the tables.
+there is not simulated again. Last, a mug is tried. `same_grasps_page.py` prints the tables.
 """
 
 import pickle
@@ -19,6 +19,7 @@ from types import ModuleType
 import mujoco
 import numpy as np
 import pandas as pd
+import trimesh
 
 import egad
 from egad.bench import CellErrors
@@ -26,7 +27,7 @@ from egad.bench.cell_errors import EXACT, Deviation, draw
 from egad.bench.parameters import NAMED_ERRORS
 from egad.friction import FRICTION
 from egad.grippers import GRIPPERS
-from egad.objects import named_meshes
+from egad.objects import NamedMesh, named_meshes
 from egad.random import generator
 from egad.sim import ARMS, ENGINES, Arm, Lifting, Model, World, mujoco_world, open_world
 from egad.sim.execution import execute
@@ -34,7 +35,7 @@ from egad.sim.labelled_trials import floating_pose
 from egad.sim.model import simulated
 from egad.sim.pybullet_world import PyBulletWorld
 
-GRASPS, SAMPLED = 10, 200
+GRASPS, SAMPLED, MUG = 10, 200, "mug"
 GRIPPER = GRIPPERS["egad_75mm"].model_copy(update={"friction": FRICTION})
 ERRORS: dict[str, CellErrors] = {name: NAMED_ERRORS[name] for name in ("none", "typical")}
 Change = Callable[[World], None]
@@ -131,14 +132,26 @@ VARIANTS = [
 ]
 
 
+def mug() -> trimesh.Trimesh:
+    """A mug of 60 mm across and 80 mm high, with walls of 4 mm and a handle, metres."""
+    outside = trimesh.creation.cylinder(0.03, 0.08)
+    inside = trimesh.creation.cylinder(0.026, 0.08).apply_translation([0, 0, 0.004])
+    handle = trimesh.creation.torus(0.022, 0.004)
+    handle.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0]))
+    whole = trimesh.boolean.union([outside, handle.apply_translation([0.03, 0, 0])])
+    return trimesh.boolean.difference([whole, inside])
+
+
 def prepared(folder: Path, label: str) -> tuple[Model, pd.DataFrame]:
     """The model of an object and its grasps, which are kept in a file."""
     path = folder / f"{label}.pickle"
     if not path.is_file():
-        (target,) = (
-            each for each in named_meshes(egad.load("evaluation-set")) if each.label == label
-        )
-        mesh, model = simulated(target, GRIPPER, "paper")
+        if label == MUG:
+            target, rule = NamedMesh(MUG, MUG, mug), "none"
+        else:
+            targets, rule = named_meshes(egad.load("evaluation-set")), "paper"
+            (target,) = (each for each in targets if each.label == label)
+        mesh, model = simulated(target, GRIPPER, rule)
         grasps = egad.sample_grasps(mesh, GRIPPER, n=SAMPLED, seed=0).to_frame()
         free = grasps[grasps["collision_free"]]
         chosen = np.sort(generator(0, "engines", label).permutation(len(free))[:GRASPS])
@@ -208,7 +221,7 @@ def parted(known: pd.DataFrame) -> list[int]:
 def main(folder: Path, variants: list[str]) -> None:
     """Simulate what is not yet there."""
     folder.mkdir(parents=True, exist_ok=True)
-    for label in egad.load("evaluation-set").table["label"]:
+    for label in [*egad.load("evaluation-set").table["label"], MUG]:
         path = folder / f"{label}.csv"
         known = pd.read_csv(path) if path.is_file() else pd.DataFrame(columns=["variant", "errors"])
         model, grasps = prepared(folder, label)

@@ -19,7 +19,7 @@ NAMES = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "drake": "Drake"}
 
 def read(folders: list[Path]) -> pd.DataFrame:
     """Whether each grasp (rows: object and grasp) succeeds in each variant with each errors."""
-    files = [path for folder in folders for path in sorted(folder.glob("*.csv"))]
+    files = [path for folder in folders for path in sorted(folder.glob("[A-G][0-6].csv"))]
     rows = pd.concat([pd.read_csv(path) for path in files]).drop_duplicates(
         ["label", "grasp", "variant", "errors"]
     )
