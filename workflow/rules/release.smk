@@ -136,7 +136,6 @@ rule release_card:
         gallery=["results/release/index.html", "results/release/gallery"],
     output:
         card=ensure("results/release/README.md", non_empty=True),
-        croissant=ensure("results/release/croissant.json", non_empty=True),
         citation=ensure("results/release/CITATION.cff", non_empty=True),
         licence=ensure("results/release/LICENSE", non_empty=True),
         provenance=ensure("results/release/provenance.json", non_empty=True),

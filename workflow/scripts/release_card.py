@@ -14,24 +14,14 @@ from egad._util.files import atomic_output, write_text
 from egad.detectors import NETWORKS
 from egad.errors import UserError
 from egad.exchange.release import (
-    ABSTRACT,
-    CREATOR,
-    LICENSE_URL,
-    OTHER_FILES,
-    PAPER,
-    RAI,
-    TABLES,
-    TAGS,
-    Files,
-    Release,
+    CONTENTS,
     ReleaseCard,
     ReleaseFacts,
     card_page,
     citation_cff,
-    croissant_json,
     licence_text,
 )
-from egad.io import checksum, files_of
+from egad.io import files_of
 from egad.tables import parquet
 from egad.tables.release import RELEASED_GRASPS, RELEASED_OBJECTS
 from egad_workflow.job import run_job
@@ -49,13 +39,9 @@ def run(
         shutil.copytree(NETWORKS, folder)
     release = settings.release
     objects = parquet.read(out / "data/objects.parquet", RELEASED_OBJECTS)
-    listed = [row for row in _contents(out, [*TABLES, *OTHER_FILES]) if row[2]]
+    listed = [row for row in _contents(out) if row[2]]
     page = card_page(_facts(settings, objects), objects, _success(out), listed)
     write_text(out / "README.md", page)
-    patterns = {row[0] for row in listed}
-    files = [each for each in OTHER_FILES if each.pattern in patterns]
-    sums = {name: checksum(out / name) for name in patterns if "*" not in name}
-    write_text(out / "croissant.json", croissant_json(_about(release), TABLES, files, sums))
     citation = citation_cff(release.title, release.version, release.date, release.url)
     write_text(out / "CITATION.cff", citation)
     write_text(out / "LICENSE", licence_text(release.title, release.version))
@@ -96,30 +82,12 @@ def _success(out: Path) -> dict[str, float]:
     return {str(split): float(share) for split, share in shares.items()}
 
 
-def _contents(out: Path, files: Iterable[Files]) -> Iterator[tuple[str, str, int, int]]:
+def _contents(out: Path) -> Iterator[tuple[str, str, int, int]]:
     """The pattern, meaning, number and bytes of the files of a release."""
     paths = {path.relative_to(out).as_posix(): path for path in files_of(out)}
-    for each in files:
-        sizes = [paths[name].stat().st_size for name in fnmatch.filter(paths, each.pattern)]
-        yield each.pattern, each.meaning, len(sizes), sum(sizes)
-
-
-def _about(release: Release) -> dict[str, object]:
-    """Properties of the dataset by the names of schema.org."""
-    paper = f"{PAPER['authors']}, {PAPER['title']}, {PAPER['journal']} {PAPER['year']}"
-    return {
-        "name": "egad",
-        "alternateName": release.title,
-        "description": ABSTRACT,
-        "license": LICENSE_URL,
-        "version": release.version,
-        "creator": {"@type": "sc:Organization", "name": CREATOR},
-        "citeAs": f"{paper}, doi:{PAPER['doi']}",
-        "keywords": TAGS,
-        "datePublished": release.date,
-        "url": release.url,
-        **RAI,
-    }
+    for pattern, meaning in CONTENTS.items():
+        sizes = [paths[name].stat().st_size for name in fnmatch.filter(paths, pattern)]
+        yield pattern, meaning, len(sizes), sum(sizes)
 
 
 if __name__ == "__main__":

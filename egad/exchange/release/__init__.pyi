@@ -1,13 +1,4 @@
-from .croissant import ABSTRACT as ABSTRACT
-from .croissant import OTHER_FILES as OTHER_FILES
-from .croissant import RAI as RAI
-from .croissant import TABLES as TABLES
-from .croissant import Files as Files
-from .croissant import croissant_json as croissant_json
-from .dataset_card import CREATOR as CREATOR
-from .dataset_card import LICENSE_URL as LICENSE_URL
-from .dataset_card import PAPER as PAPER
-from .dataset_card import TAGS as TAGS
+from .contents import CONTENTS as CONTENTS
 from .dataset_card import ReleaseFacts as ReleaseFacts
 from .dataset_card import card_page as card_page
 from .dataset_card import citation_cff as citation_cff

@@ -77,7 +77,6 @@ print(grasp["label"], grasp["simulated_success"], grasp["center_x"])
 
 FOLDER is this folder, or its name where it is hosted. The configurations are `objects`, `grasps`
 and `evaluation_set`. `pandas.read_parquet("data/objects.parquet")` reads a table as well.
-`croissant.json` describes the same tables for other tools.
 
 ## What is in it
 
