@@ -47,8 +47,8 @@ def test_help_lists_what_people_call_and_no_stage_of_the_workflow():
     assert all(f" {name} " in shown for name in names)
     stages = {path.stem.replace("_", "-") for path in SCRIPTS.glob("*.py")}
     assert {"evolve", "postprocess", "grasp-label", "select-eval", "simulate"} <= stages - names
-    # what people do with meshes and images of their own, too
-    assert names & stages == {"bundle", "export", "rescale", "size-effect"}
+    # what people do with meshes, images and hands of their own, too
+    assert names & stages == {"bundle", "export", "hands", "rescale", "size-effect"}
 
 
 def test_a_damaged_table_is_one_sentence_without_a_traceback(tmp_path):
