@@ -23,6 +23,7 @@ from .evolution.island import Candidate as Candidate
 from .exchange.export import Exported as Exported
 from .exchange.export import export as export
 from .exchange.grasp_tables import load_grasps as load_grasps
+from .exchange.reading import read_grasps as read_grasps
 from .geometry.checks import DroppedBodiesWarning as DroppedBodiesWarning
 from .geometry.checks import ScaleWarning as ScaleWarning
 from .geometry.checks import UnitsWarning as UnitsWarning

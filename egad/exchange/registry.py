@@ -11,6 +11,11 @@
   with its simulated grasps for `egad.export`. With `KIND = "cup"`, it is for suction cups, whose
   grasps are labelled but not simulated; the others are for jaws.
 
+- `grasps/NAME.py` and `readers/NAME.py`: `read(content, options)` returns the
+  `egad.exchange.grasp_files.FileGrasps` of what a file holds. `KEYS` are names by which a file is
+  recognised, `REFERENCE` says which frame its poses are in if it may not be that of the object.
+  `READERS` has the endings of the files: `egad.read_grasps` then knows the format.
+
 A module may have `check(hand)`, called first, which raises an error if the format cannot be
 written. Surfaces are mesh files, which `egad.io` writes. `egad.export`, the command `egad export`,
 `targets.exports` and the rule `export` know every format.
@@ -52,6 +57,16 @@ def _modules(kind: str) -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in (Path(__file__).parent / kind).glob("[!_]*.py")))
 
 
+# The endings of the files of grasps that are read.
+READERS = {
+    "acronym": (".h5",),
+    "contact_graspnet": (".npz",),
+    "graspgen": (".json", ".yaml", ".yml"),
+    "graspnet": (".npy",),
+    "isaac_grasp": (".yaml", ".yml"),
+    "poses": (".npz", ".npy", ".csv"),
+    "vgn": (".csv",),
+}
 SURFACES = ("glb", "obj", "stl")  # the endings of `egad.io.WRITERS`, which takes long to import
 OBJECTS, GRASPS, IMAGES = (_modules(kind) for kind in ("objects", "grasps", "images"))
 OBJECT_FORMATS = (*SURFACES, *OBJECTS)
@@ -73,6 +88,14 @@ def module_of(name: str) -> ModuleType:
     """The module that writes a format; MissingPackageError if it needs another package."""
     with needed_for(name):
         return importlib.import_module(MODULES[name])
+
+
+def reader_of(name: str) -> ModuleType:
+    """The module that reads a format of grasps; MissingPackageError if a package is missing."""
+    with needed_for(name):
+        return importlib.import_module(
+            MODULES[name] if name in GRASPS else f"{__package__}.readers.{name}"
+        )
 
 
 def modules_of_format(name: str) -> list[str]:

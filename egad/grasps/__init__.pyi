@@ -15,6 +15,7 @@ from .collision import roomy as roomy
 from .grasps import Grasps as Grasps
 from .grasps import are_rigid as are_rigid
 from .grasps import vectors as vectors
+from .labels import label_at_poses as label_at_poses
 from .labels import label_parameters as label_parameters
 from .labels import sample_for_labels as sample_for_labels
 from .labels import statistics_row as statistics_row

@@ -59,6 +59,8 @@ class Grasps:
             return {}
         widths = 1000 * self.widths
         of_jaws = {"widths": f"{widths.min():.1f} to {widths.max():.1f} mm"} if widths.any() else {}
+        if "quality" not in self._table:
+            return of_jaws
         return {
             "collision-free": str(np.count_nonzero(self.collision_free)),
             "without slip" if of_jaws else "that hold": str(np.count_nonzero(self.quality)),
@@ -116,9 +118,19 @@ class Grasps:
         return self._column("robust_quality")
 
     @property
+    def source_success(self) -> Floats:
+        """(n,) 1 or 0: the label of the file that the grasps were read from; NaN without one."""
+        return self._column("source_success")
+
+    @property
+    def source_score(self) -> Floats:
+        """(n,) score of the file that the grasps were read from; NaN without one."""
+        return self._column("source_score")
+
+    @property
     def collision_free(self) -> Flags:
         """(n,) whether the open hand reaches the grasp without touching the object."""
-        return np.asarray(self._table["collision_free"], dtype=bool)
+        return self._column("collision_free").astype(bool)
 
     def sorted_by(self, column: str = "quality") -> Self:
         """The grasps in descending order of a column; ties keep their order.
@@ -171,6 +183,11 @@ class Grasps:
         return self._table.copy()
 
     def _column(self, name: str) -> Floats:
+        if name not in self._table:
+            raise UserError(
+                f"these grasps have no {name}: it is computed for sampled grasps, and for those "
+                "that are read with a mesh and a gripper"
+            )
         return self._table[name].to_numpy(dtype=np.float64)
 
 

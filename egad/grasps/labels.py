@@ -25,11 +25,12 @@ from egad.grasps.parameters import (
     Sampling,
 )
 from egad.grasps.quality import ferrari_canny
-from egad.grasps.robust import JawFaces, robust_ferrari_canny
+from egad.grasps.robust import JawFaces, close_fingers, robust_ferrari_canny
 from egad.grasps.samplers import Sampled
 from egad.grasps.suction import collision_free, seal_cups
 from egad.grippers import SUCTION, Gripper, HandBody, cup_of
 from egad.grippers.kinds import CupKind, JawKind
+from egad.tables.columns import vector_names
 from egad.tables.grasping import GRASPS
 
 COLUMNS = [name for name in GRASPS.names if name not in ("id", "label")]
@@ -185,6 +186,52 @@ def label_poses(caster: RayCaster, grasps: Sampled, body: HandBody, way: float) 
     needed = needed_openings(caster, pairs, approaches, body)
     rated |= {"width": widths, "needed_opening": needed}
     return _table(centers, axes, approaches, points, pairs.normals, **rated)
+
+
+def label_at_poses(
+    caster: RayCaster,
+    com: Floats,
+    poses: Floats,
+    widths: Floats,
+    settings: LabelParameters,
+    rng: np.random.Generator,
+    body: HandBody,
+) -> pd.DataFrame:
+    """Rate grasps at poses (n, 4, 4), as `rate_grasps`; a NaN of `widths` (n,) is measured.
+
+    A grasp that touches nothing has quality 0; if its width is not known, it is the opening.
+    """
+    centers, frames = _frames(poses)
+    axes, approaches = frames[:, 0], frames[:, 2]
+    opening = body.gripper.opening
+    pairs, touching = close_fingers(caster, centers, axes, opening)
+    measured = np.where(touching, pairs.widths, opening)
+    sampled = Sampled(poses, np.where(np.isnan(widths), measured, widths), np.zeros(len(poses)))
+    table = label_poses(caster, sampled, body, APPROACH_WAY)
+    rated, needed = pairs.take(np.flatnonzero(touching)), table["needed_opening"].to_numpy()
+    faces = JawFaces.of(body, rated, approaches[touching], needed[touching])
+    quality = settings.quality.model_dump()
+    values = [
+        ferrari_canny(rated.points, normals, rated.axes, com, **quality)
+        for normals in (rated.normals, *([] if faces is None else [faces.normals(rated)]))
+    ]
+    robust = robust_ferrari_canny(
+        caster,
+        rated,
+        com,
+        opening,
+        quality=settings.quality,
+        robust=settings.robust,
+        rng=rng,
+        faces=faces,
+    )
+    names = ["quality", "robust_quality", "robust_quality_std", "robust_success_rate"]
+    table[names] = 0.0
+    table.loc[touching, names] = np.stack([np.min(values, axis=0), *robust], axis=1)
+    for side in (0, 1):
+        for name, found in (("contact", rated.points), ("normal", rated.normals)):
+            table.loc[touching, vector_names(f"{name}{side}")] = found[:, side]
+    return table
 
 
 def _normals(caster: RayCaster, centers: Floats, outwards: Floats, reach: float) -> Floats:

@@ -12,6 +12,13 @@ import pandas as pd
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad.errors import UserError
+from egad.exchange.grasp_files import (
+    Content,
+    FileGrasps,
+    ReadOptions,
+    file_grasps,
+    hand_in_frame,
+)
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.new_folder import check_not_file
@@ -26,6 +33,7 @@ from egad.tables import parquet
 from egad.tables.grasping import MOTIONS, SCALES
 from egad.tables.objects import OBJECTS
 
+KEYS, REFERENCE = ({"grasps/transforms"},), ""
 log = logging.getLogger(__name__)
 # From the origin of its hand, the flange of a Franka Panda, to the fingertips, metres.
 PANDA_REACH = 0.11217
@@ -114,6 +122,17 @@ def write(
     write_obj(made.mesh, folder / body.file)
     least = Acronym().min_robust_success_rate
     write_acronym(folder / f"{label}.h5", body, jaws_of(hand), grasps, least)
+
+
+def read(content: Content, options: ReadOptions) -> FileGrasps:
+    """The grasps of a file in the frame of its mesh times `object/scale`; ours have widths."""
+    depth = options.depth_or(PANDA_REACH, "an ACRONYM file")
+    return file_grasps(
+        content["grasps/transforms"],
+        hand_in_frame(options.frame or "x z", depth),
+        widths=content.get("grasps/widths", np.nan),
+        success=content.get("grasps/qualities/flex/object_in_gripper", np.nan),
+    )
 
 
 def is_ours(path: Path) -> bool:

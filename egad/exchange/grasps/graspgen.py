@@ -8,11 +8,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
 import pandas as pd
 import trimesh
 import yaml
 
 from egad._util.arrays import Floats
+from egad.exchange.grasp_files import (
+    Content,
+    FileGrasps,
+    ReadOptions,
+    file_grasps,
+    hand_in_frame,
+)
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
@@ -25,6 +33,7 @@ from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
 log = logging.getLogger(__name__)
 
+KEYS, REFERENCE = ({"object", "grasps"},), ""
 Split = Literal["train", "valid"]
 SPLITS: tuple[Split, Split] = ("train", "valid")
 ONE_IN = 10  # one in this many objects is for validation
@@ -93,13 +102,35 @@ def graspgen_hand(name: str, gripper: Gripper) -> GraspGenHand:
 
 def graspgen_poses(hand: GraspGenHand, grasps: Grasps) -> Floats:
     """Poses of the base of a hand in the frame of the object, (n, 4, 4)."""
-    poses = grasps.poses.copy()
-    body = hand_body(hand.gripper)
-    behind = hand.depth + body.reach(grasps.widths)
-    poses[:, :3, 3] -= behind[:, None] * poses[:, :3, 2]
+    return grasps.poses @ np.linalg.inv(pads_in_base(hand.gripper, hand.depth, grasps.widths))
+
+
+def pads_in_base(gripper: Gripper, depth: float, widths: Floats) -> Floats:
+    """Poses of the frame of n grasps in that of the base of a hand, (n, 4, 4), metres."""
+    body = hand_body(gripper)
+    poses = hand_in_frame("x z", depth + body.reach(widths))
     if isinstance(body, ModelBody):
-        poses[:, :3, 3] -= body.model.middle_at(grasps.widths)[:, :1] * poses[:, :3, 0]
+        poses[:, 0, 3] = body.model.middle_at(widths)[:, 0]
     return poses
+
+
+def read(content: Content, options: ReadOptions) -> FileGrasps:
+    """The grasps of a file in the frame of its mesh times `object.scale`; ours have widths."""
+    grasps, hand = content["grasps"], options.gripper
+    matrices = np.asarray(grasps["transforms"], np.float64)
+    widths = np.full(len(matrices), np.nan)
+    if (contacts := grasps.get("contact_locations")) is not None:
+        widths = np.linalg.norm(np.diff(np.reshape(contacts, (-1, 2, 3)), axis=1)[:, 0], axis=1)
+    depth = options.depth or content.get("gripper", {}).get("depth")
+    if depth is None:
+        named = options.needed("gripper", "the file has no depth of the hand (or give `depth`)")
+        depth = graspgen_hand(*named).depth
+    if hand is None or options.frame is not None:
+        place = hand_in_frame(options.frame or "x z", depth)
+    else:
+        place = pads_in_base(hand.gripper, depth, np.nan_to_num(widths))
+    success = np.asarray(grasps.get("object_in_gripper", np.nan), np.float64)
+    return file_grasps(matrices, place, widths=widths, success=success)
 
 
 def default_split(label: str) -> Split:

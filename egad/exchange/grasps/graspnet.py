@@ -6,6 +6,15 @@ import numpy as np
 import pandas as pd
 
 from egad._util.arrays import Floats
+from egad.errors import UserError
+from egad.exchange.grasp_files import (
+    Content,
+    FileGrasps,
+    ReadOptions,
+    file_grasps,
+    hand_in_frame,
+    one_object,
+)
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
@@ -14,6 +23,12 @@ from egad.grasps import Grasps
 from egad.io import write_obj
 from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
+KEYS = ({"rows"},)
+REFERENCE = (
+    "its poses are in the frame of the mesh (files of egad) or of a camera (predictions), and it "
+    "does not say which"
+)
+WIDTH = 17  # numbers of a grasp
 DEPTH = 0.02  # metres; GraspNet has grasps with depths of 1, 2, 3 and 4 cm
 HEIGHT = 0.02  # metres; of every finger in GraspNet
 MAX_SCORE = 1.1  # a score is 1.1 less the friction that a grasp needs
@@ -46,6 +61,20 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
         np.full(len(known), float(number)),
     ]
     return np.column_stack(columns)
+
+
+def read(content: Content, options: ReadOptions) -> FileGrasps:
+    """The grasps of one object, with the contacts `depth` ahead, at the ends of their fingers."""
+    rows = np.asarray(content["rows"], np.float64)
+    if rows.ndim != 2 or rows.shape[1] != WIDTH:
+        raise UserError(f"its array has the shape {rows.shape}; allowed: (n, {WIDTH})")
+    ids = rows[:, -1].astype(np.int64).astype(str)
+    rows = rows[ids == one_object(ids.tolist(), options, "objects")]
+    matrices = np.tile(np.eye(4), (len(rows), 1, 1))
+    matrices[:, :3, :3], matrices[:, :3, 3] = rows[:, 4:13].reshape(-1, 3, 3), rows[:, 13:16]
+    depths = rows[:, 3] if options.depth is None else options.depth
+    place = hand_in_frame(options.frame or "y x", depths)
+    return file_grasps(matrices, place, openings=rows[:, 1], score=rows[:, 0])
 
 
 def needed_friction(grasps: Grasps) -> Floats:

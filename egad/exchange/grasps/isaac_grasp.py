@@ -9,15 +9,24 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad.errors import UserError
+from egad.exchange.grasp_files import (
+    Content,
+    FileGrasps,
+    ReadOptions,
+    file_grasps,
+    hand_in_frame,
+    quaternion_poses,
+)
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
 from egad.grasps import Grasps
-from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values
+from egad.grippers import Gripper, base_link, base_pose, hand_body, joint_values, model_of
 from egad.io import write_obj
 from egad.sim import SimulationObject, held_when_shaken, with_outcome
 
+KEYS, REFERENCE = ({"format", "grasps"},), ""
 DECIMALS = 9
 WIDE = 1000  # characters of a line
 
@@ -68,6 +77,30 @@ def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataF
     frames |= {f"{name}_link": value for name, value in frames.items()}
     about = {"format": "isaac_grasp", "format_version": 1.0, **frames, "grasps": listed}
     path.write_text(yaml.safe_dump(about, sort_keys=False, default_flow_style=None, width=WIDE))
+
+
+def read(content: Content, options: ReadOptions) -> FileGrasps:
+    """The grasps of a file; with a gripper that has a file, of its base link.
+
+    The pads are where `cspace_position` puts them. A hand of boxes has no base link, so frame and
+    depth must be told: GraspGen writes such files in its own frame.
+    """
+    grasps = list(content["grasps"].values())
+    turns = [[*each["orientation"]["xyz"], each["orientation"]["w"]] for each in grasps]
+    points = np.reshape([each["position"] for each in grasps], (-1, 3))
+    hand, openings = options.gripper and options.gripper.gripper, np.full(len(grasps), np.nan)
+    if hand is not None and hand.file is not None and options.frame is None:
+        model, joints = model_of(hand), [each.get("cspace_position", {}) for each in grasps]
+        positions = [each.get(model.joints[0], np.nan) for each in joints]
+        openings = np.array([model.opening_at(each) for each in positions])
+        known = np.where(np.isnan(openings), hand.opening, openings)
+        place = np.linalg.inv(np.array([base_pose(hand, each) for each in known], np.float64))
+    else:
+        why = "the frame of a hand is not in the file, and the gripper has no file of its own"
+        place = hand_in_frame(options.needed("frame", why), options.needed("depth", why))
+    matrices = quaternion_poses(points, np.array(turns))
+    score = [each.get("confidence", np.nan) for each in grasps]
+    return file_grasps(matrices, place, openings=openings, score=score)
 
 
 def _rounded(numbers: NDArray[np.float64]) -> list[float]:

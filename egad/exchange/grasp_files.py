@@ -1,0 +1,234 @@
+"""What files of grasps hold: their containers, and the grasps that the readers of formats return.
+
+Everything here runs in the process with limits (`egad._util.limited`).
+"""
+
+import io
+import json
+import pickle
+import re
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+import pandas as pd
+import yaml
+from numpy.typing import ArrayLike
+
+from egad._util.arrays import Floats
+from egad._util.extras import needed_for
+from egad._util.input_limits import MAX_UNPACKED_BYTES
+from egad.errors import UserError
+from egad.exchange.parameters import NamedGripper
+from egad.grasps import hand_poses
+from egad.grippers import finger_span
+
+MAX_GRASPS = 1_000_000
+Content = Mapping[str, Any]
+_AXIS = re.compile("([+-]?)([xyz])")
+# all that pickled dictionaries of arrays need; everything else could run code
+_PICKLED = re.compile(
+    r"numpy\.(_?core\.(multiarray|numeric)\.(_reconstruct|_frombuffer|scalar)|(ndarray|dtype))|"
+    r"_codecs\.encode"
+)
+
+
+class FileGrasps(NamedTuple):
+    """The n grasps of a file. NaN stands for what it does not say of a grasp."""
+
+    matrices: Floats  # (n, 4, 4) as in the file, from its hand to its object or camera; metres
+    # (n, 4, 4), or (1, 4, 4) if all are the same: pose of egad's hand in the hand of the file
+    place: Floats
+    widths: Floats  # (n,) distances between the contacts, metres
+    openings: Floats  # (n,) distances between the open fingers, metres
+    success: Floats  # (n,) 0 or 1
+    score: Floats  # (n,) higher is better
+    reference: Floats = np.eye(4)  # pose of the frame of the file in that of the mesh
+
+    @property
+    def poses(self) -> Floats:
+        """(n, 4, 4) poses of egad's hand in the frame of the mesh, whatever the matrices are."""
+        return self.reference @ self.matrices @ self.place
+
+
+class ReadOptions(NamedTuple):
+    """What the caller says about a file: see `egad.read_grasps`."""
+
+    gripper: NamedGripper | None = None
+    frame: str | None = None
+    depth: float | None = None
+    units: str | None = None
+    reference: Floats | None = None
+    object_id: str | None = None
+
+    def needed(self, name: str, why: str) -> Any:  # noqa: ANN401 (of any option)
+        """An option that the file leaves open; UserError that asks for it."""
+        if (value := getattr(self, name)) is None:
+            raise UserError(f"{why}: give `{name}`, {ASKED[name]}")
+        return value
+
+    def depth_or(self, tips: float, what: str) -> float:
+        """`depth`, or that of the contacts if the fingertips are `tips` metres ahead."""
+        if self.depth is not None:
+            return self.depth
+        why = f"{what} does not say how far ahead of its poses the contacts are"
+        return tips - finger_span(self.needed("gripper", f"{why} (or give `depth`)").gripper)[1]
+
+
+ASKED = {
+    "gripper": "the gripper that the grasps are for",
+    "frame": "the closing axis and the approach in the frame of its poses, such as 'x z' or 'y -x'",
+    "depth": "how far ahead of the origin of its poses the contacts are, metres; 0 if they are "
+    "there",
+    "units": "m, cm or mm",
+    "reference": "the (4, 4) pose of that frame in the frame of the mesh; the identity if they are "
+    "the same",
+    "object_id": "which of them",
+    "mesh": "the object in metres",
+}
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+
+
+def file_grasps(
+    matrices: ArrayLike,
+    place: Floats,
+    *,
+    widths: ArrayLike = np.nan,
+    openings: ArrayLike = np.nan,
+    success: ArrayLike = np.nan,
+    score: ArrayLike = np.nan,
+) -> FileGrasps:
+    """Grasps with columns (n,), or a number for all of them."""
+    whole = np.asarray(matrices, dtype=np.float64)
+    if whole.ndim != 3 or whole.shape[1:] != (4, 4):
+        raise UserError(f"its poses have the shape {whole.shape}; allowed: (n, 4, 4)")
+    columns = [np.asarray(each, np.float64) for each in (widths, openings, success, score)]
+    if wrong := [each.shape for each in columns if each.ndim and each.shape != whole.shape[:1]]:
+        raise UserError(f"it has {len(whole)} poses, but {wrong[0]} widths, labels or scores")
+    return FileGrasps(whole, place, *(np.broadcast_to(each, len(whole)) for each in columns))
+
+
+def hand_in_frame(frame: str, depth: ArrayLike) -> Floats:
+    """Poses (k, 4, 4) of egad's hand in a frame with this closing axis and approach (`"x z"`).
+
+    The contacts are `depth`, (k,) or a number, metres, ahead of its origin along the approach.
+    """
+    found = [_AXIS.fullmatch(each) for each in frame.split()]
+    if len(found) != 2 or not (found[0] and found[1]) or found[0][2] == found[1][2]:
+        raise UserError(f"frame {frame!r} is not known; allowed: two different axes, as in 'y -x'")
+    axes = [np.eye(3)["xyz".index(each[2])] * (-1 if each[1] else 1) for each in found if each]
+    depths = np.atleast_1d(np.asarray(depth, np.float64))[:, None]
+    closing, approach = (np.broadcast_to(axis, (len(depths), 3)) for axis in axes)
+    return hand_poses(depths * approach, closing, approach)
+
+
+def quaternion_poses(points: Floats, quaternions: Floats) -> Floats:
+    """Poses (n, 4, 4) of points (n, 3) and quaternions (n, 4), x, y, z, w; none is refused here."""
+    x, y, z, w = np.asarray(quaternions, np.float64).reshape(-1, 4).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    poses = np.tile(np.eye(4), (len(x), 1, 1))
+    poses[:, :3, :3] = np.moveaxis(np.array(rows), 2, 0)
+    poses[:, :3, 3] = points
+    return poses
+
+
+def one_object(ids: Sequence[str], options: ReadOptions, what: str) -> str:
+    """The object of a file that is asked for, or the only one; UserError that lists them."""
+    known = sorted(set(ids))
+    listed = ", ".join(known[:10]) + (", ..." if len(known) > 10 else "")
+    if options.object_id is None and len(known) == 1:
+        return known[0]
+    chosen = str(options.needed("object_id", f"it has grasps of several {what} ({listed})"))
+    if chosen not in known:
+        raise UserError(f"it has no grasps of {chosen!r}, `object_id`; known: {listed}")
+    return chosen
+
+
+def load_content(path: Path) -> Content:
+    """The content of a file by its names; an array without one is `poses`, or `rows` if 2D."""
+    return LOADERS[path.suffix.lower()](path)
+
+
+def _hdf5(path: Path) -> Content:
+    with needed_for("HDF5"):
+        import h5py  # noqa: PLC0415 (an extra)
+    found: dict[str, Any] = {}
+
+    def visit(name: str, item: Any) -> None:  # noqa: ANN401 (untyped)
+        if isinstance(item, h5py.Dataset):
+            if item.nbytes > MAX_UNPACKED_BYTES:
+                raise UserError(f"its {name} has more than {MAX_UNPACKED_BYTES >> 20} MiB")
+            found[name] = item[()]
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return found
+
+
+def _mapping(value: Any) -> Content:  # noqa: ANN401 (whatever it holds)
+    if not isinstance(value, dict):
+        raise UserError(f"it holds a {type(value).__name__} in place of names with values")
+    return cast("Content", value)
+
+
+def _json(path: Path) -> Content:
+    return _mapping(json.loads(path.read_bytes()))
+
+
+def _yaml(path: Path) -> Content:
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    return _mapping(yaml.load(path.read_bytes(), loader))  # noqa: S506 (both are safe)
+
+
+def _csv(path: Path) -> Content:
+    table = pd.read_csv(path, skipinitialspace=True)
+    return {str(name): table[name].to_numpy() for name in table}
+
+
+def _npy(path: Path) -> Content:
+    array = np.load(path, mmap_mode="r", allow_pickle=False)
+    return {"poses" if array.ndim == 3 else "rows": array}
+
+
+class _Unpickler(pickle.Unpickler):
+    def find_class(self, module: str, name: str) -> Any:  # noqa: ANN401 (as in pickle)
+        if not _PICKLED.fullmatch(f"{module}.{name}"):
+            raise UserError(f"it has pickled code ({module}.{name}), which is not run")
+        return super().find_class(module, name)
+
+
+def _npz(path: Path) -> Content:
+    """The arrays of an archive; dictionaries that NumPy pickled are read without running code."""
+    found = {}
+    with zipfile.ZipFile(path) as archive:
+        if sum(each.file_size for each in archive.infolist()) > MAX_UNPACKED_BYTES:
+            raise UserError(f"it unpacks to more than {MAX_UNPACKED_BYTES >> 20} MiB")
+        for name in archive.namelist():
+            data = io.BytesIO(archive.read(name))
+            version = np.lib.format.read_magic(data)
+            header = np.lib.format.read_array_header_1_0
+            header = np.lib.format.read_array_header_2_0 if version > (1, 0) else header
+            if header(data)[2].hasobject:
+                value = _Unpickler(data, encoding="latin1").load()
+                found[name.removesuffix(".npy")] = value[()] if value.ndim == 0 else value
+            else:
+                data.seek(0)
+                found[name.removesuffix(".npy")] = np.load(data, allow_pickle=False)
+    return found
+
+
+LOADERS: dict[str, Callable[[Path], Content]] = {
+    ".h5": _hdf5,
+    ".json": _json,
+    ".yaml": _yaml,
+    ".yml": _yaml,
+    ".csv": _csv,
+    ".npy": _npy,
+    ".npz": _npz,
+}

@@ -1,0 +1,247 @@
+"""Grasps that other programs wrote."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import ArrayLike
+
+from egad._util.arguments import check_array
+from egad._util.arrays import Flags, Floats
+from egad._util.files import as_path
+from egad._util.limited import FailedError, LimitError, limited
+from egad._util.progress import progress
+from egad.errors import MissingPackageError, UserError, check_name
+from egad.exchange.grasp_files import (
+    ASKED,
+    LOADERS,
+    MAX_GRASPS,
+    UNITS,
+    FileGrasps,
+    ReadOptions,
+    load_content,
+)
+from egad.exchange.parameters import NamedGripper
+from egad.exchange.registry import READERS, reader_of
+from egad.geometry import RayCaster, center_of_mass, check_solid, check_units, warn_user
+from egad.grasps import Grasps, are_rigid, label_at_poses, label_parameters
+from egad.grippers import Gripper, as_gripper, check_jaws, hand_body
+from egad.random import generator
+from egad.tables.columns import vector_names
+
+TOLERANCE = 1e-3  # of rotations in single precision, and of rounded quaternions
+FEW = 0.1  # of the grasps touch the object
+CHUNK = 10_000  # grasps rated at once, which bounds the memory
+ROTATION = "a rotation has orthogonal columns of length 1, and the last row is 0, 0, 0, 1"
+
+
+def read_grasps(
+    path: str | Path,
+    format: str | None = None,  # noqa: A002 (what users call it)
+    mesh: trimesh.Trimesh | None = None,
+    gripper: Gripper | str | None = None,
+    *,
+    frame: str | None = None,
+    depth: float | None = None,
+    units: str | None = None,
+    reference: ArrayLike | None = None,
+    object_id: str | int | None = None,
+    seed: int = 0,
+) -> Grasps:
+    """Read grasps that another program wrote, and rate them.
+
+    What a file does not say is asked for by name and never guessed: the error names the argument.
+    `docs/grasps-of-others.md` has the conventions of each format.
+
+    Args:
+        path: The file.
+        format: `acronym`, `contact_graspnet`, `graspgen`, `graspnet`, `isaac_grasp`, `poses` or
+            `vgn`; by default that of the content.
+        mesh: The object, a closed mesh in metres, at the size that the grasps are for. With it,
+            contacts are measured, and grasps are rated and tested for collisions.
+        gripper: The gripper that the grasps are for, or its name.
+        frame: The closing axis and the approach in the frame of the poses of the file, such as
+            `"y x"` or `"x -z"`, in place of those of the format.
+        depth: How far ahead of the origin of its poses the contacts are, metres, in place of that
+            of the format.
+        units: Of plain poses: `m`, `cm` or `mm`.
+        reference: (4, 4) pose of the camera or scene that the poses are in, in the frame of the
+            mesh.
+        object_id: Which object, segment or scene of the file.
+        seed: Seed of the perturbed copies that `robust_quality` is the mean of.
+
+    Returns:
+        The grasps in the frame of the mesh, in the order of the file, with its labels:
+        `source_success`, 1 or 0, and `source_score`. Without a mesh there are only poses, widths
+        and these labels.
+
+    Raises:
+        UserError: The file cannot be read, has no grasps, more than a million, or a pose that is
+            none; or leaves something open that is not given.
+        RejectedError: The mesh is not a closed solid.
+
+    Warns:
+        UserWarning: Few of the grasps touch the object.
+    """
+    options = read_options(
+        gripper, frame=frame, depth=depth, units=units, reference=reference, object_id=object_id
+    )
+    where = as_path("path", path)
+    file = read_file(where, format, options)
+    try:
+        return as_grasps(file, mesh, options, seed)
+    except UserError as error:
+        raise UserError(f"{where}: {error}") from error
+
+
+def read_options(
+    gripper: Gripper | str | None,
+    *,
+    frame: str | None = None,
+    depth: float | None = None,
+    units: str | None = None,
+    reference: ArrayLike | None = None,
+    object_id: str | int | None = None,
+) -> ReadOptions:
+    """What a caller says about a file, checked: arguments as of `read_grasps`."""
+    named = None
+    if gripper is not None:
+        hand = as_gripper(gripper)
+        check_jaws(hand, "a grasp that is read")
+        named = NamedGripper(gripper if isinstance(gripper, str) else "gripper", hand)
+    if units is not None:
+        check_name("units", units, UNITS)
+    if depth is not None:
+        depth = float(check_array("depth", depth, (), "a finite number, metres"))
+    pose = None
+    if reference is not None:
+        pose = check_array("reference", reference, (4, 4), "a (4, 4) pose")
+        if not are_rigid(pose[None]).all():
+            raise UserError(f"reference is {reference!r}; allowed: a (4, 4) pose, and {ROTATION}")
+    chosen = None if object_id is None else str(object_id)
+    return ReadOptions(named, frame, depth, units, pose, chosen)
+
+
+def read_file(path: Path, name: str | None, options: ReadOptions) -> FileGrasps:
+    """The grasps of a file as it has them, their poses not checked; `UserError`."""
+    if name is not None:
+        check_name("format", name, READERS)
+    try:
+        return limited(_read, path, name, options)
+    except MissingPackageError:
+        raise
+    except FailedError as error:
+        about = "a file of grasps that can be read" if name is None else f"a {name} file"
+        raise UserError(f"{path}: not {about} ({error})") from error
+    except (UserError, LimitError) as error:
+        raise UserError(f"{path}: {error}") from error
+
+
+def _read(path: Path, name: str | None, options: ReadOptions) -> FileGrasps:
+    if not path.is_file():
+        raise UserError("there is no such file")
+    ending = path.suffix.lower()
+    if ending not in LOADERS:
+        raise UserError(f"a file of grasps ends in {', '.join(LOADERS)}")
+    candidates = [name] if name else [each for each, ends in READERS.items() if ending in ends]
+    content = load_content(path)
+    modules = {each: reader_of(each) for each in candidates}
+    fitting = {
+        each: max(map(len, keys))
+        for each, module in modules.items()
+        if (keys := [keys for keys in module.KEYS if keys <= content.keys()])
+    }
+    if not fitting:
+        names = ", ".join(list(map(str, content))[:8])
+        raise UserError(f"not a file of {' or '.join(candidates)}: it has {names or 'nothing'}")
+    module = modules[max(fitting, key=lambda each: fitting[each])]
+    file: FileGrasps = module.read(content, options)
+    if not 0 < len(file.matrices) <= MAX_GRASPS:
+        raise UserError(f"it has {len(file.matrices):,} grasps; allowed: 1 to {MAX_GRASPS:,}")
+    if module.REFERENCE:
+        options.needed("reference", module.REFERENCE)
+    return file if options.reference is None else file._replace(reference=options.reference)
+
+
+def as_grasps(
+    file: FileGrasps, mesh: trimesh.Trimesh | None, options: ReadOptions, seed: int = 0
+) -> Grasps:
+    """The grasps of a file, rated if there is a mesh: see `read_grasps`."""
+    check_matrices(file)
+    poses, widths = _orthogonal(file.poses), file.widths
+    if mesh is None:
+        widths = np.where(np.isnan(widths), file.openings, widths)
+        if np.isnan(widths).any():
+            raise UserError(
+                f"it does not say how far apart the contacts are: give `mesh`, {ASKED['mesh']}, "
+                "and `gripper`"
+            )
+        table = _unrated(poses, widths)
+    else:
+        hand: NamedGripper = options.needed("gripper", "to rate grasps takes a hand")
+        table = _rated(poses, widths, mesh, hand.gripper, seed)
+    return Grasps(table.assign(source_success=file.success, source_score=file.score))
+
+
+def check_matrices(file: FileGrasps) -> None:
+    """Raise `UserError`, which names the first, if a pose of a file is none, or a width."""
+    matrices = file.matrices
+    finite = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
+    wrong: dict[str, Flags] = {
+        "a pose that is not finite": ~finite,
+        f"a pose that is no rotation and translation; {ROTATION}": ~are_rigid(matrices, TOLERANCE),
+        "a width that is negative": (file.widths < 0) | (file.openings < 0),
+        "a label other than 0 and 1": ~(np.isnan(file.success) | np.isin(file.success, (0, 1))),
+    }
+    for what, where in wrong.items():
+        if where.any():
+            raise UserError(
+                f"{what}: grasp {int(where.argmax())}, and {int(where.sum()) - 1:,} more of "
+                f"{len(where):,}; `egad grasps check` names the usual mistakes"
+            )
+
+
+def _orthogonal(poses: Floats) -> Floats:
+    """Poses with exact rotations: the closing axis stays."""
+    axis = poses[:, :3, 0] / np.linalg.norm(poses[:, :3, 0], axis=1, keepdims=True)
+    third = np.cross(poses[:, :3, 2], axis)
+    third /= np.linalg.norm(third, axis=1, keepdims=True)
+    exact = poses.copy()
+    exact[:, :3, :3] = np.stack([axis, third, np.cross(axis, third)], axis=2)
+    return exact
+
+
+def _unrated(poses: Floats, widths: Floats) -> pd.DataFrame:
+    center, axis, approach = poses[:, :3, 3], poses[:, :3, 0], poses[:, :3, 2]
+    half = widths[:, None] / 2 * axis
+    vectors = {"center": center, "axis": axis, "approach": approach}
+    vectors |= {"contact0": center - half, "contact1": center + half}
+    columns = {
+        column: values
+        for name, array in vectors.items()
+        for column, values in zip(vector_names(name), array.T, strict=True)
+    }
+    return pd.DataFrame({"grasp": np.arange(len(poses)), **columns, "width": widths})
+
+
+def _rated(
+    poses: Floats, widths: Floats, mesh: trimesh.Trimesh, gripper: Gripper, seed: int
+) -> pd.DataFrame:
+    check_units(mesh)
+    check_solid(mesh)
+    caster, com, body = RayCaster(mesh), center_of_mass(mesh), hand_body(gripper)
+    settings, tables = label_parameters(gripper, 1, seed), []
+    starts = range(0, len(poses), CHUNK)
+    for start in progress(starts, "rating grasps", len(starts)):
+        rows, rng = slice(start, start + CHUNK), generator(seed, "read_grasps", start)
+        tables.append(label_at_poses(caster, com, poses[rows], widths[rows], settings, rng, body))
+    table = pd.concat(tables, ignore_index=True).assign(grasp=np.arange(len(poses)))
+    touching = np.mean(table["normal0_x"].notna() & table["normal1_x"].notna())
+    if touching < FEW:
+        warn_user(
+            f"only {touching:.0%} of the grasps have the object between the fingers: another "
+            "object, size, frame or hand? `egad grasps check` names the usual mistakes",
+            UserWarning,
+        )
+    return table
