@@ -20,6 +20,8 @@ from .evolution.evolver import evolve as evolve
 from .evolution.expressions import genome_text as genome_text
 from .evolution.growth import genome_mesh as genome_mesh
 from .evolution.island import Candidate as Candidate
+from .exchange.checking import GraspCheck as GraspCheck
+from .exchange.checking import check_grasps as check_grasps
 from .exchange.export import Exported as Exported
 from .exchange.export import export as export
 from .exchange.grasp_tables import load_grasps as load_grasps

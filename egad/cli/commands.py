@@ -13,6 +13,7 @@ from egad.cli.export import export
 from egad.cli.export_meshes import export_meshes
 from egad.cli.failures import failures
 from egad.cli.genome import genome
+from egad.cli.grasps import grasps
 from egad.cli.gripper import gripper
 from egad.cli.hands import hands
 from egad.cli.heatmap import heatmap
@@ -30,7 +31,7 @@ from egad.cli.view import view
 
 GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
     "Objects": (measure, similarity, locate, genome, export_meshes, bundle, heatmap),
-    "Grasps and grippers": (rescale, view, size_effect, gripper, hands),
+    "Grasps and grippers": (rescale, view, size_effect, grasps, gripper, hands),
     "Detectors": (benchmark, failures, matched_set, train, trials, log_sheet),
     "Files and runs": (export, check_config, provenance, verify),
 }

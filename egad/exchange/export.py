@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import trimesh
 
 from egad._util.display import facts_html
@@ -19,6 +20,7 @@ from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import NamedGripper
 from egad.exchange.registry import (
     FORMATS,
+    GRASPS,
     OBJECTS,
     SURFACES,
     check_format,
@@ -27,7 +29,7 @@ from egad.exchange.registry import (
     writer_of,
 )
 from egad.geometry import Bundle, Material
-from egad.grasps import LabelParameters, label_parameters
+from egad.grasps import Grasps, LabelParameters, label_parameters
 from egad.grasps.sampling import dataset_grasps
 from egad.grippers import Gripper, as_gripper
 from egad.io import files_below, write_mesh
@@ -42,6 +44,8 @@ from egad.sim import (
     model_of,
     simulate_labels,
 )
+from egad.tables.grasping import MOTIONS
+from egad.tables.outcomes import Outcome
 
 
 @dataclass(frozen=True, repr=False)
@@ -153,6 +157,24 @@ def export(
                 left_out[item.label] = str(reason)
     written = [item.label for item in items if item.label not in left_out]
     return Exported(target, written, left_out)
+
+
+def export_grasps(
+    grasps: Grasps, mesh: trimesh.Trimesh, name: str, gripper: Gripper | str, out: Path, label: str
+) -> None:
+    """Write grasps that were read with this mesh, and the labels of their file; `UserError`."""
+    named = NamedGripper(gripper if isinstance(gripper, str) else "gripper", as_gripper(gripper))
+    check_name("format", name, [each for each in GRASPS if not needs_run(each)])
+    check_format(name, named)
+    if np.isnan(grasps.source_success).any():
+        raise UserError(f"{name} needs the label of each grasp; some have none")
+    success = grasps.source_success == 1
+    outcomes = np.where(success, Outcome.SUCCESS, Outcome.SLIPPED_SHAKING)
+    about = {"simulated_outcome": outcomes, "simulated_success": success, "simulated_engine": ""}
+    table = grasps.to_frame().assign(**about, **dict.fromkeys(MOTIONS, np.nan))
+    made = make_simulation_object(mesh, Material().density, Bundle(), check_key(label))
+    with new_folder(out) as folder:
+        module_of(name).write(folder, label, made, table, named)
 
 
 def _writer(

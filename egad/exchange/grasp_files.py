@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 import yaml
 from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Floats
 from egad._util.extras import needed_for
@@ -61,7 +62,7 @@ class ReadOptions(NamedTuple):
     depth: float | None = None
     units: str | None = None
     reference: Floats | None = None
-    object_id: str | None = None
+    object_id: str | int | None = None
 
     def needed(self, name: str, why: str) -> Any:  # noqa: ANN401 (of any option)
         """An option that the file leaves open; UserError that asks for it."""
@@ -80,13 +81,11 @@ class ReadOptions(NamedTuple):
 ASKED = {
     "gripper": "the gripper that the grasps are for",
     "frame": "the closing axis and the approach in the frame of its poses, such as 'x z' or 'y -x'",
-    "depth": "how far ahead of the origin of its poses the contacts are, metres; 0 if they are "
-    "there",
+    "depth": "how far ahead of the origin of its poses the contacts are, metres",
     "units": "m, cm or mm",
-    "reference": "the (4, 4) pose of that frame in the frame of the mesh; the identity if they are "
-    "the same",
+    "reference": "the (4, 4) pose of that frame in that of the mesh; if equal, the identity",
     "object_id": "which of them",
-    "mesh": "the object in metres",
+    "mesh": "the object in metres, and `gripper`",
 }
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
@@ -125,15 +124,9 @@ def hand_in_frame(frame: str, depth: ArrayLike) -> Floats:
 
 
 def quaternion_poses(points: Floats, quaternions: Floats) -> Floats:
-    """Poses (n, 4, 4) of points (n, 3) and quaternions (n, 4), x, y, z, w; none is refused here."""
-    x, y, z, w = np.asarray(quaternions, np.float64).reshape(-1, 4).T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    poses = np.tile(np.eye(4), (len(x), 1, 1))
-    poses[:, :3, :3] = np.moveaxis(np.array(rows), 2, 0)
+    """Poses (n, 4, 4) of points (n, 3) and quaternions (n, 4), x, y, z, w."""
+    poses = np.tile(np.eye(4), (len(points), 1, 1))
+    poses[:, :3, :3] = Rotation.from_quat(np.reshape(quaternions, (-1, 4))).as_matrix()
     poses[:, :3, 3] = points
     return poses
 
@@ -148,11 +141,6 @@ def one_object(ids: Sequence[str], options: ReadOptions, what: str) -> str:
     if chosen not in known:
         raise UserError(f"it has no grasps of {chosen!r}, `object_id`; known: {listed}")
     return chosen
-
-
-def load_content(path: Path) -> Content:
-    """The content of a file by its names; an array without one is `poses`, or `rows` if 2D."""
-    return LOADERS[path.suffix.lower()](path)
 
 
 def _hdf5(path: Path) -> Content:
@@ -175,10 +163,6 @@ def _mapping(value: Any) -> Content:  # noqa: ANN401 (whatever it holds)
     if not isinstance(value, dict):
         raise UserError(f"it holds a {type(value).__name__} in place of names with values")
     return cast("Content", value)
-
-
-def _json(path: Path) -> Content:
-    return _mapping(json.loads(path.read_bytes()))
 
 
 def _yaml(path: Path) -> Content:
@@ -204,7 +188,7 @@ class _Unpickler(pickle.Unpickler):
 
 
 def _npz(path: Path) -> Content:
-    """The arrays of an archive; dictionaries that NumPy pickled are read without running code."""
+    """Arrays, and dictionaries that NumPy pickled, which are read without running code."""
     found = {}
     with zipfile.ZipFile(path) as archive:
         if sum(each.file_size for each in archive.infolist()) > MAX_UNPACKED_BYTES:
@@ -225,7 +209,7 @@ def _npz(path: Path) -> Content:
 
 LOADERS: dict[str, Callable[[Path], Content]] = {
     ".h5": _hdf5,
-    ".json": _json,
+    ".json": lambda path: _mapping(json.loads(path.read_bytes())),
     ".yaml": _yaml,
     ".yml": _yaml,
     ".csv": _csv,

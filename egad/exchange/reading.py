@@ -1,11 +1,13 @@
 """Grasps that other programs wrote."""
 
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 import numpy as np
 import pandas as pd
 import trimesh
 from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from egad._util.arguments import check_array
 from egad._util.arrays import Flags, Floats
@@ -20,7 +22,6 @@ from egad.exchange.grasp_files import (
     UNITS,
     FileGrasps,
     ReadOptions,
-    load_content,
 )
 from egad.exchange.parameters import NamedGripper
 from egad.exchange.registry import READERS, reader_of
@@ -36,18 +37,24 @@ CHUNK = 10_000  # grasps rated at once, which bounds the memory
 ROTATION = "a rotation has orthogonal columns of length 1, and the last row is 0, 0, 0, 1"
 
 
+class Said(TypedDict, total=False):
+    """What callers say about a file: see `read_grasps`."""
+
+    frame: str | None
+    depth: float | None
+    units: str | None
+    reference: ArrayLike | None
+    object_id: str | int | None
+
+
 def read_grasps(
     path: str | Path,
     format: str | None = None,  # noqa: A002 (what users call it)
     mesh: trimesh.Trimesh | None = None,
     gripper: Gripper | str | None = None,
     *,
-    frame: str | None = None,
-    depth: float | None = None,
-    units: str | None = None,
-    reference: ArrayLike | None = None,
-    object_id: str | int | None = None,
     seed: int = 0,
+    **said: Unpack[Said],
 ) -> Grasps:
     """Read grasps that another program wrote, and rate them.
 
@@ -61,15 +68,12 @@ def read_grasps(
         mesh: The object, a closed mesh in metres, at the size that the grasps are for. With it,
             contacts are measured, and grasps are rated and tested for collisions.
         gripper: The gripper that the grasps are for, or its name.
-        frame: The closing axis and the approach in the frame of the poses of the file, such as
-            `"y x"` or `"x -z"`, in place of those of the format.
-        depth: How far ahead of the origin of its poses the contacts are, metres, in place of that
-            of the format.
-        units: Of plain poses: `m`, `cm` or `mm`.
-        reference: (4, 4) pose of the camera or scene that the poses are in, in the frame of the
-            mesh.
-        object_id: Which object, segment or scene of the file.
         seed: Seed of the perturbed copies that `robust_quality` is the mean of.
+        said: What the file leaves open. `frame`: the closing axis and the approach in the frame of
+            its poses, such as `"y x"` or `"x -z"`, and `depth`: how far ahead of their origin the
+            contacts are, metres; both in place of those of the format. `units` of plain poses: `m`,
+            `cm` or `mm`. `reference`: (4, 4) pose of the camera or scene that the poses are in, in
+            the frame of the mesh. `object_id`: which object, segment or scene.
 
     Returns:
         The grasps in the frame of the mesh, in the order of the file, with its labels:
@@ -84,9 +88,7 @@ def read_grasps(
     Warns:
         UserWarning: Few of the grasps touch the object.
     """
-    options = read_options(
-        gripper, frame=frame, depth=depth, units=units, reference=reference, object_id=object_id
-    )
+    options = read_options(gripper, **said)
     where = as_path("path", path)
     file = read_file(where, format, options)
     try:
@@ -95,32 +97,23 @@ def read_grasps(
         raise UserError(f"{where}: {error}") from error
 
 
-def read_options(
-    gripper: Gripper | str | None,
-    *,
-    frame: str | None = None,
-    depth: float | None = None,
-    units: str | None = None,
-    reference: ArrayLike | None = None,
-    object_id: str | int | None = None,
-) -> ReadOptions:
+def read_options(gripper: Gripper | str | None, **said: Unpack[Said]) -> ReadOptions:
     """What a caller says about a file, checked: arguments as of `read_grasps`."""
     named = None
     if gripper is not None:
         hand = as_gripper(gripper)
         check_jaws(hand, "a grasp that is read")
         named = NamedGripper(gripper if isinstance(gripper, str) else "gripper", hand)
-    if units is not None:
+    if (units := said.get("units")) is not None:
         check_name("units", units, UNITS)
-    if depth is not None:
+    if (depth := said.get("depth")) is not None:
         depth = float(check_array("depth", depth, (), "a finite number, metres"))
     pose = None
-    if reference is not None:
-        pose = check_array("reference", reference, (4, 4), "a (4, 4) pose")
+    if (reference := said.get("reference")) is not None:
+        pose = check_array("reference", reference, (4, 4), f"a (4, 4) pose; {ROTATION}")
         if not are_rigid(pose[None]).all():
-            raise UserError(f"reference is {reference!r}; allowed: a (4, 4) pose, and {ROTATION}")
-    chosen = None if object_id is None else str(object_id)
-    return ReadOptions(named, frame, depth, units, pose, chosen)
+            raise UserError(f"reference is {reference!r}; allowed: a (4, 4) pose; {ROTATION}")
+    return ReadOptions(named, said.get("frame"), depth, units, pose, said.get("object_id"))
 
 
 def read_file(path: Path, name: str | None, options: ReadOptions) -> FileGrasps:
@@ -145,17 +138,14 @@ def _read(path: Path, name: str | None, options: ReadOptions) -> FileGrasps:
     if ending not in LOADERS:
         raise UserError(f"a file of grasps ends in {', '.join(LOADERS)}")
     candidates = [name] if name else [each for each, ends in READERS.items() if ending in ends]
-    content = load_content(path)
-    modules = {each: reader_of(each) for each in candidates}
-    fitting = {
-        each: max(map(len, keys))
-        for each, module in modules.items()
-        if (keys := [keys for keys in module.KEYS if keys <= content.keys()])
-    }
-    if not fitting:
+    content = LOADERS[ending](path)
+    modules = [reader_of(each) for each in candidates]
+    pairs = [(keys, module) for module in modules for keys in module.KEYS]
+    known = [(len(keys), module) for keys, module in pairs if keys <= content.keys()]
+    if not known:
         names = ", ".join(list(map(str, content))[:8])
         raise UserError(f"not a file of {' or '.join(candidates)}: it has {names or 'nothing'}")
-    module = modules[max(fitting, key=lambda each: fitting[each])]
+    module = max(known, key=lambda each: each[0])[1]
     file: FileGrasps = module.read(content, options)
     if not 0 < len(file.matrices) <= MAX_GRASPS:
         raise UserError(f"it has {len(file.matrices):,} grasps; allowed: 1 to {MAX_GRASPS:,}")
@@ -169,14 +159,12 @@ def as_grasps(
 ) -> Grasps:
     """The grasps of a file, rated if there is a mesh: see `read_grasps`."""
     check_matrices(file)
-    poses, widths = _orthogonal(file.poses), file.widths
+    poses, widths = file.poses, file.widths
+    poses[:, :3, :3] = Rotation.from_matrix(poses[:, :3, :3]).as_matrix()  # rounded ones
     if mesh is None:
         widths = np.where(np.isnan(widths), file.openings, widths)
         if np.isnan(widths).any():
-            raise UserError(
-                f"it does not say how far apart the contacts are: give `mesh`, {ASKED['mesh']}, "
-                "and `gripper`"
-            )
+            raise UserError(f"it does not say how wide grasps are: give `mesh`, {ASKED['mesh']}")
         table = _unrated(poses, widths)
     else:
         hand: NamedGripper = options.needed("gripper", "to rate grasps takes a hand")
@@ -202,27 +190,13 @@ def check_matrices(file: FileGrasps) -> None:
             )
 
 
-def _orthogonal(poses: Floats) -> Floats:
-    """Poses with exact rotations: the closing axis stays."""
-    axis = poses[:, :3, 0] / np.linalg.norm(poses[:, :3, 0], axis=1, keepdims=True)
-    third = np.cross(poses[:, :3, 2], axis)
-    third /= np.linalg.norm(third, axis=1, keepdims=True)
-    exact = poses.copy()
-    exact[:, :3, :3] = np.stack([axis, third, np.cross(axis, third)], axis=2)
-    return exact
-
-
 def _unrated(poses: Floats, widths: Floats) -> pd.DataFrame:
     center, axis, approach = poses[:, :3, 3], poses[:, :3, 0], poses[:, :3, 2]
     half = widths[:, None] / 2 * axis
-    vectors = {"center": center, "axis": axis, "approach": approach}
-    vectors |= {"contact0": center - half, "contact1": center + half}
-    columns = {
-        column: values
-        for name, array in vectors.items()
-        for column, values in zip(vector_names(name), array.T, strict=True)
-    }
-    return pd.DataFrame({"grasp": np.arange(len(poses)), **columns, "width": widths})
+    names = ("center", "axis", "approach", "contact0", "contact1")
+    columns = [column for name in names for column in vector_names(name)]
+    vectors = np.hstack([center, axis, approach, center - half, center + half])
+    return pd.DataFrame(vectors, columns=columns).assign(grasp=range(len(poses)), width=widths)
 
 
 def _rated(

@@ -33,4 +33,5 @@ from .poses import hand_poses as hand_poses
 from .quality import CONE_FACES as CONE_FACES
 from .quality import ferrari_canny as ferrari_canny
 from .quality import quality_bound as quality_bound
+from .robust import close_fingers as close_fingers
 from .robust import robust_ferrari_canny as robust_ferrari_canny

@@ -1,6 +1,7 @@
 """Labelled grasps of an object: what is known about each of them, as a table."""
 
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -210,21 +211,11 @@ def label_at_poses(
     table = label_poses(caster, sampled, body, APPROACH_WAY)
     rated, needed = pairs.take(np.flatnonzero(touching)), table["needed_opening"].to_numpy()
     faces = JawFaces.of(body, rated, approaches[touching], needed[touching])
+    rating: dict[str, Any] = {"quality": settings.quality, "robust": settings.robust}
+    robust = robust_ferrari_canny(caster, rated, com, opening, **rating, rng=rng, faces=faces)
     quality = settings.quality.model_dump()
-    values = [
-        ferrari_canny(rated.points, normals, rated.axes, com, **quality)
-        for normals in (rated.normals, *([] if faces is None else [faces.normals(rated)]))
-    ]
-    robust = robust_ferrari_canny(
-        caster,
-        rated,
-        com,
-        opening,
-        quality=settings.quality,
-        robust=settings.robust,
-        rng=rng,
-        faces=faces,
-    )
+    sides = [rated.normals] if faces is None else [rated.normals, faces.normals(rated)]
+    values = [ferrari_canny(rated.points, each, rated.axes, com, **quality) for each in sides]
     names = ["quality", "robust_quality", "robust_quality_std", "robust_success_rate"]
     table[names] = 0.0
     table.loc[touching, names] = np.stack([np.min(values, axis=0), *robust], axis=1)

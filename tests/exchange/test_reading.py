@@ -1,6 +1,7 @@
 """Files of grasps that other programs wrote, read again."""
 
 import pickle
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -88,7 +89,7 @@ def test_what_a_file_leaves_open_is_asked_for_by_name(name, missing, asked, gras
 
 def test_without_a_mesh_unknown_widths_are_asked_for(tmp_path):
     np.save(tmp_path / "a.npy", np.eye(4)[None])
-    with pytest.raises(UserError, match="how far apart the contacts are: give `mesh`"):
+    with pytest.raises(UserError, match="how wide grasps are: give `mesh`"):
         egad.read_grasps(tmp_path / "a.npy", frame="x z", depth=0, units="m")
 
 
@@ -185,3 +186,36 @@ def test_booleans_of_graspgen_may_be_numbers_but_nothing_else(grasps, tmp_path):
     change_json(path, lambda content: content["grasps"].update(object_in_gripper=[2] * 40))
     with pytest.raises(UserError, match="a label other than 0 and 1: grasp 0"):
         egad.read_grasps(path, gripper="panda")
+
+
+# Written by the functions of their authors (`build_6d_grasp` of contact_graspnet, `write_grasp` of
+# vgn, `save_to_isaac_grasp_format` of GraspGen, `GraspGroup.save_npy` of graspnetAPI) for contacts
+# that are 40, 50 and 60 mm apart around these points.
+POINTS = [[0.1, 0.2, 0.3], [-0.1, 0.05, 0.4], [0.02, -0.03, 0.5]]
+CLOSING = [[1, 0, 0], [0, 0.6, 0.8], [0, 0, 1]]
+APPROACH = [[0, 0, -1], [1, 0, 0], [0.6, 0.8, 0]]
+THEIRS = {
+    "predictions_7.npz": {"reference": IDENTITY},
+    "grasps.csv": {"reference": IDENTITY, "depth": 0.0395},
+    "isaac.yaml": {"frame": "x z", "depth": 0.10527314},
+    "graspnet.npy": {"reference": IDENTITY},
+}
+
+
+@pytest.mark.parametrize("file", THEIRS)
+def test_files_that_the_programs_of_others_wrote(file):
+    balls = [trimesh.creation.icosphere(5, radius) for radius in (0.02, 0.025, 0.03)]
+    mesh = trimesh.util.concatenate(
+        [ball.apply_translation(at) for ball, at in zip(balls, POINTS, strict=True)]
+    )
+    path = Path(__file__).parents[1] / "data/grasps" / file
+    found = egad.read_grasps(path, mesh=mesh, gripper="panda", **THEIRS[file])
+    assert found.poses[:, :3, 3] == pytest.approx(np.array(POINTS), abs=1e-7)
+    assert found.poses[:, :3, 0] == pytest.approx(np.array(CLOSING), abs=1e-7)
+    assert found.poses[:, :3, 2] == pytest.approx(np.array(APPROACH), abs=1e-7)
+    assert found.widths == pytest.approx(np.array([0.04, 0.05, 0.06]), abs=1e-4)
+    if file == "grasps.csv":
+        assert found.source_success.tolist() == [1, 1, 0]
+    else:
+        scores = [0.9, 0.7, 0.5] if file == "graspnet.npy" else [0.9, 0.5, 0.3]
+        assert found.source_score == pytest.approx(np.array(scores))

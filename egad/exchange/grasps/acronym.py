@@ -12,13 +12,7 @@ import pandas as pd
 from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad.errors import UserError
-from egad.exchange.grasp_files import (
-    Content,
-    FileGrasps,
-    ReadOptions,
-    file_grasps,
-    hand_in_frame,
-)
+from egad.exchange import grasp_files as files
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.new_folder import check_not_file
@@ -124,12 +118,12 @@ def write(
     write_acronym(folder / f"{label}.h5", body, jaws_of(hand), grasps, least)
 
 
-def read(content: Content, options: ReadOptions) -> FileGrasps:
+def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
     """The grasps of a file in the frame of its mesh times `object/scale`; ours have widths."""
     depth = options.depth_or(PANDA_REACH, "an ACRONYM file")
-    return file_grasps(
+    return files.file_grasps(
         content["grasps/transforms"],
-        hand_in_frame(options.frame or "x z", depth),
+        files.hand_in_frame(options.frame or "x z", depth),
         widths=content.get("grasps/widths", np.nan),
         success=content.get("grasps/qualities/flex/object_in_gripper", np.nan),
     )

@@ -14,13 +14,7 @@ import trimesh
 import yaml
 
 from egad._util.arrays import Floats
-from egad.exchange.grasp_files import (
-    Content,
-    FileGrasps,
-    ReadOptions,
-    file_grasps,
-    hand_in_frame,
-)
+from egad.exchange import grasp_files as files
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
@@ -108,29 +102,30 @@ def graspgen_poses(hand: GraspGenHand, grasps: Grasps) -> Floats:
 def pads_in_base(gripper: Gripper, depth: float, widths: Floats) -> Floats:
     """Poses of the frame of n grasps in that of the base of a hand, (n, 4, 4), metres."""
     body = hand_body(gripper)
-    poses = hand_in_frame("x z", depth + body.reach(widths))
+    poses = files.hand_in_frame("x z", depth + body.reach(widths))
     if isinstance(body, ModelBody):
         poses[:, 0, 3] = body.model.middle_at(widths)[:, 0]
     return poses
 
 
-def read(content: Content, options: ReadOptions) -> FileGrasps:
+def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
     """The grasps of a file in the frame of its mesh times `object.scale`; ours have widths."""
     grasps, hand = content["grasps"], options.gripper
     matrices = np.asarray(grasps["transforms"], np.float64)
     widths = np.full(len(matrices), np.nan)
     if (contacts := grasps.get("contact_locations")) is not None:
         widths = np.linalg.norm(np.diff(np.reshape(contacts, (-1, 2, 3)), axis=1)[:, 0], axis=1)
-    depth = options.depth or content.get("gripper", {}).get("depth")
+    depths = options.depth, content.get("gripper", {}).get("depth")
+    depth = next((each for each in depths if each is not None), None)
     if depth is None:
         named = options.needed("gripper", "the file has no depth of the hand (or give `depth`)")
         depth = graspgen_hand(*named).depth
     if hand is None or options.frame is not None:
-        place = hand_in_frame(options.frame or "x z", depth)
+        place = files.hand_in_frame(options.frame or "x z", depth)
     else:
         place = pads_in_base(hand.gripper, depth, np.nan_to_num(widths))
     success = np.asarray(grasps.get("object_in_gripper", np.nan), np.float64)
-    return file_grasps(matrices, place, widths=widths, success=success)
+    return files.file_grasps(matrices, place, widths=widths, success=success)
 
 
 def default_split(label: str) -> Split:

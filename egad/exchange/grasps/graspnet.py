@@ -7,14 +7,7 @@ import pandas as pd
 
 from egad._util.arrays import Floats
 from egad.errors import UserError
-from egad.exchange.grasp_files import (
-    Content,
-    FileGrasps,
-    ReadOptions,
-    file_grasps,
-    hand_in_frame,
-    one_object,
-)
+from egad.exchange import grasp_files as files
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
@@ -63,18 +56,18 @@ def graspnet_array(grasps: pd.DataFrame, opening: float, number: int) -> Floats:
     return np.column_stack(columns)
 
 
-def read(content: Content, options: ReadOptions) -> FileGrasps:
+def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
     """The grasps of one object, with the contacts `depth` ahead, at the ends of their fingers."""
     rows = np.asarray(content["rows"], np.float64)
     if rows.ndim != 2 or rows.shape[1] != WIDTH:
         raise UserError(f"its array has the shape {rows.shape}; allowed: (n, {WIDTH})")
     ids = rows[:, -1].astype(np.int64).astype(str)
-    rows = rows[ids == one_object(ids.tolist(), options, "objects")]
+    rows = rows[ids == files.one_object(ids.tolist(), options, "objects")]
     matrices = np.tile(np.eye(4), (len(rows), 1, 1))
     matrices[:, :3, :3], matrices[:, :3, 3] = rows[:, 4:13].reshape(-1, 3, 3), rows[:, 13:16]
     depths = rows[:, 3] if options.depth is None else options.depth
-    place = hand_in_frame(options.frame or "y x", depths)
-    return file_grasps(matrices, place, openings=rows[:, 1], score=rows[:, 0])
+    place = files.hand_in_frame(options.frame or "y x", depths)
+    return files.file_grasps(matrices, place, openings=rows[:, 1], score=rows[:, 0])
 
 
 def needed_friction(grasps: Grasps) -> Floats:

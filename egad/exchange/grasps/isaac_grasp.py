@@ -9,14 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad.errors import UserError
-from egad.exchange.grasp_files import (
-    Content,
-    FileGrasps,
-    ReadOptions,
-    file_grasps,
-    hand_in_frame,
-    quaternion_poses,
-)
+from egad.exchange import grasp_files as files
 from egad.exchange.grasp_tables import check_simulated, simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
@@ -79,7 +72,7 @@ def write_isaac_grasp(path: Path, label: str, gripper: Gripper, grasps: pd.DataF
     path.write_text(yaml.safe_dump(about, sort_keys=False, default_flow_style=None, width=WIDE))
 
 
-def read(content: Content, options: ReadOptions) -> FileGrasps:
+def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
     """The grasps of a file; with a gripper that has a file, of its base link.
 
     The pads are where `cspace_position` puts them. A hand of boxes has no base link, so frame and
@@ -97,10 +90,10 @@ def read(content: Content, options: ReadOptions) -> FileGrasps:
         place = np.linalg.inv(np.array([base_pose(hand, each) for each in known], np.float64))
     else:
         why = "the frame of a hand is not in the file, and the gripper has no file of its own"
-        place = hand_in_frame(options.needed("frame", why), options.needed("depth", why))
-    matrices = quaternion_poses(points, np.array(turns))
+        place = files.hand_in_frame(options.needed("frame", why), options.needed("depth", why))
+    matrices = files.quaternion_poses(points, np.array(turns))
     score = [each.get("confidence", np.nan) for each in grasps]
-    return file_grasps(matrices, place, openings=openings, score=score)
+    return files.file_grasps(matrices, place, openings=openings, score=score)
 
 
 def _rounded(numbers: NDArray[np.float64]) -> list[float]:

@@ -6,24 +6,17 @@ Source: Sundermeyer et al., ICRA 2021, equations 1 to 3, and the code of the aut
 
 import numpy as np
 
-from egad.exchange.grasp_files import (
-    Content,
-    FileGrasps,
-    ReadOptions,
-    file_grasps,
-    hand_in_frame,
-    one_object,
-)
+from egad.exchange import grasp_files as files
 
 KEYS = ({"pred_grasps_cam", "scores"},)
 REFERENCE = "its poses are in the frame of the camera (x right, y down, z forward)"
 DEPTH = 0.1034  # metres from the base of the Panda's hand to the contacts
 
 
-def read(content: Content, options: ReadOptions) -> FileGrasps:
+def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
     """The grasps of one segment; -1 stands for the whole cloud. Contacts give the widths."""
     segments = {str(key): key for key in content["pred_grasps_cam"]}
-    key = segments[one_object(list(segments), options, "segments")]
+    key = segments[files.one_object(list(segments), options, "segments")]
     matrices = np.asarray(content["pred_grasps_cam"][key], np.float64).reshape(-1, 4, 4)
     depth = DEPTH if options.depth is None else options.depth
     widths = np.full(len(matrices), np.nan)
@@ -31,7 +24,5 @@ def read(content: Content, options: ReadOptions) -> FileGrasps:
         contacts = np.asarray(content["contact_pts"][key], np.float64).reshape(-1, 3)
         middles = matrices[:, :3, 3] + DEPTH * matrices[:, :3, 2]
         widths = 2 * np.abs(np.einsum("nk,nk->n", middles - contacts, matrices[:, :3, 0]))
-    score = np.asarray(content["scores"][key], np.float64).reshape(-1)
-    return file_grasps(
-        matrices, hand_in_frame(options.frame or "x z", depth), widths=widths, score=score
-    )
+    place = files.hand_in_frame(options.frame or "x z", depth)
+    return files.file_grasps(matrices, place, widths=widths, score=np.ravel(content["scores"][key]))

@@ -1,0 +1,116 @@
+"""Grasps that other programs wrote: checked, and converted."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from egad.cli import common
+from egad.errors import UserError
+from egad.grippers import GRIPPERS
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from egad.grippers import Gripper
+
+grasps = typer.Typer(
+    name="grasps", no_args_is_help=True, help="Grasps of other programs: check, convert."
+)
+
+File = Annotated[Path, typer.Argument(help="file of grasps")]
+Mesh = Annotated[Path, typer.Option("--mesh", help="mesh file of the object")]
+Hand = Annotated[str, common.gripper_option()]
+FileFormat = Annotated[str | None, typer.Option("--format", help="format of the file")]
+Frame = Annotated[str | None, typer.Option(help="closing axis and approach, such as 'x z'")]
+Depth = Annotated[float | None, typer.Option(help="how far ahead of the poses the contacts are")]
+PoseUnits = Annotated[str | None, typer.Option(help="unit of plain poses: m, cm or mm")]
+REFERENCE = "text file with the (4, 4) pose of the camera or scene; `object` if it is the identity"
+Reference = Annotated[Path | None, typer.Option(help=REFERENCE)]
+ObjectId = Annotated[str | None, typer.Option(help="object, segment or scene of the file")]
+
+
+@grasps.command()
+def check(
+    file: File,
+    mesh: Mesh,
+    gripper: Hand,
+    format_name: FileFormat = None,
+    frame: Frame = None,
+    depth: Depth = None,
+    pose_units: PoseUnits = None,
+    reference: Reference = None,
+    object_id: ObjectId = None,
+    units: common.Units = None,
+    fix: Annotated[Path | None, typer.Option(help="corrected grasps to write: .npz")] = None,
+    config: common.Config = None,
+) -> None:
+    """Name what is wrong with a file of grasps: axes, depth, units, frame of the object, ..."""
+    from egad.exchange.checking import check_grasps
+    from egad.io import check_ending
+
+    check_ending(fix, (".npz",))
+    said = _said(frame, depth, pose_units, reference, object_id)
+    found = check_grasps(file, *_object(mesh, units, gripper, config), format_name, **said)
+    typer.echo(repr(found))
+    if fix is not None:
+        found.save(fix)
+        typer.echo(f"{fix}: the corrected grasps; --frame 'x z' --depth 0 --pose-units m")
+
+
+@grasps.command()
+def convert(
+    file: File,
+    mesh: Mesh,
+    gripper: Hand,
+    to: Annotated[str, typer.Option(help="format to write, as of `egad export`")],
+    out: common.OutFolder,
+    format_name: FileFormat = None,
+    frame: Frame = None,
+    depth: Depth = None,
+    pose_units: PoseUnits = None,
+    reference: Reference = None,
+    object_id: ObjectId = None,
+    units: common.Units = None,
+    config: common.Config = None,
+) -> None:
+    """Convert labelled grasps to another format."""
+    from egad.exchange.export import export_grasps
+    from egad.exchange.reading import read_grasps
+
+    solid, hand = _object(mesh, units, gripper, config)
+    said = _said(frame, depth, pose_units, reference, object_id)
+    read = read_grasps(file, format_name, solid, hand, **said)
+    export_grasps(read, solid, to, hand, out, mesh.stem)
+    typer.echo(f"{out}: {len(read)} grasps of {mesh.stem}")
+
+
+def _object(
+    mesh: Path, units: str | None, gripper: str, config: Path | None
+) -> "tuple[trimesh.Trimesh, Gripper | str]":
+    """The object and the gripper of a command line; by its name if it is one of egad's."""
+    from egad.io import check_unit_known, read_mesh
+
+    check_unit_known([mesh], units)
+    settings, name = common.gripper_in(common.settings_in(config), gripper)
+    known = config is None and name in GRIPPERS
+    return read_mesh(mesh, units), name if known else settings.grippers[name]
+
+
+def _said(
+    frame: str | None,
+    depth: float | None,
+    units: str | None,
+    reference: Path | None,
+    object_id: str | None,
+) -> Any:  # noqa: ANN401 (`egad.exchange.reading.Said`, which takes long to import)
+    import numpy as np
+
+    pose = None
+    if reference is not None:
+        try:
+            pose = np.eye(4) if str(reference) == "object" else np.loadtxt(reference)
+        except (OSError, ValueError) as error:
+            raise UserError(f"--reference {reference}: no lines of numbers: {error}") from error
+    named = {"frame": frame, "depth": depth, "units": units, "reference": pose}
+    return named | {"object_id": object_id}

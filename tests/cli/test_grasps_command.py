@@ -1,0 +1,80 @@
+"""`egad grasps`: files of other programs, checked and converted."""
+
+import numpy as np
+import pytest
+import trimesh
+from commands import egad as run
+
+import egad
+from egad.exchange.grasps.graspgen import graspgen_hand, start_graspgen, write_graspgen
+from egad.grippers import gripper
+from egad.io import write_obj
+from egad.tables.grasping import MOTIONS
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """An object, and a file of GraspGen with its grasps, of which every third one fails."""
+    folder = tmp_path_factory.mktemp("grasps")
+    sizes, places = [(0.1, 0.02, 0.03), (0.02, 0.07, 0.024)], [(0.06, 0, 0), (0.1, 0.03, 0)]
+    bars = [
+        trimesh.creation.box(size).apply_translation(place)
+        for size, place in zip(sizes, places, strict=True)
+    ]
+    mesh = trimesh.boolean.union(bars, engine="manifold")
+    write_obj(mesh, folder / "bar.obj")
+    table = egad.sample_grasps(mesh, "panda", 60).to_frame()
+    held = np.arange(len(table)) % 3 > 0
+    outcome = np.where(held, "success", "slipped_shaking")
+    known = {"simulated_outcome": outcome, "simulated_success": held}
+    hand = graspgen_hand("panda", gripper("panda"))
+    start_graspgen(folder, hand)
+    write_graspgen(folder, hand, "bar", table.assign(**known, **dict.fromkeys(MOTIONS, 0.0)))
+    return folder
+
+
+def common(folder):
+    return "--mesh", folder / "bar.obj", "--units", "m", "--gripper", "panda"
+
+
+def test_a_mistake_is_named_and_corrected(folder):
+    file, fixed = folder / "grasp_data/panda/bar.json", folder / "fixed.npz"
+    done = run("grasps", "check", file, *common(folder), "--depth", "0.001", "--fix", fixed)
+    assert done.returncode == 0, done.stderr
+    assert "the poses are of the base of the hand" in done.stdout
+    assert "multiply the poses of the file from the right by" in done.stdout
+    said = ("--frame", "x z", "--depth", "0", "--pose-units", "m")
+    done = run("grasps", "check", fixed, *common(folder), *said)
+    assert done.stdout.startswith("no mistake found: ")
+
+
+def test_grasps_go_from_one_format_to_the_next_and_back(folder, tmp_path):
+    path, read = folder / "grasp_data/panda/bar.json", {"gripper": "panda"}
+    first = egad.read_grasps(path, **read)
+    steps = {"acronym": "bar.h5", "graspgen": "grasp_data/panda/bar.json"}
+    for name, file in steps.items():
+        out = tmp_path / name
+        done = run("grasps", "convert", path, *common(folder), "--to", name, "--out", out)
+        assert done.returncode == 0, done.stderr
+        path = out / file
+        found = egad.read_grasps(path, **read)
+        assert found.poses == pytest.approx(first.poses, abs=1e-6)
+        assert found.widths == pytest.approx(first.widths, abs=1e-6)
+        assert (found.source_success == first.source_success).all()
+
+
+def test_unlabelled_grasps_and_wrong_options_are_refused(folder, tmp_path):
+    np.save(tmp_path / "a.npy", np.eye(4)[None])
+    said = ("--frame", "x z", "--depth", "0", "--pose-units", "m")
+    out = ("--to", "acronym", "--out", tmp_path / "out")
+    with pytest.warns(UserWarning, match="only 0%"):
+        done = run("grasps", "convert", tmp_path / "a.npy", *common(folder), *said, *out)
+    assert "acronym needs the label of each grasp" in done.stderr
+    assert not (tmp_path / "out").exists()
+    none = ("--reference", tmp_path / "none.txt")
+    done = run("grasps", "check", tmp_path / "a.npy", *common(folder), *said, *none)
+    assert "--reference" in done.stderr
+    done = run(
+        "grasps", "convert", tmp_path / "a.npy", *common(folder), *said, "--to", "vgn", *out[2:]
+    )
+    assert "format 'vgn' is not known" in done.stderr

@@ -1,0 +1,143 @@
+"""Usual mistakes in files of grasps: all are named, and none in files that are right."""
+
+import re
+
+import h5py
+import numpy as np
+import pytest
+import trimesh
+from grasp_sources import change_json, hammer, write_source
+from mistakes import MISTAKES
+
+import egad
+from egad.errors import UserError
+
+
+def hook():
+    """Three bars of different lengths at right angles, away from the origin."""
+    sizes = [(0.11, 0.02, 0.03), (0.02, 0.07, 0.024), (0.018, 0.022, 0.06)]
+    places = [(0.05, 0, 0), (0.1, 0.03, 0.002), (0.004, 0.001, 0.04)]
+    bars = [
+        trimesh.creation.box(size).apply_translation(place)
+        for size, place in zip(sizes, places, strict=True)
+    ]
+    whole = trimesh.boolean.union(bars, engine="manifold")
+    return whole.apply_translation((0.05, -0.03, 0.04))
+
+
+def cone():
+    """A frustum with a knob, along no axis of its frame."""
+    bodies = [
+        trimesh.creation.cylinder(0.03, 0.02).apply_translation((0, 0, -0.05)),
+        trimesh.creation.cone(0.028, 0.09).apply_translation((0, 0, -0.045)),
+        trimesh.creation.box((0.015, 0.09, 0.015)).apply_translation((0, 0.03, -0.04)),
+    ]
+    whole = trimesh.boolean.union(bodies, engine="manifold")
+    turn = trimesh.transformations.rotation_matrix(1.1, (1, 0.4, 0.2), (0.1, 0, 0.05))
+    return whole.apply_transform(turn).apply_translation((0.02, 0.05, 0.08))
+
+
+OBJECTS = {"hammer": hammer, "hook": hook, "cone": cone}
+
+
+@pytest.fixture(scope="module")
+def objects():
+    """Meshes with grasps at which the open hand fits."""
+    meshes = {name: make() for name, make in OBJECTS.items()}
+    found = {name: egad.sample_grasps(mesh, "panda", 120) for name, mesh in meshes.items()}
+    return {name: (meshes[name], each[each.collision_free]) for name, each in found.items()}
+
+
+def change_acronym(path, change):
+    with h5py.File(path, "r+") as file:
+        file["grasps/transforms"][...] = change(file["grasps/transforms"][()])
+
+
+def change_graspgen(path, change):
+    def changed(content):
+        grasps = content["grasps"]
+        grasps["transforms"] = change(np.array(grasps["transforms"])).tolist()
+
+    change_json(path, changed)
+
+
+def change_graspnet(path, change):
+    """Its hand approaches along x and closes along y; `change` has z and x there."""
+    rows, order = np.load(path), [1, 2, 0]
+    poses = np.tile(np.eye(4), (len(rows), 1, 1))
+    poses[:, :3, :3] = rows[:, 4:13].reshape(-1, 3, 3)[:, :, order]
+    poses[:, :3, 3] = rows[:, 13:16]
+    poses = change(poses)
+    rows[:, 4:13] = poses[:, :3, :3][:, :, np.argsort(order)].reshape(-1, 9)
+    rows[:, 13:16] = poses[:, :3, 3]
+    np.save(path, rows)
+
+
+def change_contact_graspnet(path, change):
+    with np.load(path, allow_pickle=True) as file:
+        content = {name: file[name][()] for name in file}
+    content["pred_grasps_cam"] = {1: change(content["pred_grasps_cam"][1])}
+    del content["contact_pts"]
+    np.savez(path, **content)
+
+
+CHANGES = {
+    "acronym": change_acronym,
+    "graspgen": change_graspgen,
+    "graspnet": change_graspnet,
+    "contact_graspnet": change_contact_graspnet,
+}
+# mistakes that a format cannot hold, or for which its axes have other names
+OTHERS = {
+    "graspnet": {
+        what for what in MISTAKES if re.match("axes|rever|inv|trans|rotations|quat", what)
+    },
+    "contact_graspnet": {"y up", "mirrored object"},  # of the camera
+}
+PAIRS = [(name, what) for name in CHANGES for what in MISTAKES if what not in OTHERS.get(name, ())]
+
+
+def each_once(pairs, first, second):
+    """Pairs so that every value of either is in one; the others are slow."""
+    seen = set()
+    for pair in pairs:
+        quick = pair[first] not in seen or pair[second] not in seen
+        seen |= {pair[first], pair[second]} if quick else set()
+        yield pytest.param(*pair, marks=() if quick else pytest.mark.slow)
+
+
+def turn(pair):
+    """Every mistake in another format than the one before."""
+    return (list(MISTAKES).index(pair[1]) + list(CHANGES).index(pair[0])) % len(CHANGES)
+
+
+TURNS = [(number, *pair) for number, pair in enumerate(sorted(PAIRS, key=turn))]
+
+
+@pytest.mark.parametrize(("number", "name", "what"), list(each_once(TURNS, 2, 2)))
+def test_mistakes_are_named(number, name, what, objects, tmp_path):
+    mesh, grasps = list(objects.values())[number % len(objects)]
+    path, said = write_source(name, tmp_path, grasps)
+    change, words = MISTAKES[what]
+    CHANGES[name](path, change)
+    found = egad.check_grasps(path, mesh, "panda", **said)
+    assert found.verdict == "mistake", found
+    assert re.search(words, found.mistakes[0]), found
+    poses, near = found.corrected.poses, 0.02 if "deep" in what else 1e-6
+    assert poses[:, :3, 3:] == pytest.approx(grasps.poses[:, :3, 3:], abs=near)
+    assert poses[:, :3, 2] == pytest.approx(grasps.poses[:, :3, 2], abs=1e-6)
+
+
+RIGHT = [(name, which) for which in OBJECTS for name in [*CHANGES, "vgn", "isaac_grasp", "poses"]]
+
+
+@pytest.mark.parametrize(("name", "which"), list(each_once(RIGHT, 0, 1)))
+def test_no_mistake_is_named_in_files_that_are_right(name, which, objects, tmp_path):
+    mesh, grasps = objects[which]
+    path, said = write_source(name, tmp_path, grasps)
+    found = egad.check_grasps(path, mesh, "panda", **said)
+    assert (found.verdict, found.mistakes) == ("consistent", []), found
+    assert str(found).startswith("no mistake found: ")
+    with pytest.raises(UserError, match="there is no single mistake"):
+        found.save(tmp_path / "fixed.npz")
+    assert not (tmp_path / "fixed.npz").exists()
