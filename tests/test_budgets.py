@@ -44,8 +44,8 @@ def settings():
 @pytest.mark.parametrize(
     ("what", "size", "limit"),
     [
-        ("lines of egad/ above the line", lines_above_the_line, 21_150),
-        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 61_750),
+        ("lines of egad/ above the line", lines_above_the_line, 21_190),
+        ("lines of egad/, egad_workflow/ and workflow/", lines_in_all, 62_750),
         ("entries of egad/", entries, 26),
         ("settings", settings, 300),
         ("words of README.md", words_of("README.md"), 850),
