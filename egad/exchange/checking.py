@@ -205,8 +205,7 @@ def _changes(file: FileGrasps, mesh: trimesh.Trimesh) -> Iterator[Explanation]:
         for step, order in ((-1, "w, x, y, z"), (1, "x, y, z, w")):
             turned = Rotation.from_quat(np.roll(quaternions, step, axis=1)).as_matrix()
             matrices[f"the quaternions are {order}"] = _pose(turned, points)
-    for unit, factor in UNITS.items():
-        matrices[f"the positions are in {unit}"] = _pose(turns, factor * points)
+    for factor in UNITS.values():
         matrices[f"the positions were divided by {1 / factor:g}"] = _pose(turns, points / factor)
     rights = dict(_turns(file))
     for name, row in zip("xyz", np.eye(4), strict=False):
@@ -221,6 +220,8 @@ def _changes(file: FileGrasps, mesh: trimesh.Trimesh) -> Iterator[Explanation]:
         "the poses are relative to the center of mass": _pose(point=center_of_mass(mesh)),
         "the poses are relative to the middle of the box": _pose(point=mesh.bounds.mean(axis=0)),
     }
+    for unit, factor in UNITS.items():
+        yield Explanation(f"the positions are in {unit}", _in_metres(file, factor))
     for name, changed in matrices.items():
         yield Explanation(name, file._replace(matrices=changed))
     for name, right in rights.items():
@@ -246,6 +247,15 @@ def _turns(file: FileGrasps) -> Iterator[tuple[str, Floats]]:
 
 def _deeper(file: FileGrasps, depth: float) -> FileGrasps:
     return file._replace(place=file.place @ _pose(point=[0, 0, depth]))
+
+
+def _in_metres(file: FileGrasps, factor: float) -> FileGrasps:
+    """Positions times a factor, and widths too if most of them are more than a metre."""
+    matrices = file.matrices.copy()
+    matrices[:, :3, 3] *= factor
+    known = (file.widths, file.openings)
+    widths, openings = (factor * each if (each > 1).mean() > 0.5 else each for each in known)
+    return file._replace(matrices=matrices, widths=widths, openings=openings)
 
 
 def _scaled(file: FileGrasps, factor: float) -> FileGrasps:

@@ -141,3 +141,17 @@ def test_no_mistake_is_named_in_files_that_are_right(name, which, objects, tmp_p
     with pytest.raises(UserError, match="there is no single mistake"):
         found.save(tmp_path / "fixed.npz")
     assert not (tmp_path / "fixed.npz").exists()
+
+
+def test_widths_in_the_same_wrong_unit_are_corrected_too(objects, tmp_path):
+    mesh, grasps = objects["hammer"]
+    path, fixed = tmp_path / "grasps.npz", tmp_path / "fixed.npz"
+    poses = grasps.poses
+    poses[:, :3, 3] *= 1000
+    np.savez(path, poses=poses, widths=1000 * grasps.widths)
+    found = egad.check_grasps(path, mesh, "panda", frame="x z", depth=0, units="m")
+    assert found.mistakes == ["the positions are in millimetres"]
+    found.save(fixed)
+    again = egad.read_grasps(fixed, frame="x z", depth=0, units="m")
+    assert again.poses == pytest.approx(grasps.poses, abs=1e-9)
+    assert again.widths == pytest.approx(grasps.widths, abs=1e-9)
