@@ -238,6 +238,8 @@ def test_the_shipped_entries_can_be_read():
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
+@pytest.mark.usefixtures("small_films")
 def test_all_shipped_tables_are_verified(tmp_path):
     assert build(SHIPPED, tmp_path / "out", Checks(sample=10)) == []
 
