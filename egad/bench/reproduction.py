@@ -66,13 +66,18 @@ class Reproduction:
     @property
     def is_honest(self) -> bool:
         """Whether other arithmetic explains nearly all differences, and few results differ."""
-        different, total = self.attempts - self.same, self.attempts + self.skipped
+        different = self.attempts - self.same
         return (
             not self.impossible
             and len(self.unexplained) <= binom.ppf(ACCEPTED, different, UNEXPLAINED_SHARE)
             and len(self.turned) <= binom.ppf(ACCEPTED, different, TURNED_SHARE)
-            and self.skipped <= MAX_SKIPPED * total
+            and not self.is_cut_short
         )
+
+    @property
+    def is_cut_short(self) -> bool:
+        """Whether too many attempts follow one that ended otherwise."""
+        return self.skipped > MAX_SKIPPED * (self.attempts + self.skipped)
 
     @property
     def turned(self) -> list[Difference]:
@@ -101,7 +106,7 @@ class Reproduction:
         more = [f"and {len(differences) - SHOWN} more"] if len(differences) > SHOWN else []
         reasons = [f"{count} of {self.attempts} attempts are not reproduced"] if count else []
         reasons += [*map(str, differences[:SHOWN]), *more]
-        if self.skipped > MAX_SKIPPED * (self.attempts + self.skipped):
+        if self.is_cut_short:
             share = f"more than {MAX_SKIPPED:.0%}"
             reasons.append(f"{self.skipped} attempts follow one that ended otherwise, {share}")
         return reasons
@@ -125,16 +130,16 @@ def judge(
     distances, have_same_results = _distances(said, simulated), _same_results(said, simulated)
     departed = _departed(have_same_results, distances)
     spread, seen = np.zeros(len(departed)), have_same_results[departed]
-    left = np.arange(len(departed))  # those of `departed` that no nudge has explained yet
+    is_explained = np.zeros(len(departed), dtype=np.bool_)
     for fraction in NUDGES:
-        left = left[~(seen & (distances[departed] <= SPREAD_RATIO * spread))[left]]
+        left = np.flatnonzero(~is_explained)
         if not len(left):
             break
         rows = departed[left]
         others = simulate_nudged(fraction, rows)
         spread[left] = np.maximum(spread[left], _distances(simulated.iloc[rows], others))
         seen[left] |= _same_results(said.iloc[rows], others)
-    is_explained = seen & (distances[departed] <= SPREAD_RATIO * spread)
+        is_explained = seen & (distances[departed] <= SPREAD_RATIO * spread)
     differences = [
         _difference(said.iloc[row], simulated.iloc[row], places[row]) for row in departed.tolist()
     ]

@@ -20,13 +20,15 @@ from egad.exchange.reading import TOLERANCE, Said, read_file, read_options
 from egad.geometry import RayCaster, center_of_mass, check_solid
 from egad.grasps import are_rigid, close_fingers, touching_turns
 from egad.grippers import Gripper, hand_body
+from egad.io import METRES
 
 Verdict = Literal["consistent", "mistake", "undecided", "unexplained"]
 AS_READ = "as read"
 FACING = np.cos(np.radians(45))  # between the closing axis and the normals
 DEPTHS = np.arange(-50.0, 51.0) / 200  # metres along the approach that are tried
+WORDS = {"mm": "millimetres", "cm": "centimetres", "inch": "inches"}
 SCALES = 1.1 ** np.arange(-35.0, 36.0)
-UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254}
+UNITS = {name: METRES[unit] for unit, name in WORDS.items()}
 MANY = 50_000  # grasps that are changed
 MOST, SOME, FEW = 2000, 200, 60  # grasps that explanations are tried on
 WORK = 2e7  # triangles times grasps of one explanation, at most

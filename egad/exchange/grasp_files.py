@@ -25,6 +25,7 @@ from egad.errors import UserError
 from egad.exchange.parameters import NamedGripper
 from egad.grasps import hand_poses
 from egad.grippers import finger_span
+from egad.io import METRES
 
 MAX_GRASPS = 1_000_000
 Content = Mapping[str, Any]
@@ -87,7 +88,7 @@ ASKED = {
     "object_id": "which of them",
     "mesh": "the object in metres, and `gripper`",
 }
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+UNITS = {name: METRES[name] for name in ("m", "cm", "mm")}
 
 
 def file_grasps(

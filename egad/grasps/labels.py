@@ -1,7 +1,6 @@
 """Labelled grasps of an object: what is known about each of them, as a table."""
 
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,7 +30,6 @@ from egad.grasps.samplers import Sampled
 from egad.grasps.suction import collision_free, seal_cups
 from egad.grippers import SUCTION, Gripper, HandBody, cup_of
 from egad.grippers.kinds import CupKind, JawKind
-from egad.tables.columns import vector_names
 from egad.tables.grasping import GRASPS
 
 COLUMNS = [name for name in GRASPS.names if name not in ("id", "label")]
@@ -79,24 +77,6 @@ def rate_grasps(
     approach = best_approaches(caster, grasps, body, angles=angles, way=APPROACH_WAY)
     needed = needed_openings(caster, grasps, approach.directions, body)
     faces = JawFaces.of(body, grasps, approach.directions, needed)
-    quality = ferrari_canny(
-        grasps.points, grasps.normals, grasps.axes, com, **settings.quality.model_dump()
-    )
-    if faces is not None:
-        fitting = ferrari_canny(
-            grasps.points, faces.normals(grasps), grasps.axes, com, **settings.quality.model_dump()
-        )
-        quality = np.minimum(quality, fitting)
-    mean, deviation, held = robust_ferrari_canny(
-        caster,
-        grasps,
-        com,
-        opening,
-        quality=settings.quality,
-        robust=settings.robust,
-        rng=rng,
-        faces=faces,
-    )
     return _table(
         grasps.centers,
         grasps.axes,
@@ -106,15 +86,38 @@ def rate_grasps(
         width=grasps.widths,
         # a hand that fits is slightly wider than its opening, see `hand.CLEARANCE`
         needed_opening=np.where(approach.fits, np.minimum(needed, opening), needed),
-        quality=quality,
-        robust_quality=mean,
-        robust_quality_std=deviation,
-        robust_success_rate=held,
+        **_qualities(caster, com, grasps, faces, settings, rng),
         fits=approach.fits,
         collision_free=approach.free,
         angles_fit=approach.angles_fit,
         angles_collision_free=approach.angles_collision_free,
     )
+
+
+def _qualities(
+    caster: RayCaster,
+    com: Floats,
+    grasps: ContactPairs,
+    faces: JawFaces | None,
+    settings: LabelParameters,
+    rng: np.random.Generator,
+) -> dict[str, Floats]:
+    """The qualities of grasps by column; with `faces`, the lower one against object and jaws."""
+    normals = [grasps.normals] if faces is None else [grasps.normals, faces.normals(grasps)]
+    quality = settings.quality.model_dump()
+    values = [ferrari_canny(grasps.points, each, grasps.axes, com, **quality) for each in normals]
+    robust = robust_ferrari_canny(
+        caster,
+        grasps,
+        com,
+        settings.gripper.opening,
+        quality=settings.quality,
+        robust=settings.robust,
+        rng=rng,
+        faces=faces,
+    )
+    names = ("quality", "robust_quality", "robust_quality_std", "robust_success_rate")
+    return dict(zip(names, [np.min(values, axis=0), *robust], strict=True))
 
 
 def _table(
@@ -211,17 +214,12 @@ def label_at_poses(
     table = label_poses(caster, sampled, body, APPROACH_WAY)
     rated, needed = pairs.take(np.flatnonzero(touching)), table["needed_opening"].to_numpy()
     faces = JawFaces.of(body, rated, approaches[touching], needed[touching])
-    rating: dict[str, Any] = {"quality": settings.quality, "robust": settings.robust}
-    robust = robust_ferrari_canny(caster, rated, com, opening, **rating, rng=rng, faces=faces)
-    quality = settings.quality.model_dump()
-    sides = [rated.normals] if faces is None else [rated.normals, faces.normals(rated)]
-    values = [ferrari_canny(rated.points, each, rated.axes, com, **quality) for each in sides]
-    names = ["quality", "robust_quality", "robust_quality_std", "robust_success_rate"]
-    table[names] = 0.0
-    table.loc[touching, names] = np.stack([np.min(values, axis=0), *robust], axis=1)
+    columns = _qualities(caster, com, rated, faces, settings, rng)
+    table[list(columns)] = 0.0
     for side in (0, 1):
-        for name, found in (("contact", rated.points), ("normal", rated.normals)):
-            table.loc[touching, vector_names(f"{name}{side}")] = found[:, side]
+        columns |= vector_columns(f"contact{side}", rated.points[:, side])
+        columns |= vector_columns(f"normal{side}", rated.normals[:, side])
+    table.loc[touching, list(columns)] = np.stack(list(columns.values()), axis=1)
     return table
 
 

@@ -26,6 +26,7 @@ from .sums import missing_files as missing_files
 from .sums import read_sums as read_sums
 from .sums import sums_path as sums_path
 from .sums import write_sums as write_sums
+from .units import METRES as METRES
 from .user_meshes import use_mesh as use_mesh
 from .user_meshes import warn_of_units as warn_of_units
 from .user_meshes import write_meshes as write_meshes

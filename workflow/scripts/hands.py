@@ -22,11 +22,11 @@ def run(
     jobs: int = 1,
 ) -> None:
     """Let some of the grippers try the evaluation set, and write their report card."""
-    rows = parquet.records(parquet.read(evaluation, EVAL49))
+    table = parquet.read(evaluation, EVAL49)
+    files = [meshes / f"{label}.obj" for label in table["object_label"]]
     targets = [
-        NamedMesh(row["label"], row["id"], partial(read_mesh, file, "m"))
-        for row in rows
-        for file in [meshes / f"{row['object_label']}.obj"]
+        NamedMesh(label, name, partial(read_mesh, file, "m"))
+        for label, name, file in zip(table["label"], table["id"], files, strict=True)
     ]
     chosen = HandParameters(
         seed=settings.seed, hands=HandTrials(), planning_time=settings.planning_time
