@@ -19,7 +19,6 @@ from egad.cli.hands import hands
 from egad.cli.heatmap import heatmap
 from egad.cli.locate import locate
 from egad.cli.log_sheet import log_sheet
-from egad.cli.matched_set import matched_set
 from egad.cli.measure import measure
 from egad.cli.provenance import check_config, provenance, verify
 from egad.cli.rescale import rescale
@@ -32,7 +31,7 @@ from egad.cli.view import view
 GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
     "Objects": (measure, similarity, locate, genome, export_meshes, bundle, heatmap),
     "Grasps and grippers": (rescale, view, size_effect, grasps, gripper, hands),
-    "Detectors": (benchmark, failures, matched_set, train, trials, log_sheet),
+    "Detectors": (benchmark, failures, train, trials, log_sheet),
     "Files and runs": (export, check_config, provenance, verify),
 }
 

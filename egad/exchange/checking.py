@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Flags, Floats, Ints
+from egad._util.display import facts_html
 from egad._util.files import as_path, atomic_output
 from egad._util.progress import phase_if_slow
 from egad.errors import UserError
@@ -84,6 +85,13 @@ class GraspCheck:
             return told
         rows = np.array2string(self.matrix.round(6) + 0.0, separator=", ")
         return f"{told}\nmultiply the poses of the file from the {self.side} by\n{rows}"
+
+    def _repr_html_(self) -> str:
+        best = sorted(self.shares, key=lambda name: -self.shares[name])[:5]
+        facts = {
+            name: f"{self.shares[name]:.0%} fit" for name in {AS_READ: 0, **dict.fromkeys(best)}
+        }
+        return facts_html(f"{self.count} grasps: {self.verdict}", facts)
 
     def save(self, path: str | Path) -> None:
         """Write the corrected grasps as plain poses: frame `x z`, depth 0, metres."""

@@ -87,23 +87,10 @@ EXAMINED = schema(
 
 FAILURES = schema(*ARCHIVE, *RESULTS, *EXPLAINED)
 
-MATCHED = schema(
-    text("label", "name in the set: A and the number of the pair, or B"),
-    integer("pair", "number of the pair, starting with the simplest failure"),
-    boolean("is_failure", "whether the object is the failure of the pair, not its partner"),
-    real("similarity", "similarity of the two shapes, 0 to 1"),
-    *ARCHIVE,
-    *counts_in("mujoco"),
-    *counts_in("pybullet"),
-)
-
 FAILURE_ATTEMPTS = schema(
     ID,
     text("engine", "physics engine"),
-    text(
-        "purpose",
-        "screen, choose, confirm or explain; of a matched set: choose, qualify or matched",
-    ),
+    text("purpose", "screen, choose, confirm or explain"),
     integer("drop", "number of the drop, which decides where the object lies"),
     text("who", "who proposed the grasp: detector or reference"),
     integer(

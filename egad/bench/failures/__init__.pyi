@@ -8,8 +8,6 @@ from .finding import find_failures as find_failures
 from .finding import join as join
 from .finding import run_shard as run_shard
 from .finding import search_failures as search_failures
-from .matched import MatchedSet as MatchedSet
-from .matched import match_failures as match_failures
 from .parameters import DetectorFailures as DetectorFailures
 from .parameters import FailureParameters as FailureParameters
 from .parameters import FailureSearch as FailureSearch

@@ -1,10 +1,6 @@
 import pytest
-from bars import NONE, atlas, thick_only
+from bars import atlas
 from failure_searches import parts_kept
-
-from egad.bench.failures import match_failures
-
-ATTEMPTS = 5
 
 
 @pytest.fixture(scope="session")
@@ -24,10 +20,3 @@ def failing(parts_folder):
     """An atlas of bars: the detector misses those that are thin."""
     with parts_kept(parts_folder):
         return atlas()
-
-
-@pytest.fixture(scope="session")
-def matched(failing, parts_folder):
-    """Both failures of it, with their partners."""
-    with parts_kept(parts_folder):
-        return match_failures(failing, thick_only, pairs=2, attempts=ATTEMPTS, objects=NONE)
