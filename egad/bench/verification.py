@@ -64,7 +64,7 @@ def verify_round(rows: pd.DataFrame, models: Models, settings: ClutterParameters
         except UnstableError:  # it did not begin
             return failed_round(planned, settings, Outcome.FAILED).reindex(numbers)
 
-    return _judge_round(rows, simulate_nudged, places)
+    return judge_round(rows, simulate_nudged, places)
 
 
 def _contradictions(
@@ -82,7 +82,7 @@ def _contradictions(
             yield Difference(place, "outcome", outcome, flaw or "a grasp was tried")
 
 
-def _judge_round(
+def judge_round(
     said: pd.DataFrame,
     simulate_nudged: Callable[[float, Ints], pd.DataFrame],
     places: list[str],
