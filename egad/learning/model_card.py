@@ -10,48 +10,11 @@ from typing import Any
 import pandas as pd
 
 from egad import __version__
-from egad._util.markdown import table
+from egad._util.markdown import filled, table
 from egad.learning.evaluation import OutlineScore, Score
 from egad.learning.images import SPLITS
 
 PACKAGES = ("torch", "safetensors", "numpy", "scipy", "pillow")
-PAGE = """# {title}, trained on {source}
-
-A fully convolutional network of {parameters:,} weights. For every pixel of a depth image it says
-how good a grasp there is, at which angle, and how wide (Morrison, Corke and Leitner, "Learning
-robust, real-time, reactive robotic grasping", IJRR 2020). The weights are in `weights.safetensors`.
-
-The input, (1, 300, 300), is depths in metres, gaps filled, less their mean, clipped to [-1, 1]. The
-output, (4, 300, 300), is quality, cos 2a, sin 2a and opening / 150 pixels, where the angle a of the
-closing axis is counterclockwise as seen from the image's x axis.
-
-## Score
-
-The best grasp is correct in {right:,} of {count:,} images of {objects:,} held-out objects, those of
-the split `test`: {rate:.1%}, for other objects and scenes of the same kind {low:.1%} to {high:.1%}
-(95 %). In the {alone:,} images of a single object, a grasp of its middle across its narrower side
-is correct in {plain:,}. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
-
-The best grasp, at the highest peak, is correct if it overlaps a positive one by more than 0.25
-(intersection over union) with axes less than 30 degrees apart. Images without a positive grasp do
-not count. No object is in two splits.
-
-## Data
-
-{data}
-A grasp is positive if it is free of collision and {rule}. Images without a
-positive grasp, if there are any, are examples where nothing can be grasped.
-
-## Training
-
-{images:,} examples in {epochs} epochs.
-
-![Losses and score](history.svg)
-
-{settings}
-## Versions
-
-{versions}"""
 
 
 @dataclass(frozen=True)
@@ -71,7 +34,9 @@ class TrainedNetwork:
 def card(trained: TrainedNetwork) -> str:
     """The model card as Markdown; it holds no time, so the same training gives the same card."""
     score, last = trained.score, trained.history.iloc[-1]
-    return PAGE.format(
+    return filled(
+        __package__,
+        "model_card.md",
         title=trained.title,
         parameters=trained.parameters,
         source=trained.source,

@@ -7,57 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from egad._util.markdown import table
+from egad._util.markdown import filled, table
 from egad.learning.model_card import counts, versions
 from egad.learning.scene_scores import DECISION_THRESHOLD, SceneEstimate, SceneScore
-
-PAGE = """# {title}, trained on {source}
-
-A fully convolutional network of {parameters:,} weights. For every voxel of a truncated signed
-distance field it says how good a grasp there is, how the hand is turned, and how wide it holds
-(Breyer et al., "Volumetric grasping network", CoRL 2020). The weights are in `weights.safetensors`,
-for the detector `vgn`. It was trained on grasps of {gripper}. How well it grasps with another hand
-is not measured here: the detector tells the network nothing about the hand that it is used with.
-
-The input, (1, 40, 40, 40), is distances from 0 inside to 1 outside, 0 where nothing is seen or near
-no surface. The output, (6, 40, 40, 40), is quality, quaternion (x, y, z, w) and width in voxels, of
-a hand that closes along y, with its origin 5 cm before the fingertips.
-
-## Score
-
-On {scenes:,} scenes of held-out objects, those of the split `test`, seen by all their cameras, with
-{grasps:,} labelled grasps of which {share:.1%} succeeded. Intervals (95 %) are for other scenes of
-the same kind.
-
-{score}
-Guesses have an average precision equal to the share of grasps that succeeded, and a balanced
-accuracy of 50 %. The rotation is that of the hand, compared with the nearest one at which it held,
-at grasps that succeeded. The loss is {loss:.4f}, that on the validation set {validation:.4f}.
-
-The quality is that of a set in which as many grasps succeed as fail. The detector smooths it, which
-lowers its peaks, and proposes what is left above `threshold`, {threshold} by default for these
-weights. At the labelled voxels, before smoothing:
-
-{thresholds}
-## Data
-
-{data}
-{noise}
-A grasp is positive if it succeeded in the simulated scene. No object is in two splits.
-
-## Training
-
-{examples:,} examples in {epochs} epochs. Each is a scene with all its grasps, seen by one to all of
-its cameras. The weights are those after epoch {best}, with the highest average precision on the
-validation set.
-
-![Losses and average precision](history.svg)
-
-{settings}
-## Versions
-
-{versions}"""
-
 
 COUNTS = ("objects", "packed", "piles", "without a positive grasp", "grasps", "positive")
 
@@ -81,7 +33,9 @@ def scene_card(trained: TrainedOnScenes) -> str:
     score, history = trained.score, trained.history["validation_average_precision"].to_numpy()
     # the epoch whose weights are the result: the last one if none has a score
     best = int(np.nanargmax(history)) if np.isfinite(history).any() else len(history) - 1
-    return PAGE.format(
+    return filled(
+        __package__,
+        "scene_model_card.md",
         title=trained.title,
         parameters=trained.parameters,
         source=trained.source,

@@ -10,7 +10,7 @@ import pandas as pd
 import pyarrow as pa
 import yaml
 
-from egad._util.markdown import table
+from egad._util.markdown import filled, table
 from egad.learning.images import SPLITS
 from egad.tables.columns import meaning_of
 from egad.tables.release import RELEASED_EVALUATION_SET, RELEASED_GRASPS, RELEASED_OBJECTS
@@ -56,114 +56,6 @@ class ReleaseFacts:
     program: str
 
 
-PAGE = """# {title}
-
-{objects:,} closed objects from simple to complex and from easy to hard to grasp, and {grasps:,}
-parallel-jaw grasps on them, each closed, shaken and lifted in simulation.
-
-{program} made these files. It implements the paper "{paper}"
-({authors}, {journal} {year}).
-The meshes that were published with the paper are not included.
-
-## Load it
-
-```python
-from datasets import load_dataset
-
-grasps = load_dataset("FOLDER", "grasps", split="train", streaming=True)
-grasp = next(iter(grasps))
-print(grasp["label"], grasp["simulated_success"], grasp["center_x"])
-```
-
-FOLDER is this folder, or its name where it is hosted. The configurations are `objects`, `grasps`
-and `evaluation_set`. `pandas.read_parquet("data/objects.parquet")` reads a table as well.
-
-## What is in it
-
-{contents}
-## Splits
-
-{splits}
-No family of objects is in both training and validation. A family is all objects with the same
-founder along the line of first parents. A first parent gives its child the structure of its genome;
-a second one gives only weights, and may be of another family. An object whose ancestors are not
-known is a family of its own.
-
-The test split is the evaluation set with all parents and children of its objects, so none of them
-is used for training. More distant relatives of them are in the other splits. To compare results
-with others, test on the rows with `in_evaluation_set`.
-
-Evolution sometimes finds nearly the same shape in two families. Splits by ancestry do not prevent
-an object from resembling one in another split.
-
-## Frames and units
-
-Lengths are metres, masses kilograms and angles radians, unless a column says otherwise. Meshes are
-not scaled. The measures and mass properties in `objects` are those of these meshes, at
-{density:g} kg/m3.
-
-Grasps are on the object scaled to the gripper `{gripper}`, which opens {opening:g} m. Multiply the
-coordinates of the mesh by the `scale_factor` of the object. A factor s multiplies the mass by s^3
-and the inertia by s^5.
-
-The frame of the hand has its origin midway between the contacts, where the pads meet the object.
-Its x is the closing axis, from the first contact to the second, its z is the approach, and
-y = z cross x. In the frame of the scaled object, its position is `center`, its x axis is `axis`,
-its z axis is `approach`, and its rotation is the quaternion `hand_qx` to `hand_qw`.
-
-GLB files are Y-up, as glTF requires. The point (x, y, z) of the tables is (x, z, -y) in the file,
-and Z-up programs convert it back.
-
-## What the labels mean
-
-Only `simulated_success` claims success: the fingers closed on the floating object, shook it and
-lifted it, and still held it at the end{engine}. The friction coefficient was {friction:g}. The
-value is missing where the engine could not tell. Only collision-free grasps were simulated, and at
-most {most} of each object are listed, so the share that held is not that of random grasps.
-`quality` and `robust_quality` are computed from the contacts, not simulated.
-
-`graspability` is a percentile of grasp quality and high for easy objects. `graspability_std` is its
-standard error, and `cell_confidence` the probability that the object lies in its cell. Cells count
-from 0 = simplest and 0 = easiest.
-
-## Limits
-
-- Grasps, labels and scales are for one gripper. They differ for another gripper, friction or
-  density.
-- Labels were simulated with rigid bodies, and with convex parts in place of the true surface. They
-  are not trials of a real robot.
-- Objects are abstract shapes of one uniform material, without texture or category.
-
-## Columns of `objects`
-
-{object_columns}
-## Columns of `grasps`
-
-{grasp_columns}
-## Columns of `evaluation_set`
-
-{evaluation_columns}
-## Licence and citation
-
-The data is under [{license}]({license_url}), see `LICENSE`. Please cite the paper and this dataset
-as `CITATION.cff` says. `sha256sum --check SHA256SUMS` finds damaged files, and `provenance.json`
-says what each file was made from.
-
-```bibtex
-@article{{morrison2020egad,
-  title   = {{{{EGAD!}} {bibtex_title}}},
-  author  = {{Morrison, Douglas and Corke, Peter and Leitner, J{{\\"u}}rgen}},
-  journal = {{{journal}}},
-  volume  = {{{volume}}},
-  number  = {{{issue}}},
-  pages   = {{{start}--{end}}},
-  year    = {{{year}}},
-  doi     = {{{doi}}}
-}}
-```
-"""
-
-
 def front_matter(title: str, objects: int, grasps: int) -> str:
     """The front matter: licence, tasks, size, and the files of each configuration and split."""
     splits = {"objects": "data/objects/{}.parquet", "grasps": "data/grasps/{}-*.parquet"}
@@ -195,7 +87,9 @@ def card_page(
 ) -> str:
     """The page as Markdown, with the front matter, from `RELEASED_OBJECTS` of all splits."""
     grasps = int(objects["n_grasps"].sum())
-    text = PAGE.format(
+    text = filled(
+        __package__,
+        "dataset_card.md",
         title=facts.title,
         program=facts.program,
         objects=len(objects),
