@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 HERE = Path(__file__).parent
 PACKAGES = (HERE.parent / "egad", HERE)
-# how scripts run, how their provenance is recorded, and what is shown meanwhile
-EXCLUDED = {"egad_workflow.job", "egad_workflow.watch"}
+# how scripts run, and how their provenance is recorded
+EXCLUDED = {"egad_workflow.job"}
 _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 

@@ -40,7 +40,7 @@ import egad.data
 import egad.detectors.ggcnn
 import egad.io.sums
 import egad.learning.images.splits
-import egad.report.live_map
+import egad.report.archive_map
 import egad.sim.mujoco_world  # noqa: F401
 
 # what the workflow, its jobs and workers import

@@ -19,7 +19,6 @@ from .growth import check_regrown as check_regrown
 from .growth import check_resolution as check_resolution
 from .growth import genome_mesh as genome_mesh
 from .growth import packed_surface as packed_surface
-from .island import Watch as Watch
 from .island import evolve as evolve
 from .parameters import COARSEST as COARSEST
 from .parameters import FINEST as FINEST

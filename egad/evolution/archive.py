@@ -109,7 +109,7 @@ class Archive:
         two = isinstance(measures, tuple | list) and [type(name) for name in measures] == [str] * 2
         if measures is not None and not two:
             raise UserError(f"measures is {measures!r}; allowed: two names, such as ('a', 'b')")
-        return draw("live_map", "archive_map", self, measures)
+        return draw("archive_map", "archive_map", self, measures)
 
     def __contains__(self, elite_id: str) -> bool:
         return elite_id in self._ids

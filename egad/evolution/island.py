@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -30,7 +30,6 @@ EVALUATED, EMPTY, KNOWN = "evaluated", "empty", "known already"
 UNMEASURED = 100  # objects without measures; this many end a search whose archive is empty
 SCORED = 10  # the QD-score is computed once in this many steps
 LINE = "coverage {coverage:.3f}, {elites} elites"
-Watch = Callable[[Archive, Sequence[Mapping[str, Any]]], None]
 
 
 @dataclass(frozen=True, repr=False)
@@ -179,9 +178,8 @@ def evolve(
     island: int,
     rules: Rules = UNBOUND,
     mapper: Mapper = map,
-    watch: Watch | None = None,
 ) -> Epoch:
-    """The steps of one epoch of an island on its archive, which changes; `watch` sees each step."""
+    """The steps of one epoch of an island on its archive, which changes."""
     run = Island(archive, settings, epoch, island, rules, mapper)
     rows: list[dict[str, Any]] = []
     accepted: list[dict[str, Any]] = []
@@ -193,8 +191,6 @@ def evolve(
         step = Step(epoch, island, number)._asdict()
         rows.append(step | snapshot(archive, done, scored))
         accepted += [step | elite.row() for elite in done.accepted]
-        if watch:
-            watch(archive, rows)
     lineage = pd.DataFrame(accepted, columns=LINEAGE.names)
     return Epoch(pd.DataFrame(rows, columns=HISTORY.names), lineage, run.outcomes)
 

@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from egad.measures import MeasureSpace, cell_name, complexity_cells, difficulty_cells
+from egad.report.archive_map import MARGIN, UNIT, map_values, picture_of
 from egad.report.axes import USUAL, AxisPair
-from egad.report.live_map import MARGIN, UNIT, map_values, picture_of
 from egad.report.page import DASH, counted, render_template
 
 DIFFERENCES = ("difference_mujoco", "difference_pybullet")

@@ -16,7 +16,7 @@ class Job:
     """A running job."""
 
     rule: str
-    message: str  # what it does; words in parentheses at the end are shown only once
+    message: str  # what it does
     log: Path | None  # its log, if it has one
     start: float = field(default_factory=time.monotonic)  # when it started, by the monotonic clock
     _former: tuple[int, int] | None = field(init=False)
@@ -26,8 +26,8 @@ class Job:
 
     @property
     def title(self) -> str:
-        """What it does, in short."""
-        return self.message.partition(" (")[0] or self.rule
+        """What it does."""
+        return self.message or self.rule
 
     def read(self) -> tuple[Status | None, str]:
         """The last progress in its log, and a description of what it has done since."""

@@ -70,18 +70,6 @@ def test_a_search_without_any_measure_stops_with_the_reason(island, monkeypatch)
                 search.advance()
 
 
-def test_what_watches_is_told_of_every_step_and_changes_nothing(island):
-    told = []
-    archive = Archive(SETTINGS.space, SETTINGS.similarity)
-
-    def watch(now, steps):
-        told.append((len(now.elites), len(steps)))
-
-    done = evolve(archive, SETTINGS, 0, 0, watch=watch)
-    assert told == list(zip(done.history["elites"], [1, 2], strict=True))
-    pd.testing.assert_frame_equal(done.history, island[1].history)
-
-
 def test_every_offspring_is_accounted_for(island):
     counts = island[1].outcomes
     assert counts.total() == 2 * 12

@@ -196,7 +196,7 @@ USED = [
     ),
     ("geometry/convex_parts.py", "SLIVER = 1e-6", "1e-5", "bundle simulate", "join publish"),
     ("bench/stats/rates.py", "DRAWS = 10_000", "1_000", "report", "simulate evolve bundle"),
-    ("report/live_map.py", "UNIT = 40", "20", "", "evolve postprocess report"),
+    ("report/archive_map.py", "UNIT = 40", "20", "", "evolve postprocess report"),
     ("evalset/datasheet.py", "ATTEMPTS = 20", "10", "datasheet", "evolve bundle simulate"),
     ("report/templates/map.html.j2", "<section", "<div", "report", "evolve simulate bundle"),
     ("report/templates/gallery.css", "{", "{ ", "gallery", "report evolve"),

@@ -202,11 +202,6 @@ def detector_code(wildcards):
         raise WorkflowError(f"The detector {wildcards.detector} cannot be used: {error}")
 
 
-def island_count(wildcards, input):
-    """The number of islands. Because of `input`, its changes do not re-run finished islands."""
-    return len(ISLANDS)
-
-
 def parts(pattern, shards=SHARDS):
     """The files of all shards."""
     return lambda wildcards: expand(pattern, shard=shards, **wildcards)

@@ -52,12 +52,9 @@ rule evolve:
         settings=settings_of(EvolutionParameters),
         measures=MEASURES,
         contents=contents_of(region_meshes),
-        page="logs/{dataset}/map.html",
-        islands=island_count,
         code=code_of("evolve"),
     message:
         "Evolving {wildcards.dataset}, epoch {wildcards.epoch}, island {wildcards.island}"
-        " (live map: {params.page})"
     script:
         "../scripts/evolve.py"
 

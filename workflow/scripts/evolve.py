@@ -12,7 +12,6 @@ from egad.tables import parquet
 from egad.tables.evolution import EPOCH, HISTORY, LINEAGE
 from egad_workflow.archive_settings import check_provenance, provenance
 from egad_workflow.job import run_job
-from egad_workflow.watch import watch_of
 
 log = logging.getLogger(__name__)
 
@@ -25,21 +24,18 @@ def run(
     history: Path,
     lineage: Path,
     base: Path | None = None,
-    page: Path | None = None,
-    islands: int | None = None,
     jobs: int = 1,
 ) -> None:
     """Evolve one island for one epoch; without a merged archive as base, from random genomes."""
     check_measures(settings.measures)
     rules = rules_of(settings)
-    watch = watch_of(settings, epoch, island, page, islands) if page else None
     with workers(jobs) as mapper:
         found = Archive(settings.space, settings.similarity, jobs)
         if base is not None:
             phase("reading the archive of the previous epoch")
             check_provenance(base, settings)
             found.add(elites_of(parquet.read(base, EPOCH)))
-        done = evolve(found, settings, epoch, island, rules, mapper, watch)
+        done = evolve(found, settings, epoch, island, rules, mapper)
     counts = done.outcomes
     if not len(found):
         raise UserError(f"none of {counts.total()} offspring was accepted: {most_common(counts)}")

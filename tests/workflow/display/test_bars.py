@@ -17,13 +17,13 @@ def plain(text):
 def test_two_jobs_and_the_run_have_bars(start_run):
     run = start_run(tty=True)
     for number in (1, 2):
-        run.start(number, message=f"Evolving island {number} (map: a.html)")
+        run.start(number, message=f"Evolving island {number}")
         text = f"evaluations: {number}0/100, 5.00/s, 0:18 left, coverage 0.1{number}\n"
         run.log(number).write_text(text)
     (display,) = [each for each in run.logger.handlers if each is not run.handler]
     display._view._live.refresh()
     rows = plain(run.shown).splitlines()[-5:]
-    assert rows[0].endswith("evolve: Evolving island 1 (map: a.html)")
+    assert rows[0].endswith("evolve: Evolving island 1")
     assert "10/100 evaluations, 5.00/s, 0:18 left, coverage 0.11, 0:00 so far" in rows[1]
     assert "20/100 evaluations" in rows[3]
     assert "0 of 5 steps, 2 running" in rows[4]

@@ -48,6 +48,6 @@ def test_of_a_long_log_only_the_end_is_read(log):
     assert sum(map(len, last_lines(log))) <= module.READ_BYTES
 
 
-def test_words_in_parentheses_are_for_the_first_time_alone():
-    assert Job("evolve", "Evolving egad (map: a.html)", None).title == "Evolving egad"
+def test_a_job_without_a_message_is_called_by_its_rule():
+    assert Job("evolve", "Evolving egad", None).title == "Evolving egad"
     assert Job("evolve", "", None).title == "evolve"

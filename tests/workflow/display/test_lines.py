@@ -43,6 +43,6 @@ def test_a_short_job_has_no_line_and_a_long_one_fewer_and_fewer():
 
 
 def test_a_line_tells_how_far_a_job_is_and_what_it_does(tmp_path):
-    job = Job("evolve", "Evolving (map: a.html)", tmp_path / "log", start=100.0)
+    job = Job("evolve", "Evolving", tmp_path / "log", start=100.0)
     job.log.write_text("evaluations: 20/100\ncompiling kernels ...\n")
     assert job_line(job, 165.0) == "Evolving: evaluations: 20/100, compiling kernels, 1:05 so far"

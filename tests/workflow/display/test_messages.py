@@ -13,10 +13,10 @@ def test_starts_and_ends_of_jobs_take_a_line_each(start_run):
     run = start_run()
     run.send("Select jobs to execute...")
     run.send("Execute 1 jobs...", "job_started", jobs=[1])
-    run.start(1, message="Evolving (map: a.html)")
+    run.start(1, message="Evolving")
     run.finish(1)
     start, done = run.shown.splitlines()
-    assert start.endswith("start evolve: Evolving (map: a.html)")
+    assert start.endswith("start evolve: Evolving")
     assert done.endswith("done  evolve: Evolving, 0:00 (1 of 5 steps)")
 
 
