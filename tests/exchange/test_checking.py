@@ -143,6 +143,51 @@ def test_no_mistake_is_named_in_files_that_are_right(name, which, objects, tmp_p
     assert not (tmp_path / "fixed.npz").exists()
 
 
+EVOLVED = ("A3", "B2", "C4", "D1", "E3", "F5", "G0")
+
+
+@pytest.fixture(scope="module")
+def evolved():
+    """Objects of the evaluation set, some of which are symmetric, as `objects`."""
+    found = {}
+    for label in EVOLVED:
+        mesh, _ = egad.rescale(egad.load("evaluation-set")[label].mesh, "panda")
+        grasps = egad.sample_grasps(mesh, "panda", 120)
+        found[label] = mesh, grasps[grasps.collision_free]
+    return found
+
+
+EVOLVED_RIGHT = [
+    (name, label) for name in [*CHANGES, "vgn", "isaac_grasp", "poses"] for label in EVOLVED
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "label"), EVOLVED_RIGHT)
+def test_no_mistake_is_named_in_right_files_of_evolved_objects(name, label, evolved, tmp_path):
+    mesh, grasps = evolved[label]
+    path, said = write_source(name, tmp_path, grasps)
+    found = egad.check_grasps(path, mesh, "panda", **said)
+    assert (found.verdict, found.mistakes) == ("consistent", []), found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("label", ["A3", "C4", "E3"])
+@pytest.mark.parametrize(("name", "what"), PAIRS)
+def test_symmetric_objects_hide_mistakes_but_none_is_named_wrongly(
+    name, what, label, evolved, tmp_path
+):
+    change, words = MISTAKES[what]
+    mesh, grasps = evolved[label]
+    path, said = write_source(name, tmp_path, grasps)
+    CHANGES[name](path, change)
+    found = egad.check_grasps(path, mesh, "panda", **said)
+    named = any(re.search(words, each) for each in found.mistakes)
+    if label == "E3":  # the only one of them without a symmetry
+        assert found.verdict == "mistake"
+    assert named or found.verdict == "consistent", found
+
+
 def test_widths_in_the_same_wrong_unit_are_corrected_too(objects, tmp_path):
     mesh, grasps = objects["hammer"]
     path, fixed = tmp_path / "grasps.npz", tmp_path / "fixed.npz"
