@@ -21,6 +21,8 @@ from .plate_files import write_3mf as write_3mf
 from .plates import PrintItem as PrintItem
 from .plates import plan_prints as plan_prints
 from .print_files import write_print_files as write_print_files
+from .print_poses import first_layer_area as first_layer_area
+from .print_poses import overhang_area as overhang_area
 from .printability import print_problems as print_problems
 from .selection import LABEL as LABEL
 from .selection import Distances as Distances

@@ -21,12 +21,14 @@ from .model import PALM_BODY as PALM_BODY
 from .model import SECOND_FINGER as SECOND_FINGER
 from .model import HandLink as HandLink
 from .model import HandModel as HandModel
+from .model import LinkJoint as LinkJoint
 from .parameters import SIZES as SIZES
 from .parameters import Gripper as Gripper
 from .parameters import SuctionCup as SuctionCup
 from .robot import base_link as base_link
 from .robot import base_pose as base_pose
 from .robot import files_of as files_of
+from .robot import joint_limits as joint_limits
 from .robot import joint_values as joint_values
 from .robot import model_of as model_of
 from .robot import tcp_poses as tcp_poses

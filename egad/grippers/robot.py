@@ -52,6 +52,15 @@ def joint_values(gripper: Gripper, opening: float) -> dict[str, float]:
     return {name: positions[name] for name in model.joints[: model.n_driven]}
 
 
+def joint_limits(path: Path) -> dict[str, tuple[float, float]]:
+    """Limits of all joints in the file of a hand by name, metres or radians."""
+    with needed_for(FILE):
+        from egad.grippers.description import compile_skeleton, read_description  # noqa: PLC0415
+    bare = compile_skeleton(read_description(path))
+    ends = bare.jnt_range.tolist()
+    return {str(bare.joint(number).name): (low, high) for number, (low, high) in enumerate(ends)}
+
+
 def base_link(gripper: Gripper) -> str | None:
     """Name of the link in the file of a gripper that carries its fingers; None without a file."""
     return None if gripper.file is None else model_of(gripper).links[0].name

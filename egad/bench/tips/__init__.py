@@ -1,0 +1,5 @@
+"""Fingertips for a hand: designs, solids, checks, files, and a search among them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

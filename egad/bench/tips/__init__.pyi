@@ -1,0 +1,9 @@
+from .base import Base as Base
+from .base import base_of as base_of
+from .checks import hand_with_tips as hand_with_tips
+from .checks import tip_problems as tip_problems
+from .files import write_hand as write_hand
+from .parameters import FingertipDesign as FingertipDesign
+from .parameters import TipLimits as TipLimits
+from .solids import Tip as Tip
+from .solids import make_tips as make_tips

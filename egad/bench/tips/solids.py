@@ -1,0 +1,258 @@
+"""The solids of a pair of fingertips: plates with grooves and bevels, on feet that fit the jaws.
+
+A tip is made of convex pieces in its own frame: x from the outer face of the plate to the inner
+one, which touches objects, y across the jaws, z along them from where the foot begins. The pieces
+are what a simulator gets; the solid to print is their union without the jaw.
+"""
+
+from itertools import product
+from typing import Any, NamedTuple
+
+import manifold3d
+import numpy as np
+import trimesh
+
+from egad._util.arrays import Floats
+from egad.bench.tips.base import Base
+from egad.bench.tips.parameters import FingertipDesign
+from egad.errors import UserError
+from egad.geometry import RayCaster, joined, to_mesh, to_solid
+from egad.grippers import FINGERS, FIRST_FINGER
+
+Solid = Any  # manifold3d.Manifold, which has no type information
+RECESS = 0.015  # metres that a jaw may recede from its foremost point, where the foot reaches it
+SINK = 3e-4  # metres that the foot reaches into the jaw before the jaw is cut out of it
+RAYS = 15  # along each side of the foot
+HALVINGS = 40
+
+
+class Tip(NamedTuple):
+    """The fingertip of a jaw, in the frame of the link that carries it, metres."""
+
+    link: int  # number of the link
+    pieces: tuple[Floats, ...]  # (n, 3) corners of its convex pieces, which reach into the jaw
+    mesh: trimesh.Trimesh  # what is printed
+    plate: trimesh.Trimesh  # the same without its foot, before the jaw is cut out
+    pose: Floats  # (4, 4) pose of the tip
+
+
+class Mount(NamedTuple):
+    """Where the tips are mounted, in the frame of the hand at an opening, metres."""
+
+    opening: float
+    root: float  # where the feet begin along the approach
+    end: float  # where they end
+    tip: float  # where the jaws end
+    faces: tuple[float, float]  # the foremost points of both jaws on the closing axis
+
+
+def make_tips(base: Base, design: FingertipDesign) -> tuple[Tip, Tip]:
+    """The fingertips of both jaws.
+
+    Args:
+        base: The hand; see `base_of`.
+        design: Their dimensions. The plates are parallel where the distance between them is its
+            `gap`; the foot of each fills the space between plate and jaw.
+
+    Returns:
+        The tip of the first jaw, the fixed one if there is one, and that of the other.
+
+    Raises:
+        UserError: The jaws are too close or too far apart for the plates, have no face where the
+            feet are, or the groove does not fit the plate.
+    """
+    check_groove(design)
+    mount = _find_mount(base, design)
+    first, second = (_make_tip(base, design, mount, side) for side in FINGERS)
+    return first, second
+
+
+def check_groove(design: FingertipDesign) -> None:
+    """Raise UserError if the groove is as wide as the plate, or as deep."""
+    depth, half = design.groove_depth, _groove_half(design)
+    room = design.width if design.groove_direction == "along" else design.length
+    if depth >= design.thickness:
+        raise UserError(
+            f"the groove is {_mm(depth)} deep in plates of {_mm(design.thickness)}; make it "
+            "shallower"
+        )
+    if 2 * half >= 0.9 * room:
+        raise UserError(
+            f"the groove is {_mm(2 * half)} wide, and its side of the plates {_mm(room)}: nothing "
+            "flat is left; make it shallower or steeper"
+        )
+
+
+def _groove_half(design: FingertipDesign) -> float:
+    """Half the width of the groove, metres; 0 without one."""
+    slope = np.tan(np.radians(design.groove_angle))
+    return float(design.groove_depth / slope) if slope and design.groove_depth else 0.0
+
+
+def _mm(length: float) -> str:
+    return f"{1000 * length:.3g} mm"
+
+
+def _find_mount(base: Base, design: FingertipDesign) -> Mount:
+    """The opening at which there is room for the plates with their gap between them."""
+    wanted = design.gap + 2 * (design.thickness + design.spacer)
+    low, high = map(float, base.model.openings[[0, -1]])
+    if not base.turns:
+        return _mount_at(base, design, high)
+    ends = [_mount_at(base, design, each) for each in (low, high)]
+    apart = [mount.faces[1] - mount.faces[0] for mount in ends]
+    if not apart[0] <= wanted <= apart[1]:
+        raise UserError(
+            f"where the tips are mounted, the jaws are {_mm(apart[0])} to {_mm(apart[1])} apart; "
+            f"plates that are parallel at {_mm(design.gap)} need {_mm(wanted)}: change their gap"
+        )
+    for _ in range(HALVINGS):
+        mount = _mount_at(base, design, (low + high) / 2)
+        wide = mount.faces[1] - mount.faces[0] > wanted
+        low, high = (low, mount.opening) if wide else (mount.opening, high)
+    return mount
+
+
+def _mount_at(base: Base, design: FingertipDesign, opening: float) -> Mount:
+    """The faces of the jaws at an opening, where the feet are."""
+    jaws = [base.model.corners(opening, side) for side in FINGERS]
+    ends = [max(float(points[:, 2].max()) for points in jaw) for jaw in jaws]
+    end = min(ends)
+    root = end - design.overlap
+    faces = [0.0, 0.0]
+    for number, (side, jaw) in enumerate(zip(FINGERS, jaws, strict=True)):
+        fronts = [
+            box[3] if side == FIRST_FINGER else box[0]
+            for box in (_within(points, design.width, root, end).bounding_box() for points in jaw)
+            if np.isfinite(box).all() and box[3] > box[0]
+        ]
+        if not fronts:
+            raise UserError(
+                f"a jaw has no face in the last {_mm(design.overlap)}, where the tip is mounted"
+            )
+        faces[number] = max(fronts) if side == FIRST_FINGER else min(fronts)
+    return Mount(opening, root, end, max(ends), (faces[0], faces[1]))
+
+
+def _within(points: Floats, width: float, root: float, end: float) -> Solid:
+    """The part of a convex hull before which the foot is."""
+    solid = manifold3d.Manifold.hull_points(points)
+    for normal, offset in (
+        ((0.0, 0.0, 1.0), root),
+        ((0.0, 0.0, -1.0), -end),
+        ((0.0, 1.0, 0.0), -width / 2),
+        ((0.0, -1.0, 0.0), -width / 2),
+    ):
+        solid = solid.trim_by_plane(normal, offset)
+    return solid
+
+
+def _make_tip(base: Base, design: FingertipDesign, mount: Mount, side: int) -> Tip:
+    """The tip of a jaw, in the frame of its link."""
+    number = FINGERS.index(side)
+    pose = np.eye(4)
+    inner = mount.faces[number] - side * (design.thickness + design.spacer)
+    pose[:3, :3] = np.diag([-side, -side, 1.0])
+    pose[:3, 3] = inner + side * design.thickness, 0.0, mount.root
+    parts = base.model.corners(mount.opening, side)
+    hulls = [trimesh.convex.convex_hull(points) for points in parts]
+    beyond = mount.tip - mount.root
+    plate = [_tilted(design, points) for points in plate_pieces(design, beyond)]
+    back = design.spacer + _recess(hulls, design, mount, side)
+    foot = _corners([-back, design.thickness / 2], design.width, [0.0, design.overlap])
+    link = _carrier(base, mount, side)
+    to_link = np.linalg.inv(base.pose(link, mount.opening)) @ pose
+    jaw = [hull.apply_transform(np.linalg.inv(pose)) for hull in hulls]
+    solid = _union([*plate, foot])
+    for each in jaw:
+        solid -= to_solid(each.vertices, each.faces)
+    return Tip(
+        link,
+        tuple(trimesh.transform_points(points, to_link) for points in (*plate, foot)),
+        _largest(solid).apply_transform(to_link),
+        to_mesh(_union(plate)).apply_transform(to_link),
+        to_link,
+    )
+
+
+def plate_pieces(design: FingertipDesign, beyond: float) -> list[Floats]:
+    """Convex pieces of a plate that ends `beyond` + its length from where the foot begins."""
+    length, thick = beyond + design.length, design.thickness
+    half = _groove_half(design)
+    if not half:
+        return [_beveled(_corners([0.0, thick], design.width, [0.0, length]), design, length)]
+    bottom = thick - design.groove_depth
+    along = design.groove_direction == "along"
+    low, high = (-design.width / 2, design.width / 2) if along else (0.0, length)
+    middle = 0.0 if along else beyond + design.length / 2
+    across = (0.0, length) if along else (-design.width / 2, design.width / 2)
+    profiles = [
+        [(0, low), (bottom, low), (bottom, high), (0, high)],
+        [(bottom, low), (thick, low), (thick, middle - half), (bottom, middle)],
+        [(bottom, middle), (thick, middle + half), (thick, high), (bottom, high)],
+    ]
+    pieces = [
+        np.array([(x, s, t) if along else (x, t, s) for (x, s), t in product(profile, across)])
+        for profile in profiles
+    ]
+    return [_beveled(piece, design, length) for piece in pieces]
+
+
+def _corners(x: list[float], width: float, z: list[float]) -> Floats:
+    """Corners of a box whose middle is at y = 0, (8, 3)."""
+    return np.array(list(product(x, (-width / 2, width / 2), z)))
+
+
+def _beveled(points: Floats, design: FingertipDesign, length: float) -> Floats:
+    """A convex piece without the outer edge of the tip."""
+    if not design.bevel:
+        return points
+    solid = manifold3d.Manifold.hull_points(points)
+    normal = np.array([1.0, 0.0, -1.0]) / np.sqrt(2)
+    cut = solid.trim_by_plane(tuple(normal), float(normal @ [design.bevel, 0.0, length]))
+    return np.asarray(cut.to_mesh64().vert_properties)[:, :3]
+
+
+def _tilted(design: FingertipDesign, points: Floats) -> Floats:
+    """Points of a plate that is tilted about the inner edge where the foot ends."""
+    half = np.radians(design.angle) / 2
+    hinge = np.array([design.thickness, 0.0, design.overlap])
+    turn = trimesh.transformations.rotation_matrix(-half, (0, 1, 0), hinge)
+    return np.asarray(trimesh.transform_points(points, turn))
+
+
+def _recess(
+    hulls: list[trimesh.Trimesh], design: FingertipDesign, mount: Mount, side: int
+) -> float:
+    """How deep the face of a jaw recedes where the foot is, metres, and a little more."""
+    inset = 1e-5
+    y = np.linspace(-design.width / 2 + inset, design.width / 2 - inset, RAYS)
+    z = np.linspace(mount.root + inset, mount.end - inset, RAYS)
+    face = mount.faces[FINGERS.index(side)] - side * inset
+    starts = np.array([[face, *each] for each in product(y, z)])
+    ahead = np.tile([float(side), 0.0, 0.0], (len(starts), 1))
+    distances = RayCaster(joined(hulls)).first_hits(starts, ahead).distances
+    reached = distances[distances <= RECESS]
+    return float(reached.max(initial=0.0)) + SINK
+
+
+def _carrier(base: Base, mount: Mount, side: int) -> int:
+    """The link of a jaw that reaches farthest along the approach."""
+    points = base.model.points(mount.opening)
+    ends = {
+        number: max(float(shape[:, 2].max()) for shape in points[number])
+        for number, link in enumerate(base.model.links)
+        if link.body == side and link.shapes
+    }
+    return max(ends, key=ends.__getitem__)
+
+
+def _union(pieces: list[Floats]) -> Solid:
+    """The union of convex pieces."""
+    solids = [manifold3d.Manifold.hull_points(points) for points in pieces]
+    return manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
+
+
+def _largest(solid: Solid) -> trimesh.Trimesh:
+    """The largest body of a solid: cutting out a jaw can leave crumbs."""
+    return to_mesh(max(solid.decompose(), key=lambda body: body.volume()))

@@ -1,0 +1,121 @@
+"""A hand with fingertips, written and read again, and what is wrong with bad ones."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from described_hands import box_urdf, jaw_urdf, linkage_mjcf
+
+from egad import Gripper
+from egad.bench.tips import (
+    FingertipDesign,
+    TipLimits,
+    base_of,
+    hand_with_tips,
+    make_tips,
+    tip_problems,
+    write_hand,
+)
+from egad.errors import UserError
+from egad.grippers import joint_limits, model_of
+
+DENSITY = 1240.0
+SHORT = FingertipDesign(length=0.02, gap=0.02)
+HANDS = {
+    "turns": lambda folder: jaw_urdf(folder / "turns.urdf"),
+    "mirrored": lambda folder: jaw_urdf(folder / "mirrored.urdf", mirrored=True),
+    "slides": lambda folder: jaw_urdf(folder / "slides.urdf", slides=True),
+    "mimics": lambda folder: box_urdf(folder / "mimics.urdf"),
+    "linkage": lambda folder: linkage_mjcf(folder / "linkage.xml"),
+    "two drives": lambda folder: box_urdf(folder / "drives.urdf", mimic=False),
+}
+
+
+@pytest.mark.parametrize("name", HANDS)
+def test_a_hand_without_tips_is_read_as_it_was(tmp_path, name):
+    gripper = Gripper.from_file(HANDS[name](tmp_path), force=10)
+    base = base_of(name, gripper)
+    path = write_hand(base, [], tmp_path / "out", DENSITY)
+    limits = joint_limits(path)
+    for joint in base.model.joints:
+        assert limits[joint] == pytest.approx(base.limits[joint], abs=1e-6)
+    for file in (path, path.with_suffix(".xml")):
+        again = model_of(Gripper.from_file(file, force=10))
+        assert [link.name for link in again.links[:2]] == [
+            link.name for link in base.model.links[:2]
+        ]
+        np.testing.assert_allclose(again.openings, base.model.openings, atol=2e-5)
+        np.testing.assert_allclose(again.positions, base.model.positions, atol=5e-4)
+        np.testing.assert_allclose(again.palm_to_hand, base.model.palm_to_hand, atol=1e-5)
+        assert again.joints == base.model.joints
+
+
+@pytest.mark.parametrize("name", HANDS)
+def test_plates_reduce_the_opening_or_keep_the_torque(tmp_path, name):
+    gripper = Gripper.from_file(HANDS[name](tmp_path), force=10)
+    base = base_of(name, gripper)
+    tips = make_tips(base, SHORT)
+    hand = hand_with_tips(base, tips, tmp_path / "out", DENSITY)
+    model = model_of(hand)
+    masses = [sum(link.mass for link in each.links) for each in (base.model, model)]
+    plastic = DENSITY * sum(tip.mesh.volume for tip in tips)
+    assert masses[1] - masses[0] == pytest.approx(plastic, abs=3.1e-3)  # links have a gram at least
+    assert model.openings[0] < 1.5e-3
+    if base.turns:
+        assert hand.force < gripper.force
+        assert hand.force * model.lever == pytest.approx(gripper.force * base.model.lever)
+        parallel = float(np.interp(0.0, model.angles, model.openings))
+        assert parallel == pytest.approx(SHORT.gap, abs=3e-4)
+    else:
+        assert hand.force == gripper.force
+        assert hand.opening == pytest.approx(gripper.opening - 2 * SHORT.thickness, abs=3e-4)
+
+
+def test_a_hand_of_boxes_gets_a_file(tmp_path):
+    base = base_of("boxes", Gripper(opening=0.08, force=30))
+    hand, problems = tip_problems(base, SHORT, TipLimits(bend=0.01), tmp_path)
+    assert problems == []
+    assert hand.opening == pytest.approx(0.072, abs=1e-6)
+    assert (hand.force, hand.pads) == (30, "silicone")
+
+
+def problems_of(base, folder, limits=None, **design):
+    _, problems = tip_problems(base, FingertipDesign(**design), limits or TipLimits(), folder)
+    return " | ".join(problems)
+
+
+def test_each_fault_has_its_sentence(tmp_path):
+    jaw = base_of("jaw", Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"), force=10))
+    assert problems_of(jaw, tmp_path / "good", length=0.02, gap=0.02) == ""
+    thin = problems_of(jaw, tmp_path / "thin", length=0.02, gap=0.02, thickness=0.0009)
+    assert "the first tip cannot be printed: its plate has walls thinner than 1.2 mm" in thin
+    assert "the plates bend" in thin
+    far = problems_of(jaw, tmp_path / "far", length=0.02, gap=0.06)
+    assert "plates that are parallel at 60 mm need 68 mm" in far
+    wide = problems_of(
+        jaw, tmp_path / "wide", TipLimits(smallest=0.2, force=20, mass=0.001), length=0.02, gap=0.02
+    )
+    assert "less than the smallest object is thick: 200.0 mm" in wide
+    assert "with 10.0 N without tips; at least 20.0 N are needed" in wide
+    assert "the tips weigh 5 g, allowed: 1" in wide or "the tips weigh" in wide
+    slides = base_of("box", Gripper.from_file(box_urdf(tmp_path / "box.urdf"), force=10))
+    assert "meets the other tip where the hand is" in problems_of(
+        slides, tmp_path / "tilted", length=0.04, angle=-20
+    )
+
+
+def test_a_jaw_that_stops_early_does_not_close_fully(tmp_path):
+    path = box_urdf(tmp_path / "stops.urdf", changes={'lower="0"': 'lower="0.006"'})
+    base = base_of("stops", Gripper.from_file(path, force=10))
+    found = problems_of(base, tmp_path / "out", length=0.02, thickness=0.0035)
+    assert "the hand does not close fully: at the limit of its joint the tips are 5.2 mm" in found
+
+
+def test_a_linkage_out_of_proportion_is_refused(tmp_path, monkeypatch):
+    gripper = Gripper.from_file(linkage_mjcf(tmp_path / "linkage.xml"), force=10)
+    model = model_of(gripper)
+    bent = model.positions.copy()
+    bent[:, 1] += 0.05 * np.sin(np.linspace(0, np.pi, len(bent)))
+    monkeypatch.setattr("egad.bench.tips.base.model_of", lambda _: replace(model, positions=bent))
+    with pytest.raises(UserError, match=r"the hand mine: its joint .* does not follow .* linkage"):
+        base_of("mine", gripper)

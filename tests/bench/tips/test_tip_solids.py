@@ -1,0 +1,140 @@
+"""Solids of fingertips against volumes and distances calculated by hand."""
+
+import numpy as np
+import pytest
+import trimesh
+from described_hands import jaw_urdf
+
+from egad import Gripper
+from egad.bench.tips import FingertipDesign, base_of, make_tips
+from egad.bench.tips.checks import bending, glued_area
+from egad.errors import UserError
+from egad.geometry import to_solid
+from egad.grippers import SuctionCup
+
+LENGTH, WIDTH, THICK, OVERLAP = 0.025, 0.016, 0.004, 0.012
+PLAIN = {"length": LENGTH, "width": WIDTH, "thickness": THICK, "overlap": OVERLAP}
+
+
+def boxes():
+    return base_of("boxes", Gripper(opening=0.08, finger_width=0.02, finger_thickness=0.01))
+
+
+def jaw(tmp_path, **options):
+    return base_of("jaw", Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf", **options), force=10))
+
+
+def volumes(base, **changes):
+    tips = make_tips(base, FingertipDesign(**PLAIN | changes))
+    return [float(tip.mesh.volume) for tip in tips]
+
+
+def test_volumes_of_plates_of_a_hand_of_boxes():
+    plate = WIDTH * THICK * (OVERLAP + LENGTH)
+    assert volumes(boxes()) == pytest.approx([plate] * 2)
+    assert volumes(boxes(), bevel=0.002) == pytest.approx([plate - 0.002**2 / 2 * WIDTH] * 2)
+    spacer = plate + 0.003 * WIDTH * OVERLAP
+    assert volumes(boxes(), spacer=0.003) == pytest.approx([spacer] * 2)
+    cross_section = 0.002**2 / np.tan(np.radians(30))
+    for direction, long in (("along", OVERLAP + LENGTH), ("across", WIDTH)):
+        groove = {"groove_angle": 30, "groove_depth": 0.002, "groove_direction": direction}
+        assert volumes(boxes(), **groove) == pytest.approx([plate - cross_section * long] * 2)
+
+
+def test_a_tilted_plate_has_its_volume_and_its_pieces_fill_the_solid(tmp_path):
+    for base in (boxes(), jaw(tmp_path)):
+        tips = make_tips(
+            base, FingertipDesign(**PLAIN, angle=8, groove_angle=20, groove_depth=0.001)
+        )
+        for tip in tips:
+            groove = 0.001**2 / np.tan(np.radians(20)) * (OVERLAP + LENGTH)
+            beyond = tip.plate.volume + groove - WIDTH * THICK * (OVERLAP + LENGTH)
+            assert beyond == pytest.approx(0, abs=2e-8 + WIDTH * THICK * 0.01)
+            solid = to_solid(tip.mesh.vertices, tip.mesh.faces)
+            hulls = [trimesh.convex.convex_hull(piece) for piece in tip.pieces]
+            left = solid
+            for hull in hulls:
+                left -= to_solid(hull.vertices, hull.faces)
+            assert left.volume() == pytest.approx(0, abs=1e-12)
+
+
+def test_tips_do_not_reach_into_their_jaws(tmp_path):
+    base = jaw(tmp_path)
+    for tip in make_tips(base, FingertipDesign(**PLAIN, gap=0.02)):
+        assert tip.mesh.is_watertight
+        assert tip.mesh.body_count == 1
+        own = to_solid(tip.mesh.vertices, tip.mesh.faces)
+        for points in base.model.links[tip.link].shapes:
+            hull = trimesh.convex.convex_hull(points)
+            assert (own ^ to_solid(hull.vertices, hull.faces)).volume() == pytest.approx(
+                0, abs=1e-11
+            )
+
+
+@pytest.mark.parametrize("gap", [0.015, 0.03])
+def test_plates_of_a_jaw_that_turns_are_parallel_at_their_gap(tmp_path, gap):
+    base = jaw(tmp_path)
+    design = FingertipDesign(**PLAIN, gap=gap)
+    first, second = make_tips(base, design)
+    (number,) = [n for n, link in enumerate(base.model.links) if link.joint]
+    angles, distances = [], []
+    for opening in base.model.openings:
+        one, other = (
+            base.pose(link, float(opening)) @ tip.pose
+            for tip, link in ((first, first.link), (second, number))
+        )
+        angles.append(np.arcsin(other[:3, 0] @ one[:3, 2]))
+        between = (other - one) @ [THICK, 0, 0.03, 1]
+        distances.append(between[:3] @ one[:3, 0])
+    order = np.argsort(angles)
+    assert min(angles) < 0 < max(angles)
+    parallel = np.interp(0.0, np.array(angles)[order], np.array(distances)[order])
+    assert parallel == pytest.approx(gap, abs=5e-5)
+
+
+def test_tilted_plates_part_by_their_angle():
+    for angle in (-6, 6):
+        first, second = make_tips(boxes(), FingertipDesign(**PLAIN, angle=angle))
+        ends = []
+        for tip in (first, second):
+            inner = tip.pieces[0] @ tip.pose[:3, :3] + np.linalg.inv(tip.pose)[:3, 3]
+            ends.append(inner[inner[:, 2] > OVERLAP][:, 0].max() - THICK)
+        expected = -LENGTH * np.sin(np.radians(angle / 2))
+        assert ends == pytest.approx([expected] * 2, abs=2e-4)
+
+
+def test_bending_is_that_of_a_cantilever():
+    design = FingertipDesign(length=0.03, width=0.012, thickness=0.003)
+    inertia = 0.012 * 0.003**3 / 12
+    assert bending(design, 5.0, 2e9) == pytest.approx(5 * 0.03**3 / (3 * 2e9 * inertia))
+    grooved = design.model_copy(update={"groove_angle": 20.0, "groove_depth": 0.001})
+    assert bending(grooved, 5.0, 2e9) == pytest.approx(3.375 * bending(design, 5.0, 2e9))
+
+
+def test_the_foot_lies_against_a_box_with_its_area():
+    first, second = make_tips(boxes(), FingertipDesign(**PLAIN))
+    assert glued_area(first) == glued_area(second) == pytest.approx(WIDTH * OVERLAP, rel=1e-6)
+
+
+def test_designs_without_room_are_refused(tmp_path):
+    with pytest.raises(UserError, match=r"jaws are .* apart; plates that are parallel at 60 mm"):
+        make_tips(jaw(tmp_path), FingertipDesign(gap=0.06))
+    with pytest.raises(UserError, match="groove is 5 mm deep in plates of 4 mm"):
+        make_tips(boxes(), FingertipDesign(groove_angle=30, groove_depth=0.005))
+    with pytest.raises(UserError, match="nothing flat is left"):
+        make_tips(boxes(), FingertipDesign(groove_angle=5, groove_depth=0.002))
+
+
+def test_a_cup_has_no_jaws():
+    with pytest.raises(UserError, match="the hand mine has a suction cup and no jaws"):
+        base_of("mine", Gripper(cup=SuctionCup(radius=0.01)))
+
+
+def test_the_model_of_boxes_is_that_of_their_body():
+    gripper = Gripper(opening=0.06, finger_width=0.018, finger_thickness=0.007, finger_length=0.05)
+    base = base_of("boxes", gripper)
+    corners = np.concatenate(base.model.corners(0.04, -1))
+    assert corners[:, 0].min() == pytest.approx(-0.02 - 0.007)
+    assert corners[:, 0].max() == pytest.approx(-0.02)
+    assert np.ptp(corners[:, 2]) == pytest.approx(0.05)
+    assert base.limits == {"first_finger_joint": (0.0, 0.03), "second_finger_joint": (0.0, 0.03)}
