@@ -9,6 +9,7 @@ from typer.core import TyperGroup
 from egad import __version__
 from egad.cli.benchmark import benchmark
 from egad.cli.bundle import bundle
+from egad.cli.design import design
 from egad.cli.export import export
 from egad.cli.export_meshes import export_meshes
 from egad.cli.failures import failures
@@ -30,7 +31,7 @@ from egad.cli.view import view
 
 GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
     "Objects": (measure, similarity, locate, genome, export_meshes, bundle, heatmap),
-    "Grasps and grippers": (rescale, view, size_effect, grasps, gripper, hands),
+    "Grasps and grippers": (rescale, view, size_effect, grasps, gripper, hands, design),
     "Detectors": (benchmark, failures, train, trials, log_sheet),
     "Files and runs": (export, check_config, provenance, verify),
 }

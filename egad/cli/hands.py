@@ -85,7 +85,7 @@ def hands(
     check_ending(out, (".html",))
     check_engine(engine)
     settings = settings_in(config)
-    named = [_hand(settings, text) for text in names]
+    named = [hand_in(settings, text) for text in names]
     check_distinct([name for name, _ in named])
     compared = dict(named)
     detect = None
@@ -110,7 +110,7 @@ def hands(
     typer.echo(f"{out}: the card; {table}: the attempts")
 
 
-def _hand(settings: Settings, text: str) -> tuple[str, Gripper]:
+def hand_in(settings: Settings, text: str) -> tuple[str, Gripper]:
     """A hand of a command line, and its name: that of its file, if it is one."""
     if Path(text).is_file():
         return Path(text).stem, Gripper.from_file(text)

@@ -21,7 +21,6 @@ from .model import PALM_BODY as PALM_BODY
 from .model import SECOND_FINGER as SECOND_FINGER
 from .model import HandLink as HandLink
 from .model import HandModel as HandModel
-from .model import LinkJoint as LinkJoint
 from .parameters import SIZES as SIZES
 from .parameters import Gripper as Gripper
 from .parameters import SuctionCup as SuctionCup

@@ -22,11 +22,11 @@ from egad.grippers import (
     HandLink,
     HandModel,
     JawBody,
-    LinkJoint,
     ModelBody,
     body_of,
     finger_span,
 )
+from egad.grippers.model import LinkJoint
 from egad.sim.drives import LEFT, RIGHT, CupDrive, Drive, FingerDrive, Follower, JawDrive
 from egad.sim.robot import PALM, TIP, Box, HullShape, Joint, Link, vector
 

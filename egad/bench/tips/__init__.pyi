@@ -1,9 +1,5 @@
-from .base import Base as Base
-from .base import base_of as base_of
-from .checks import hand_with_tips as hand_with_tips
-from .checks import tip_problems as tip_problems
-from .files import write_hand as write_hand
+from .design import DesignedTips as DesignedTips
+from .design import design_tips as design_tips
 from .parameters import FingertipDesign as FingertipDesign
 from .parameters import TipLimits as TipLimits
-from .solids import Tip as Tip
-from .solids import make_tips as make_tips
+from .parameters import TipSearch as TipSearch

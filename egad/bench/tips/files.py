@@ -14,36 +14,25 @@ from egad._util.arrays import Floats
 from egad._util.files import write_text
 from egad.bench.tips.base import Base, pose_of
 from egad.bench.tips.solids import Tip
-from egad.grippers import HandLink, LinkJoint
+from egad.grippers import HandLink
 from egad.io import write_stl_mm
 
 SHAPES = "shapes"  # folder of the shapes of links
 INERTIA = 1e-3  # kg m2 per kilogram, as a hand of some centimetres has
+PLA = 1240.0  # kg/m3
 MIN_MASS = 1e-3  # kilograms
+OPTIONS = dict.fromkeys(("strippath", "fusestatic", "discardvisual"), "false")
 EFFORT, VELOCITY = "10", "10"
 
 
-def write_hand(base: Base, tips: Sequence[Tip], folder: Path, density: float) -> Path:
-    """Write a hand with fingertips into a folder: hand.urdf, hand.xml (MJCF) and their shapes.
-
-    The arm behind the palm is left out. Links and joints keep their names, frames and limits.
-
-    Args:
-        base: The hand.
-        tips: Its fingertips, of `make_tips`.
-        folder: Where to write.
-        density: Density of the tips, kg/m3.
-
-    Returns:
-        The path of the URDF file.
-    """
+def write_hand(base: Base, tips: Sequence[Tip], folder: Path) -> Path:
+    """Write a hand with tips of PLA, without its arm: hand.urdf, whose path it is, and hand.xml."""
     (folder / SHAPES).mkdir(parents=True, exist_ok=True)
     root = Element("robot", name="hand")
-    options = SubElement(root, "mujoco")
-    SubElement(options, "compiler", strippath="false", fusestatic="false", discardvisual="false")
+    SubElement(SubElement(root, "mujoco"), "compiler", OPTIONS)
     for number, link in enumerate(base.model.links):
         own = [tip for tip in tips if tip.link == number]
-        root.append(_link(link, own, folder, density))
+        root.append(_link(link, own, folder))
     for number in range(1, len(base.model.links)):
         root.append(_joint(base, number))
     ElementTree.indent(root)
@@ -55,27 +44,21 @@ def write_hand(base: Base, tips: Sequence[Tip], folder: Path, density: float) ->
     return path
 
 
-def _link(link: HandLink, tips: Sequence[Tip], folder: Path, density: float) -> Element:
+def _link(link: HandLink, tips: Sequence[Tip], folder: Path) -> Element:
     """A link with its convex shapes and those of its tips, whose plastic adds to its mass."""
     element = Element("link", name=link.name)
-    added = sum(density * float(tip.mesh.volume) for tip in tips)
-    mass = max(link.mass + added, MIN_MASS)
+    mass = max(link.mass + PLA * sum(float(tip.mesh.volume) for tip in tips), MIN_MASS)
     inertial = SubElement(element, "inertial")
     SubElement(inertial, "mass", value=f"{mass:.6g}")
     moments = {f"i{axis}{axis}": f"{INERTIA * mass:.6g}" for axis in "xyz"}
     SubElement(inertial, "inertia", moments | {"ixy": "0", "ixz": "0", "iyz": "0"})
-    pieces = [piece for tip in tips for piece in tip.pieces]
-    hulls = [trimesh.convex.convex_hull(points) for points in [*link.shapes, *pieces]]
-    shown = hulls[: len(link.shapes)] + [tip.mesh for tip in tips]
-    for kind, meshes in (("collision", hulls), ("visual", shown)):
-        for number, mesh in enumerate(meshes):
-            is_tip = kind == "visual" and number >= len(link.shapes)
-            name = f"{link.name}-{'tip' if is_tip else number}.stl"
-            if kind == "collision" or is_tip:
-                moved = trimesh.Trimesh(mesh.vertices - _anchor(link), mesh.faces, process=False)
-                write_stl_mm(moved, folder / SHAPES / name)
+    shapes = [*link.shapes, *(piece for tip in tips for piece in tip.pieces)]
+    for number, points in enumerate(shapes):
+        name = f"{SHAPES}/{link.name}-{number}.stl"
+        write_stl_mm(trimesh.convex.convex_hull(points - _anchor(link)), folder / name)
+        for kind in ("visual", "collision"):
             geometry = SubElement(SubElement(element, kind), "geometry")
-            SubElement(geometry, "mesh", filename=f"{SHAPES}/{name}", scale="0.001 0.001 0.001")
+            SubElement(geometry, "mesh", filename=name, scale="0.001 0.001 0.001")
     return element
 
 
@@ -84,11 +67,11 @@ def _joint(base: Base, number: int) -> Element:
     link = base.model.links[number]
     carrier = max(link.carrier, 0)
     opening = float(base.model.openings[0])
-    inverse = np.linalg.inv(pose_of(base.model, carrier, opening))
-    pose = inverse @ pose_of(base.model, number, opening)
+    behind, pose = (pose_of(base.model, each, opening) for each in (carrier, number))
+    pose = np.linalg.inv(behind) @ pose
     if link.joint is not None:
         position = base.model.joint_positions(opening)[link.joint.name]
-        pose = pose @ np.linalg.inv(_motion(link.joint, position))
+        pose = pose @ np.linalg.inv(_motion(link, position))
     pose[:3, 3] += pose[:3, :3] @ _anchor(link) - _anchor(base.model.links[carrier])
     name = link.joint.name if link.joint else f"{link.name}_mount"
     element = Element("joint", name=name, type=link.joint.kind if link.joint else "fixed")
@@ -100,35 +83,30 @@ def _joint(base: Base, number: int) -> Element:
         SubElement(element, "axis", xyz=_text(link.joint.axis))
         low, high = (f"{end:.9g}" for end in base.limits[link.joint.name])
         SubElement(element, "limit", lower=low, upper=high, effort=EFFORT, velocity=VELOCITY)
-        _mimic(base, link.joint.name, element)
+        row = base.model.joints.index(link.joint.name)
+        if row >= base.model.n_driven:
+            first, own = base.model.positions[:, 0], base.model.positions[:, row]
+            slope = float((own[-1] - own[0]) / (first[-1] - first[0]))
+            mimic = SubElement(element, "mimic", joint=base.model.joints[0])
+            mimic.set("multiplier", f"{slope:.9g}")
+            mimic.set("offset", f"{own[0] - slope * first[0]:.9g}")
     return element
 
 
-def _mimic(base: Base, name: str, element: Element) -> None:
-    """Say which joint a joint follows, if it does."""
-    row = base.model.joints.index(name)
-    if row < base.model.n_driven:
-        return
-    first, own = base.model.positions[:, 0], base.model.positions[:, row]
-    slope = float((own[-1] - own[0]) / (first[-1] - first[0]))
-    offset = float(own[0] - slope * first[0])
-    values = {"multiplier": f"{slope:.9g}", "offset": f"{offset:.9g}"}
-    SubElement(element, "mimic", {"joint": base.model.joints[0], **values})
-
-
-def _motion(joint: LinkJoint, position: float) -> Floats:
-    """What a joint does to its link, in the frame of the link, (4, 4)."""
-    if joint.kind == "prismatic":
-        return np.asarray(trimesh.transformations.translation_matrix(position * joint.axis))
-    turn = trimesh.transformations.rotation_matrix(position, joint.axis, joint.anchor)
-    return np.asarray(turn)
+def _motion(link: HandLink, position: float) -> Floats:
+    """What the joint of a link does to it, in its own frame, (4, 4)."""
+    assert link.joint is not None  # noqa: S101 (asked only then)
+    if link.joint.kind == "prismatic":
+        return np.asarray(trimesh.transformations.translation_matrix(position * link.joint.axis))
+    axis, anchor = link.joint.axis, link.joint.anchor
+    return np.asarray(trimesh.transformations.rotation_matrix(position, axis, anchor))
 
 
 def _anchor(link: HandLink) -> Floats:
     """Where the origin of a link is in the file: on the axis of its joint, as URDF wants it."""
     if link.joint is None or link.joint.kind == "prismatic":
         return np.zeros(3)
-    return np.asarray(link.joint.anchor)
+    return link.joint.anchor
 
 
 def _text(values: Floats) -> str:

@@ -1,10 +1,11 @@
 """Settings of fingertips and of what they must fulfil."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from egad._util.parameters import Length, Parameters
+from egad._util.parameters import Length, Parameters, Range, Seed
+from egad.bench.hands import HandTrials
 
 Tilt = Annotated[float, Field(ge=-30, le=30)]
 Slope = Annotated[float, Field(ge=0, le=45)]
@@ -15,54 +16,65 @@ class FingertipDesign(Parameters):
     """A plate for the inner face of each jaw, with a foot that fits the jaw; metres, degrees."""
 
     length: Length = Field(0.03, description="length of the plates beyond the jaws, metres")
-    width: Length = Field(
-        0.016, description="width of the plates, across the closing axis and the approach, metres"
-    )
+    width: Length = Field(0.016, description="width of the plates and their feet, metres")
     thickness: Length = Field(0.004, description="thickness of the plates, metres")
     gap: Length = Field(
-        0.03,
-        description="distance at which the plates are parallel, metres; of no effect if jaws slide",
+        0.03, description="how far apart the plates of a jaw that turns are parallel, metres"
     )
     angle: Tilt = Field(
-        0.0,
-        description="angle between the plates there, degrees: positive if they are farther apart "
-        "at their tips",
+        0.0, description="angle between the plates there, degrees; positive: farther at the tips"
     )
-    groove_angle: Slope = Field(
-        0.0, description="slope of both flanks of a V groove, degrees; 0: none"
-    )
+    groove_angle: Slope = Field(0.0, description="slope of the flanks of a V groove, degrees")
     groove_depth: Depth = Field(0.0, description="depth of the groove, metres; 0: none")
     groove_direction: Literal["along", "across"] = Field(
         "along", description="direction of the groove: along the approach, or across it"
     )
-    bevel: Depth = Field(
-        0.0, description="bevel of the outer edge at the tip, 45 degrees, both sides, metres"
-    )
-    spacer: Depth = Field(
-        0.0, description="distance between the plates and what protrudes most of the jaws, metres"
-    )
-    overlap: Length = Field(
-        0.012, description="length of the jaws that the feet are glued or screwed on, metres"
-    )
+    bevel: Depth = Field(0.0, description="bevel of the outer edge at the tip, 45 degrees, metres")
+    spacer: Depth = Field(0.0, description="distance from the jaws to the plates, metres")
+    overlap: Length = Field(0.012, description="length of the feet along the jaws, metres")
 
 
 class TipLimits(Parameters):
     """What a design must fulfil on a printer and on a hand."""
 
     wall: Length = Field(0.0012, description="thinnest wall that is printed, metres")
-    overhang: float = Field(
-        4e-5, ge=0, description="surface that may hang over without support, square metres"
+    smallest: Length = Field(0.02, description="smallest side of the smallest object, metres")
+    mass: float = Field(
+        0.05, gt=0, description="mass of both tips at most, kilograms, as solid PLA"
     )
-    closed: Length = Field(0.0015, description="largest gap that may stay when closed, metres")
-    smallest: Length = Field(
-        0.02, description="smallest side of the smallest object, which the hand must span, metres"
-    )
-    mass: float = Field(0.05, gt=0, description="mass of both tips together at most, kilograms")
-    density: float = Field(1240.0, gt=0, description="density of the plastic, kg/m3: PLA 1240")
     force: float = Field(3.0, gt=0, description="force between the pads at least, newtons")
-    bend: Length = Field(
-        0.001, description="how far a plate may bend under that force, at its tip, metres"
+    bend: Length = Field(0.001, description="how far the force may bend a plate at its tip, metres")
+
+
+class TipSearch(Parameters):
+    """A search for fingertips: what may vary, what they must fulfil, and how they are tried."""
+
+    tips: dict[str, Range | float | tuple[str, ...] | str] = Field(
+        description="for each dimension of the tips a range, [LOW, HIGH], or a value that fixes it"
     )
-    modulus: float = Field(
-        2.3e9, gt=0, description="Young's modulus of the plastic, pascals: printed PLA 2.3e9"
+    limits: TipLimits = Field(TipLimits(), description="what tips must fulfil")
+    evaluations: int = Field(48, ge=1, description="number of designs to simulate")
+    generation: int = Field(8, ge=1, description="designs of a generation")
+    objects: int = Field(16, ge=2, description="number of objects that designs are tried at")
+    held_out: float = Field(
+        0.5, gt=0, lt=1, description="fraction of the objects on which the tips are judged"
     )
+    trials: HandTrials = Field(
+        HandTrials(drops=1, search_drops=2, tries=2), description="attempts during the search"
+    )
+    judged: HandTrials = Field(HandTrials(), description="attempts that the chosen tips are judged")
+    seed: Seed = Field(0, description="seed of everything random")
+
+    @model_validator(mode="after")
+    def _ranges_are_possible(self) -> Self:
+        """Each range is of a dimension, ascending, and both of its ends are allowed."""
+        fields = FingertipDesign.model_fields
+        for name, choice in self.tips.items():
+            if name not in fields:
+                raise ValueError(f"tips has no dimension {name}; allowed: {', '.join(fields)}")
+            ends = choice if isinstance(choice, tuple) else (choice,)
+            if isinstance(ends[0], float) and list(ends) != sorted(set(map(float, ends))):
+                raise ValueError(f"tips.{name} is {list(ends)}; allowed: [LOW, HIGH]")
+            for end in ends:
+                FingertipDesign.model_validate({name: end})
+        return self

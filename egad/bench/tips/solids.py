@@ -1,10 +1,10 @@
 """The solids of a pair of fingertips: plates with grooves and bevels, on feet that fit the jaws.
 
-A tip is made of convex pieces in its own frame: x from the outer face of the plate to the inner
-one, which touches objects, y across the jaws, z along them from where the foot begins. The pieces
-are what a simulator gets; the solid to print is their union without the jaw.
+A simulator gets convex pieces; the solid to print is their union without the jaw. The frame of a
+tip has x from the outer to the inner face of the plate, z along the jaw from where the foot begins.
 """
 
+from collections.abc import Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -13,17 +13,18 @@ import numpy as np
 import trimesh
 
 from egad._util.arrays import Floats
-from egad.bench.tips.base import Base
+from egad.bench.tips.base import Base, pose_of
 from egad.bench.tips.parameters import FingertipDesign
 from egad.errors import UserError
-from egad.geometry import RayCaster, joined, to_mesh, to_solid
-from egad.grippers import FINGERS, FIRST_FINGER
+from egad.geometry import RayCaster, is_solid, to_mesh
+from egad.grippers import FINGERS
 
 Solid = Any  # manifold3d.Manifold, which has no type information
 RECESS = 0.015  # metres that a jaw may recede from its foremost point, where the foot reaches it
 SINK = 3e-4  # metres that the foot reaches into the jaw before the jaw is cut out of it
+FLAT = 0.9  # of a plate: a groove may be this wide
 RAYS = 15  # along each side of the foot
-HALVINGS = 40
+REACH = 1.0  # metres, wider than any hand
 
 
 class Tip(NamedTuple):
@@ -32,7 +33,6 @@ class Tip(NamedTuple):
     link: int  # number of the link
     pieces: tuple[Floats, ...]  # (n, 3) corners of its convex pieces, which reach into the jaw
     mesh: trimesh.Trimesh  # what is printed
-    plate: trimesh.Trimesh  # the same without its foot, before the jaw is cut out
     pose: Floats  # (4, 4) pose of the tip
 
 
@@ -47,39 +47,21 @@ class Mount(NamedTuple):
 
 
 def make_tips(base: Base, design: FingertipDesign) -> tuple[Tip, Tip]:
-    """The fingertips of both jaws.
-
-    Args:
-        base: The hand; see `base_of`.
-        design: Their dimensions. The plates are parallel where the distance between them is its
-            `gap`; the foot of each fills the space between plate and jaw.
-
-    Returns:
-        The tip of the first jaw, the fixed one if there is one, and that of the other.
-
-    Raises:
-        UserError: The jaws are too close or too far apart for the plates, have no face where the
-            feet are, or the groove does not fit the plate.
-    """
-    check_groove(design)
+    """The tips of both jaws, the fixed one first; `UserError` if there is no room for them."""
+    _check_groove(design)
     mount = _find_mount(base, design)
     first, second = (_make_tip(base, design, mount, side) for side in FINGERS)
     return first, second
 
 
-def check_groove(design: FingertipDesign) -> None:
-    """Raise UserError if the groove is as wide as the plate, or as deep."""
+def _check_groove(design: FingertipDesign) -> None:
+    """Raise UserError if the groove is about as wide as the plate, or as deep."""
     depth, half = design.groove_depth, _groove_half(design)
     room = design.width if design.groove_direction == "along" else design.length
-    if depth >= design.thickness:
+    if depth >= design.thickness or 2 * half >= FLAT * room:
         raise UserError(
-            f"the groove is {_mm(depth)} deep in plates of {_mm(design.thickness)}; make it "
-            "shallower"
-        )
-    if 2 * half >= 0.9 * room:
-        raise UserError(
-            f"the groove is {_mm(2 * half)} wide, and its side of the plates {_mm(room)}: nothing "
-            "flat is left; make it shallower or steeper"
+            f"the groove is {_mm(depth)} deep and {_mm(2 * half)} wide, in plates that are "
+            f"{_mm(design.thickness)} thick and {_mm(room)} wide there; make it shallower"
         )
 
 
@@ -96,21 +78,17 @@ def _mm(length: float) -> str:
 def _find_mount(base: Base, design: FingertipDesign) -> Mount:
     """The opening at which there is room for the plates with their gap between them."""
     wanted = design.gap + 2 * (design.thickness + design.spacer)
-    low, high = map(float, base.model.openings[[0, -1]])
+    openings = base.model.openings
     if not base.turns:
-        return _mount_at(base, design, high)
-    ends = [_mount_at(base, design, each) for each in (low, high)]
-    apart = [mount.faces[1] - mount.faces[0] for mount in ends]
-    if not apart[0] <= wanted <= apart[1]:
+        return _mount_at(base, design, float(openings[-1]))
+    mounts = [_mount_at(base, design, float(each)) for each in openings]
+    apart = [mount.faces[1] - mount.faces[0] for mount in mounts]
+    if not apart[0] <= wanted <= apart[-1]:
         raise UserError(
-            f"where the tips are mounted, the jaws are {_mm(apart[0])} to {_mm(apart[1])} apart; "
+            f"where the tips are mounted, the jaws are {_mm(apart[0])} to {_mm(apart[-1])} apart; "
             f"plates that are parallel at {_mm(design.gap)} need {_mm(wanted)}: change their gap"
         )
-    for _ in range(HALVINGS):
-        mount = _mount_at(base, design, (low + high) / 2)
-        wide = mount.faces[1] - mount.faces[0] > wanted
-        low, high = (low, mount.opening) if wide else (mount.opening, high)
-    return mount
+    return _mount_at(base, design, float(np.interp(wanted, apart, openings)))
 
 
 def _mount_at(base: Base, design: FingertipDesign, opening: float) -> Mount:
@@ -119,32 +97,18 @@ def _mount_at(base: Base, design: FingertipDesign, opening: float) -> Mount:
     ends = [max(float(points[:, 2].max()) for points in jaw) for jaw in jaws]
     end = min(ends)
     root = end - design.overlap
-    faces = [0.0, 0.0]
-    for number, (side, jaw) in enumerate(zip(FINGERS, jaws, strict=True)):
-        fronts = [
-            box[3] if side == FIRST_FINGER else box[0]
-            for box in (_within(points, design.width, root, end).bounding_box() for points in jaw)
-            if np.isfinite(box).all() and box[3] > box[0]
-        ]
+    low = (-REACH, -design.width / 2, root)
+    before = manifold3d.Manifold.cube((2 * REACH, design.width, design.overlap)).translate(low)
+    faces = []
+    for side, jaw in zip(FINGERS, jaws, strict=True):
+        cuts = [manifold3d.Manifold.hull_points(points) ^ before for points in jaw]
+        fronts = [-side * cut.bounding_box()[3 if side < 0 else 0] for cut in cuts if is_solid(cut)]
         if not fronts:
             raise UserError(
                 f"a jaw has no face in the last {_mm(design.overlap)}, where the tip is mounted"
             )
-        faces[number] = max(fronts) if side == FIRST_FINGER else min(fronts)
+        faces.append(-side * max(fronts))
     return Mount(opening, root, end, max(ends), (faces[0], faces[1]))
-
-
-def _within(points: Floats, width: float, root: float, end: float) -> Solid:
-    """The part of a convex hull before which the foot is."""
-    solid = manifold3d.Manifold.hull_points(points)
-    for normal, offset in (
-        ((0.0, 0.0, 1.0), root),
-        ((0.0, 0.0, -1.0), -end),
-        ((0.0, 1.0, 0.0), -width / 2),
-        ((0.0, -1.0, 0.0), -width / 2),
-    ):
-        solid = solid.trim_by_plane(normal, offset)
-    return solid
 
 
 def _make_tip(base: Base, design: FingertipDesign, mount: Mount, side: int) -> Tip:
@@ -155,27 +119,24 @@ def _make_tip(base: Base, design: FingertipDesign, mount: Mount, side: int) -> T
     pose[:3, :3] = np.diag([-side, -side, 1.0])
     pose[:3, 3] = inner + side * design.thickness, 0.0, mount.root
     parts = base.model.corners(mount.opening, side)
-    hulls = [trimesh.convex.convex_hull(points) for points in parts]
     beyond = mount.tip - mount.root
-    plate = [_tilted(design, points) for points in plate_pieces(design, beyond)]
-    back = design.spacer + _recess(hulls, design, mount, side)
+    plate = [_tilted(design, points) for points in _plate_pieces(design, beyond)]
+    back = design.spacer + _recess(parts, design, mount, side)
     foot = _corners([-back, design.thickness / 2], design.width, [0.0, design.overlap])
     link = _carrier(base, mount, side)
-    to_link = np.linalg.inv(base.pose(link, mount.opening)) @ pose
-    jaw = [hull.apply_transform(np.linalg.inv(pose)) for hull in hulls]
-    solid = _union([*plate, foot])
-    for each in jaw:
-        solid -= to_solid(each.vertices, each.faces)
+    to_link = np.linalg.inv(pose_of(base.model, link, mount.opening)) @ pose
+    jaw = [trimesh.transform_points(points, np.linalg.inv(pose)) for points in parts]
+    solid = union_of_hulls([*plate, foot]) - union_of_hulls(jaw)
+    largest = max(solid.decompose(), key=lambda body: body.volume())  # others are crumbs
     return Tip(
         link,
         tuple(trimesh.transform_points(points, to_link) for points in (*plate, foot)),
-        _largest(solid).apply_transform(to_link),
-        to_mesh(_union(plate)).apply_transform(to_link),
+        to_mesh(largest).apply_transform(to_link),
         to_link,
     )
 
 
-def plate_pieces(design: FingertipDesign, beyond: float) -> list[Floats]:
+def _plate_pieces(design: FingertipDesign, beyond: float) -> list[Floats]:
     """Convex pieces of a plate that ends `beyond` + its length from where the foot begins."""
     length, thick = beyond + design.length, design.thickness
     half = _groove_half(design)
@@ -221,9 +182,7 @@ def _tilted(design: FingertipDesign, points: Floats) -> Floats:
     return np.asarray(trimesh.transform_points(points, turn))
 
 
-def _recess(
-    hulls: list[trimesh.Trimesh], design: FingertipDesign, mount: Mount, side: int
-) -> float:
+def _recess(parts: list[Floats], design: FingertipDesign, mount: Mount, side: int) -> float:
     """How deep the face of a jaw recedes where the foot is, metres, and a little more."""
     inset = 1e-5
     y = np.linspace(-design.width / 2 + inset, design.width / 2 - inset, RAYS)
@@ -231,28 +190,19 @@ def _recess(
     face = mount.faces[FINGERS.index(side)] - side * inset
     starts = np.array([[face, *each] for each in product(y, z)])
     ahead = np.tile([float(side), 0.0, 0.0], (len(starts), 1))
-    distances = RayCaster(joined(hulls)).first_hits(starts, ahead).distances
+    distances = RayCaster(to_mesh(union_of_hulls(parts))).first_hits(starts, ahead).distances
     reached = distances[distances <= RECESS]
     return float(reached.max(initial=0.0)) + SINK
 
 
 def _carrier(base: Base, mount: Mount, side: int) -> int:
     """The link of a jaw that reaches farthest along the approach."""
-    points = base.model.points(mount.opening)
-    ends = {
-        number: max(float(shape[:, 2].max()) for shape in points[number])
-        for number, link in enumerate(base.model.links)
-        if link.body == side and link.shapes
-    }
-    return max(ends, key=ends.__getitem__)
+    shapes = base.model.points(mount.opening)
+    carriers = [n for n, link in enumerate(base.model.links) if link.body == side and link.shapes]
+    return max(carriers, key=lambda n: max(float(points[:, 2].max()) for points in shapes[n]))
 
 
-def _union(pieces: list[Floats]) -> Solid:
-    """The union of convex pieces."""
+def union_of_hulls(pieces: Sequence[Floats]) -> Solid:
+    """The union of convex hulls of points, (n, 3) each."""
     solids = [manifold3d.Manifold.hull_points(points) for points in pieces]
     return manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
-
-
-def _largest(solid: Solid) -> trimesh.Trimesh:
-    """The largest body of a solid: cutting out a jaw can leave crumbs."""
-    return to_mesh(max(solid.decompose(), key=lambda body: body.volume()))

@@ -1,0 +1,52 @@
+"""Fingertips for a hand, searched in simulation."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from egad.cli.common import CORES, Config, Jobs, Objects, OutFolder, Units, objects_in, settings_in
+from egad.cli.hands import hand_in
+
+ENGINES = ["mujoco", "pybullet"]
+
+
+def design(
+    base: Annotated[
+        str,
+        typer.Argument(help="a gripper of the configuration, URDF or MJCF file, or an opening"),
+    ],
+    space: Annotated[
+        Path,
+        typer.Option(help="YAML file: ranges of the dimensions, limits, size of the search, seed"),
+    ],
+    out: OutFolder,
+    objects: Objects = "evaluation-set",
+    units: Units = None,
+    engines: Annotated[
+        list[str],
+        typer.Option("--engine", help="physics engine that the tips are judged in; repeatable"),
+    ] = ENGINES,
+    config: Config = None,
+    jobs: Jobs = CORES,
+) -> None:
+    """Design fingertips for a hand: search, print, and compare the hand before and after."""
+    from egad._util.parameters import from_file
+    from egad.bench.tips import TipSearch, design_tips
+    from egad.report.tips import write_tip_pages
+    from egad_workflow.config_files import read_values
+    from egad_workflow.provenance import recorded
+
+    search = from_file(TipSearch, read_values(space))
+    name, hand = hand_in(settings_in(config), base)
+    targets, files = objects_in(objects, units)
+    rule = "none" if files and files[0].suffix != ".parquet" else "paper"
+    with recorded("design", settings=search, inputs=files, arguments={"base": name}):
+        found = design_tips(name, hand, search, targets, out, rule=rule, engines=engines, jobs=jobs)
+        for engine, card in found.cards.items():
+            card.save(out / f"card-{engine}.parquet")
+    write_tip_pages(found, out, targets, jobs=jobs)
+    for card in found.cards.values():
+        for sentence in card.conclusions():
+            typer.echo(sentence)
+    typer.echo(f"{out}: the tips, the hand with them, cards, and datasheet.md")

@@ -1,0 +1,88 @@
+"""The datasheet of designed fingertips: dimensions, a picture, gains and losses, how to print."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from egad._util.files import write_text
+from egad.bench.hands import HandComparison
+from egad.bench.tips import DesignedTips, FingertipDesign
+from egad.grippers import Gripper
+from egad.objects import NamedMesh
+from egad.report.hand_shape import hand_shapes, painted
+from egad.report.hands import write_card
+from egad.report.pictures import png_bytes, render
+from egad.tables.hands import GRASPERS
+
+PICTURE = 480  # pixels
+SIZES = ("opening", "finger_length", "force")
+CHANGE = 0.5  # of the success rate at an object, that is told as a gain or loss
+PRINTING = """## Print and mount
+
+`first_tip.stl` and `second_tip.stl` (together `tips.3mf`) lie as they are printed: without support,
+4 perimeters or more, full infill. The first one is for the fixed jaw, if one jaw is fixed. The foot
+of a tip fits the inner face of its jaw, to 0.5 mm. Sand the jaw and glue the foot with epoxy, or
+drill through both and screw it. Then check on the robot: `egad log-sheet`."""
+
+
+def write_tip_pages(
+    designed: DesignedTips, out: Path, targets: Sequence[NamedMesh], *, jobs: int = 1
+) -> None:
+    """Write a card for each engine, and the datasheet with its pictures, into a folder."""
+    for engine, card in designed.cards.items():
+        write_card(card, out / f"card-{engine}.html", targets, films=1, jobs=jobs)
+    (name, base), (_, hand) = next(iter(designed.cards.values())).hands.items()
+    for file, each in (("before.png", base), ("after.png", hand)):
+        mesh, _ = painted(hand_shapes(each, each.opening / 2))
+        (out / file).write_bytes(png_bytes(render(mesh, PICTURE)))
+    write_text(out / "datasheet.md", datasheet(designed, name, base))
+
+
+def datasheet(designed: DesignedTips, name: str, base: Gripper) -> str:
+    """The datasheet, as Markdown."""
+    fields, hands = FingertipDesign.model_fields, (base, designed.hand)
+    rows = ((key, _shown(key, value), fields[key].description) for key, value in designed.design)
+    sizes = ((key, *(_shown(key, getattr(each, key)) for each in hands)) for key in SIZES)
+    works = int((designed.table["problems"] == "").sum())
+    parts = [
+        f"# Fingertips for {name}",
+        "![before](before.png) ![after](after.png)",
+        _table(("dimension", "value", "meaning"), rows),
+        _table(("hand", "before", "after"), sizes),
+        f"Chosen among {len(designed.table)} designs, of which {works} can be made, on "
+        f"{len(designed.chosen_on)} objects: {', '.join(designed.chosen_on)}. The rates below are "
+        "of other objects and drops, with 95 % intervals over objects.",
+        *(_results(engine, card) for engine, card in designed.cards.items()),
+        PRINTING,
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A table of Markdown."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
+
+
+def _shown(key: str, value: float | str) -> str:
+    """A dimension with its unit."""
+    if isinstance(value, str):
+        return value
+    if key == "force":
+        return f"{value:.1f} N"
+    return f"{value:.1f} degrees" if "angle" in key else f"{1000 * value:.1f} mm"
+
+
+def _results(engine: str, card: HandComparison) -> str:
+    """Rates before and after in an engine, and the objects of large changes."""
+    before, after = card.hands
+    rows = []
+    for who, words in GRASPERS.items():
+        rates, found = card.rates(who), card.compare(after, before, who)
+        shown = (f"{100 * rates[hand].value:.0f} %" for hand in (before, after))
+        low, high = (100 * end for end in found.interval)
+        rows.append((words, *shown, f"{100 * found.difference:+.0f} ({low:+.0f} to {high:+.0f})"))
+    old, new = (card.attempts(hand).groupby("label")["success"].mean() for hand in (before, after))
+    gains, losses = (", ".join(old.index[way * (new - old) >= CHANGE]) or "none" for way in (1, -1))
+    table = _table(("grasps", "before", "after", "difference, points"), rows)
+    told = f"Best grasps gain by half or more at {gains}; they lose as much at {losses}."
+    return f"## In {engine}\n\n{table}\n\n{told}"
