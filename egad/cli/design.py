@@ -14,7 +14,7 @@ ENGINES = ["mujoco", "pybullet"]
 def design(
     base: Annotated[
         str,
-        typer.Argument(help="a gripper of the configuration, URDF or MJCF file, or an opening"),
+        typer.Argument(metavar="BASE", help="gripper of the configuration, file, or opening"),
     ],
     space: Annotated[
         Path,

@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Length, Parameters, Range, Seed
+from egad._util.parameters import Length, Parameters, Range, Seed, from_arguments
 from egad.bench.hands import HandTrials
 
 Tilt = Annotated[float, Field(ge=-30, le=30)]
@@ -76,5 +76,5 @@ class TipSearch(Parameters):
             if isinstance(ends[0], float) and list(ends) != sorted(set(map(float, ends))):
                 raise ValueError(f"tips.{name} is {list(ends)}; allowed: [LOW, HIGH]")
             for end in ends:
-                FingertipDesign.model_validate({name: end})
+                from_arguments(FingertipDesign, **{name: end})
         return self
