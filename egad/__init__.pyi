@@ -25,6 +25,8 @@ from .exchange.checking import check_grasps as check_grasps
 from .exchange.export import Exported as Exported
 from .exchange.export import export as export
 from .exchange.grasp_tables import load_grasps as load_grasps
+from .exchange.grasp_trials import GraspTrials as GraspTrials
+from .exchange.grasp_trials import try_grasps as try_grasps
 from .exchange.reading import read_grasps as read_grasps
 from .geometry.checks import DroppedBodiesWarning as DroppedBodiesWarning
 from .geometry.checks import ScaleWarning as ScaleWarning

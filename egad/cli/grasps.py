@@ -1,5 +1,7 @@
-"""Grasps that other programs wrote: checked, and converted."""
+"""Grasps that other programs wrote: checked, converted, and tried in simulation."""
 
+from functools import reduce
+from operator import add
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
     from egad.grippers import Gripper
 
 grasps = typer.Typer(
-    name="grasps", no_args_is_help=True, help="Grasps of other programs: check, convert."
+    name="grasps", no_args_is_help=True, help="Grasps of other programs: check, convert, try."
 )
 
 File = Annotated[Path, typer.Argument(help="file of grasps")]
@@ -83,6 +85,52 @@ def convert(
     read = read_grasps(file, format_name, solid, hand, **said)
     export_grasps(read, solid, to, hand, out, mesh.stem)
     typer.echo(f"{out}: {len(read)} grasps of {mesh.stem}")
+
+
+@grasps.command("try")
+def try_files(
+    files: Annotated[list[Path], typer.Argument(help="files of grasps")],
+    meshes: Annotated[
+        list[Path], typer.Option("--mesh", help="mesh file of the object; one for each file")
+    ],
+    gripper: Hand,
+    n: Annotated[int, typer.Option("--n", min=1, help="grasps of a file, evenly spaced")] = 100,
+    engine: Annotated[str, typer.Option(help="mujoco, pybullet or drake")] = "mujoco",
+    format_name: FileFormat = None,
+    frame: Frame = None,
+    depth: Depth = None,
+    pose_units: PoseUnits = None,
+    reference: Reference = None,
+    object_id: ObjectId = None,
+    units: common.Units = None,
+    out: common.TableFile = None,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
+) -> None:
+    """Try grasps in simulation: do the labels and scores of their files predict success?"""
+    from egad.cli.table_files import write_frame
+    from egad.cli.terminal_tables import terciles
+    from egad.exchange.grasp_trials import try_grasps
+    from egad.exchange.reading import read_grasps
+    from egad.io import check_ending
+    from egad.tables.grasping import TRIED_GRASPS
+
+    check_ending(out, (".parquet", ".csv"))
+    if len(files) != len(meshes):
+        raise UserError(f"--mesh is given {len(meshes)} times; allowed: once for each file")
+    said = _said(frame, depth, pose_units, reference, object_id)
+    tried = []
+    for file, mesh in zip(files, meshes, strict=True):
+        solid, hand = _object(mesh, units, gripper, config)
+        read = read_grasps(file, format_name, solid, hand, **said)
+        options: Any = {"name": mesh.stem, "engine": engine, "jobs": jobs}
+        tried.append(try_grasps(read, solid, hand, n, **options))
+    whole = reduce(add, tried)
+    typer.echo(repr(whole))
+    for column in ("depth", "width"):
+        terciles(whole.by(column))
+    if out is not None:
+        write_frame(whole.table, TRIED_GRASPS, out)
 
 
 def _object(

@@ -88,6 +88,15 @@ _SIMULATED = [
 SIMULATED_GRASPS = schema(*GRASPS, *map(optional, _SIMULATED))
 """Labelled grasps, with simulated labels if `targets.simulated_labels` is true."""
 
+TRIED_GRASPS = schema(
+    *SIMULATED_GRASPS,
+    text("table_outcome", f"outcome on a table: {listed((*EXECUTION, *SIMULATION_FAILURES))}"),
+    real("depth", "how far the fingertips reach below the surface between the fingers", "m"),
+    real("source_success", "label of the file that the grasp was read from, 1 or 0"),
+    real("source_score", "score of that file"),
+)
+"""Grasps of other programs, tried in simulation."""
+
 _HELD = [
     integer("n_simulated", "number of simulated antipodal grasps with an outcome"),
     real(

@@ -1,6 +1,7 @@
-"""`egad grasps`: files of other programs, checked and converted."""
+"""`egad grasps`: files of other programs, checked, converted and tried."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import trimesh
 from commands import egad as run
@@ -61,6 +62,24 @@ def test_grasps_go_from_one_format_to_the_next_and_back(folder, tmp_path):
         assert found.poses == pytest.approx(first.poses, abs=1e-6)
         assert found.widths == pytest.approx(first.widths, abs=1e-6)
         assert (found.source_success == first.source_success).all()
+
+
+def test_grasps_are_tried_and_compared_with_the_labels_of_their_file(folder, tmp_path):
+    """Of the grasps that hold, the file calls two of three successes."""
+    file, out = folder / "grasp_data/panda/bar.json", tmp_path / "tried.csv"
+    options = ("--n", "15", "--jobs", "1", "--out", out)
+    done = run("grasps", "try", file, *common(folder), *options)
+    assert done.returncode == 0, done.stderr
+    table = pd.read_csv(out)
+    assert len(table) == 15
+    both = int(((table["simulated_outcome"] == "success") & (table["source_success"] == 1)).sum())
+    assert f"both succeed {both}, only the label" in done.stdout
+    assert "by depth" in done.stdout
+    assert "labelled %" in done.stdout
+    done = run("grasps", "try", file, file, *common(folder), *options)
+    assert "--mesh is given 1 times; allowed: once for each file" in done.stderr
+    done = run("grasps", "try", file, *common(folder), "--engine", "bullet")
+    assert "engine 'bullet' is not known" in done.stderr
 
 
 def test_unlabelled_grasps_and_wrong_options_are_refused(folder, tmp_path):

@@ -5,6 +5,8 @@ from .clearing import clearing_rates as clearing_rates
 from .clearing import compare_clearing as compare_clearing
 from .conclusions import clearing_conclusion as clearing_conclusion
 from .conclusions import conclusion as conclusion
+from .kappa import Kappa as Kappa
+from .kappa import cohen_kappa as cohen_kappa
 from .paired import Comparison as Comparison
 from .paired import NothingInCommonError as NothingInCommonError
 from .paired import boschloo as boschloo

@@ -1,0 +1,305 @@
+"""Grasps that other programs wrote, tried in simulation: are their labels and scores right?"""
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import Literal, NamedTuple
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from egad._util.arrays import Flags, Floats
+from egad._util.display import table_html
+from egad._util.parameters import check_count
+from egad._util.progress import progress
+from egad._util.workers import workers
+from egad.bench import RestingObject, put
+from egad.bench.scenes import STAND, settle_from
+from egad.bench.stats import Area, Kappa, Rate, area, cohen_kappa, engine_names, mean_rate, rate
+from egad.errors import UserError, check_name
+from egad.geometry import Bundle, Material, RayCaster, check_solid
+from egad.grasps import Grasps, label_parameters, vectors
+from egad.grippers import Gripper, as_gripper, body_of, check_jaws
+from egad.sim import (
+    ContactRules,
+    EngineName,
+    Lifting,
+    Model,
+    Pose,
+    SimulatedGrasp,
+    SimulatedLabel,
+    SimulatedLabelParameters,
+    UnstableError,
+    World,
+    check_engine,
+    execute_pose,
+    free_hand,
+    make_simulation_object,
+    model_of,
+    open_world,
+    with_simulated_labels,
+)
+from egad.sim.simulated_labels import simulate_grasps
+from egad.sim.success_rates import SHAKEN_AND_HELD
+from egad.tables.grasping import TRIED_GRASPS
+from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
+
+Place = Literal["free", "table"]
+OUTCOMES: dict[Place, str] = {"free": "simulated_outcome", "table": "table_outcome"}
+SUCCESSES: dict[Place, Sequence[str]] = {"free": SHAKEN_AND_HELD, "table": (Outcome.SUCCESS,)}
+RATINGS = ("source_score", "quality", "robust_quality")
+MOST = 1000  # grasps of a file
+CHUNK = 20  # grasps that a process tries at once
+PROBABLE = 0.05  # of the stable poses that an object is put down in
+TERCILES = ("low", "middle", "high")
+
+
+class GraspTrials:
+    """Grasps that were tried in simulation.
+
+    `first + second` are the grasps of several objects; intervals are then over objects, and
+    otherwise over grasps.
+
+    Attributes:
+        table: One row per grasp: the columns of labelled grasps (`results/README.md`);
+            `simulated_outcome` in free space and `table_outcome`; `source_success` and
+            `source_score` of the file; and `depth`, how far the fingertips reach below the surface
+            between the fingers, metres.
+    """
+
+    def __init__(self, table: pd.DataFrame) -> None:
+        """Wrap a table with the columns of `tables.grasping.TRIED_GRASPS`."""
+        self.table = table.reset_index(drop=True)
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def __add__(self, other: "GraspTrials") -> "GraspTrials":
+        return GraspTrials(pd.concat([self.table, other.table]))
+
+    def __repr__(self) -> str:
+        return "\n".join(self._lines())
+
+    def _repr_html_(self) -> str:
+        title, *lines = self._lines()
+        return table_html(title, pd.DataFrame({"": lines}))
+
+    @property
+    def unit(self) -> str:
+        """What intervals are over: `objects`, or `grasps` if there is one object."""
+        return "objects" if self.table["label"].nunique() > 1 else "grasps"
+
+    def rate(self, place: Place = "free") -> Rate:
+        """How often grasps held the object when it was shaken, `free`, or lifted off a `table`."""
+        tried, success = self._tried(place)
+        marked = tried.assign(success=success)
+        return mean_rate(marked) if self.unit == "objects" else rate(marked)
+
+    def agreement(self, place: Place = "free") -> Kappa:
+        """The label of the file (first) against the simulated success (second)."""
+        tried, success = self._tried(place)
+        known = tried["source_success"].notna().to_numpy()
+        labels = tried["source_success"].to_numpy(np.float64) == 1
+        return cohen_kappa(labels[known], success[known], self._groups(tried)[known])
+
+    def area(self, rating: str = "source_score", place: Place = "free") -> Area:
+        """Area under the ROC curve of a rating that predicts simulated success.
+
+        Args:
+            rating: `source_score`, `quality` or `robust_quality`.
+            place: `free` or `table`.
+        """
+        check_name("rating", rating, RATINGS)
+        tried, success = self._tried(place)
+        values = tried[rating].to_numpy(np.float64)
+        known = np.isfinite(values)
+        return area(values[known], success[known], self._groups(tried)[known])
+
+    def by(self, column: str, place: Place = "free") -> pd.DataFrame:
+        """Labels and simulated success by terciles of a column, such as `depth` or `width`.
+
+        Returns:
+            For each tercile its smallest and largest value, the number of grasps, the rates of
+            success by the labels of the file and in simulation, and how often these agree.
+        """
+        check_name("column", column, TRIED_GRASPS.names)
+        tried, success = self._tried(place)
+        order = np.argsort(tried[column].to_numpy(np.float64), kind="stable")
+        rows = []
+        for name, chosen in zip(TERCILES, np.array_split(order, 3), strict=True):
+            values, labels = tried[column].iloc[chosen], tried["source_success"].iloc[chosen]
+            agreed = (labels == success[chosen])[labels.notna()]
+            numbers = (labels.mean(), success[chosen].mean(), agreed.mean()) if len(chosen) else ()
+            rows.append((name, values.min(), values.max(), len(chosen), *numbers))
+        names = [column, "from", "to", "grasps", "labelled", "simulated", "agreement"]
+        return pd.DataFrame(rows, columns=names)
+
+    def _tried(self, place: Place) -> tuple[pd.DataFrame, Flags]:
+        """The grasps that the engine could judge, and whether they succeeded."""
+        check_name("place", place, OUTCOMES)
+        outcome = self.table[OUTCOMES[place]]
+        known = ~outcome.isin(SIMULATION_FAILURES)
+        return self.table[known], outcome[known].isin(SUCCESSES[place]).to_numpy()
+
+    def _groups(self, tried: pd.DataFrame) -> NDArray[np.str_]:
+        """What intervals resample: the object of each grasp, or the grasp."""
+        return tried["label" if self.unit == "objects" else "grasp"].to_numpy(str)
+
+    def _lines(self) -> Iterator[str]:
+        free = int(self.table["collision_free"].sum())
+        engine = engine_names(self.table.assign(engine=self.table["simulated_engine"]))
+        yield f"{len(self)} grasps in {engine}, {free} collision-free"
+        for place in OUTCOMES:
+            where = "in free space" if place == "free" else "on a table"
+            yield f"{where}: success {self.rate(place)}"
+            found = self.agreement(place)
+            if found.agreement.attempts:
+                yield (
+                    f"  labels agree {found.agreement.value:.0%}: both succeed {found.both}, only "
+                    f"the label {found.only_first}, only simulated {found.only_second}, neither "
+                    f"{found.neither}; kappa {_estimate(found)} over {self.unit}"
+                )
+            areas = {name: self.area(name, place) for name in RATINGS}
+            known = [f"{n} {_estimate(a)}" for n, a in areas.items() if np.isfinite(a.value)]
+            if known:
+                yield f"  area under the ROC curve: {', '.join(known)}"
+
+
+def _estimate(found: Kappa | Area) -> str:
+    """A value with its interval, if it has one."""
+    value = f"{found.value:.2f}"
+    low, high = found.interval
+    return value if np.isnan(low) else f"{value} ({low:.2f} to {high:.2f})"
+
+
+def try_grasps(
+    grasps: Grasps,
+    mesh: trimesh.Trimesh,
+    gripper: Gripper | str,
+    n: int = 100,
+    *,
+    name: str = "object",
+    engine: EngineName = "mujoco",
+    jobs: int = 1,
+) -> GraspTrials:
+    """Try grasps in simulation, and compare the labels and scores of their file with the results.
+
+    In free space, the fingers close on an object that floats without weight, and must hold it when
+    it is shaken, as for the labels of ACRONYM (Eppner 2021); a grasp fails at which the open hand
+    touches the object. On the table, it lies in that of its stable
+    poses of at least 5 % probability in which the approach points down most. The open hand comes
+    from 5 cm away, closes and retreats by 10 cm. A contact on the way is a failure.
+
+    Args:
+        grasps: What `egad.read_grasps` returns with this mesh and gripper, or sampled ones.
+        mesh: The object, a closed mesh in metres, at the size that the grasps are for.
+        gripper: A gripper with jaws, or its name.
+        n: How many grasps are tried at most, up to 1000: evenly spaced, in the order of the file.
+        name: What the object is called in the table.
+        engine: What computes the physics: `mujoco`, `pybullet` or `drake`.
+        jobs: Number of processes; the result does not depend on it.
+
+    Raises:
+        UserError: There is no such gripper or engine, the gripper has a suction cup, the grasps
+            were read without a mesh, or a number is out of bounds.
+        RejectedError: The mesh is not a closed solid, or cannot be simulated.
+
+    Warns:
+        PartsWarning: The object needs more convex parts than are allowed.
+    """
+    hand = as_gripper(gripper)
+    check_jaws(hand, "a grasp that is tried")
+    check_engine(engine)
+    if check_count("n", n) > MOST:
+        raise UserError(f"n is {n}; allowed: a whole number from 1 to {MOST}")
+    check_solid(mesh)
+    rows = np.linspace(0, len(grasps) - 1, min(n, len(grasps))).round().astype(np.int64)
+    _ = grasps.quality, grasps.collision_free  # an error without them
+    table = grasps[rows].to_frame().assign(id=name, label=name)
+    settings = SimulatedLabelParameters(
+        gripper=hand,
+        quality=label_parameters(hand, 1, 0).quality,
+        trials=Lifting(),
+        simulated_label=SimulatedLabel(engine=engine),
+    )
+    work = partial(_try, at_rest=_object_at_rest(mesh, name), settings=settings)
+    chunks = [table.iloc[first : first + CHUNK] for first in range(0, len(table), CHUNK)]
+    with workers(jobs) as mapper:
+        tried = list(progress(mapper(work, chunks), "trying grasps", len(chunks)))
+    whole = pd.concat(tried).assign(depth=fingertip_depths(mesh, table, hand))
+    return GraspTrials(whole.reindex(columns=TRIED_GRASPS.names))
+
+
+def fingertip_depths(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripper) -> Floats:
+    """How far fingertips reach below a surface between the fingers, (n,) metres; 0 without one."""
+    palm, tip = gripper.kind.span
+    approach = vectors(grasps, "approach")
+    hits = RayCaster(mesh).first_hits(vectors(grasps, "center") + palm * approach, approach)
+    inside = np.isfinite(hits.distances) & ~hits.entering
+    return np.maximum(tip - palm - np.where(inside, 0.0, hits.distances), 0.0)
+
+
+class _AtRest(NamedTuple):
+    """An object, and the stable poses that it is put down in, slightly above the table."""
+
+    model: Model
+    poses: list[Pose]
+
+
+def _object_at_rest(mesh: trimesh.Trimesh, name: str) -> _AtRest:
+    made = make_simulation_object(mesh, Material().density, Bundle(), name)
+    model = model_of(made.mesh, made.parts, made.physics, made.volume_error)
+    least = min(PROBABLE, max(each.probability for each in made.poses))
+    poses = []
+    for each in made.poses:
+        if each.probability >= least:
+            turn = each.rotation @ model.to_principal[:3, :3].T
+            position = np.array([0.0, 0.0, each.height + STAND])
+            poses.append(Pose(position, Rotation.from_matrix(turn).as_quat()))
+    return _AtRest(model, poses)
+
+
+def _try(
+    grasps: pd.DataFrame, at_rest: _AtRest, settings: SimulatedLabelParameters
+) -> pd.DataFrame:
+    """Grasps with the columns of `TRIED_GRASPS` that simulation fills in."""
+    free = [SimulatedGrasp(Outcome.COLLIDED)] * len(grasps)
+    fitting = np.flatnonzero(grasps["fits"])
+    simulated = simulate_grasps(at_rest.model, grasps.iloc[fitting], settings)
+    for row, each in zip(fitting, simulated, strict=True):
+        free[row] = each
+    tried = with_simulated_labels(grasps, np.arange(len(grasps)), free, settings)
+    gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
+    poses = open_hand_poses(Grasps(grasps), gripper)
+    engine = settings.simulated_label.engine
+    with open_world(engine, [at_rest.model], free_hand(gripper)) as world:
+        found = [_on_table(world, pose, at_rest.poses, gripper).value for pose in poses]
+    return tried.assign(table_outcome=found)
+
+
+def open_hand_poses(grasps: Grasps, gripper: Gripper) -> Floats:
+    """Poses of the open hand, (n, 4, 4): jaws on arcs, or one of which is fixed, shift it."""
+    poses, widths, opening = grasps.poses, grasps.widths, np.array([gripper.opening])
+    body = body_of(gripper)
+    behind = body.reach(widths) - body.reach(opening)
+    poses[:, :3, 3] += body.aside(widths, opening)[:, None] * poses[:, :3, 0]
+    poses[:, :3, 3] -= behind[:, None] * poses[:, :3, 2]
+    return poses
+
+
+def _on_table(world: World, pose: Floats, stable: Sequence[Pose], gripper: Gripper) -> Outcome:
+    """Try a grasp at a pose of the hand in the frame of the mesh, (4, 4)."""
+    from_mesh = world.model.to_principal
+    approach = from_mesh[:3, :3] @ pose[:3, 2]
+    start = min(stable, key=lambda each: float(each.matrix[2, :3] @ approach))
+    try:
+        rest = settle_from(world, [RestingObject(0, start)])
+    except UnstableError:
+        return Outcome.FAILED
+    if not rest:
+        return Outcome.FAILED  # it rolled away
+    put(world, rest)
+    in_world = rest[0].pose.matrix @ from_mesh @ pose
+    return execute_pose(world, in_world, gripper.opening, ContactRules("collided")).outcome
