@@ -16,7 +16,13 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.clearing import Cleared, check_detector, clear_rounds
 from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
-from egad.bench.preparation import SceneObject, lazy_objects, models_of, prepare_objects
+from egad.bench.preparation import (
+    SceneObject,
+    grasps_to_use,
+    lazy_objects,
+    models_of,
+    prepare_objects,
+)
 from egad.bench.protocols import SCENE_KINDS, ClutterProtocol, SceneKind
 from egad.bench.rounds import film_round, rounds_of
 from egad.bench.stats import (
@@ -39,6 +45,7 @@ from egad.detectors import (
     wanted_input,
 )
 from egad.errors import UserError
+from egad.grasps import Grasps
 from egad.grippers import Gripper
 from egad.io import check_ending
 from egad.objects import EVALUATION_SET, Dataset, NamedMesh, load, named_meshes
@@ -137,6 +144,7 @@ def run_benchmark(
     engine: EngineName = "mujoco",
     jobs: int = 1,
     keep_going: bool = False,
+    grasps: Mapping[str, Grasps] | None = None,
 ) -> Benchmark:
     """Let a detector clear a table, as in the experiments of VGN (Breyer et al. 2020, section V).
 
@@ -172,6 +180,7 @@ def run_benchmark(
         engine: What computes the physics: `mujoco`, `pybullet` or `drake`.
         jobs: Number of processes; the result does not depend on it.
         keep_going: Whether to go on with a detector that fails in every attempt of three rounds.
+        grasps: For `labels`: grasps of each object, as for `egad.run_trials`.
 
     Raises:
         UserError: The detector fails in every attempt of three rounds, there is no such scene or
@@ -199,7 +208,9 @@ def run_benchmark(
     known = as_detector(detect, (LABELS, *SHIPPED_NETWORKS, *IN_SCENES))
     if not isinstance(known, DetectorConfig):
         wanted_input(known)
-    return try_tables(known, named_meshes(objects), settings, rule, jobs, keep_going)
+    targets = named_meshes(objects)
+    labelled = grasps_to_use(grasps, known, rule, targets)
+    return try_tables(known, targets, settings, rule, jobs, keep_going, labelled)
 
 
 def try_tables(
@@ -209,10 +220,11 @@ def try_tables(
     rule: str,
     jobs: int = 1,
     keep_going: bool = False,
+    grasps: Mapping[str, pd.DataFrame] | None = None,
 ) -> Benchmark:
-    """Let a detector clear tables of objects; see `run_benchmark`, also for errors."""
-    label_seed = settings.seed if knows_scene(detect) else None
-    given = (targets, settings.gripper, rule, label_seed)
+    """Let a detector clear tables, `labels` perhaps with `grasps` by id; see `run_benchmark`."""
+    labelled = grasps or settings.seed if knows_scene(detect) else None
+    given = (targets, settings.gripper, rule, labelled)
     released = set(load(EVALUATION_SET).table["id"])
     if all(each.id in released for each in targets):  # all of them can be simulated
         return clear_tables(detect, lazy_objects(*given), settings, jobs, keep_going)

@@ -3,15 +3,16 @@
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, TypeAlias, TypeVar
 
+import numpy as np
 import pandas as pd
 
 from egad._util.progress import progress
 from egad._util.workers import workers
-from egad.detectors import grasps_if_any
+from egad.detectors import Detect, grasps_if_any, knows_scene
 from egad.errors import RejectedError, UserError
-from egad.grasps import GraspLabel, label_parameters
+from egad.grasps import GraspLabel, Grasps, label_parameters
 from egad.grippers import Gripper
 from egad.objects import NamedMesh
 from egad.sim import Model
@@ -20,6 +21,8 @@ from egad.tables.grasping import GRASPS
 from egad.tables.parquet import empty
 
 T = TypeVar("T")
+# a seed to sample grasps with, or the grasps of each object by its id; None if they are not needed
+Labelled: TypeAlias = int | Mapping[str, pd.DataFrame] | None
 
 log = logging.getLogger(__name__)
 
@@ -53,10 +56,10 @@ class SceneObject(NamedTuple):
 
 
 def lazy_objects(
-    targets: Sequence[NamedMesh], gripper: Gripper, rule: str, label_seed: int | None
+    targets: Sequence[NamedMesh], gripper: Gripper, rule: str, labelled: Labelled
 ) -> Mapping[str, SceneObject]:
     """Objects by id, made when they are looked up; RejectedError if one cannot be simulated."""
-    return Lazy({each.id: partial(_made, each, gripper, rule, label_seed) for each in targets})
+    return Lazy({each.id: partial(_made, each, gripper, rule, labelled) for each in targets})
 
 
 def models_of(objects: Mapping[str, SceneObject]) -> Mapping[str, Model]:
@@ -72,14 +75,16 @@ def _made(
     target: NamedMesh,
     gripper: Gripper,
     rule: str,
-    label_seed: int | None,
+    labelled: Labelled,
     grasps: int = GraspLabel().grasps,
 ) -> SceneObject:
-    """An object as it is simulated, with grasps if there is a seed for them."""
+    """An object as it is simulated, with grasps if they are needed."""
     mesh, model = simulated(target, gripper, rule)
-    if label_seed is None:
+    if labelled is None:
         return SceneObject(target.id, model, empty(GRASPS))
-    labels = label_parameters(gripper, grasps, label_seed)
+    if not isinstance(labelled, int):
+        return SceneObject(target.id, model, labelled[target.id])
+    labels = label_parameters(gripper, grasps, labelled)
     return SceneObject(target.id, model, grasps_if_any(mesh, target.id, labels))
 
 
@@ -87,13 +92,13 @@ def prepare_object(
     target: NamedMesh,
     gripper: Gripper,
     rule: str,
-    label_seed: int | None,
+    labelled: Labelled,
     otherwise: str = "cannot be simulated",
     grasps: int = GraspLabel().grasps,
 ) -> SceneObject | None:
-    """An object as it is simulated, with grasps if there is a seed for them; None if it cannot."""
+    """An object as it is simulated, with grasps if they are needed; None if it cannot."""
     try:
-        return _made(target, gripper, rule, label_seed, grasps)
+        return _made(target, gripper, rule, labelled, grasps)
     except RejectedError as reason:
         log.warning("%s %s: %s", target.label, otherwise, reason)
         return None
@@ -103,12 +108,12 @@ def prepare_objects(
     targets: Sequence[NamedMesh],
     gripper: Gripper,
     rule: str,
-    label_seed: int | None = None,
+    labelled: Labelled = None,
     jobs: int = 1,
 ) -> list[SceneObject]:
-    """Objects with grasps if there is a seed for them; UserError if none can be simulated."""
+    """Objects with grasps if they are needed; UserError if none can be simulated."""
     work = partial(
-        prepare_object, rule=rule, gripper=gripper, label_seed=label_seed, otherwise="is left out"
+        prepare_object, rule=rule, gripper=gripper, labelled=labelled, otherwise="is left out"
     )
     with workers(jobs) as mapper:
         made = list(progress(mapper(work, targets), "making models", len(targets)))
@@ -116,3 +121,36 @@ def prepare_objects(
     if not usable:
         raise UserError("none of the objects can be simulated")
     return usable
+
+
+def grasps_to_use(
+    grasps: Mapping[str, Grasps] | None, detect: Detect, rule: str, targets: Sequence[NamedMesh]
+) -> Mapping[str, pd.DataFrame] | None:
+    """Grasps by id from those by label, the argument of a public function; `UserError`."""
+    if grasps is None:
+        return None
+    if not knows_scene(detect):
+        raise UserError("grasps are for the detector labels, which knows where the objects are")
+    if rule != "none":
+        raise UserError(f"rule is {rule!r}; with grasps, it is 'none': they are for one size")
+    return grasps_by_id(grasps, targets)
+
+
+def grasps_by_id(
+    grasps: Mapping[str, Grasps], targets: Sequence[NamedMesh]
+) -> Mapping[str, pd.DataFrame]:
+    """Grasps for the detector `labels`, from those by label; UserError if an object has none.
+
+    What their file calls a failure is left out. Its scores, if none is missing, rank the others.
+    """
+    if missing := [each.label for each in targets if each.label not in grasps]:
+        known = ", ".join(grasps) or "nothing"
+        raise UserError(f"there are no grasps of {missing[0]!r}; there are some of {known}")
+    return {each.id: _without_failures(grasps[each.label].to_frame()) for each in targets}
+
+
+def _without_failures(table: pd.DataFrame) -> pd.DataFrame:
+    score = table.get("source_score", pd.Series(np.nan, table.index))
+    if score.notna().all():
+        table = table.assign(robust_quality=score)
+    return table[table["source_success"] != 0] if "source_success" in table else table

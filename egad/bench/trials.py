@@ -14,7 +14,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.attempts import failed_attempts, run_attempts
 from egad.bench.parameters import CellErrors, TrialParameters, TrialProtocol, hand_of
-from egad.bench.preparation import prepare_object
+from egad.bench.preparation import Labelled, grasps_to_use, prepare_object
 from egad.bench.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 from egad.detectors import (
     IN_ANY_DIRECTION,
@@ -34,6 +34,7 @@ from egad.detectors import (
     opened,
 )
 from egad.errors import UserError
+from egad.grasps import Grasps
 from egad.grippers import Gripper
 from egad.objects import Dataset, NamedMesh, named_meshes
 from egad.sim import EngineName
@@ -113,6 +114,7 @@ def run_trials(
     engine: EngineName = "mujoco",
     jobs: int = 1,
     keep_going: bool = False,
+    grasps: Mapping[str, Grasps] | None = None,
 ) -> Trials:
     """Let a detector grasp objects in simulation, as in EGAD, section V.
 
@@ -149,6 +151,8 @@ def run_trials(
         jobs: Number of processes; the result does not depend on it.
         keep_going: Whether to go on with a detector that fails in every attempt at the first three
             objects.
+        grasps: For `labels`: grasps of each object by name, in place of sampled ones, such as those
+            of `egad.read_grasps` with the mesh; with the rule `none`.
 
     Raises:
         UserError: The detector fails in every attempt at the first three objects, or at all if
@@ -176,7 +180,9 @@ def run_trials(
     if isinstance(detect, str) and detect in IN_ANY_DIRECTION:
         raise more_than_a_view(detect, "more")
     known = as_detector(detect, BY_NAME)
-    return try_objects(known, named_meshes(objects), parameters, rule, jobs, keep_going)
+    targets = named_meshes(objects)
+    labelled = grasps_to_use(grasps, known, rule, targets)
+    return try_objects(known, targets, parameters, rule, jobs, keep_going, labelled)
 
 
 def try_objects(
@@ -186,8 +192,9 @@ def try_objects(
     rule: str,
     jobs: int = 1,
     keep_going: bool = False,
+    grasps: Mapping[str, pd.DataFrame] | None = None,
 ) -> Trials:
-    """Let a detector grasp objects; see `run_trials`, also for errors."""
+    """Let a detector grasp objects, `labels` perhaps with `grasps` by id; see `run_trials`."""
     if not isinstance(detect, DetectorConfig):
         check_views_will_do(detect)
     elif detect.detector in IN_ANY_DIRECTION:
@@ -201,7 +208,8 @@ def try_objects(
     )
     tables, monitor = [], FailureMonitor(len(targets), keep_going)
     with asked as ask, workers(jobs) as mapper:
-        work = partial(_attempts, ask=ask, rule=rule, parameters=parameters)
+        labelled = None if ask else grasps or parameters.seed
+        work = partial(_attempts, ask=ask, rule=rule, parameters=parameters, labelled=labelled)
         for table in progress(mapper(work, targets), "trying", len(targets)):
             monitor.check(table)
             tables.append(table)
@@ -209,11 +217,14 @@ def try_objects(
 
 
 def _attempts(
-    target: NamedMesh, ask: Detector | None, rule: str, parameters: TrialParameters
+    target: NamedMesh,
+    ask: Detector | None,
+    rule: str,
+    parameters: TrialParameters,
+    labelled: Labelled,
 ) -> pd.DataFrame:
     """All attempts at an object, columns of `tables.evaluation.TRIALS`; no detector: `labels`."""
-    seed = None if ask else parameters.seed
-    known = prepare_object(target, parameters.gripper, rule, seed, grasps=SAMPLED)
+    known = prepare_object(target, parameters.gripper, rule, labelled, grasps=SAMPLED)
     if known is None:
         return failed_attempts(target.label, target.id, parameters, Outcome.FAILED)
     detect = ask or Labels(known.grasps)

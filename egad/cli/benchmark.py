@@ -20,7 +20,7 @@ from egad.cli.common import (
     out_option,
     settings_to_try,
 )
-from egad.cli.repeat import run_trials
+from egad.cli.repeat import grasps_of, run_trials
 
 FOLDER = Path("benchmark")
 
@@ -80,7 +80,8 @@ def benchmark(
     result = run_trials(
         "benchmark",
         lambda targets: try_tables(
-            chosen.detector, targets, chosen, scaling, jobs, settings.keep_going
+            *(chosen.detector, targets, chosen, scaling, jobs, settings.keep_going),
+            grasps_of(detector, targets, chosen.gripper, scaling),
         ),
         *(chosen, scaling, gripper, (objects, units), (path, CLUTTER)),
     )

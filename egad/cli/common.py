@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 CORES = available_cpus()
 RUN = Path("results/egad")  # of the default configuration
+GRASPS = "grasps:"  # begins a detector that is a file of grasps, or a folder of them
 FIRST_TARGET = "the first of targets.grippers"
 
 
@@ -74,8 +75,8 @@ DetectorName = Annotated[
     str,
     typer.Argument(
         metavar="DETECTOR",
-        help="FILE.py, FILE.py:NAME or package.module:NAME; or a detector of the configuration, "
-        "such as antipodal-cloud",
+        help="FILE.py, FILE.py:NAME or package.module:NAME; a detector of the configuration, such "
+        "as antipodal-cloud; or known grasps: grasps:FILE, or grasps:FOLDER with a file per object",
     ),
 ]
 Weights = Annotated[Path | None, typer.Option("--weights", help="file of weights for the detector")]
@@ -151,10 +152,12 @@ def detector_in(
 ) -> tuple[Settings, str]:
     """Settings with the detector of a command line (see `DetectorName`), and its name there."""
     from egad._util.parameters import from_arguments
-    from egad.detectors import DetectorConfig
+    from egad.detectors import LABELS, DetectorConfig
     from egad.plugins import named
 
-    name = re.sub("[^a-z0-9_-]+", "_", Path(text.partition(":")[0]).stem.lower()).strip("_-")
+    known_grasps = text.startswith(GRASPS)
+    stem = Path(text.removeprefix(GRASPS) if known_grasps else text.partition(":")[0]).stem
+    name = re.sub("[^a-z0-9_-]+", "_", stem.lower()).strip("_-")
     given = None if weights is None else str(weights)
     if command is not None:
         found = from_arguments(DetectorConfig, command=shlex.split(command), weights=given)
@@ -162,7 +165,8 @@ def detector_in(
         changed = {} if given is None else {"weights": given}
         name, found = text, from_arguments(DetectorConfig, **known.model_dump() | changed)
     else:
-        found = from_arguments(DetectorConfig, detector=named(text), weights=given)
+        own = LABELS if known_grasps else named(text)
+        found = from_arguments(DetectorConfig, detector=own, weights=given)
     return settings.model_copy(update={"detectors": {**settings.detectors, name: found}}), name
 
 

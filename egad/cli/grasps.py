@@ -57,7 +57,7 @@ def check(
     typer.echo(repr(found))
     if fix is not None:
         found.save(fix)
-        typer.echo(f"{fix}: the corrected grasps; --frame 'x z' --depth 0 --pose-units m")
+        typer.echo(f"{fix}: the corrected grasps")
 
 
 @grasps.command()

@@ -1,6 +1,6 @@
 """Trials that can be repeated: a note in their table says how, and options override it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
@@ -8,6 +8,7 @@ import typer
 
 from egad.cli.common import (
     FIRST_TARGET,
+    GRASPS,
     RUN,
     gripper_option,
     named_gripper,
@@ -15,10 +16,11 @@ from egad.cli.common import (
     settings_in,
 )
 from egad.errors import UserError, check_name
-from egad.grippers import Gripper
+from egad.grippers import GRIPPERS, Gripper
 from egad_workflow.settings import Settings
 
 if TYPE_CHECKING:
+    import pandas as pd
     import pyarrow as pa
 
     from egad.bench import ClutterParameters, Models, TrialParameters
@@ -71,6 +73,29 @@ def run_trials(
         result = work(targets)
         parquet.write(result.table, schema, path, note)
     return result
+
+
+def grasps_of(
+    detector: str, targets: list["NamedMesh"], gripper: Gripper, rule: str
+) -> "Mapping[str, pd.DataFrame] | None":
+    """The grasps by id of a detector grasps:FILE or grasps:FOLDER; None of any other detector."""
+    from egad.bench.preparation import grasps_by_id
+    from egad.exchange.reading import read_grasps
+    from egad.objects import scaled_solid
+
+    if not detector.startswith(GRASPS):
+        return None
+    path = Path(detector.removeprefix(GRASPS))
+    files = {targets[0].label: path}
+    if path.is_dir():
+        files = {each.stem: each for each in sorted(path.iterdir())}
+    hand = next((name for name, each in GRIPPERS.items() if each == gripper), gripper)
+    known = {
+        each.label: read_grasps(files[each.label], None, scaled_solid(each, gripper, rule), hand)
+        for each in targets
+        if each.label in files
+    }
+    return grasps_by_id(known, targets)
 
 
 def _models_in(dataset: Path, settings: Settings, gripper: str) -> "Models":

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from egad.cli import common
-from egad.cli.repeat import run_trials
+from egad.cli.repeat import grasps_of, run_trials
 
 FOLDER = Path("trials")
 
@@ -63,7 +63,8 @@ def run(
     result = run_trials(
         "trials run",
         lambda targets: try_objects(
-            chosen.detector, targets, chosen, scaling, jobs, settings.keep_going
+            *(chosen.detector, targets, chosen, scaling, jobs, settings.keep_going),
+            grasps_of(detector, targets, chosen.gripper, scaling),
         ),
         *(chosen, scaling, gripper, (objects, units), (path, TRIALS)),
     )

@@ -94,12 +94,13 @@ class GraspCheck:
         return facts_html(f"{self.count} grasps: {self.verdict}", facts)
 
     def save(self, path: str | Path) -> None:
-        """Write the corrected grasps as plain poses: frame `x z`, depth 0, metres."""
+        """Write the corrected grasps as plain poses, with their frame, depth and unit."""
         if self.corrected is None:
             raise UserError(f"there is no single mistake, or there are over {MANY:,} grasps")
         file = self.corrected
-        known = {"poses": file.poses, "widths": file.widths}
+        known: dict[str, ArrayLike] = {"poses": file.poses, "widths": file.widths}
         known |= {"success": file.success, "score": file.score}
+        known |= {"frame": "x z", "depth": 0.0, "units": "m"}
         with atomic_output(as_path("path", path)) as temporary, temporary.open("wb") as stream:
             np.savez(stream, allow_pickle=False, **known)
 

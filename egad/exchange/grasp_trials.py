@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Flags, Floats
-from egad._util.display import table_html
 from egad._util.parameters import check_count
 from egad._util.progress import progress
 from egad._util.workers import workers
@@ -19,7 +18,7 @@ from egad.bench import RestingObject, put
 from egad.bench.scenes import STAND, settle_from
 from egad.bench.stats import Area, Kappa, Rate, area, cohen_kappa, engine_names, mean_rate, rate
 from egad.errors import UserError, check_name
-from egad.geometry import Bundle, Material, RayCaster, check_solid
+from egad.geometry import Bundle, Material, RayCaster
 from egad.grasps import Grasps, label_parameters, vectors
 from egad.grippers import Gripper, as_gripper, body_of, check_jaws
 from egad.sim import (
@@ -28,7 +27,6 @@ from egad.sim import (
     Lifting,
     Model,
     Pose,
-    SimulatedGrasp,
     SimulatedLabel,
     SimulatedLabelParameters,
     UnstableError,
@@ -81,10 +79,6 @@ class GraspTrials:
 
     def __repr__(self) -> str:
         return "\n".join(self._lines())
-
-    def _repr_html_(self) -> str:
-        title, *lines = self._lines()
-        return table_html(title, pd.DataFrame({"": lines}))
 
     @property
     def unit(self) -> str:
@@ -187,10 +181,9 @@ def try_grasps(
     """Try grasps in simulation, and compare the labels and scores of their file with the results.
 
     In free space, the fingers close on an object that floats without weight, and must hold it when
-    it is shaken, as for the labels of ACRONYM (Eppner 2021); a grasp fails at which the open hand
-    touches the object. On the table, it lies in that of its stable
-    poses of at least 5 % probability in which the approach points down most. The open hand comes
-    from 5 cm away, closes and retreats by 10 cm. A contact on the way is a failure.
+    it is shaken, as for the labels of ACRONYM (Eppner 2021). On a table, it lies in that of its
+    stable poses of at least 5 % probability in which the approach points down most; the open hand
+    comes from 5 cm away, closes and retreats by 10 cm. An open hand that touches the object fails.
 
     Args:
         grasps: What `egad.read_grasps` returns with this mesh and gripper, or sampled ones.
@@ -214,7 +207,6 @@ def try_grasps(
     check_engine(engine)
     if check_count("n", n) > MOST:
         raise UserError(f"n is {n}; allowed: a whole number from 1 to {MOST}")
-    check_solid(mesh)
     rows = np.linspace(0, len(grasps) - 1, min(n, len(grasps))).round().astype(np.int64)
     _ = grasps.quality, grasps.collision_free  # an error without them
     table = grasps[rows].to_frame().assign(id=name, label=name)
@@ -224,7 +216,8 @@ def try_grasps(
         trials=Lifting(),
         simulated_label=SimulatedLabel(engine=engine),
     )
-    work = partial(_try, at_rest=_object_at_rest(mesh, name), settings=settings)
+    model, stable = _object_at_rest(mesh, name)
+    work = partial(_try, model=model, stable=stable, settings=settings)
     chunks = [table.iloc[first : first + CHUNK] for first in range(0, len(table), CHUNK)]
     with workers(jobs) as mapper:
         tried = list(progress(mapper(work, chunks), "trying grasps", len(chunks)))
@@ -241,14 +234,8 @@ def fingertip_depths(mesh: trimesh.Trimesh, grasps: pd.DataFrame, gripper: Gripp
     return np.maximum(tip - palm - np.where(inside, 0.0, hits.distances), 0.0)
 
 
-class _AtRest(NamedTuple):
+def _object_at_rest(mesh: trimesh.Trimesh, name: str) -> tuple[Model, list[Pose]]:
     """An object, and the stable poses that it is put down in, slightly above the table."""
-
-    model: Model
-    poses: list[Pose]
-
-
-def _object_at_rest(mesh: trimesh.Trimesh, name: str) -> _AtRest:
     made = make_simulation_object(mesh, Material().density, Bundle(), name)
     model = model_of(made.mesh, made.parts, made.physics, made.volume_error)
     least = min(PROBABLE, max(each.probability for each in made.poses))
@@ -258,24 +245,22 @@ def _object_at_rest(mesh: trimesh.Trimesh, name: str) -> _AtRest:
             turn = each.rotation @ model.to_principal[:3, :3].T
             position = np.array([0.0, 0.0, each.height + STAND])
             poses.append(Pose(position, Rotation.from_matrix(turn).as_quat()))
-    return _AtRest(model, poses)
+    return model, poses
 
 
 def _try(
-    grasps: pd.DataFrame, at_rest: _AtRest, settings: SimulatedLabelParameters
+    grasps: pd.DataFrame, model: Model, stable: Sequence[Pose], settings: SimulatedLabelParameters
 ) -> pd.DataFrame:
     """Grasps with the columns of `TRIED_GRASPS` that simulation fills in."""
-    free = [SimulatedGrasp(Outcome.COLLIDED)] * len(grasps)
     fitting = np.flatnonzero(grasps["fits"])
-    simulated = simulate_grasps(at_rest.model, grasps.iloc[fitting], settings)
-    for row, each in zip(fitting, simulated, strict=True):
-        free[row] = each
-    tried = with_simulated_labels(grasps, np.arange(len(grasps)), free, settings)
+    free = simulate_grasps(model, grasps.iloc[fitting], settings)
+    tried = with_simulated_labels(grasps, fitting, free, settings)
+    tried["simulated_outcome"] = tried["simulated_outcome"].fillna(Outcome.COLLIDED.value)
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     poses = open_hand_poses(Grasps(grasps), gripper)
     engine = settings.simulated_label.engine
-    with open_world(engine, [at_rest.model], free_hand(gripper)) as world:
-        found = [_on_table(world, pose, at_rest.poses, gripper).value for pose in poses]
+    with open_world(engine, [model], free_hand(gripper)) as world:
+        found = [_on_table(world, pose, stable, gripper).value for pose in poses]
     return tried.assign(table_outcome=found)
 
 

@@ -44,8 +44,7 @@ def test_a_mistake_is_named_and_corrected(folder):
     assert done.returncode == 0, done.stderr
     assert "the poses are of the base of the hand" in done.stdout
     assert "multiply the poses of the file from the right by" in done.stdout
-    said = ("--frame", "x z", "--depth", "0", "--pose-units", "m")
-    done = run("grasps", "check", fixed, *common(folder), *said)
+    done = run("grasps", "check", fixed, *common(folder))
     assert done.stdout.startswith("no mistake found: ")
 
 
@@ -97,3 +96,18 @@ def test_unlabelled_grasps_and_wrong_options_are_refused(folder, tmp_path):
         "grasps", "convert", tmp_path / "a.npy", *common(folder), *said, "--to", "vgn", *out[2:]
     )
     assert "format 'vgn' is not known" in done.stderr
+
+
+def test_a_file_of_grasps_is_a_detector_that_knows_where_its_object_is(folder, tmp_path):
+    objects = tmp_path / "objects"
+    objects.mkdir()
+    (objects / "bar.obj").write_bytes((folder / "bar.obj").read_bytes())
+    options = ("--units", "m", "--gripper", "panda", "--rule", "none", "--jobs", "1")
+    for given in (folder / "grasp_data/panda/bar.json", folder / "grasp_data/panda"):
+        out = ("--attempts", "2", "--out", tmp_path / "tried.parquet")
+        done = run("trials", "run", f"grasps:{given}", "--objects", objects, *options, *out)
+        assert done.returncode == 0, done.stderr
+        assert "success" in done.stdout
+    (objects / "rod.obj").write_bytes((folder / "bar.obj").read_bytes())
+    done = run("trials", "run", f"grasps:{given}", "--objects", objects, *options, *out)
+    assert "there are no grasps of 'rod'; there are some of bar" in done.stderr

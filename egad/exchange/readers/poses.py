@@ -1,7 +1,8 @@
 """Plain poses: `poses` (n, 4, 4) of an NPZ or NPY file, or a CSV file with quaternions.
 
-An NPZ file may have `widths`, `success` and `score`, (n,). The columns of a CSV file are `x`, `y`,
-`z`, `qx`, `qy`, `qz`, `qw`, and optionally `width`, `success` and `score`.
+An NPZ file may have `widths`, `success` and `score`, (n,), and say `frame`, `depth` and `units`.
+The columns of a CSV file are `x`, `y`, `z`, `qx`, `qy`, `qz`, `qw`, and optionally `width`,
+`success` and `score`.
 """
 
 import numpy as np
@@ -14,7 +15,10 @@ REFERENCE = ""  # that of the mesh, unless the caller says otherwise
 
 
 def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
-    """All grasps; their frame, depth and unit must be told."""
+    """All grasps; the file or the caller must say their frame, depth and unit."""
+    for name in ("frame", "depth", "units"):
+        if getattr(options, name) is None and np.ndim(content.get(name, [])) == 0:
+            options = options._replace(**{name: content[name].item()})
     frame = options.needed("frame", "plain poses do not say which frame they are of")
     depth = options.needed("depth", "plain poses do not say where the contacts are")
     unit = files.UNITS[options.needed("units", "plain poses do not say in which unit they are")]
