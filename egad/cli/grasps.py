@@ -1,5 +1,8 @@
 """Grasps that other programs wrote: checked, converted, and tried in simulation."""
 
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import reduce
 from operator import add
 from pathlib import Path
@@ -32,7 +35,18 @@ Reference = Annotated[Path | None, typer.Option(help=REFERENCE)]
 ObjectId = Annotated[str | None, typer.Option(help="object, segment or scene of the file")]
 
 
+@contextmanager
+def _options_named() -> Iterator[None]:
+    """Errors of a command name its options where those of the library name arguments."""
+    try:
+        yield
+    except UserError as error:
+        text = str(error).replace("`units`", "--pose-units").replace("`object_id`", "--object-id")
+        raise UserError(re.sub("`(frame|depth|reference)`", r"--\1", text)) from error
+
+
 @grasps.command()
+@_options_named()
 def check(
     file: File,
     mesh: Mesh,
@@ -45,6 +59,7 @@ def check(
     object_id: ObjectId = None,
     units: common.Units = None,
     fix: Annotated[Path | None, typer.Option(help="corrected grasps to write: .npz")] = None,
+    picture: Annotated[Path | None, typer.Option(help="ten grasps to draw: .svg")] = None,
     config: common.Config = None,
 ) -> None:
     """Name what is wrong with a file of grasps: axes, depth, units, frame of the object, ..."""
@@ -52,15 +67,19 @@ def check(
     from egad.io import check_ending
 
     check_ending(fix, (".npz",))
+    check_ending(picture, (".svg",))
     said = _said(frame, depth, pose_units, reference, object_id)
     found = check_grasps(file, *_object(mesh, units, gripper, config), format_name, **said)
     typer.echo(repr(found))
     if fix is not None:
         found.save(fix)
         typer.echo(f"{fix}: the corrected grasps")
+    if picture is not None:
+        found.plot().save(picture)
 
 
 @grasps.command()
+@_options_named()
 def convert(
     file: File,
     mesh: Mesh,
@@ -88,6 +107,7 @@ def convert(
 
 
 @grasps.command("try")
+@_options_named()
 def try_files(
     files: Annotated[list[Path], typer.Argument(help="files of grasps")],
     meshes: Annotated[

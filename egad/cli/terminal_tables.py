@@ -287,18 +287,10 @@ def clearing_compared(pairs: Mapping[str, Sequence[ClearingComparison]]) -> None
 
 
 def terciles(table: pd.DataFrame) -> None:
-    """Print labels against simulation in free space by terciles of a length: `GraspTrials.by`."""
-    show(
-        [f"by {table.columns[0]}", "mm", "grasps", "labelled %", "simulated %", "agreement %"],
-        [
-            (
-                *(name, f"{1000 * low:.1f} to {1000 * high:.1f}", str(count)),
-                *(number(100 * rate, 0) for rate in rates),
-            )
-            for name, low, high, count, *rates in table.itertuples(index=False)
-        ],
-        without_empty=True,
-    )
+    """Print labels against simulation by terciles of a length, metres: `GraspTrials.by`."""
+    texts = table.map(lambda each: each if isinstance(each, str) else f"{each:.3g}")
+    rows = texts.where(table.notna(), DASH).itertuples(index=False)
+    show([f"by {table.columns[0]}, m", *table.columns[1:]], rows, without_empty=True)
 
 
 def outcome_list(table: pd.DataFrame) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from egad._util.arrays import Flags, Floats, Ints
-from egad._util.display import facts_html
+from egad._util.display import Picture, draw, facts_html
 from egad._util.files import as_path, atomic_output
 from egad._util.progress import phase_if_slow
 from egad.errors import UserError
@@ -31,7 +31,7 @@ WORDS = {"mm": "millimetres", "cm": "centimetres", "inch": "inches"}
 SCALES = 1.1 ** np.arange(-35.0, 36.0)
 UNITS = {name: METRES[unit] for unit, name in WORDS.items()}
 MANY = 50_000  # grasps that are changed
-MOST, SOME, FEW = 2000, 200, 60  # grasps that explanations are tried on
+MOST, SOME, FEW, SHOWN = 2000, 200, 60, 10  # grasps that explanations are tried on, or drawn
 WORK = 2e7  # triangles times grasps of one explanation, at most
 LEAST, GAIN = 0.3, 0.1  # share that fits if it is read right, and by which a mistake must raise it
 PLATEAU = 0.05  # of the share, within which depths and scales are as good
@@ -70,6 +70,12 @@ class GraspCheck:
     matrix: Floats | None = None
     side: str = ""
     corrected: FileGrasps | None = None
+    # the object, ten of the grasps as read and corrected, (10, 4, 4), and the hand
+    drawn: tuple[trimesh.Trimesh, dict[str, Floats], Gripper] | None = None
+
+    def plot(self) -> Picture:
+        """Draw ten of the grasps around the object: as read, and corrected if they are."""
+        return draw("grasps", "hands_chart", *(self.drawn or ()))
 
     def __repr__(self) -> str:
         own = f"{self.shares[AS_READ]:.0%} of {self.count} grasps fit as read"
@@ -146,7 +152,12 @@ def check_grasps(
         *_turned_and_shifted(trial, file, known),
     ]
     found = _judged(trial, exact, fitted)
-    return replace(found, corrected=found.corrected if stride == 1 else None)
+    files = {f"{AS_READ}: {found.shares[AS_READ]:.0%} fit": file}
+    if found.corrected is not None:
+        files[f"corrected: {found.shares[found.mistakes[0]]:.0%} fit"] = found.corrected
+    shown = {title: trial.sample(each, SHOWN).poses for title, each in files.items()}
+    corrected = found.corrected if stride == 1 else None
+    return replace(found, corrected=corrected, drawn=(mesh, shown, options.gripper.gripper))
 
 
 def _take(file: FileGrasps, rows: Ints | slice) -> FileGrasps:

@@ -47,6 +47,7 @@ from egad.tables.outcomes import SIMULATION_FAILURES, Outcome
 Place = Literal["free", "table"]
 OUTCOMES: dict[Place, str] = {"free": "simulated_outcome", "table": "table_outcome"}
 SUCCESSES: dict[Place, Sequence[str]] = {"free": SHAKEN_AND_HELD, "table": (Outcome.SUCCESS,)}
+WHERE: dict[Place, str] = {"free": "in free space", "table": "on a table"}
 RATINGS = ("source_score", "quality", "robust_quality")
 MOST = 1000  # grasps of a file
 CHUNK = 20  # grasps that a process tries at once
@@ -57,19 +58,19 @@ TERCILES = ("low", "middle", "high")
 class GraspTrials:
     """Grasps that were tried in simulation.
 
-    `first + second` are the grasps of several objects; intervals are then over objects, and
-    otherwise over grasps.
+    `first + second` are the grasps of several objects.
 
     Attributes:
         table: One row per grasp: the columns of labelled grasps (`results/README.md`);
-            `simulated_outcome` in free space and `table_outcome`; `source_success` and
-            `source_score` of the file; and `depth`, how far the fingertips reach below the surface
-            between the fingers, metres.
+            `simulated_outcome`, in free space, and `table_outcome`; `source_success` and
+            `source_score`; and `depth` of the fingertips below the surface between them, metres.
+        unit: What intervals are over: `objects`, or `grasps` if there is one object.
     """
 
     def __init__(self, table: pd.DataFrame) -> None:
         """Wrap a table with the columns of `tables.grasping.TRIED_GRASPS`."""
         self.table = table.reset_index(drop=True)
+        self.unit = "objects" if table["label"].nunique() > 1 else "grasps"
 
     def __len__(self) -> int:
         return len(self.table)
@@ -79,11 +80,6 @@ class GraspTrials:
 
     def __repr__(self) -> str:
         return "\n".join(self._lines())
-
-    @property
-    def unit(self) -> str:
-        """What intervals are over: `objects`, or `grasps` if there is one object."""
-        return "objects" if self.table["label"].nunique() > 1 else "grasps"
 
     def rate(self, place: Place = "free") -> Rate:
         """How often grasps held the object when it was shaken, `free`, or lifted off a `table`."""
@@ -99,12 +95,7 @@ class GraspTrials:
         return cohen_kappa(labels[known], success[known], self._groups(tried)[known])
 
     def area(self, rating: str = "source_score", place: Place = "free") -> Area:
-        """Area under the ROC curve of a rating that predicts simulated success.
-
-        Args:
-            rating: `source_score`, `quality` or `robust_quality`.
-            place: `free` or `table`.
-        """
+        """Area under the ROC curve of `source_score`, `quality` or `robust_quality` as a rating."""
         check_name("rating", rating, RATINGS)
         tried, success = self._tried(place)
         values = tried[rating].to_numpy(np.float64)
@@ -146,8 +137,7 @@ class GraspTrials:
         engine = engine_names(self.table.assign(engine=self.table["simulated_engine"]))
         yield f"{len(self)} grasps in {engine}, {free} collision-free"
         for place in OUTCOMES:
-            where = "in free space" if place == "free" else "on a table"
-            yield f"{where}: success {self.rate(place)}"
+            yield f"{WHERE[place]}: success {self.rate(place)}"
             found = self.agreement(place)
             if found.agreement.attempts:
                 yield (
@@ -157,15 +147,12 @@ class GraspTrials:
                 )
             areas = {name: self.area(name, place) for name in RATINGS}
             known = [f"{n} {_estimate(a)}" for n, a in areas.items() if np.isfinite(a.value)]
-            if known:
-                yield f"  area under the ROC curve: {', '.join(known)}"
+            yield f"  area under the ROC curve: {', '.join(known) or 'all alike'}"
 
 
 def _estimate(found: Kappa | Area) -> str:
-    """A value with its interval, if it has one."""
-    value = f"{found.value:.2f}"
     low, high = found.interval
-    return value if np.isnan(low) else f"{value} ({low:.2f} to {high:.2f})"
+    return f"{found.value:.2f}" + ("" if np.isnan(low) else f" ({low:.2f} to {high:.2f})")
 
 
 def try_grasps(

@@ -6,16 +6,21 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+import trimesh
 from matplotlib.axes import Axes
 
+from egad._util.arrays import Floats
+from egad.grippers import Gripper
 from egad.measures import summarize
 from egad.report.colors import FAINT, INK, SOFT, line_color
 from egad.report.drawing import THOUSANDTHS, new_figure, show_percent
 from egad.report.page import svg_uri
+from egad.report.pictures import CAMERA, FILL, render
 
 COLUMNS = 3
 WIDTH, HEIGHT = 3.2, 3.7
 QUARTILES = [0.25, 0.5, 0.75]
+STEM, AROUND = 0.03, np.array([-0.07, 0.07])  # metres: behind a palm, around an object
 
 
 @dataclass(frozen=True)
@@ -107,6 +112,27 @@ def _draw_histograms(axes: Axes, values: Mapping[str, "pd.Series[float]"]) -> No
     axes.set_ylim(bottom=0)
     show_percent(axes.yaxis)
     axes.grid(axis="y")
+
+
+def hands_chart(mesh: trimesh.Trimesh, hands: Mapping[str, Floats], gripper: Gripper) -> str:
+    """SVG of an object, metres, with open hands at poses (n, 4, 4): a panel for each title."""
+    seen = (mesh.vertices @ CAMERA.T)[:, :2]
+    middle, picture = (seen.min(axis=0) + seen.max(axis=0)) / 2, render(mesh, 480)
+    reach = np.ptp(seen, axis=0).max() / 2 / FILL
+    (palm, tip), half = gripper.kind.span, gripper.opening / 2
+    outline = [[-half, tip], [-half, palm], [0, palm], [0, palm - STEM], [0, palm], [half, palm]]
+    points = np.insert([*outline, [half, tip]], 1, 0, axis=1)
+    with new_figure(4.3 * len(hands), 4.3) as drawing:
+        panels = drawing.figure.subplots(1, len(hands), squeeze=False)[0]
+        for axes, (title, poses) in zip(panels, hands.items(), strict=True):
+            x, y = (center + np.array([-reach, reach]) for center in middle)
+            axes.imshow(picture, extent=(*x, *y))
+            axes.set(xlim=x + AROUND, ylim=y + AROUND, title=title)
+            axes.set_axis_off()
+            for number, pose in enumerate(poses):
+                line = (points @ pose[:3, :3].T + pose[:3, 3]) @ CAMERA.T
+                axes.plot(*line[:, :2].T, color=line_color(number), lw=1.6)
+    return drawing.svg
 
 
 def size_chart(table: pd.DataFrame) -> str:

@@ -40,10 +40,14 @@ def common(folder):
 
 def test_a_mistake_is_named_and_corrected(folder):
     file, fixed = folder / "grasp_data/panda/bar.json", folder / "fixed.npz"
-    done = run("grasps", "check", file, *common(folder), "--depth", "0.001", "--fix", fixed)
+    drawn = ("--picture", folder / "ten.svg")
+    done = run("grasps", "check", file, *common(folder), "--depth", "0.001", "--fix", fixed, *drawn)
     assert done.returncode == 0, done.stderr
     assert "the poses are of the base of the hand" in done.stdout
     assert "multiply the poses of the file from the right by" in done.stdout
+    picture = (folder / "ten.svg").read_text()
+    assert "as read: 0% fit" in picture
+    assert "corrected: " in picture
     done = run("grasps", "check", fixed, *common(folder))
     assert done.stdout.startswith("no mistake found: ")
 
@@ -74,7 +78,7 @@ def test_grasps_are_tried_and_compared_with_the_labels_of_their_file(folder, tmp
     both = int(((table["simulated_outcome"] == "success") & (table["source_success"] == 1)).sum())
     assert f"both succeed {both}, only the label" in done.stdout
     assert "by depth" in done.stdout
-    assert "labelled %" in done.stdout
+    assert "labelled" in done.stdout
     done = run("grasps", "try", file, file, *common(folder), *options)
     assert "--mesh is given 1 times; allowed: once for each file" in done.stderr
     done = run("grasps", "try", file, *common(folder), "--engine", "bullet")
@@ -89,6 +93,11 @@ def test_unlabelled_grasps_and_wrong_options_are_refused(folder, tmp_path):
         done = run("grasps", "convert", tmp_path / "a.npy", *common(folder), *said, *out)
     assert "acronym needs the label of each grasp" in done.stderr
     assert not (tmp_path / "out").exists()
+    for missing, option in (("--frame", "--frame"), ("--pose-units", "--pose-units")):
+        at = said.index(missing)
+        rest = said[:at] + said[at + 2 :]
+        done = run("grasps", "check", tmp_path / "a.npy", *common(folder), *rest)
+        assert f": give {option}, " in done.stderr
     none = ("--reference", tmp_path / "none.txt")
     done = run("grasps", "check", tmp_path / "a.npy", *common(folder), *said, *none)
     assert "--reference" in done.stderr

@@ -129,7 +129,7 @@ def test_what_cannot_be_tried_is_refused(read, tmp_path):
     with pytest.raises(UserError, match="n is 1001; allowed: a whole number from 1 to 1000"):
         egad.try_grasps(read, CUBE, "panda", n=1001)
     with pytest.raises(UserError, match="rating 'speed' is not known"):
-        GraspTrials(read.to_frame()).area("speed")
+        GraspTrials(read.to_frame().assign(label="cube")).area("speed")
     np.savez(tmp_path / "a.npz", poses=np.eye(4)[None], widths=[0.04])
     said = {"frame": "x z", "depth": 0, "units": "m"}
     with pytest.raises(UserError, match="no quality: it is computed"):

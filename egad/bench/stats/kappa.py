@@ -35,23 +35,17 @@ def cohen_kappa(first: Flags, second: Flags, groups: Names) -> Kappa:
     """Agreement of two labels (n,) of items; the interval resamples the groups (n,) of items."""
     names, owner = np.unique(groups, return_inverse=True)
     cells = [first & second, first & ~second, ~first & second, ~first & ~second]
-    counts = [np.bincount(owner[cell], minlength=len(names)) for cell in cells]
+    counts = np.stack([np.bincount(owner[cell], minlength=len(names)) for cell in cells])
 
     def kappas(drawn: Ints) -> Floats:
-        return _kappa(*(each[drawn].sum(axis=-1) for each in counts))
-
-    value = float(kappas(np.arange(len(names))))
-    both, only_first, only_second, neither = (int(each.sum()) for each in counts)
-    interval = bootstrap(kappas, len(names))
-    return Kappa(both, only_first, only_second, neither, value, interval)
-
-
-def _kappa(both: Ints, only_first: Ints, only_second: Ints, neither: Ints) -> Floats:
-    """Kappa of counts, (draws,) or numbers; NaN where chance alone agrees always, or none are."""
-    total = both + only_first + only_second + neither
-    with np.errstate(invalid="ignore", divide="ignore"):
-        agreed = (both + neither) / total
+        both, only_first, only_second, neither = (each[drawn].sum(axis=-1) for each in counts)
+        total = both + only_first + only_second + neither
         yes = (both + only_first) * (both + only_second)
         no = (only_second + neither) * (only_first + neither)
-        chance = (yes + no) / total**2
-        return np.asarray((agreed - chance) / np.where(chance < 1, 1 - chance, np.nan))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            agreed, chance = (both + neither) / total, (yes + no) / total**2
+            return np.asarray((agreed - chance) / np.where(chance < 1, 1 - chance, np.nan))
+
+    both, only_first, only_second, neither = counts.sum(axis=1).tolist()
+    value, interval = float(kappas(np.arange(len(names)))), bootstrap(kappas, len(names))
+    return Kappa(both, only_first, only_second, neither, value, interval)
