@@ -18,7 +18,7 @@ from egad.bench.clearing import Cleared, check_detector, clear_rounds
 from egad.bench.parameters import CellErrors, Clutter, ClutterParameters, hand_of
 from egad.bench.preparation import (
     SceneObject,
-    grasps_to_use,
+    labels_from,
     lazy_objects,
     models_of,
     prepare_objects,
@@ -209,7 +209,7 @@ def run_benchmark(
     if not isinstance(known, DetectorConfig):
         wanted_input(known)
     targets = named_meshes(objects)
-    labelled = grasps_to_use(grasps, known, rule, targets)
+    labelled = labels_from(grasps, known, rule, targets)
     return try_tables(known, targets, settings, rule, jobs, keep_going, labelled)
 
 

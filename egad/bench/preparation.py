@@ -123,7 +123,7 @@ def prepare_objects(
     return usable
 
 
-def grasps_to_use(
+def labels_from(
     grasps: Mapping[str, Grasps] | None, detect: Detect, rule: str, targets: Sequence[NamedMesh]
 ) -> Mapping[str, pd.DataFrame] | None:
     """Grasps by id from those by label, the argument of a public function; `UserError`."""

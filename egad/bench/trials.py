@@ -14,7 +14,7 @@ from egad._util.progress import progress
 from egad._util.workers import workers
 from egad.bench.attempts import failed_attempts, run_attempts
 from egad.bench.parameters import CellErrors, TrialParameters, TrialProtocol, hand_of
-from egad.bench.preparation import Labelled, grasps_to_use, prepare_object
+from egad.bench.preparation import Labelled, labels_from, prepare_object
 from egad.bench.stats import Comparison, Mean, by_object, compare, engine_names, mean_rate, results
 from egad.detectors import (
     IN_ANY_DIRECTION,
@@ -181,7 +181,7 @@ def run_trials(
         raise more_than_a_view(detect, "more")
     known = as_detector(detect, BY_NAME)
     targets = named_meshes(objects)
-    labelled = grasps_to_use(grasps, known, rule, targets)
+    labelled = labels_from(grasps, known, rule, targets)
     return try_objects(known, targets, parameters, rule, jobs, keep_going, labelled)
 
 

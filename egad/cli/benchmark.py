@@ -20,7 +20,7 @@ from egad.cli.common import (
     out_option,
     settings_to_try,
 )
-from egad.cli.repeat import grasps_of, run_trials
+from egad.cli.repeat import run_trials
 
 FOLDER = Path("benchmark")
 
@@ -79,11 +79,10 @@ def benchmark(
         films.mkdir(exist_ok=True)
     result = run_trials(
         "benchmark",
-        lambda targets: try_tables(
-            *(chosen.detector, targets, chosen, scaling, jobs, settings.keep_going),
-            grasps_of(detector, targets, chosen.gripper, scaling),
+        lambda targets, grasps: try_tables(
+            chosen.detector, targets, chosen, scaling, jobs, settings.keep_going, grasps
         ),
-        *(chosen, scaling, gripper, (objects, units), (path, CLUTTER)),
+        *(chosen, scaling, gripper, (objects, units), (path, CLUTTER), detector),
     )
     cleared({name: result.rates()}, {name: engine_names(result.table)})
     typer.echo(f"protocol: {settings.clutter.protocol.name}")

@@ -46,12 +46,13 @@ RunGripper = Annotated[
 
 def run_trials(
     command: str,
-    work: Callable[[list["NamedMesh"]], Result],
+    work: Callable[[list["NamedMesh"], "Mapping[str, pd.DataFrame] | None"], Result],
     settings: "TrialParameters | ClutterParameters",
     rule: str,
     gripper: str,
     objects: tuple[str, str | None],
     out: tuple[Path, "pa.Schema"],
+    detector: str,
 ) -> Result:
     """Simulate trials of `--objects` with `--units`; write the table, and a note to repeat it."""
     from egad.detectors import keep_failure
@@ -59,6 +60,7 @@ def run_trials(
     from egad_workflow.provenance import recorded
 
     targets, files = objects_in(*objects)
+    labels, read = _known_grasps(detector, targets, settings.gripper, rule)
     path, schema = out
     arguments = {"objects": Path(objects[0]).name, "rule": rule}
     values = settings.model_dump(mode="json", exclude={"detector", "gripper"})
@@ -66,36 +68,36 @@ def run_trials(
     named = {"objects": objects[0], "units": objects[1], "gripper": gripper, "hand": hand}
     note = {NOTE: {**named, "settings": {**values, "rescale": {"rule": rule}}}}
     with (
-        recorded(command, settings=settings, inputs=files, arguments=arguments),
+        recorded(command, settings=settings, inputs=files + read, arguments=arguments),
         keep_failure(path),
     ):
         path.parent.mkdir(exist_ok=True)
-        result = work(targets)
+        result = work(targets, labels)
         parquet.write(result.table, schema, path, note)
     return result
 
 
-def grasps_of(
+def _known_grasps(
     detector: str, targets: list["NamedMesh"], gripper: Gripper, rule: str
-) -> "Mapping[str, pd.DataFrame] | None":
-    """The grasps by id of a detector grasps:FILE or grasps:FOLDER; None of any other detector."""
+) -> "tuple[Mapping[str, pd.DataFrame] | None, list[Path]]":
+    """The grasps by id of grasps:FILE or grasps:FOLDER, and files; None of any other detector."""
     from egad.bench.preparation import grasps_by_id
     from egad.exchange.reading import read_grasps
     from egad.objects import scaled_solid
 
     if not detector.startswith(GRASPS):
-        return None
+        return None, []
     path = Path(detector.removeprefix(GRASPS))
     files = {targets[0].label: path}
     if path.is_dir():
         files = {each.stem: each for each in sorted(path.iterdir())}
     hand = next((name for name, each in GRIPPERS.items() if each == gripper), gripper)
-    known = {
+    read = {
         each.label: read_grasps(files[each.label], None, scaled_solid(each, gripper, rule), hand)
         for each in targets
         if each.label in files
     }
-    return grasps_by_id(known, targets)
+    return grasps_by_id(read, targets), [files[label] for label in read]
 
 
 def _models_in(dataset: Path, settings: Settings, gripper: str) -> "Models":

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from egad.cli import common
-from egad.cli.repeat import grasps_of, run_trials
+from egad.cli.repeat import run_trials
 
 FOLDER = Path("trials")
 
@@ -62,11 +62,10 @@ def run(
     chosen = select(settings, SimulatedTrials, gripper, name)
     result = run_trials(
         "trials run",
-        lambda targets: try_objects(
-            *(chosen.detector, targets, chosen, scaling, jobs, settings.keep_going),
-            grasps_of(detector, targets, chosen.gripper, scaling),
+        lambda targets, grasps: try_objects(
+            chosen.detector, targets, chosen, scaling, jobs, settings.keep_going, grasps
         ),
-        *(chosen, scaling, gripper, (objects, units), (path, TRIALS)),
+        *(chosen, scaling, gripper, (objects, units), (path, TRIALS), detector),
     )
     succeeded({path.stem: result.success_rate()}, {path.stem: simulated_in(result.table)})
     typer.echo(f"outcomes: {outcome_list(result.table)}")

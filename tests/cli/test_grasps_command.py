@@ -11,6 +11,7 @@ from egad.exchange.grasps.graspgen import graspgen_hand, start_graspgen, write_g
 from egad.grippers import gripper
 from egad.io import write_obj
 from egad.tables.grasping import MOTIONS
+from egad_workflow.provenance import origin_of
 
 
 @pytest.fixture(scope="module")
@@ -117,6 +118,8 @@ def test_a_file_of_grasps_is_a_detector_that_knows_where_its_object_is(folder, t
         done = run("trials", "run", f"grasps:{given}", "--objects", objects, *options, *out)
         assert done.returncode == 0, done.stderr
         assert "success" in done.stdout
+        sources = origin_of(tmp_path / "tried.parquet").sources()
+        assert {path.name.rpartition(":")[2] for path, _ in sources} == {"bar.obj", "bar.json"}
     (objects / "rod.obj").write_bytes((folder / "bar.obj").read_bytes())
     done = run("trials", "run", f"grasps:{given}", "--objects", objects, *options, *out)
     assert "there are no grasps of 'rod'; there are some of bar" in done.stderr
