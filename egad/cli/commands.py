@@ -17,7 +17,6 @@ from egad.cli.genome import genome
 from egad.cli.grasps import grasps
 from egad.cli.gripper import gripper
 from egad.cli.hands import hands
-from egad.cli.heatmap import heatmap
 from egad.cli.locate import locate
 from egad.cli.log_sheet import log_sheet
 from egad.cli.measure import measure
@@ -30,7 +29,7 @@ from egad.cli.trials import trials
 from egad.cli.view import view
 
 GROUPS: dict[str, Sequence[Callable[..., None] | typer.Typer]] = {
-    "Objects": (measure, similarity, locate, genome, export_meshes, bundle, heatmap),
+    "Objects": (measure, similarity, locate, genome, export_meshes, bundle),
     "Grasps and grippers": (rescale, view, size_effect, grasps, gripper, hands, design),
     "Detectors": (benchmark, failures, train, trials, log_sheet),
     "Files and runs": (export, check_config, provenance, verify),

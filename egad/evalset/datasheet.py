@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from egad._util.markdown import table
+from egad._util.markdown import filled, table
 from egad.evalset.filament import print_settings
 from egad.evalset.parameters import PrintExport
 from egad.evalset.selection import in_grid
@@ -45,25 +45,6 @@ OBJECTS = (
     "distance to the nearest",
 )
 PRINTED = ("label", "scale", "size, mm", "mass, g", "best quality, 1e-3", "plate", "note")
-REPORTING = """
-## How to report results
-
-1. Print the objects for your gripper: {settings}.
-   Objects that are not printable at their size are named above; leave them out and say so.
-2. As in the paper, make {attempts} attempts at each object: drop it alone into the workspace, let
-   the detector choose one grasp, close the gripper and lift. The attempt succeeds if the object is
-   held until the end. Put the object back at random between attempts, and count every attempt,
-   including aborted ones.
-3. Write every attempt into a copy of `trials.csv`: `success` is 1 or 0. Optionally, `outcome` is
-   success, slipped, dropped, missed, collided, no_grasp, failed or other, and `detector` is the
-   name of the detector. `egad trials report` reads the file, `egad trials compare` compares it
-   with others. The page of `egad log-sheet` writes such a file too, attempt by attempt in a random
-   order.
-4. Report the success rate over all attempts and for each object, row and column, the gripper with
-   its opening, the scale rule and the factors, the filament and the friction of the fingers, the
-   sensor, and the version of the detector. With {attempts} attempts, the rate of one object is
-   uncertain by up to 22 points (95 %); compare detectors over the whole set.
-"""
 
 
 def page(
@@ -72,14 +53,12 @@ def page(
     empty: list[str],
     grippers: Mapping[str, ForGripper],
     export: PrintExport,
-    introduction: str = "",
 ) -> str:
     """The datasheet as Markdown, from rows of `EVAL49` and data for each gripper.
 
-    `empty` has the labels of cells without an object; the introduction says what the rows and
-    columns are.
+    `empty` has the labels of cells without an object.
     """
-    head = introduction or _introduction(dataset, chosen, empty)
+    head = _introduction(dataset, chosen, empty)
     rows = [
         (
             row["label"],
@@ -94,7 +73,8 @@ def page(
     ]
     names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
     tables = [_gripper_section(name, each, names) for name, each in grippers.items()]
-    reporting = REPORTING.format(settings=print_settings(export), attempts=ATTEMPTS)
+    how = {"settings": print_settings(export), "attempts": ATTEMPTS}
+    reporting = "\n" + filled(__package__, "reporting.md", **how)
     return "\n".join([head, table(OBJECTS, rows) + "".join(tables) + reporting])
 
 

@@ -24,7 +24,6 @@ def write_datasheet(
     manifests: list[Path],
     grasps: list[Path],
     out: Path,
-    introduction: str = "",
 ) -> None:
     """Write the datasheet of an evaluation set, a contact sheet, and an empty table of attempts."""
     chosen = parquet.read(evaluation, EVAL49)
@@ -33,7 +32,7 @@ def write_datasheet(
         for gripper, manifest, labelled in zip(grippers, manifests, grasps, strict=True)
     }
     empty = empty_cells(chosen, settings.select_eval) if in_grid(chosen["label"]) else []
-    text = page(dataset, chosen, empty, known, settings.print_export, introduction)
+    text = page(dataset, chosen, empty, known, settings.print_export)
     first = grippers[0]
     title = f"{dataset}, scaled for {first}"
     picture = _sheet(settings, title, chosen, known[first].manifest, manifests[0].parent)

@@ -54,12 +54,12 @@ def test_help_lists_what_people_call_and_no_stage_of_the_workflow():
 def test_a_damaged_table_is_one_sentence_without_a_traceback(tmp_path):
     broken = tmp_path / "archive.parquet"
     broken.write_bytes(b"PAR1 and then nothing")
-    result = egad("heatmap", broken, "--out", tmp_path / "map.svg")
+    result = egad("export-meshes", broken, "--out", tmp_path / "meshes")
     assert result.returncode == 1
     assert "archive.parquet: not a readable Parquet file" in result.stderr
     assert "delete it and run again" in result.stderr
     assert "Traceback" not in result.stderr
-    assert not (tmp_path / "map.svg").exists()
+    assert not (tmp_path / "meshes").exists()
 
 
 def unboxed(said):

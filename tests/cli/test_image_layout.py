@@ -46,20 +46,16 @@ def contents(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
-@pytest.mark.parametrize("layout", ["jacquard", "cornell"])
-def test_the_same_bytes_every_time(dataset, tmp_path, layout):
+def test_the_same_bytes_every_time(dataset, tmp_path):
     for name in ("one", "two"):
-        assert exported(dataset, tmp_path / name, layout) == ""
+        assert exported(dataset, tmp_path / name, "jacquard") == ""
     assert contents(tmp_path / "one") == contents(tmp_path / "two")
     assert "SHA256SUMS" in contents(tmp_path / "one")
 
 
-@pytest.mark.parametrize(
-    ("layout", "ending"), [("jacquard", "_grasps.txt"), ("cornell", "cpos.txt")]
-)
-def test_every_split_has_a_folder_with_its_objects(dataset, tmp_path, layout, ending):
-    assert exported(dataset, tmp_path / "out", layout) == ""
-    files = [name for name in contents(tmp_path / "out") if name.endswith(ending)]
+def test_every_split_has_a_folder_with_its_objects(dataset, tmp_path):
+    assert exported(dataset, tmp_path / "out", "jacquard") == ""
+    files = [name for name in contents(tmp_path / "out") if name.endswith("_grasps.txt")]
     assert len(files) == 6
     for name in files:
         split, label, _ = name.split("/")
@@ -79,7 +75,7 @@ def test_half_written_and_missing_images_are_named(dataset, tmp_path):
     kept = missing.read_bytes()
     missing.unlink()
     try:
-        said = exported(dataset, tmp_path / "out", "cornell")
+        said = exported(dataset, tmp_path / "out", "jacquard")
     finally:
         missing.write_bytes(kept)
     assert "incomplete, images-1.parquet of 2 shards missing" in said

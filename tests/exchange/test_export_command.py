@@ -102,7 +102,7 @@ def test_objects_of_a_run_are_not_chosen_without_one(archive, tmp_path, source):
 
 def test_what_needs_a_run_says_how_to_make_it(tmp_path):
     out = tmp_path / "out.hdf5"
-    for style, file in (("dexnet", "grasps/yumi.parquet"), ("cornell", "images/yumi/card.md")):
+    for style, file in (("dexnet", "grasps/yumi.parquet"), ("jacquard", "images/yumi/card.md")):
         done = egad("export", "released", "--gripper", GRIPPER, "--format", style, "--out", out)
         assert done.returncode == 1
         assert "snakemake --cores 2 --configfile config/released.yaml -- results" in done.stderr

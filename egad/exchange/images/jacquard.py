@@ -3,29 +3,39 @@
 Depierre, Dellandréa and Chen, "Jacquard: a large scale dataset for robotic grasp detection", 2018.
 """
 
+import logging
 from collections.abc import Iterable
-from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from egad.errors import UserError
-from egad.exchange.pictures import write_by_split, write_depth, write_mask
 from egad.grippers import Gripper
-from egad.learning.images import RenderedImage
+from egad.learning.images import SPLITS, RenderedImage
 
 Kind = TypeVar("Kind", np.float32, np.bool_)
 SIDE = 1024  # pixels of the images, which readers rely on
+NOTHING = 0.0  # what readers take for a missing depth
+
+log = logging.getLogger(__name__)
 
 
 def write(pictures: Iterable[RenderedImage], gripper: Gripper, folder: Path) -> int:
-    """Write a set of images, a folder for each split."""
-    return write_by_split(pictures, folder, partial(write_image, gripper=gripper))
+    """Write a set of images, a folder for each split, and return how many."""
+    for split in SPLITS:
+        (folder / split).mkdir()
+    count = 0
+    for picture in pictures:
+        write_image(picture, folder / picture.split, gripper)
+        count += 1
+    log.info("%d images", count)
+    return count
 
 
-def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
+def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> None:
     """Write `I_LABEL_perfect_depth.tiff`, `I_LABEL_mask.png` and the free `I_LABEL_grasps.txt`."""
     height, width = picture.depth.shape
     if height != width:
@@ -34,8 +44,11 @@ def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
     place.mkdir(parents=True, exist_ok=True)
     name = f"{picture.image}_{picture.label}"
     scale = SIDE / width
-    write_depth(_enlarged(picture.depth), place / f"{name}_perfect_depth.tiff")
-    write_mask(_enlarged(picture.mask > 0), place / f"{name}_mask.png")
+    depth = _enlarged(np.where(np.isfinite(picture.depth), picture.depth, np.float32(NOTHING)))
+    tiff = Image.fromarray(depth)
+    tiff.save(place / f"{name}_perfect_depth.tiff", "tiff", compression="tiff_adobe_deflate")
+    mask = np.where(_enlarged(picture.mask > 0), np.uint8(255), np.uint8(0))
+    Image.fromarray(mask).save(place / f"{name}_mask.png", "png")
     grasps = picture.grasps.chosen(picture.grasps.collision_free)
     breadth = gripper.finger_width * picture.view.intrinsics.focal / grasps.depth_center
     columns = [
@@ -47,7 +60,6 @@ def write_image(picture: RenderedImage, folder: Path, gripper: Gripper) -> bool:
     ]
     lines = [";".join(f"{value:.6g}" for value in row) for row in np.transpose(columns)]
     (place / f"{name}_grasps.txt").write_text("".join(f"{line}\n" for line in lines))
-    return True
 
 
 def _enlarged(pixels: NDArray[Kind]) -> NDArray[Kind]:

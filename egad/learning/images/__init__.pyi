@@ -4,6 +4,8 @@ from .arrangement import sample_factor as sample_factor
 from .dataset_card import COLUMNS as COLUMNS
 from .dataset_card import NARROW as NARROW
 from .dataset_card import card as card
+from .dataset_card import list_of_rejected as list_of_rejected
+from .dataset_card import settings_table as settings_table
 from .dataset_card import summary as summary
 from .image_shards import Images as Images
 from .image_shards import coded as coded

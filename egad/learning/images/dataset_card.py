@@ -1,4 +1,4 @@
-"""The card of a set of images: counts, balance, splits, camera and noise, as Markdown."""
+"""The card of a set of images: counts, balance and settings, as Markdown."""
 
 from typing import NamedTuple
 
@@ -7,10 +7,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from egad._util.markdown import table
+from egad._util.parameters import Parameters
 from egad.bench import SCENE_KINDS
-from egad.detectors import ImageNoise
 from egad.learning.images.arrangement import is_good
-from egad.learning.images.parameters import Camera, Render, RenderParameters
+from egad.learning.images.parameters import RenderParameters
 from egad.learning.images.splits import SPLITS
 
 COLUMNS = [
@@ -87,38 +87,46 @@ def card(
 ) -> str:
     """The card of a set; `rejected` has the columns of `REJECTED`, `figure` is a file name."""
     render = settings.render
+    good = "held in simulation" if render.simulate else "has a robust quality above render.quality"
+    narrow = 100 * (found.openings < NARROW).mean() if len(found.openings) else 0.0
+    left_out = render.images - found.images
+    again = (
+        f"{100 * found.in_vain:.0f} % of the draws for these images showed none, and {left_out} of "
+        f"{render.images} images were left out after ten draws. "
+    )
     blocks = [
         f"# Depth images of {dataset} for {gripper}",
-        f"Objects at rest on a table, turned at random; seed {settings.seed}. A single "
-        "object lies in one of its stable poses, each as often as drops end in it"
-        + (
-            "; several are packed upright side by side or dropped into a pile, "
-            f"at most {render.objects}"
-            if render.packed + render.pile
-            else ""
-        )
-        + ". Splits are by object"
-        + (", and the evaluation set is reserved for testing." if render.hold_out else "."),
-        _table(found.counts),
-        f"A grasp is reachable if its approach can be within {render.tilt:g} degrees of the "
-        f"vertical; at most {render.grasps} are sampled per object. It is free if the hand, which "
-        f"opens at most {1000 * settings.gripper.opening:g} mm, touches nothing else, and good "
-        "if it also "
-        + (
-            "held in simulation."
-            if render.simulate
-            else f"has a robust quality above {render.quality:g}."
-        ),
-        _sizes(render, found, figure),
-        _objects(render),
-        "## Camera",
-        *_camera(settings.camera),
-        "## Noise",
-        _noise(settings.image_noise),
+        f"Objects at rest on a table; seed {settings.seed}. Splits are by object.",
+        _table(found.counts).rstrip(),
+        "A reachable grasp is free if the hand, which opens at most "
+        f"{1000 * settings.gripper.opening:g} mm, touches nothing else, and good if it also "
+        f"{good}. {'' if render.without_grasps else again}{narrow:.0f} % of the good grasps have "
+        f"an opening below {1000 * NARROW:g} mm.",
+        f"![Openings of the good grasps]({figure})",
+        "## Settings",
+        settings_table(
+            render=render, camera=settings.camera, image_noise=settings.image_noise
+        ).rstrip(),
         "## Objects without images",
-        _rejected(rejected),
+        list_of_rejected(rejected),
     ]
-    return "\n\n".join(block for block in blocks if block) + "\n"
+    return "\n\n".join(blocks) + "\n"
+
+
+def settings_table(**groups: Parameters) -> str:
+    """Settings by the name of their section, as a table in Markdown: name, value, meaning."""
+    rows = [
+        (f"`{group}.{name}`", str(getattr(values, name)), field.description)
+        for group, values in groups.items()
+        for name, field in type(values).model_fields.items()
+    ]
+    return table(["setting", "value", "meaning"], rows)
+
+
+def list_of_rejected(rejected: pd.DataFrame) -> str:
+    """The rows of a table with the columns of `REJECTED` as a list in Markdown."""
+    rows = zip(rejected["id"], rejected["reason"], strict=True)
+    return "\n".join(f"- `{name}`: {reason}" for name, reason in rows) or "None."
 
 
 def _table(counts: pd.DataFrame) -> str:
@@ -129,67 +137,4 @@ def _table(counts: pd.DataFrame) -> str:
     ]
     pairs = zip(counts.loc[names, "collision_free"], counts.loc[names, "grasps"], strict=True)
     shares = [f"{100 * free / max(grasps, 1):.0f} %" for free, grasps in pairs]
-    return table(["", *names], [*rows, ("free fraction of the reachable grasps", *shares)]).rstrip()
-
-
-def _sizes(render: Render, found: Summary, figure: str) -> str:
-    low, high = (1000 * width for width in render.widths or (0, 0))
-    sizes = (
-        f"Sizes are drawn such that the width of one grasp of an object is uniform from {low:g} to "
-        f"{high:g} mm."
-        if render.widths
-        else "Objects have the size that fits the gripper."
-    )
-    narrow = f"{100 * np.mean(found.openings < NARROW):.0f} %" if len(found.openings) else "None"
-    kept = (
-        "Images without a good grasp are kept."
-        if render.without_grasps
-        else f"Poses and sizes without a good grasp are drawn again, at most 10 times: "
-        f"{100 * found.in_vain:.0f} % of the draws for these images showed none, and "
-        f"{render.images - found.images} of {render.images} images were left out after ten."
-    )
-    return (
-        f"{sizes} {kept} {narrow} of the good grasps have an opening below {1000 * NARROW:g} mm."
-        f"\n\n![Openings of the good grasps]({figure})"
-    )
-
-
-def _objects(render: Render) -> str:
-    low, high = (100 * rank for rank in render.complexity)
-    if (low, high, render.subset) == (0, 100, 1):
-        return ""
-    drawn = f"a random {100 * render.subset:g} % of the objects" * (render.subset < 1)
-    ranks = f"whose rank in complexity is from {low:g} to {high:g} %"
-    return f"Only {drawn or 'objects'} {ranks}."
-
-
-def _camera(camera: Camera) -> list[str]:
-    width, height = camera.image
-    around = ", cropped around the first object's center of mass" if camera.centered else ""
-    return [
-        f"{width} x {height} pixels{around}; focal length {_range(camera.focal)} pixels; "
-        f"{_range(camera.distance)} m from the middle of the table, {_range(camera.tilt)} degrees "
-        f"off the vertical, rolled by {_range(camera.roll)} degrees; the objects are up to "
-        f"{camera.shift:g} m off the middle along x and y. Depth is in steps of 0.1 mm."
-    ]
-
-
-def _range(values: tuple[float, float]) -> str:
-    low, high = values
-    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
-
-
-def _noise(noise: ImageNoise) -> str:
-    kinds = [
-        f"disparity {noise.disparity:g} pixels" * (noise.disparity > 0),
-        "holes beside edges and on steep surfaces" * noise.holes,
-        f"{100 * noise.missing:g} % of the pixels lost in spots" * (noise.missing > 0),
-    ]
-    return ", ".join(filter(None, kinds)).capitalize() + "." if any(kinds) else "None."
-
-
-def _rejected(rejected: pd.DataFrame) -> str:
-    if len(rejected) == 0:
-        return "None."
-    rows = zip(rejected["id"], rejected["reason"], strict=True)
-    return "\n".join(f"- `{name}`: {reason}" for name, reason in rows)
+    return table(["", *names], [*rows, ("free fraction of the reachable grasps", *shares)])

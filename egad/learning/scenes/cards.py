@@ -1,11 +1,11 @@
-"""The card of a set of labelled scenes: counts, labels, splits, cameras and noise, as Markdown."""
+"""The card of a set of labelled scenes: counts, labels, splits and settings, as Markdown."""
 
 from typing import NamedTuple
 
 import pandas as pd
 
 from egad._util.markdown import table
-from egad.learning.images import SPLITS
+from egad.learning.images import SPLITS, list_of_rejected, settings_table
 from egad.learning.scenes.parameters import DEPTHS, SceneParameters
 from egad.learning.scenes.planning import Splits
 from egad.tables.outcomes import Outcome
@@ -28,14 +28,13 @@ class SceneSet(NamedTuple):
 
 def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
     """The card of a set of scenes."""
-    scenes = settings.scenes
     missing = found.planned - len(found.scenes)
+    noise = found.scenes["noise"].value_counts()
+    kinds = ", ".join(f"{name} in {noise.get(name, 0)}" for name in settings.scenes.noise)
     blocks = [
         f"# {title}",
-        "Objects packed upright side by side or dropped into a pile, at rest on a table, in sizes "
-        f"{_range(scenes.protocol.scale)} times those that fit the gripper, packed ones "
-        f"{_range(scenes.protocol.packed_scale or scenes.protocol.scale)}; seed {settings.seed}, "
-        f"engine {scenes.engine}, protocol {scenes.protocol}.",
+        "Objects packed upright side by side or dropped into a pile, at rest on a table; seed "
+        f"{settings.seed}.",
         f"![One of the scenes: green grasps held, red did not]({PICTURE})",
         _counts(found),
         f"{missing} of {found.planned} planned scenes are left out: the simulation went wrong, or "
@@ -43,24 +42,18 @@ def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
         if missing
         else "",
         "## Labels",
-        f"Each scene has {scenes.grasps} grasps, at random points of the surface that the cameras "
-        "see, if they see any. The fully open hand approaches against the normal, until its "
-        f"fingertips are {_range(DEPTHS)} of the finger length below the surface. "
-        f"{scenes.yaws} turns about the approach are simulated, evenly over half a turn. A grasp "
-        "succeeds if one of them holds an object after the retreat; the middle of the widest run "
-        "of successes is kept, or else the first turn. A contact during the approach of more than "
-        f"{scenes.protocol.stopping_force:g} N is a failure.",
+        "The fully open hand approaches a random point of the surface that the cameras see, "
+        f"against the normal, until its fingertips are {DEPTHS[0]:g} to {DEPTHS[1]:g} of the "
+        "finger length below it. The middle of the widest run of turns that succeed is kept, or "
+        "else the first turn.",
         _outcomes(found.grasps),
         "## Splits",
         _splits(settings, found.splits),
-        "## Cameras and noise",
-        _cameras(settings, found.scenes),
+        "## Settings",
+        settings_table(scenes=settings.scenes),
+        f"Depth is in steps of 0.1 mm. Noise, by scenes: {kinds}.",
         "## Objects in no scene",
-        "\n".join(
-            f"- `{name}`: {reason}"
-            for name, reason in zip(found.rejected["id"], found.rejected["reason"], strict=True)
-        )
-        or "None was rejected.",
+        list_of_rejected(found.rejected),
     ]
     return "\n\n".join(block.rstrip() for block in blocks if block) + "\n"
 
@@ -131,29 +124,6 @@ def _splits(settings: SceneParameters, splits: Splits) -> str:
         if splits.families
         else how
     )
-
-
-def _cameras(settings: SceneParameters, scenes: pd.DataFrame) -> str:
-    cameras = settings.scenes.cameras
-    width, height = cameras.image
-    counts = scenes["noise"].value_counts()
-    noise = ", ".join(f"{name} in {counts.get(name, 0)}" for name in settings.scenes.noise)
-    return (
-        f"{cameras.views} views of {width} x {height} pixels, focal length {cameras.focal:.4g} "
-        f"pixels; each {_range(cameras.distance)} m from a point {_height(cameras.aim)} the "
-        f"middle of the table, {_range(cameras.tilt)} degrees off the vertical. Depth is in steps "
-        f"of 0.1 mm. Noise, by scenes: {noise}."
-    )
-
-
-def _range(values: tuple[float, float]) -> str:
-    low, high = values
-    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
-
-
-def _height(metres: float) -> str:
-    """A height relative to the table, with its preposition."""
-    return f"{100 * abs(metres):g} cm {'below' if metres < 0 else 'above'}" if metres else "on"
 
 
 def _percent(share: float) -> str:

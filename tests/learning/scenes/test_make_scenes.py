@@ -67,7 +67,7 @@ def test_the_card_counts(folder):
     assert lines["scenes without a positive grasp"][5].strip() == str(none)
     assert "By object, each of 7 in one split" in text
     assert "- `flat`: " in text
-    assert "protocol egad" in text
+    assert "| `scenes.protocol` | egad |" in text
     assert "left out" not in text
 
 

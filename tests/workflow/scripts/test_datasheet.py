@@ -102,7 +102,7 @@ def test_it_says_which_prints_can_be_told_apart(engraved, expected):
     manifest = fill_columns(MANIFEST, pd.DataFrame(rows))
     chosen = parquet.empty(EVAL49)
     grippers = {"yumi": ForGripper(manifest, {})}
-    text = page("egad", chosen, ["A0"], grippers, PrintExport(), "An introduction")
+    text = page("egad", chosen, ["A0"], grippers, PrintExport())
     assert expected in text
 
 

@@ -117,7 +117,7 @@ def test_what_is_left_out_is_told(dataset, whole):
     assert "2 objects are in no scene: the evaluation set with its parents and children" in text
     assert "the 6 objects have 2 founders" in text
     assert "for training, until it has 50 % of the objects." in text
-    assert "from a point 5 cm below the middle of the table" in text
+    assert "| `scenes.grasps` | " in text
     assert "- `id-B3`: it could not be scaled" in text
     assert (folder / "scene.png").is_file()
 
