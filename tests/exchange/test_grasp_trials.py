@@ -87,6 +87,12 @@ def test_hands_of_other_kinds_lift_what_they_reach(kind, tmp_path):
     assert free.rate("table").value > 0.5
 
 
+def test_a_ball_is_put_down_so_that_each_grasp_comes_from_above():
+    ball = trimesh.creation.icosphere(3, 0.025)
+    tried = egad.try_grasps(egad.sample_grasps(ball, "panda", n=10), ball, "panda")
+    assert set(tried.table["table_outcome"]) == {"success"}
+
+
 def test_depth_is_that_of_the_fingertips_below_the_surface(read):
     """The fingertips of a Panda are 10.5 mm beyond the contacts, half of 21 mm."""
     found = fingertip_depths(CUBE, read.to_frame(), egad.gripper("panda"))
