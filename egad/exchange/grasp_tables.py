@@ -13,6 +13,15 @@ from egad.grasps import Grasps
 from egad.tables import parquet
 from egad.tables.grasping import GRASPS, SCALES, SIMULATED_GRASPS
 
+QUALITIES = (
+    "quality",
+    "robust_quality",
+    "robust_quality_std",
+    "robust_success_rate",
+    "fits",
+    "collision_free",
+    "needed_opening",
+)
 SIMULATED_COLUMNS = [name for name in SIMULATED_GRASPS.names if name not in ("id", "label")]
 
 
@@ -104,6 +113,7 @@ def check_simulated(grasps: Path) -> None:
 
 
 def simulated_by_object(grasps: Path) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The grasps of one object after the other, with progress: see `by_object`."""
+    """The grasps of one object after the other: see `check_simulated` and `by_object`."""
+    check_simulated(grasps)
     labels = parquet.distinct(grasps, "label")
     return progress(by_object(grasps, SIMULATED_COLUMNS), "writing grasps", len(labels))

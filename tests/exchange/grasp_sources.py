@@ -13,7 +13,7 @@ import trimesh
 import yaml
 from scipy.spatial.transform import Rotation
 
-from egad.exchange.grasps.acronym import AcronymObject, jaws_of, write_acronym
+from egad.exchange.grasps.acronym import AcronymObject, write_acronym
 from egad.exchange.grasps.graspgen import graspgen_hand, start_graspgen, write_graspgen
 from egad.exchange.grasps.graspnet import write_graspnet
 from egad.exchange.parameters import NamedGripper
@@ -48,7 +48,7 @@ def labelled(grasps):
 
 def acronym(folder, table):
     body = AcronymObject("hammer.obj", 1.0, 1e-4, 0.1, np.zeros(3), np.eye(3), 0.5)
-    write_acronym(folder / "hammer.h5", body, jaws_of(HAND), table, 0.5)
+    write_acronym(folder / "hammer.h5", body, HAND, table, 0.5)
     return folder / "hammer.h5"
 
 

@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from egad.errors import UserError
-from egad.exchange.grasp_tables import load_grasps
+from egad.exchange.grasp_tables import QUALITIES, load_grasps
 from egad.exchange.grasps import acronym
-from egad.exchange.grasps.acronym import PANDA_REACH, QUALITIES
+from egad.exchange.grasps.acronym import PANDA_REACH
 from egad.exchange.parameters import AcronymFiles
 from egad.geometry.mass import mass_properties
 from egad.grasps.grasps import vectors

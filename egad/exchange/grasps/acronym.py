@@ -13,14 +13,14 @@ from egad._util.arrays import Floats
 from egad._util.files import atomic_output
 from egad.errors import UserError
 from egad.exchange import grasp_files as files
-from egad.exchange.grasp_tables import check_simulated, simulated_by_object
+from egad.exchange.grasp_tables import QUALITIES, simulated_by_object
 from egad.exchange.hdf5 import add_array, add_group, check_key, writing
 from egad.exchange.new_folder import check_not_file
 from egad.exchange.objects.simulation import inertia_tensor
 from egad.exchange.parameters import Acronym, AcronymFiles, NamedGripper
 from egad.friction import FRICTION
 from egad.grasps import Grasps
-from egad.grippers import finger_span
+from egad.grippers import Gripper, finger_span
 from egad.io import SUMS, write_obj
 from egad.sim import SimulationObject, held_when_shaken, with_outcome
 from egad.tables import parquet
@@ -31,15 +31,6 @@ KEYS, REFERENCE = ({"grasps/transforms"},), ""
 log = logging.getLogger(__name__)
 # From the origin of its hand, the flange of a Franka Panda, to the fingertips, metres.
 PANDA_REACH = 0.11217
-QUALITIES = (
-    "quality",
-    "robust_quality",
-    "robust_quality_std",
-    "robust_success_rate",
-    "fits",
-    "collision_free",
-    "needed_opening",
-)
 OWN = "grasps/qualities/egad"
 FLEX_MOTIONS = {
     f"object_motion_during_{phase}_{theirs}": f"simulated_{phase}_{ours}"
@@ -69,17 +60,8 @@ class AcronymObject:
     friction: float
 
 
-@dataclass(frozen=True)
-class Jaws:
-    """The hand of a file; the fingertip is how far fingers reach beyond the contacts, metres."""
-
-    name: str
-    opening: float
-    fingertip: float
-
-
 def write_acronym(
-    path: Path, body: AcronymObject, jaws: Jaws, grasps: pd.DataFrame, least: float
+    path: Path, body: AcronymObject, hand: NamedGripper, grasps: pd.DataFrame, least: float
 ) -> None:
     """Write the file of an object.
 
@@ -89,15 +71,10 @@ def write_acronym(
     with writing(path) as file:
         for name, value in (vars(body) | {"density": body.mass / body.volume}).items():
             add_group(file, "object")[name] = value
-        hand = add_group(file, "gripper")
-        hand["type"] = jaws.name
-        hand["configuration"] = np.full(2, jaws.opening / 2)
-        _add_grasps(file, jaws, grasps, least)
-
-
-def jaws_of(hand: NamedGripper) -> Jaws:
-    """What a file says about a gripper."""
-    return Jaws(hand.name, hand.gripper.opening, finger_span(hand.gripper)[1])
+        jaws = add_group(file, "gripper")
+        jaws["type"] = hand.name
+        jaws["configuration"] = np.full(2, hand.gripper.opening / 2)
+        _add_grasps(file, hand.gripper, grasps, least)
 
 
 def write(
@@ -115,7 +92,7 @@ def write(
     )
     write_obj(made.mesh, folder / body.file)
     least = Acronym().min_robust_success_rate
-    write_acronym(folder / f"{label}.h5", body, jaws_of(hand), grasps, least)
+    write_acronym(folder / f"{label}.h5", body, hand, grasps, least)
 
 
 def read(content: files.Content, options: files.ReadOptions) -> files.FileGrasps:
@@ -149,10 +126,10 @@ def panda_poses(poses: Floats, fingertip: float) -> Floats:
     return moved
 
 
-def _add_grasps(file: h5py.File, jaws: Jaws, grasps: pd.DataFrame, least: float) -> None:
+def _add_grasps(file: h5py.File, gripper: Gripper, grasps: pd.DataFrame, least: float) -> None:
     group = add_group(file, "grasps")
     grasps = with_outcome(grasps)
-    add_array(group, "transforms", panda_poses(Grasps(grasps).poses, jaws.fingertip))
+    add_array(group, "transforms", panda_poses(Grasps(grasps).poses, finger_span(gripper)[1]))
     add_array(group, "widths", grasps["width"])
     own = add_group(group, "qualities/egad")
     for name in QUALITIES:
@@ -187,11 +164,10 @@ def run(
             "give a separate folder"
         )
     check_key(gripper, "gripper")
-    check_simulated(simulated_grasps)
     table = parquet.read(objects, OBJECTS)
     factors = parquet.read(scales, SCALES).set_index("label")["factor"].to_dict()
     known = {row["label"]: row for row in parquet.records(table) if row["label"] in factors}
-    jaws = jaws_of(NamedGripper(gripper, settings.gripper))
+    hand = NamedGripper(gripper, settings.gripper)
     written = 0
     with atomic_output(out, keep=False) as folder:
         folder.mkdir()
@@ -202,7 +178,7 @@ def run(
                 )
             body = scaled_body(known[label], factors[label], settings.quality.friction)
             path = folder / f"{check_key(label)}.h5"
-            write_acronym(path, body, jaws, found, settings.acronym.min_robust_success_rate)
+            write_acronym(path, body, hand, found, settings.acronym.min_robust_success_rate)
             written += 1
     log.info("%d objects", written)
 

@@ -12,7 +12,7 @@ from egad._util.arrays import Floats
 from egad._util.progress import progress
 from egad.errors import UserError
 from egad.exchange.dexnet_database import MEASURES, add_dataset, add_grasps
-from egad.exchange.grasp_tables import by_object
+from egad.exchange.grasp_tables import QUALITIES, by_object
 from egad.exchange.hdf5 import DamagedError, check_key, copy_group, sound_keys, writing
 from egad.exchange.parameters import DexNetDatabase
 from egad.grasps import CONE_FACES, ROBUST_TORQUE_SCALING, SPREAD, approach_directions, vectors
@@ -21,22 +21,9 @@ from egad.tables.grasping import GRASPS
 from egad.tables.objects import OBJECTS
 
 log = logging.getLogger(__name__)
-METRICS = {
-    "ferrari_canny": "quality",
-    "robust_ferrari_canny": "robust_quality",
-    "robust_ferrari_canny_std": "robust_quality_std",
-    "robust_success_rate": "robust_success_rate",
-    "fits": "fits",
-    "collision_free": "collision_free",
-    "needed_opening": "needed_opening",
-}
-OWN = (
-    "robust_ferrari_canny_std",
-    "robust_success_rate",
-    "fits",
-    "collision_free",
-    "needed_opening",
-)
+METRICS = {"ferrari_canny": "quality", "robust_ferrari_canny": "robust_quality"}
+METRICS |= {"robust_ferrari_canny_std": "robust_quality_std"} | {n: n for n in QUALITIES[3:]}
+OWN = tuple(METRICS)[2:]
 COLUMNS = [
     *(f"{name}_{part}" for name in ("center", "axis", "approach") for part in "xyz"),
     *METRICS.values(),

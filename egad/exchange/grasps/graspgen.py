@@ -15,7 +15,7 @@ import yaml
 
 from egad._util.arrays import Floats
 from egad.exchange import grasp_files as files
-from egad.exchange.grasp_tables import check_simulated, simulated_by_object
+from egad.exchange.grasp_tables import simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
@@ -222,7 +222,6 @@ def run(
 ) -> None:
     """Write a dataset of GraspGen: grasps, meshes, lists of objects and the gripper."""
     with new_folder(out) as folder:
-        check_simulated(simulated_grasps)
         hand = graspgen_hand(check_key(gripper, "gripper"), settings.gripper)
         start_graspgen(folder, hand)
         for label, rows in simulated_by_object(simulated_grasps):

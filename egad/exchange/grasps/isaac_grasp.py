@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from egad.errors import UserError
 from egad.exchange import grasp_files as files
-from egad.exchange.grasp_tables import check_simulated, simulated_by_object
+from egad.exchange.grasp_tables import simulated_by_object
 from egad.exchange.hdf5 import check_key
 from egad.exchange.new_folder import new_folder
 from egad.exchange.parameters import GripperFormat, NamedGripper
@@ -112,7 +112,6 @@ def write(
 def run(settings: GripperFormat, simulated_grasps: Path, out: Path) -> None:
     """Write a file for each object that has grasps, in the frame of its scaled mesh."""
     with new_folder(out) as folder:
-        check_simulated(simulated_grasps)
         for label, rows in simulated_by_object(simulated_grasps):
             path = folder / f"{check_key(label)}.yaml"
             write_isaac_grasp(path, label, settings.gripper, rows)
