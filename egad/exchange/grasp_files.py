@@ -156,8 +156,22 @@ def _hdf5(path: Path) -> Content:
             found[name] = item[()]
 
     with h5py.File(path, "r") as file:
+        if "datasets" in file:
+            return _dexnet(file["datasets"])
         file.visititems(visit)
     return found
+
+
+def _dexnet(datasets: Any) -> Content:  # noqa: ANN401 (untyped)
+    """Object and gripper, id, configuration and metrics of each grasp of a Dex-Net database."""
+    rows = [
+        (f"{name}/{hand}", *map(at.attrs.get, ("id", "configuration")), dict(at["metrics"].attrs))
+        for dataset in datasets.values()
+        for name, item in dataset["objects"].items()
+        for hand, grasps in item["grasps"].items()
+        for at in grasps.values()
+    ]
+    return {"dexnet": sorted(rows, key=lambda row: row[:2])}
 
 
 def _mapping(value: Any) -> Content:  # noqa: ANN401 (whatever it holds)
@@ -210,6 +224,7 @@ def _npz(path: Path) -> Content:
 
 LOADERS: dict[str, Callable[[Path], Content]] = {
     ".h5": _hdf5,
+    ".hdf5": _hdf5,
     ".json": lambda path: _mapping(json.loads(path.read_bytes())),
     ".yaml": _yaml,
     ".yml": _yaml,

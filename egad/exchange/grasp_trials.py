@@ -56,9 +56,7 @@ TERCILES = ("low", "middle", "high")
 
 
 class GraspTrials:
-    """Grasps that were tried in simulation.
-
-    `first + second` are the grasps of several objects.
+    """Grasps that were tried in simulation; `first + second` are those of several objects.
 
     Attributes:
         table: One row per grasp: the columns of labelled grasps (`results/README.md`);
@@ -245,8 +243,7 @@ def _try(
     tried["simulated_outcome"] = tried["simulated_outcome"].fillna(Outcome.COLLIDED.value)
     gripper = settings.gripper.model_copy(update={"friction": settings.quality.friction})
     poses = open_hand_poses(Grasps(grasps), gripper)
-    engine = settings.simulated_label.engine
-    with open_world(engine, [model], free_hand(gripper)) as world:
+    with open_world(settings.simulated_label.engine, [model], free_hand(gripper)) as world:
         found = [_on_table(world, pose, stable, gripper).value for pose in poses]
     return tried.assign(table_outcome=found)
 

@@ -63,8 +63,8 @@ def read_grasps(
 
     Args:
         path: The file.
-        format: `acronym`, `contact_graspnet`, `graspgen`, `graspnet`, `isaac_grasp`, `poses` or
-            `vgn`; by default that of the content.
+        format: `acronym`, `contact_graspnet`, `dexnet`, `graspgen`, `graspnet`, `isaac_grasp`,
+            `poses` or `vgn`; by default that of the content.
         mesh: The object, a closed mesh in metres, at the size that the grasps are for. With it,
             contacts are measured, and grasps are rated and tested for collisions.
         gripper: The gripper that the grasps are for, or its name.

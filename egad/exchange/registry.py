@@ -61,6 +61,7 @@ def _modules(kind: str) -> tuple[str, ...]:
 READERS = {
     "acronym": (".h5",),
     "contact_graspnet": (".npz",),
+    "dexnet": (".hdf5", ".h5"),
     "graspgen": (".json", ".yaml", ".yml"),
     "graspnet": (".npy",),
     "isaac_grasp": (".yaml", ".yml"),

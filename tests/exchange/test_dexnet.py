@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from autolab_core import RigidTransform
 
+import egad
 from egad.errors import RejectedError, UserError
 from egad.exchange import DexNetObjects
 from egad.exchange.dexnet_database import write_objects
 from egad.exchange.grasps import dexnet
 from egad.exchange.parameters import DexNetDatabase
+from egad.grasps import Grasps
 from egad.io import read_mesh
 from egad.tables import parquet
 from egad.tables.objects import OBJECTS
@@ -120,6 +122,39 @@ def test_grasps_are_those_of_the_table(objects, labelled):
             assert metrics == {name: getattr(row, own) for name, own in dexnet.METRICS.items()}
             assert {value.dtype for value in metrics.values()} == {np.dtype(np.float64)}
             assert np.isfinite(list(metrics.values())).all()
+
+
+@pytest.mark.parametrize("key", ["A00_0", "B01_0"])
+def test_grasps_are_read_again_as_they_were(key, database, labelled, dataset):
+    rows = labelled[labelled["label"] == key]
+    mesh = read_mesh(dataset / "rescaled" / GRIPPER / f"{key}.obj", "m")
+    found = egad.read_grasps(database, mesh=mesh, gripper=GRIPPER, object_id=f"{key}/{GRIPPER}")
+    assert found.poses == pytest.approx(Grasps(rows).poses, abs=1e-9)
+    assert found.widths == pytest.approx(rows["width"].to_numpy(), abs=1e-6)
+    assert (found.source_score == rows["robust_quality"]).all()
+    assert np.isnan(found.source_success).all()
+    with pytest.raises(UserError, match=r"several objects or grippers .A00_0/yumi, B01_0/yumi"):
+        egad.read_grasps(database, gripper=GRIPPER)
+
+
+def test_grasps_that_dexnet_describes_are_where_its_classes_put_them(tmp_path):
+    """`rotated_full_axis` of `ParallelJawPtGrasp3D`: x approaches, y is the axis."""
+    axis, angle = np.array([0.48, 0.6, 0.64]), 0.7
+    level = np.array([axis[1], -axis[0], 0]) / np.hypot(*axis[:2])
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turned = np.c_[[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]]
+    expected = np.stack([level, axis, np.cross(level, axis)], axis=1) @ turned
+    with h5py.File(tmp_path / "a.hdf5", "w") as file:
+        grasp = file.create_group("datasets/d/objects/o/grasps/g/grasp_0")
+        grasp.attrs["configuration"] = [0.01, 0.02, 0.03, *axis, 0.05, angle, 0.01, 0.0]
+        grasp.attrs["id"] = 0
+        grasp.create_group("metrics").attrs["robust_ferrari_canny"] = 0.002
+        file["datasets/d/objects/o/grasps/g"].attrs["num_grasps"] = 1
+    found = egad.read_grasps(tmp_path / "a.hdf5")
+    assert found.poses[0, :3, 3] == pytest.approx(np.array([0.01, 0.02, 0.03]))
+    assert found.poses[0, :3, 0] == pytest.approx(expected[:, 1])
+    assert found.poses[0, :3, 2] == pytest.approx(expected[:, 0])
+    assert (found.widths[0], found.source_score[0]) == (0.05, 0.002)
 
 
 def test_an_object_without_grasps_has_none(objects):

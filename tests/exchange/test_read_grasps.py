@@ -137,7 +137,7 @@ def test_files_of_something_else_are_refused(grasps, tmp_path):
         with pytest.raises(UserError, match=message):
             egad.read_grasps(path, depth=0.1)
     (tmp_path / "a.pkl").touch()
-    with pytest.raises(UserError, match=r"ends in .h5, .json"):
+    with pytest.raises(UserError, match=r"ends in .h5, .hdf5, .json"):
         egad.read_grasps(tmp_path / "a.pkl")
     with pytest.raises(UserError, match="no such file"):
         egad.read_grasps(tmp_path / "b.json")
