@@ -71,11 +71,11 @@ def check(
     said = _said(frame, depth, pose_units, reference, object_id)
     found = check_grasps(file, *_object(mesh, units, gripper, config), format_name, **said)
     typer.echo(repr(found))
+    if picture is not None:
+        found.plot().save(picture)
     if fix is not None:
         found.save(fix)
         typer.echo(f"{fix}: the corrected grasps")
-    if picture is not None:
-        found.plot().save(picture)
 
 
 @grasps.command()
