@@ -6,8 +6,9 @@ from pathlib import Path
 from egad._util.files import write_text
 from egad.bench.hands import HandComparison
 from egad.bench.tips import DesignedTips, FingertipDesign
-from egad.grippers import Gripper
+from egad.grippers import Gripper, model_of
 from egad.objects import NamedMesh
+from egad.report.hand import hand_entry
 from egad.report.hand_shape import hand_shapes, painted
 from egad.report.hands import write_card
 from egad.report.pictures import png_bytes, render
@@ -34,6 +35,7 @@ def write_tip_pages(
     for file, each in (("before.png", base), ("after.png", hand)):
         mesh, _ = painted(hand_shapes(each, each.opening / 2))
         (out / file).write_bytes(png_bytes(render(mesh, PICTURE)))
+    write_text(out / "hand.yaml", hand_entry("with_tips", hand, model_of(hand)))
     write_text(out / "datasheet.md", datasheet(designed, name, base))
 
 
@@ -67,9 +69,9 @@ def _shown(key: str, value: float | str) -> str:
     """A dimension with its unit."""
     if isinstance(value, str):
         return value
-    if key == "force":
-        return f"{value:.1f} N"
-    return f"{value:.1f} degrees" if "angle" in key else f"{1000 * value:.1f} mm"
+    units = {"force": ("N", 1), "grip": ("%", 100), "angle": ("degrees", 1)}
+    unit, scale = units.get(key.removeprefix("groove_"), ("mm", 1000))
+    return f"{scale * value:.1f} {unit}"
 
 
 def _results(engine: str, card: HandComparison) -> str:

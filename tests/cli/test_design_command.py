@@ -2,6 +2,7 @@
 
 import pytest
 import trimesh
+import yaml
 from commands import egad
 
 from egad import Gripper
@@ -50,6 +51,9 @@ def test_the_folder_has_the_hand_the_prints_a_card_and_a_datasheet(folder):
     rates = card.rates("naive").values()
     before, after = (f"{100 * rate.value:.0f} %" for rate in rates)
     assert f"| naive grasps | {before} | {after} |" in text
+    entry = yaml.safe_load((out / "hand.yaml").read_text())["grippers"]["with_tips"]
+    assert entry["force"] == 40
+    assert entry["file"] == "tips/hand.urdf"
     expected = {"first_tip.stl", "second_tip.stl", "tips.3mf", "before.png", "after.png"}
     assert expected | {"card-mujoco.html", "designs.parquet"} <= {p.name for p in out.iterdir()}
 

@@ -27,18 +27,17 @@ NAMES = ("the first tip", "the second tip")
 SIDES = Rotation.create_group("O").as_matrix()  # that may lie on the bed
 
 
-def hand_with_tips(base: Base, tips: Sequence[Tip], folder: Path) -> Gripper:
-    """A hand with tips, as read from the files that are written; `UserError` if no jaws are found.
-
-    A jaw that turns keeps the torque of its joint, so that its force follows from the new lever.
-    """
-    path = write_hand(base, tips, folder)
+def hand_with_tips(base: Base, design: FingertipDesign, tips: Sequence[Tip], out: Path) -> Gripper:
+    """A hand with tips, as read from its files; a jaw that turns keeps the torque of its joint."""
+    path = write_hand(base, tips, out)
     gripper = base.gripper
     kept = {"pads": gripper.pads, "friction": gripper.friction}
     if not base.turns:
         return Gripper.from_file(path, force=gripper.force, **kept)
     torque = gripper.torque or gripper.force * (base.model.lever or 1.0)
-    return Gripper.from_file(path, torque=torque, **kept)
+    depth = design.overlap + design.grip * design.length
+    tcp = tips[0].pose[:3] @ [design.thickness, 0.0, depth, 1.0]
+    return Gripper.from_file(path, torque=torque, tcp=tuple(tcp.tolist()), **kept)
 
 
 def tip_problems(
@@ -47,13 +46,13 @@ def tip_problems(
     """The hand with tips as read from its files, if it can be, and sentences on what is wrong."""
     try:
         tips = make_tips(base, design)
-        hand = hand_with_tips(base, tips, folder)
+        hand = hand_with_tips(base, design, tips, folder)
     except UserError as error:
         return None, [str(error)]
     return hand, [
         *_print_problems(tips, limits),
         *_hand_problems(base, tips, design, hand, limits),
-        *_collisions(hand),
+        *_collisions(design, hand),
     ]
 
 
@@ -112,12 +111,13 @@ def bending(design: FingertipDesign, force: float) -> float:
     return 4 * force * design.length**3 / (MODULUS * design.width * thick**3)
 
 
-def _collisions(hand: Gripper) -> Iterator[str]:
-    """Where the jaws meet before the hand is closed."""
+def _collisions(design: FingertipDesign, hand: Gripper) -> Iterator[str]:
+    """Where a tip meets the other jaw before the hand is closed; by the hinge, jaws may touch."""
     model = model_of(hand)
     closed = float(model.openings[0]) + CLOSING
     for opening in np.linspace(max(float(model.openings[-1]), closed), closed, STEPS):
         first, second = (union_of_hulls(model.corners(float(opening), side)) for side in FINGERS)
-        if (first ^ second).volume() > TOUCH:
+        both = (first ^ second).trim_by_plane((0.0, 0.0, 1.0), -design.length - design.overlap)
+        if both.volume() > TOUCH:
             yield f"the jaws with the tips meet where the hand is {1000 * opening:.1f} mm open"
             return

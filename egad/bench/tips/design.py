@@ -78,7 +78,7 @@ def design_tips(
     table = search_tips(base, search, chosen, rule, out / DESIGNS, jobs)
     design = _choose(base, search, table, chosen, rule, jobs)
     tips = make_tips(base, design)
-    hand = hand_with_tips(base, tips, out)
+    hand = hand_with_tips(base, design, tips, out)
     write_prints(tips, out, name)
     cards = {}
     for engine in engines:
@@ -104,7 +104,7 @@ def _choose(
     with TemporaryDirectory() as scratch, workers(jobs) as mapper:
         folders = [Path(scratch) / str(row["design"]) for row in best]
         made = zip(designs, folders, strict=True)
-        hands = [hand_with_tips(base, make_tips(base, each), folder) for each, folder in made]
+        hands = [hand_with_tips(base, each, make_tips(base, each), folder) for each, folder in made]
         pairs = [(hand, target) for hand in hands for target in targets]
         rates = np.reshape(rate_hands(pairs, rule, settings, mapper), (len(hands), -1))
     return designs[int(rates.mean(axis=1).argmax())]

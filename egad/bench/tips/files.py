@@ -22,7 +22,6 @@ INERTIA = 1e-3  # kg m2 per kilogram, as a hand of some centimetres has
 PLA = 1240.0  # kg/m3
 MIN_MASS = 1e-3  # kilograms
 OPTIONS = dict.fromkeys(("strippath", "fusestatic", "discardvisual"), "false")
-EFFORT, VELOCITY = "10", "10"
 
 
 def write_hand(base: Base, tips: Sequence[Tip], folder: Path) -> Path:
@@ -69,11 +68,10 @@ def _joint(base: Base, number: int) -> Element:
     opening = float(base.model.openings[0])
     behind, pose = (pose_of(base.model, each, opening) for each in (carrier, number))
     pose = np.linalg.inv(behind) @ pose
-    if link.joint is not None:
-        position = base.model.joint_positions(opening)[link.joint.name]
-        pose = pose @ np.linalg.inv(_motion(link, position))
-    pose[:3, 3] += pose[:3, :3] @ _anchor(link) - _anchor(base.model.links[carrier])
     name = link.joint.name if link.joint else f"{link.name}_mount"
+    position = base.model.joint_positions(opening).get(name, 0.0)
+    pose = pose @ np.linalg.inv(_motion(link, position))
+    pose[:3, 3] += pose[:3, :3] @ _anchor(link) - _anchor(base.model.links[carrier])
     element = Element("joint", name=name, type=link.joint.kind if link.joint else "fixed")
     angles = Rotation.from_matrix(pose[:3, :3]).as_euler("xyz")
     SubElement(element, "origin", xyz=_text(pose[:3, 3]), rpy=_text(angles))
@@ -82,7 +80,7 @@ def _joint(base: Base, number: int) -> Element:
     if link.joint is not None:
         SubElement(element, "axis", xyz=_text(link.joint.axis))
         low, high = (f"{end:.9g}" for end in base.limits[link.joint.name])
-        SubElement(element, "limit", lower=low, upper=high, effort=EFFORT, velocity=VELOCITY)
+        SubElement(element, "limit", lower=low, upper=high, effort="10", velocity="10")
         row = base.model.joints.index(link.joint.name)
         if row >= base.model.n_driven:
             first, own = base.model.positions[:, 0], base.model.positions[:, row]
@@ -95,7 +93,8 @@ def _joint(base: Base, number: int) -> Element:
 
 def _motion(link: HandLink, position: float) -> Floats:
     """What the joint of a link does to it, in its own frame, (4, 4)."""
-    assert link.joint is not None  # noqa: S101 (asked only then)
+    if link.joint is None:
+        return np.eye(4)
     if link.joint.kind == "prismatic":
         return np.asarray(trimesh.transformations.translation_matrix(position * link.joint.axis))
     axis, anchor = link.joint.axis, link.joint.anchor

@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from egad._util.parameters import Length, Parameters, Range, Seed, from_arguments
+from egad._util.parameters import Fraction, Length, Parameters, Range, Seed, from_arguments
 from egad.bench.hands import HandTrials
 
 Tilt = Annotated[float, Field(ge=-30, le=30)]
@@ -32,6 +32,7 @@ class FingertipDesign(Parameters):
     bevel: Depth = Field(0.0, description="bevel of the outer edge at the tip, 45 degrees, metres")
     spacer: Depth = Field(0.0, description="distance from the jaws to the plates, metres")
     overlap: Length = Field(0.012, description="length of the feet along the jaws, metres")
+    grip: Fraction = Field(0.5, description="where plates that turn hold: 0: at jaws, 1: at tips")
 
 
 class TipLimits(Parameters):

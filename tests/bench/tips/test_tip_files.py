@@ -51,7 +51,7 @@ def test_plates_reduce_the_opening_or_keep_the_torque(tmp_path, name):
     gripper = Gripper.from_file(HANDS[name](tmp_path), force=10)
     base = base_of(name, gripper)
     tips = make_tips(base, SHORT)
-    hand = hand_with_tips(base, tips, tmp_path / "out")
+    hand = hand_with_tips(base, SHORT, tips, tmp_path / "out")
     model = model_of(hand)
     masses = [sum(link.mass for link in each.links) for each in (base.model, model)]
     plastic = PLA * sum(tip.mesh.volume for tip in tips)
@@ -115,3 +115,17 @@ def test_a_linkage_out_of_proportion_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("egad.bench.tips.base.model_of", lambda _: replace(model, positions=bent))
     with pytest.raises(UserError, match=r"the hand mine: its joint .* does not follow .* linkage"):
         base_of("mine", gripper)
+
+
+def test_the_grip_decides_how_wide_a_jaw_that_turns_opens(tmp_path):
+    base = base_of("jaw", Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"), force=10))
+    found = []
+    for grip in (0.2, 0.8):
+        design = FingertipDesign(length=0.03, gap=0.02, grip=grip)
+        tips = make_tips(base, design)
+        hand = hand_with_tips(base, design, tips, tmp_path / str(grip))
+        found.append((hand.opening, hand.force, hand.fingertip))
+    (wide, strong, behind), (narrow, weak, ahead) = found
+    assert wide > narrow
+    assert strong > weak  # its lever is shorter
+    assert behind - ahead == pytest.approx(0.6 * 0.03, abs=1e-5)
