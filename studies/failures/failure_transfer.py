@@ -23,18 +23,75 @@ from failures import detectors
 
 from egad._util.files import atomic_output
 from egad.bench.failures import Examination, FailureAtlas, FailureParameters
-from egad.bench.failures.evidence import pairs_of
-from egad.bench.failures.models import scaled_surface
+from egad.bench.failures.evidence import PairedDrop, pairs_of
+from egad.bench.failures.models import model_of_attempts, scaled_surface
+from egad.bench.failures.object_runner import ObjectRunner
+from egad.bench.failures.reference import ReferencePolicy, read_attempt
 from egad.bench.stats import Rate
 from egad.detectors import DetectorConfig, opened
-from egad.errors import RejectedError
+from egad.errors import RejectedError, UserError
 from egad.geometry import to_mesh, to_solid
 from egad.geometry.repair import repair
 from egad.random import generator
+from egad.tables import parquet
 
 CHANGES = ("none", "simplified", "noise", "smaller", "larger")
 WHO = ("detector", "reference")
 MIN_REFERENCE, MIN_DIFFERENCE = 0.8, 0.5
+LEARNT = ("screen", "choose")  # purposes of the attempts that a reference learns from
+PATIENCE = 2  # drops for each one wanted, as the object does not come to rest in all
+
+
+def learned_from(attempts: pd.DataFrame) -> ReferencePolicy:
+    """A reference that learned from an object's attempts for `screen` and `choose`."""
+    policy = ReferencePolicy()
+    carried_out = attempts["pose"].map(len) > 0
+    for row in parquet.records(attempts[attempts["purpose"].isin(LEARNT) & carried_out]):
+        policy.remember(*read_attempt(row), row["success"])
+    return policy
+
+
+class Repetition(Examination):
+    """Tries detector and reference again at an object that was examined."""
+
+    def paired(
+        self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
+    ) -> pd.DataFrame:
+        """Try both from `count` fresh drops in each engine, with a reference that knows `before`.
+
+        Trying stops once one cannot succeed `least` times in an engine. RejectedError if the object
+        cannot be simulated, or does not come to rest.
+        """
+        self._reference = learned_from(before)
+        grasps = self._labelled()
+        chosen = before.loc[before["purpose"] == "choose", "drop"]
+        left = range(int(chosen.max()) + 1 if len(chosen) else 0, self._search.choose)
+        if left:
+            rough = model_of_attempts(self._mesh, "choose", self._settings, self._id)
+            with self._runners(rough, grasps) as runners:
+                for number in left:
+                    self._choose_at(runners, number)
+        exact = model_of_attempts(self._mesh, purpose, self._settings, self._id)
+        with self._runners(exact, grasps) as runners:
+            for runner in runners:
+                if not self._try_pairs(runner, purpose, count, least):
+                    break
+        return self._recorder.table()
+
+    def _try_pairs(self, runner: ObjectRunner, purpose: str, count: int, least: int) -> bool:
+        """Try both from `count` drops; return False once one cannot succeed often enough."""
+        pairs: list[PairedDrop] = []
+        for number in range(PATIENCE * count):
+            pair = self._paired(runner, purpose, number)
+            if pair is None:
+                continue
+            pairs.append(pair)
+            lost = max(len(pairs) - sum(won) for won in zip(*pairs, strict=True))
+            if count - lost < least:
+                return False
+            if len(pairs) == count:
+                return True
+        raise RejectedError(f"it comes to rest in {len(pairs)} of {PATIENCE * count} drops")
 
 
 def changed(mesh: trimesh.Trimesh, change: str, name: str) -> trimesh.Trimesh:
@@ -64,8 +121,11 @@ def failures_of(runs: Path, most: int) -> tuple[list[dict[str, Any]], FailurePar
         for atlas in atlases
         for row in atlas.table.to_dict("records")
     }
+    settings = atlases[0].settings
+    if settings is None:
+        raise UserError(f"{runs}: the settings of the search are not known")
     order = generator(0, "failures that are tried again").permutation(sorted(rows))
-    return [rows[name] for name in order[:most]], atlases[0].searched_with()
+    return [rows[name] for name in order[:most]], settings
 
 
 def tried(
@@ -84,7 +144,7 @@ def tried(
     try:
         solid = changed(mesh, change, row["id"])
         with opened(config, own.planning_time) as asked:
-            attempts = Examination(solid, row["id"], asked, own).paired("again", drops, past)
+            attempts = Repetition(solid, row["id"], asked, own).paired("again", drops, past)
     except RejectedError:
         return counts
     for engine in settings.failures.engines:

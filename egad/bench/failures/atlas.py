@@ -11,7 +11,6 @@ from egad.bench.failures.parameters import FailureParameters
 from egad.bench.failures.search import elite_of, empty_archive
 from egad.bench.failures.store import Found
 from egad.bench.stats import Rate
-from egad.errors import UserError
 from egad.evolution import Shape
 from egad.measures import MeasureSpace
 from egad.objects import Dataset, dataset_of
@@ -99,12 +98,6 @@ class FailureAtlas:
         """
         space = MeasureSpace() if self.settings is None else self.settings.breeding.space
         return draw("failure_map", "failure_map", self.table, self.examined, space)
-
-    def searched_with(self) -> FailureParameters:
-        """The settings of the search; UserError if the atlas was not made by one."""
-        if self.settings is None:
-            raise UserError("the settings of the search are not known: the atlas has only tables")
-        return self.settings
 
     def save(self, place: str | Path) -> None:
         """Write the three tables; `egad.load("FOLDER/failures.parquet")` reads the failures.

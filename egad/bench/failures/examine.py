@@ -31,7 +31,6 @@ from egad.tables.parquet import empty
 SOLVED = 0.5  # of the success rate that a failure may have: above this, examination ends
 TRIES = 3  # grasps of the reference per drop, while it is chosen
 HOPELESS = 0.3  # fraction of the drops without a grasp that holds, above which the choice ends
-PATIENCE = 2  # drops for each one wanted, as the object does not come to rest in all
 
 
 def approach_of(detect: Detector, search: FailureSearch) -> Literal["above", "any"]:
@@ -104,45 +103,6 @@ class Examination:
                     if rank and recorder.execute(drop, "detector", grasp, rank):
                         break
         return recorder.table()
-
-    def paired(
-        self, purpose: str, count: int, before: pd.DataFrame, least: int = 0
-    ) -> pd.DataFrame:
-        """Try both from `count` fresh drops in each engine, with a reference that knows `before`.
-
-        Trying stops once one cannot succeed `least` times in an engine. RejectedError if the object
-        cannot be simulated, or does not come to rest.
-        """
-        self._reference = ReferencePolicy.of(before)
-        grasps = self._labelled()
-        chosen = before.loc[before["purpose"] == "choose", "drop"]
-        left = range(int(chosen.max()) + 1 if len(chosen) else 0, self._search.choose)
-        if left:
-            rough = model_of_attempts(self._mesh, "choose", self._settings, self._id)
-            with self._runners(rough, grasps) as runners:
-                for number in left:
-                    self._choose_at(runners, number)
-        exact = model_of_attempts(self._mesh, purpose, self._settings, self._id)
-        with self._runners(exact, grasps) as runners:
-            for runner in runners:
-                if not self._try_pairs(runner, purpose, count, least):
-                    break
-        return self._recorder.table()
-
-    def _try_pairs(self, runner: ObjectRunner, purpose: str, count: int, least: int) -> bool:
-        """Try both from `count` drops; return False once one cannot succeed often enough."""
-        pairs: list[PairedDrop] = []
-        for number in range(PATIENCE * count):
-            pair = self._paired(runner, purpose, number)
-            if pair is None:
-                continue
-            pairs.append(pair)
-            lost = max(len(pairs) - sum(won) for won in zip(*pairs, strict=True))
-            if count - lost < least:
-                return False
-            if len(pairs) == count:
-                return True
-        raise RejectedError(f"it comes to rest in {len(pairs)} of {PATIENCE * count} drops")
 
     @contextmanager
     def _runners(self, model: Model, grasps: pd.DataFrame) -> Iterator[list[ObjectRunner]]:

@@ -5,21 +5,18 @@ succeeded at it before, whoever proposed them, and takes the one with the highes
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from egad._util.arrays import Floats
 from egad.bench.failures.object_runner import ObjectRunner
 from egad.detectors import Grasp
 from egad.sim import Pose
-from egad.tables import parquet
 from egad.tables.columns import POSE_PARTS
 
 NEAR = 0.005  # metres between the middles of the pads of grasps that are alike
 ALIKE = np.cos(np.radians(15))  # of the angles between their axes, and between their approaches
-LEARNT = ("screen", "choose")  # purposes of the attempts that a reference learns from
 REST = tuple(f"rest_{part}" for part in POSE_PARTS)
 BEST, WORST = 0.9, 0.5  # expected success of the first and the last labelled grasp, before trials
 
@@ -37,15 +34,6 @@ class ReferencePolicy:
     def __init__(self) -> None:
         """Start without any grasp."""
         self._tried: list[Tried] = []
-
-    @classmethod
-    def of(cls, attempts: pd.DataFrame) -> Self:
-        """A reference that learned from an object's attempts for `screen` and `choose`."""
-        policy = cls()
-        carried_out = attempts["pose"].map(len) > 0
-        for row in parquet.records(attempts[attempts["purpose"].isin(LEARNT) & carried_out]):
-            policy.remember(*read_attempt(row), row["success"])
-        return policy
 
     def remember(self, rest: Pose, grasp: Grasp, success: bool) -> None:
         """Learn whether a grasp, in the world frame, held an object at rest."""
