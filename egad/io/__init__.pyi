@@ -22,6 +22,7 @@ from .sums import SUMS as SUMS
 from .sums import SUMS_ENDING as SUMS_ENDING
 from .sums import checksum as checksum
 from .sums import files_of as files_of
+from .sums import missing_files as missing_files
 from .sums import read_sums as read_sums
 from .sums import sums_path as sums_path
 from .sums import write_sums as write_sums

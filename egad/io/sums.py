@@ -62,6 +62,14 @@ def read_sums(path: Path) -> tuple[dict[Path, str], dict[str, Any]]:
         raise UserError(f"{path}: not a checksum file ({error})") from error
 
 
+def missing_files(folder: Path) -> list[Path]:
+    """The files that `SHA256SUMS` lists and that are not there; none without a readable list."""
+    try:
+        return [path for path in read_sums(folder / SUMS)[0] if not path.is_file()]
+    except (UserError, OSError):
+        return []
+
+
 def _inside(name: str) -> str:
     """Return the name of a file unless it leads out of its folder."""
     path = PurePosixPath(name)

@@ -1,7 +1,5 @@
 """Tables of the failures of a detector."""
 
-import pyarrow as pa
-
 from egad.tables.columns import (
     CELLS,
     COMPLEXITY,
@@ -34,17 +32,13 @@ _COUNTS = [
     ),
     real("difference", "(only_reference - only_detector) / n_pairs"),
 ]
-
-
-def counts_in(engine: str) -> list[pa.Field]:
-    """The columns for the results of the fresh drops in an engine: NAME_ENGINE."""
-    return [field.with_name(f"{field.name}_{engine}") for field in _COUNTS]
-
-
 RESULTS = schema(
     real("objective", "estimated difference, shrunk towards 0, in steps of 0.1"),
-    *counts_in("mujoco"),
-    *counts_in("pybullet"),
+    *(
+        field.with_name(f"{field.name}_{engine}")
+        for engine in ("mujoco", "pybullet")
+        for field in _COUNTS
+    ),
 )
 EXPLAINED = schema(
     integer(

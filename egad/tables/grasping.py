@@ -95,8 +95,6 @@ TRIED_GRASPS = schema(
     real("source_success", "label of the file that the grasp was read from, 1 or 0"),
     real("source_score", "score of that file"),
 )
-"""Grasps of other programs, tried in simulation."""
-
 _HELD = [
     integer("n_simulated", "number of simulated antipodal grasps with an outcome"),
     real(

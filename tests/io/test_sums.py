@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from egad.errors import UserError
-from egad.io.sums import SUMS, checksum, files_of, read_sums, write_sums
+from egad.io.sums import SUMS, checksum, files_of, missing_files, read_sums, write_sums
 from egad.tables.origin import Origin, made_by
 
 
@@ -67,6 +67,20 @@ def test_a_file_of_sums_without_end_is_not_read(folder):
         file.truncate(1 << 40)
     with pytest.raises(UserError, match="larger than"):
         read_sums(folder / SUMS)
+
+
+def test_missing_files_are_those_that_were_written_and_are_gone(folder):
+    assert missing_files(folder) == []  # nothing was noted
+    write_sums(folder)
+    assert missing_files(folder) == []
+    (folder / "a.obj").write_text("altered")
+    (folder / "more.obj").write_text("added")
+    assert missing_files(folder) == []
+    (folder / "deep/b c.stl").unlink()
+    assert missing_files(folder) == [folder / "deep/b c.stl"]
+    (folder / SUMS).write_text("00  ../b\n")
+    assert missing_files(folder) == []
+    assert missing_files(folder / "gone") == []
 
 
 @pytest.mark.parametrize("names", ["abc", "cba"])
