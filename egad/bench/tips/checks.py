@@ -18,7 +18,6 @@ from egad.grippers import FINGERS, Gripper, model_of
 
 TOUCH = 1e-10  # m3 that bodies may overlap by: 0.1 mm on a face of 1 mm2
 FOOTHOLD = 2e-5  # m2 of the first layer, below which a print comes off the bed
-CLOSING = 2e-3  # metres above the closed hand, from where on tips may touch
 MODULUS = 2.3e9  # pascals, Young's modulus of printed PLA
 OVERHANG = 4e-5  # m2 that are printed without support
 CLOSED = 1.5e-3  # metres between closed tips at most
@@ -48,11 +47,11 @@ def tip_problems(
         tips = make_tips(base, design)
         hand = hand_with_tips(base, design, tips, folder)
     except UserError as error:
-        return None, [str(error)]
+        return None, [str(error).removeprefix(f"{folder / 'hand.urdf'}: ")]
     return hand, [
         *_print_problems(tips, limits),
         *_hand_problems(base, tips, design, hand, limits),
-        *_collisions(design, hand),
+        *_collisions(design, hand, limits.smallest),
     ]
 
 
@@ -111,11 +110,10 @@ def bending(design: FingertipDesign, force: float) -> float:
     return 4 * force * design.length**3 / (MODULUS * design.width * thick**3)
 
 
-def _collisions(design: FingertipDesign, hand: Gripper) -> Iterator[str]:
-    """Where a tip meets the other jaw before the hand is closed; by the hinge, jaws may touch."""
+def _collisions(design: FingertipDesign, hand: Gripper, smallest: float) -> Iterator[str]:
+    """Where a tip meets the other jaw before the smallest object; by the hinge, jaws may touch."""
     model = model_of(hand)
-    closed = float(model.openings[0]) + CLOSING
-    for opening in np.linspace(max(float(model.openings[-1]), closed), closed, STEPS):
+    for opening in np.linspace(max(hand.opening, smallest), smallest, STEPS):
         first, second = (union_of_hulls(model.corners(float(opening), side)) for side in FINGERS)
         both = (first ^ second).trim_by_plane((0.0, 0.0, 1.0), -design.length - design.overlap)
         if both.volume() > TOUCH:

@@ -96,8 +96,18 @@ def test_each_fault_has_its_sentence(tmp_path):
     assert "the tips weigh 6 g, allowed: 1" in wide
     slides = base_of("box", Gripper.from_file(box_urdf(tmp_path / "box.urdf"), force=10))
     assert "the jaws with the tips meet where the hand is" in problems_of(
-        slides, tmp_path / "tilted", length=0.04, angle=-20
+        slides, tmp_path / "tilted", TipLimits(smallest=0.001), length=0.04, angle=-20
     )
+
+
+def test_a_problem_does_not_name_where_files_were_written(tmp_path):
+    jaw = base_of("jaw", Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"), force=10))
+    found = {
+        problems_of(jaw, tmp_path / folder, length=0.012, thickness=0.0057, gap=0.03, angle=-14)
+        for folder in ("one", "two")
+    }
+    (problem,) = found
+    assert problem == "there is no face of the fixed jaw at its tcp"
 
 
 def test_a_jaw_that_stops_early_does_not_close_fully(tmp_path):
