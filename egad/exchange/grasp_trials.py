@@ -128,12 +128,11 @@ class GraspTrials:
 
     def _groups(self, tried: pd.DataFrame) -> NDArray[np.str_]:
         """What intervals resample: the object of each grasp, or the grasp."""
-        return tried["label" if self.unit == "objects" else "grasp"].to_numpy(str)
+        return np.asarray(tried["label"] if self.unit == "objects" else tried.index, str)
 
     def _lines(self) -> Iterator[str]:
-        free = int(self.table["collision_free"].sum())
         engine = engine_names(self.table.assign(engine=self.table["simulated_engine"]))
-        yield f"{len(self)} grasps in {engine}, {free} collision-free"
+        yield f"{len(self)} grasps in {engine}, {self.table['collision_free'].sum()} collision-free"
         for place in OUTCOMES:
             yield f"{WHERE[place]}: success {self.rate(place)}"
             found = self.agreement(place)
@@ -150,7 +149,8 @@ class GraspTrials:
 
 def _estimate(found: Kappa | Area) -> str:
     low, high = found.interval
-    return f"{found.value:.2f}" + ("" if np.isnan(low) else f" ({low:.2f} to {high:.2f})")
+    value = "unknown" if np.isnan(found.value) else f"{found.value:.2f}"
+    return value if np.isnan(low) else f"{value} ({low:.2f} to {high:.2f})"
 
 
 def try_grasps(

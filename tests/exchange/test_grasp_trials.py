@@ -124,9 +124,10 @@ def test_intervals_are_over_objects_if_there_are_several():
     tried = GraspTrials(table.assign(simulated_outcome=outcomes, table_outcome=outcomes))
     assert tried.unit == "objects"
     assert tried.area().interval[0] < tried.area().value < tried.area().interval[1]
-    same = GraspTrials(tried.table.assign(label="a"))
+    same = GraspTrials(tried.table.assign(label="a", grasp=0))
     assert (same.unit, same.agreement().value) == ("grasps", tried.agreement().value)
     assert same.agreement().interval != tried.agreement().interval
+    assert same.area().interval[1] - same.area().interval[0] > 0.02
 
 
 def test_what_cannot_be_tried_is_refused(read, tmp_path):
