@@ -146,10 +146,12 @@ def grasps_by_id(
     if missing := [each.label for each in targets if each.label not in grasps]:
         known = ", ".join(grasps) or "nothing"
         raise UserError(f"there are no grasps of {missing[0]!r}; there are some of {known}")
-    return {each.id: _without_failures(grasps[each.label].to_frame()) for each in targets}
+    return {each.id: _without_failures(grasps[each.label]) for each in targets}
 
 
-def _without_failures(table: pd.DataFrame) -> pd.DataFrame:
+def _without_failures(grasps: Grasps) -> pd.DataFrame:
+    _ = grasps.quality  # an error if they were read without a mesh
+    table = grasps.to_frame()
     score = table.get("source_score", pd.Series(np.nan, table.index))
     if score.notna().all():
         table = table.assign(robust_quality=score)

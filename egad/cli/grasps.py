@@ -132,25 +132,26 @@ def try_files(
     from egad.cli.terminal_tables import terciles
     from egad.exchange.grasp_trials import try_grasps
     from egad.exchange.reading import read_grasps
-    from egad.io import check_ending
+    from egad.io import check_ending, object_names
     from egad.tables.grasping import TRIED_GRASPS
 
     check_ending(out, (".parquet", ".csv"))
     if len(files) != len(meshes):
         raise UserError(f"--mesh is given {len(meshes)} times; allowed: once for each file")
     said = _said(frame, depth, pose_units, reference, object_id)
+    names = {path: name for name, path in object_names(meshes).items()}
     tried = []
     for file, mesh in zip(files, meshes, strict=True):
         solid, hand = _object(mesh, units, gripper, config)
         read = read_grasps(file, format_name, solid, hand, **said)
-        options: Any = {"name": mesh.stem, "engine": engine, "jobs": jobs}
+        options: Any = {"name": names[mesh], "engine": engine, "jobs": jobs}
         tried.append(try_grasps(read, solid, hand, n, **options))
     whole = reduce(add, tried)
+    if out is not None:
+        write_frame(whole.table, TRIED_GRASPS, out)
     typer.echo(repr(whole))
     for column in ("depth", "width"):
         terciles(whole.by(column))
-    if out is not None:
-        write_frame(whole.table, TRIED_GRASPS, out)
 
 
 def _object(

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from egad.bench.trials import Trials
     from egad.objects import NamedMesh
 
-NOTE = "run"
+NOTE, ARCHIVE = "run", ".parquet"
 Result = TypeVar("Result", "Trials", "Benchmark")
 OF_TABLE = "that of the table"
 SimulatedIn = Annotated[
@@ -60,6 +60,8 @@ def run_trials(
     from egad_workflow.provenance import recorded
 
     targets, files = objects_in(*objects)
+    if detector.startswith(GRASPS) and rule != "none" and files[:1] and files[0].suffix != ARCHIVE:
+        raise UserError(f"--rule is {rule}; with grasps of meshes it is none: they have one size")
     labels, read = _known_grasps(detector, targets, settings.gripper, rule)
     path, schema = out
     arguments = {"objects": Path(objects[0]).name, "rule": rule}
@@ -82,7 +84,9 @@ def _known_grasps(
 ) -> "tuple[Mapping[str, pd.DataFrame] | None, list[Path]]":
     """The grasps by id of grasps:FILE or grasps:FOLDER, and files; None of any other detector."""
     from egad.bench.preparation import grasps_by_id
+    from egad.exchange.grasp_files import LOADERS
     from egad.exchange.reading import read_grasps
+    from egad.io import object_names
     from egad.objects import scaled_solid
 
     if not detector.startswith(GRASPS):
@@ -90,7 +94,7 @@ def _known_grasps(
     path = Path(detector.removeprefix(GRASPS))
     files = {targets[0].label: path}
     if path.is_dir():
-        files = {each.stem: each for each in sorted(path.iterdir())}
+        files = object_names(each for each in sorted(path.iterdir()) if each.suffix in LOADERS)
     hand = next((name for name, each in GRIPPERS.items() if each == gripper), gripper)
     read = {
         each.label: read_grasps(files[each.label], None, scaled_solid(each, gripper, rule), hand)

@@ -107,15 +107,15 @@ class GraspTrials:
             For each tercile its smallest and largest value, the number of grasps, the rates of
             success by the labels of the file and in simulation, and how often these agree.
         """
-        check_name("column", column, TRIED_GRASPS.names)
+        check_name("column", column, map(str, self.table.select_dtypes("number")))
         tried, success = self._tried(place)
         order = np.argsort(tried[column].to_numpy(np.float64), kind="stable")
         rows = []
         for name, chosen in zip(TERCILES, np.array_split(order, 3), strict=True):
             values, labels = tried[column].iloc[chosen], tried["source_success"].iloc[chosen]
             agreed = (labels == success[chosen])[labels.notna()]
-            numbers = (labels.mean(), success[chosen].mean(), agreed.mean()) if len(chosen) else ()
-            rows.append((name, values.min(), values.max(), len(chosen), *numbers))
+            shares = (each.mean() for each in (labels, pd.Series(success[chosen]), agreed))
+            rows.append((name, values.min(), values.max(), len(chosen), *shares))
         names = [column, "from", "to", "grasps", "labelled", "simulated", "agreement"]
         return pd.DataFrame(rows, columns=names)
 

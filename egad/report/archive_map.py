@@ -1,7 +1,7 @@
 """The map of an archive, with a picture of an object in each cell."""
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from egad.evolution import Archive, Elite, unpack
@@ -17,17 +17,19 @@ NARROWEST = 520  # minimum side of a map, pixels; cells of smaller maps are enla
 Cells = dict[str, tuple[int, str]]  # by name: how many objects, and a picture of one
 
 
-def filled_cells(
-    elites: Sequence[Elite], space: MeasureSpace, picture: Callable[[Elite], str]
-) -> Cells:
-    """Number of elites, oldest first, and `href` of the oldest's picture, by name of the cell."""
+def _pictured_cells(elites: Sequence[Elite], space: MeasureSpace, size: int) -> Cells:
+    """Number of elites, oldest first, and a picture of the oldest, by name of the cell."""
     columns = complexity_cells([elite.complexity for elite in elites], space)
     rows = difficulty_cells([elite.graspability for elite in elites], space)
     names = [cell_name(int(column), int(row)) for column, row in zip(columns, rows, strict=True)]
     counts, first = Counter(names), dict[str, Elite]()
     for name, elite in zip(names, elites, strict=True):
         first.setdefault(name, elite)
-    return {name: (counts[name], picture(elite)) for name, elite in first.items()}
+    pictures = {
+        name: picture_of(elite.voxels, round((8 * len(elite.voxels)) ** (1 / 3)), size)
+        for name, elite in first.items()
+    }
+    return {name: (counts[name], picture) for name, picture in pictures.items()}
 
 
 def picture_of(packed: bytes, resolution: int, size: int = UNIT - MARGIN) -> str:
@@ -38,12 +40,7 @@ def picture_of(packed: bytes, resolution: int, size: int = UNIT - MARGIN) -> str
 def archive_map(archive: Archive, measures: tuple[str, str] | None = None) -> str:
     """SVG map of an archive, with the oldest object of each cell; axes are named by measures."""
     unit = max(UNIT, NARROWEST // archive.space.cells)
-    size = min(unit - MARGIN, MAX_SIDE)
-
-    def picture(elite: Elite) -> str:
-        return picture_of(elite.voxels, round((8 * len(elite.voxels)) ** (1 / 3)), size)
-
-    cells = filled_cells(archive.elites, archive.space, picture)
+    cells = _pictured_cells(archive.elites, archive.space, min(unit - MARGIN, MAX_SIDE))
     axes = USUAL if measures is None else named_axes(*measures)
     caption = (
         f"{counted(len(archive), 'object')} in {len(cells)} of {archive.space.cells**2} cells, "

@@ -64,6 +64,11 @@ def test_tables_are_cleared_with_them(tmp_path):
 
 def test_wrong_uses_are_refused(tmp_path):
     grasps, bar = known(tmp_path, [0.0]), {"bar": BAR}
+    wide = {**np.load(tmp_path / "bar.npz"), "widths": np.full(len(grasps), 0.03)}
+    np.savez(tmp_path / "wide.npz", **wide)
+    bare = egad.read_grasps(tmp_path / "wide.npz")
+    with pytest.raises(UserError, match="quality"):
+        egad.run_trials("labels", bar, **RUN, grasps={"bar": bare})
     with pytest.raises(UserError, match="grasps are for the detector labels"):
         egad.run_trials("random", bar, **RUN, grasps={"bar": grasps})
     with pytest.raises(UserError, match="rule is 'paper'; with grasps, it is 'none'"):

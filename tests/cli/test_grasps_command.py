@@ -113,6 +113,7 @@ def test_a_file_of_grasps_is_a_detector_that_knows_where_its_object_is(folder, t
     objects.mkdir()
     (objects / "bar.obj").write_bytes((folder / "bar.obj").read_bytes())
     options = ("--units", "m", "--gripper", "panda", "--rule", "none", "--jobs", "1")
+    (folder / "grasp_data/panda/bar.png").touch()
     for given in (folder / "grasp_data/panda/bar.json", folder / "grasp_data/panda"):
         out = ("--attempts", "2", "--out", tmp_path / "tried.parquet")
         done = run("trials", "run", f"grasps:{given}", "--objects", objects, *options, *out)
@@ -120,6 +121,9 @@ def test_a_file_of_grasps_is_a_detector_that_knows_where_its_object_is(folder, t
         assert "success" in done.stdout
         sources = origin_of(tmp_path / "tried.parquet").sources()
         assert {path.name.rpartition(":")[2] for path, _ in sources} == {"bar.obj", "bar.json"}
+    scaled = ("--rule", "paper") + options[:4]
+    done = run("trials", "run", f"grasps:{given}", "--objects", objects, *scaled, *out)
+    assert "with grasps of meshes it is none" in done.stderr
     (objects / "rod.obj").write_bytes((folder / "bar.obj").read_bytes())
     done = run("trials", "run", f"grasps:{given}", "--objects", objects, *options, *out)
     assert "there are no grasps of 'rod'; there are some of bar" in done.stderr

@@ -113,6 +113,11 @@ def test_terciles_are_those_of_a_table_that_is_counted_by_hand():
     assert found["labelled"].tolist() == [1, 0.5, 0]
     assert found["simulated"].tolist() == [0.5, 1, 0.5]
     assert found["agreement"].tolist() == [0.5, 0.5, 1]
+    lost = GraspTrials(table.assign(simulated_outcome="crashed")).by("width")
+    assert lost["grasps"].tolist() == [0, 0, 0]
+    assert lost[["simulated", "agreement"]].isna().all(axis=None)
+    with pytest.raises(UserError, match="known: source_success, width"):
+        GraspTrials(table).by("table_outcome")
 
 
 def test_intervals_are_over_objects_if_there_are_several():

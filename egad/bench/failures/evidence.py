@@ -73,11 +73,11 @@ def pairs_of(attempts: pd.DataFrame, engine: str, purpose: str = "confirm") -> l
     return [PairedDrop(*pair) for pair in zip(*columns, strict=True)]
 
 
-def counts_of(attempts: pd.DataFrame, purpose: str = "confirm") -> dict[str, float]:
+def counts_of(attempts: pd.DataFrame) -> dict[str, float]:
     """Results of the fresh drops at an object, by engine: columns of `tables.failures.EXAMINED`."""
     values: dict[str, float] = {}
     for engine in FAST_ENGINES:
-        pairs = pairs_of(attempts, engine, purpose)
+        pairs = pairs_of(attempts, engine)
         difference = sum(pair.reference - pair.detector for pair in pairs)
         values |= {
             f"n_pairs_{engine}": len(pairs),
