@@ -33,6 +33,7 @@ def design(
     """Design fingertips for a hand: search, print, and compare the hand before and after."""
     from egad._util.parameters import from_file
     from egad.bench.tips import TipSearch, design_tips
+    from egad.grippers import files_of
     from egad.report.tips import write_tip_pages
     from egad_workflow.config_files import read_values
     from egad_workflow.provenance import recorded
@@ -41,12 +42,15 @@ def design(
     name, hand = hand_in(settings_in(config), base)
     targets, files = objects_in(objects, units)
     rule = "none" if files and files[0].suffix != ".parquet" else "paper"
-    with recorded("design", settings=search, inputs=files, arguments={"base": name}):
-        found = design_tips(name, hand, search, targets, out, rule=rule, engines=engines, jobs=jobs)
-        for engine, card in found.cards.items():
+    inputs = [*files, *files_of(hand)]
+    with recorded("design", settings=search, inputs=inputs, arguments={"base": name}):
+        designed = design_tips(
+            name, hand, search, targets, out, rule=rule, engines=engines, jobs=jobs
+        )
+        for engine, card in designed.cards.items():
             card.save(out / f"card-{engine}.parquet")
-    write_tip_pages(found, out, targets, jobs=jobs)
-    for card in found.cards.values():
+    write_tip_pages(designed, out, targets, jobs=jobs)
+    for card in designed.cards.values():
         for sentence in card.conclusions():
             typer.echo(sentence)
     typer.echo(f"{out}: the tips, the hand with them, cards, and datasheet.md")

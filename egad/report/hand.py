@@ -160,7 +160,7 @@ def hand_entry(name: str, gripper: Gripper, model: HandModel) -> str:
     """The entry of a configuration for a gripper with a file, as YAML; a comment if doubtful."""
     strength = "force" if gripper.torque is None else "torque"
     settings = gripper.model_dump(mode="json", include={"file", *CHOICES, strength})
-    settings |= gripper.model_dump(mode="json", include={"pads"}, exclude_defaults=True)
+    settings |= gripper.model_dump(mode="json", include={"pads", "friction"}, exclude_defaults=True)
     entry = {key: value for key, value in settings.items() if value is not None}
     text: str = yaml.safe_dump({"grippers": {name: entry}}, sort_keys=False)
     if not hand_doubts(gripper, model):

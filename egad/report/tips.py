@@ -1,9 +1,10 @@
 """The datasheet of designed fingertips: dimensions, a picture, gains and losses, how to print."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from egad._util.files import write_text
+from egad._util.markdown import table
 from egad.bench.hands import HandComparison
 from egad.bench.tips import DesignedTips, FingertipDesign
 from egad.grippers import Gripper, model_of
@@ -21,8 +22,9 @@ PRINTING = """## Print and mount
 
 `first_tip.stl` and `second_tip.stl` (together `tips.3mf`) lie as they are printed: without support,
 4 perimeters or more, full infill. The first one is for the fixed jaw, if one jaw is fixed. The foot
-of a tip fits the inner face of its jaw, to 0.5 mm. Sand the jaw and glue the foot with epoxy, or
-drill through both and screw it. Then check on the robot: `egad log-sheet`."""
+of a tip fits the shape of its jaw that collides: to 0.5 mm if one jaw moves, else its convex hull.
+Sand the jaw and glue the foot with epoxy, or drill through both and screw it. Then check on the
+robot: `egad log-sheet`."""
 
 
 def write_tip_pages(
@@ -48,8 +50,8 @@ def datasheet(designed: DesignedTips, name: str, base: Gripper) -> str:
     parts = [
         f"# Fingertips for {name}",
         "![before](before.png) ![after](after.png)",
-        _table(("dimension", "value", "meaning"), rows),
-        _table(("hand", "before", "after"), sizes),
+        table(("dimension", "value", "meaning"), rows).rstrip(),
+        table(("hand", "before", "after"), sizes).rstrip(),
         f"Chosen among {len(designed.table)} designs, of which {works} can be made, on "
         f"{len(designed.chosen_on)} objects: {', '.join(designed.chosen_on)}. The rates below are "
         "of other objects and drops, with 95 % intervals over objects.",
@@ -57,12 +59,6 @@ def datasheet(designed: DesignedTips, name: str, base: Gripper) -> str:
         PRINTING,
     ]
     return "\n\n".join(parts) + "\n"
-
-
-def _table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table of Markdown."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
 
 
 def _shown(key: str, value: float | str) -> str:
@@ -79,12 +75,12 @@ def _results(engine: str, card: HandComparison) -> str:
     before, after = card.hands
     rows = []
     for who, words in GRASPERS.items():
-        rates, found = card.rates(who), card.compare(after, before, who)
+        rates, gain = card.rates(who), card.compare(after, before, who)
         shown = (f"{100 * rates[hand].value:.0f} %" for hand in (before, after))
-        low, high = (100 * end for end in found.interval)
-        rows.append((words, *shown, f"{100 * found.difference:+.0f} ({low:+.0f} to {high:+.0f})"))
+        low, high = (100 * end for end in gain.interval)
+        rows.append((words, *shown, f"{100 * gain.difference:+.0f} ({low:+.0f} to {high:+.0f})"))
     old, new = (card.attempts(hand).groupby("label")["success"].mean() for hand in (before, after))
     gains, losses = (", ".join(old.index[way * (new - old) >= CHANGE]) or "none" for way in (1, -1))
-    table = _table(("grasps", "before", "after", "difference, points"), rows)
+    rates_of = table(("grasps", "before", "after", "difference, points"), rows)
     told = f"Best grasps gain by half or more at {gains}; they lose as much at {losses}."
-    return f"## In {engine}\n\n{table}\n\n{told}"
+    return f"## In {engine}\n\n{rates_of}\n{told}"

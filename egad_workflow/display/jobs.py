@@ -24,11 +24,6 @@ class Job:
     def __post_init__(self) -> None:
         self._former = self._written()  # left by an earlier run
 
-    @property
-    def title(self) -> str:
-        """What it does."""
-        return self.message or self.rule
-
     def read(self) -> tuple[Status | None, str]:
         """The last progress in its log, and a description of what it has done since."""
         if self.log is None or self._written() in (None, self._former):

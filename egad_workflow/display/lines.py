@@ -56,7 +56,7 @@ def job_line(job: Job, now: float) -> str:
     """The progress of a job."""
     status, doing = job.read()
     parts = [str(status) if status else "", doing, f"{duration(now - job.start)} so far"]
-    return f"{job.title}: {', '.join(part for part in parts if part)}"
+    return f"{job.message}: {', '.join(part for part in parts if part)}"
 
 
 def clock() -> str:

@@ -89,7 +89,7 @@ class Display(logging.Handler):
         if not message["log"]:
             return  # a target that only asks for files
         log = Path(message["log"][0])
-        job = Job(message["rule_name"], message["rule_msg"] or "", log)
+        job = Job(message["rule_name"], message["rule_msg"] or message["rule_name"], log)
         self._run.jobs[message["jobid"]] = job
         self._view.print(f"{clock()} start {job.rule}: {job.message}")
 
@@ -103,7 +103,7 @@ class Display(logging.Handler):
         steps = f"({message['done']} of {message['total']} steps)"
         for job in self._done:
             taken = duration(time.monotonic() - job.start)
-            self._view.print(f"{clock()} done  {job.rule}: {job.title}, {taken} {steps}")
+            self._view.print(f"{clock()} done  {job.rule}: {job.message}, {taken} {steps}")
             lines = last_lines(job.log) if job.log else []
             if job.rule in self._whole_logs:
                 self._view.print("\n".join(lines))
@@ -116,7 +116,7 @@ class Display(logging.Handler):
     def _fail(self, message: dict[str, Any]) -> None:
         number, rule = message["jobid"], message["rule_name"]
         job = self._run.jobs.pop(number, None)
-        title = f" {job.title}" if job else ""
+        title = f" {job.message}" if job else ""
         lines = [f"{clock()} Error in rule {rule}:{title} (job {number})"]
         lines += [f"    {name}: {value}" for name, value in message["aux"].items()]
         for log in message["log"]:

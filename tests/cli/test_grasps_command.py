@@ -121,7 +121,7 @@ def test_a_file_of_grasps_is_a_detector_that_knows_where_its_object_is(folder, t
         assert "success" in done.stdout
         sources = origin_of(tmp_path / "tried.parquet").sources()
         assert {path.name.rpartition(":")[2] for path, _ in sources} == {"bar.obj", "bar.json"}
-    scaled = ("--rule", "paper") + options[:4]
+    scaled = ("--rule", "paper", *options[:4])
     done = run("trials", "run", f"grasps:{given}", "--objects", objects, *scaled, *out)
     assert "with grasps of meshes it is none" in done.stderr
     (objects / "rod.obj").write_bytes((folder / "bar.obj").read_bytes())

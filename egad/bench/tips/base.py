@@ -11,6 +11,8 @@ from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers import Gripper, HandModel, finger_span, joint_limits, model_of
 
+TOLERANCE = 1e-5  # metres
+
 
 class Base(NamedTuple):
     """A hand without its fingertips."""
@@ -42,6 +44,11 @@ def base_of(name: str, gripper: Gripper) -> Base:
     if gripper.file is None:
         return _base_of_boxes(gripper)
     model = model_of(gripper)
+    if gripper.opening < model.openings[-1] - TOLERANCE:
+        raise UserError(
+            f"the hand {name} is set to open {1000 * gripper.opening:.1f} of "
+            f"{1000 * model.openings[-1]:.1f} mm; fingertips are for all that its joint allows"
+        )
     driven = (model.positions[:, 0] - model.positions[0, 0]) / np.ptp(model.positions[:, 0])
     for joint, column in zip(model.joints[1:], model.positions.T[1:], strict=True):
         line = column[0] + (column[-1] - column[0]) * driven / driven[-1]

@@ -30,11 +30,11 @@ def hand_with_tips(base: Base, design: FingertipDesign, tips: Sequence[Tip], out
     """A hand with tips, as read from its files; a jaw that turns keeps the torque of its joint."""
     path = write_hand(base, tips, out)
     gripper = base.gripper
-    kept = {"pads": gripper.pads, "friction": gripper.friction}
+    kept = gripper.model_dump(include={"pads", "friction", "sampler", "joint", "finger_links"})
     if not base.turns:
         return Gripper.from_file(path, force=gripper.force, **kept)
     torque = gripper.torque or gripper.force * (base.model.lever or 1.0)
-    depth = design.overlap + design.grip * design.length
+    depth = design.overlap + design.grip * tips[0].free
     tcp = tips[0].pose[:3] @ [design.thickness, 0.0, depth, 1.0]
     return Gripper.from_file(path, torque=torque, tcp=tuple(tcp.tolist()), **kept)
 
@@ -56,25 +56,28 @@ def tip_problems(
 
 
 def _print_problems(tips: Sequence[Tip], limits: TipLimits) -> Iterator[str]:
-    """Walls, loose parts and overhangs."""
+    """Walls of the plates, and overhangs."""
     for name, tip in zip(NAMES, tips, strict=True):
         for problem in print_problems(
             to_mesh(union_of_hulls(tip.pieces[:-1])), PrintCheck(wall=limits.wall)
         ):
             yield f"{name} cannot be printed: its plate has {problem}"
-        if tip.mesh.body_count != 1 or not tip.mesh.is_watertight:
-            yield f"{name} cannot be printed: its foot is not one solid"
         overhang = overhang_area(tip.mesh, print_rotation(tip))
         if overhang > OVERHANG:
             yield f"{name} needs support in every pose: {1e6 * overhang:.0f} mm2 hang over"
 
 
 def print_rotation(tip: Tip) -> Floats:
-    """The rotation (3, 3) that lays a tip on the side of its plate with the least overhang."""
+    """The rotation (3, 3) that lays a tip on the bed: the lowest that needs no support, if any."""
+
+    def worth(turn: Floats) -> tuple[float, float]:
+        height = float(np.ptp(tip.mesh.vertices @ turn[2]))
+        return max(overhang_area(tip.mesh, turn), OVERHANG), height
+
     own = tip.pose[:3, :3].T
     turns = [side @ own for side in SIDES]
     firm = [turn for turn in turns if first_layer_area(tip.mesh, turn) >= FOOTHOLD]
-    return min(firm or turns, key=lambda turn: overhang_area(tip.mesh, turn))
+    return min(firm or turns, key=worth)
 
 
 def _hand_problems(
@@ -96,18 +99,21 @@ def _hand_problems(
         )
     if mass > limits.mass:
         yield f"the tips weigh {1000 * mass:.0f} g, allowed: {1000 * limits.mass:.0f}"
-    if (bend := bending(design, hand.force)) > limits.bend:
+    if (bend := bending(design, tips[0].free, hand.force)) > limits.bend:
         yield (
             f"the plates bend {1000 * bend:.1f} mm at their tips under {hand.force:.1f} N, "
             f"allowed: {1000 * limits.bend:.1f}: make them thicker or shorter"
         )
 
 
-def bending(design: FingertipDesign, force: float) -> float:
-    """How far a force, N, bends the end of a plate, metres; a groove along it counts in full."""
+def bending(design: FingertipDesign, free: float, force: float) -> float:
+    """How far a force, N, bends the end of a plate, of which some is free; metres.
+
+    A groove along it counts in full.
+    """
     along = design.groove_angle and design.groove_depth and design.groove_direction == "along"
     thick = design.thickness - (design.groove_depth if along else 0.0)
-    return 4 * force * design.length**3 / (MODULUS * design.width * thick**3)
+    return 4 * force * free**3 / (MODULUS * design.width * thick**3)
 
 
 def _collisions(design: FingertipDesign, hand: Gripper, smallest: float) -> Iterator[str]:

@@ -27,7 +27,7 @@ from egad.tables import parquet
 
 DESIGNS = "designs.parquet"
 FINALISTS = 3  # elites that are tried again on fresh drops
-PLATE = 0.04  # metres between the middles of both tips on the bed
+PLATE, SPACE = 0.04, 0.008  # metres from the edge of the bed to the tips, and between them
 
 
 class DesignedTips(NamedTuple):
@@ -124,12 +124,13 @@ def split_targets(
 
 def write_prints(tips: Sequence[Tip], out: Path, name: str) -> None:
     """Write both tips as STL, and together as a 3MF plate, in the pose to print."""
-    placed = {}
-    for number, (word, tip) in enumerate(zip(("first", "second"), tips, strict=True)):
+    placed, left = {}, PLATE
+    for word, tip in zip(("first", "second"), tips, strict=True):
         vertices = np.asarray(tip.mesh.vertices) @ print_rotation(tip).T
         mesh = trimesh.Trimesh(vertices - vertices.min(axis=0), tip.mesh.faces, process=False)
         write_stl_mm(mesh, out / f"{word}_tip.stl")
-        placed[f"{word} tip"] = PlacedMesh(mesh, np.array([PLATE * (number + 1), PLATE, 0.0]))
+        placed[f"{word} tip"] = PlacedMesh(mesh, np.array([left, PLATE, 0.0]))
+        left += float(mesh.extents[0]) + SPACE
     write_3mf(placed, out / "tips.3mf", {"Title": f"Fingertips for {name}"})
 
 

@@ -63,7 +63,7 @@ class TipSearch(Parameters):
     trials: HandTrials = Field(
         HandTrials(drops=1, search_drops=2, tries=2), description="attempts during the search"
     )
-    judged: HandTrials = Field(HandTrials(), description="attempts that the chosen tips are judged")
+    judged: HandTrials = Field(HandTrials(), description="attempts by which tips are judged")
     seed: Seed = Field(0, description="seed of everything random")
 
     @model_validator(mode="after")

@@ -4,6 +4,7 @@ Designs try the objects in batches. One that is behind the elite of its cell by 
 dropped. The table is written after each generation, and a search resumes from it.
 """
 
+import hashlib
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import trimesh
 
 from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
@@ -23,7 +25,8 @@ from egad.bench.tips.checks import tip_problems
 from egad.bench.tips.parameters import FingertipDesign, TipLimits, TipSearch
 from egad.detectors import IN_SCENES
 from egad.errors import UserError
-from egad.grippers import Gripper
+from egad.grippers import Gripper, files_of
+from egad.io import checksum
 from egad.objects import NamedMesh
 from egad.random import generator
 from egad.tables import parquet
@@ -31,7 +34,7 @@ from egad.tables.columns import FLOAT, integer, real, schema, text, values
 from egad.tables.hands import GRASPERS
 
 Row = dict[str, Any]  # of `TIP_DESIGNS`
-DETECTOR = "antipodal-depth"  # that chooses grasps besides a search and nobody
+DETECTOR = "antipodal-depth"  # for the grasper `detector`
 CELL = 0.01  # metres of opening and of length, of a cell of the archive
 FRESH, STEP = 0.25, 0.2  # fraction of designs without a parent; of a range, of a mutation
 BATCH = 4  # objects after which designs may be dropped
@@ -51,11 +54,19 @@ def search_tips(
     base: Base, search: TipSearch, targets: Sequence[NamedMesh], rule: str, path: Path, jobs: int
 ) -> pd.DataFrame:
     """All designs, rows of `TIP_DESIGNS`, resumed from a file; `UserError` if none can be made."""
-    notes = {"search": search.model_dump(mode="json"), "objects": [each.label for each in targets]}
+    notes = {
+        "search": search.model_dump(mode="json"),
+        "hand": base.gripper.model_dump(mode="json", exclude={"file"}),
+        "files": [checksum(file) for file in files_of(base.gripper)],
+        "objects": {each.label: shape_digest(each.mesh()) for each in targets},
+        "rule": rule,
+    }
     rows: list[Row] = []
     if path.exists():
         if parquet.notes(path) != notes:
-            raise UserError(f"{path} is of a search with other settings; give another folder")
+            raise UserError(
+                f"{path} is of a search with other settings, hand or objects; give another folder"
+            )
         rows = parquet.records(parquet.read(path, TIP_DESIGNS))
     settings = HandParameters(seed=search.seed, hands=search.trials)
     with workers(jobs) as mapper:
@@ -72,6 +83,12 @@ def search_tips(
             rows += [row for row, _ in checked if row["design"] <= last]
             parquet.write(pd.DataFrame(rows), TIP_DESIGNS, path, notes)
     return pd.DataFrame(rows)
+
+
+def shape_digest(mesh: trimesh.Trimesh) -> str:
+    """A digest of the vertices and faces of a mesh."""
+    content = np.asarray(mesh.vertices, "<f8").tobytes() + np.asarray(mesh.faces, "<i8").tobytes()
+    return hashlib.sha256(content).hexdigest()[:16]
 
 
 def elites(rows: Sequence[Row], objects: int) -> list[Row]:
@@ -107,7 +124,8 @@ def draw_design(search: TipSearch, parents: Sequence[Row], number: int) -> Finge
         if not isinstance(choice, tuple):
             drawn |= {} if choice is None else {name: choice}
         elif isinstance(choice[0], str):
-            drawn[name] = choice[int(rng.integers(len(choice)))]
+            kept = parent is not None and rng.random() >= FRESH
+            drawn[name] = getattr(parent, name) if kept else choice[int(rng.integers(len(choice)))]
         else:
             low, high = float(choice[0]), float(choice[1])
             value = rng.uniform(low, high)

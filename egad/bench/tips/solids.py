@@ -25,6 +25,7 @@ SINK = 3e-4  # metres that the foot reaches into the jaw before the jaw is cut o
 FLAT = 0.9  # of a plate: a groove may be this wide
 RAYS = 15  # along each side of the foot
 REACH = 1.0  # metres, wider than any hand
+CRUMB = 1e-9  # m3, of what the jaw cuts off a foot, that is left out
 
 
 class Tip(NamedTuple):
@@ -34,6 +35,7 @@ class Tip(NamedTuple):
     pieces: tuple[Floats, ...]  # (n, 3) corners of its convex pieces, which reach into the jaw
     mesh: trimesh.Trimesh  # what is printed
     pose: Floats  # (4, 4) pose of the tip
+    free: float  # length of the plate beyond the foot
 
 
 class Mount(NamedTuple):
@@ -48,14 +50,19 @@ class Mount(NamedTuple):
 
 def make_tips(base: Base, design: FingertipDesign) -> tuple[Tip, Tip]:
     """The tips of both jaws, the fixed one first; `UserError` if there is no room for them."""
-    _check_groove(design)
+    _check_plates(design)
     mount = _find_mount(base, design)
     first, second = (_make_tip(base, design, mount, side) for side in FINGERS)
     return first, second
 
 
-def _check_groove(design: FingertipDesign) -> None:
-    """Raise UserError if the groove is about as wide as the plate, or as deep."""
+def _check_plates(design: FingertipDesign) -> None:
+    """Raise UserError if the groove is about as wide as the plate, or as deep, or all is bevel."""
+    if design.bevel >= design.thickness:
+        raise UserError(
+            f"the bevel is {_mm(design.bevel)}, the plates are {_mm(design.thickness)} thick: make "
+            "it smaller"
+        )
     depth, half = design.groove_depth, _groove_half(design)
     room = design.width if design.groove_direction == "along" else design.length
     if depth >= design.thickness or 2 * half >= FLAT * room:
@@ -127,12 +134,15 @@ def _make_tip(base: Base, design: FingertipDesign, mount: Mount, side: int) -> T
     to_link = np.linalg.inv(pose_of(base.model, link, mount.opening)) @ pose
     jaw = [trimesh.transform_points(points, np.linalg.inv(pose)) for points in parts]
     solid = union_of_hulls([*plate, foot]) - union_of_hulls(jaw)
-    largest = max(solid.decompose(), key=lambda body: body.volume())  # others are crumbs
+    *others, largest = sorted(solid.decompose(), key=lambda body: body.volume())
+    if any(body.volume() > CRUMB for body in others):
+        raise UserError("the jaw cuts a foot into pieces: make it wider, or the overlap shorter")
     return Tip(
         link,
         tuple(trimesh.transform_points(points, to_link) for points in (*plate, foot)),
         to_mesh(largest).apply_transform(to_link),
         to_link,
+        mount.tip - mount.end + design.length,
     )
 
 

@@ -145,25 +145,12 @@ def _bytes(count: int) -> str:
 
 
 CREATOR = "the egad developers"
-TERMS = """{title}, version {version}
-
-Licence: Creative Commons Attribution 4.0 International (CC BY 4.0)
-SPDX-License-Identifier: {license}
-Legal text: {url}legalcode
-Copyright (c) {creator}
-
-You may copy, change and share these files for any purpose, even commercially, if you give
-credit, link to the licence, and say whether you changed something. For credit, cite the paper and
-the dataset as CITATION.cff says. The data comes without any warranty; the legal text says so in
-full. To the network vgn-evolved, the licence networks/vgn-evolved/LICENSE-VGN applies, too.
-"""
 
 
 def licence_text(title: str, version: str) -> str:
     """The licence of a release, with the dataset's title for people and its version."""
-    return TERMS.format(
-        title=title, version=version, license=LICENSE, url=LICENSE_URL, creator=CREATOR
-    )
+    known = {"license": LICENSE, "url": LICENSE_URL, "creator": CREATOR}
+    return filled(__package__, "licence.md", title=title, version=version, **known)
 
 
 def citation_cff(title: str, version: str, date: str | None, url: str | None) -> str:

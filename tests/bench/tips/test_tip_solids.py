@@ -112,9 +112,9 @@ def test_tilted_plates_part_by_their_angle():
 def test_bending_is_that_of_a_cantilever():
     design = FingertipDesign(length=0.03, width=0.012, thickness=0.003)
     inertia = 0.012 * 0.003**3 / 12
-    assert bending(design, 5.0) == pytest.approx(5 * 0.03**3 / (3 * 2.3e9 * inertia))
+    assert bending(design, 0.03, 5.0) == pytest.approx(5 * 0.03**3 / (3 * 2.3e9 * inertia))
     grooved = design.model_copy(update={"groove_angle": 20.0, "groove_depth": 0.001})
-    assert bending(grooved, 5.0) == pytest.approx(3.375 * bending(design, 5.0))
+    assert bending(grooved, 0.03, 5.0) == pytest.approx(3.375 * bending(design, 0.03, 5.0))
 
 
 def test_designs_without_room_are_refused(tmp_path):
@@ -126,6 +126,8 @@ def test_designs_without_room_are_refused(tmp_path):
         make_tips(boxes(), FingertipDesign(groove_angle=30, groove_depth=0.005))
     with pytest.raises(UserError, match="16 mm wide there; make it shallower"):
         make_tips(boxes(), FingertipDesign(groove_angle=5, groove_depth=0.002))
+    with pytest.raises(UserError, match="the bevel is 20 mm, the plates are 4 mm thick"):
+        make_tips(boxes(), FingertipDesign(bevel=0.02))
 
 
 def test_a_cup_has_no_jaws():

@@ -46,8 +46,3 @@ def test_of_a_long_log_only_the_end_is_read(log):
     log.write_bytes(b"\xff\n" + b"x" * 10 * module.READ_BYTES + b"\na: 1/4\n")
     assert last_lines(log)[-1] == "a: 1/4"
     assert sum(map(len, last_lines(log))) <= module.READ_BYTES
-
-
-def test_a_job_without_a_message_is_called_by_its_rule():
-    assert Job("evolve", "Evolving egad", None).title == "Evolving egad"
-    assert Job("evolve", "", None).title == "evolve"

@@ -20,6 +20,12 @@ def test_starts_and_ends_of_jobs_take_a_line_each(start_run):
     assert done.endswith("done  evolve: Evolving, 0:00 (1 of 5 steps)")
 
 
+def test_a_job_without_a_message_is_called_by_its_rule(start_run):
+    run = start_run()
+    run.start(1, message=None)
+    assert run.shown.endswith("start evolve: evolve\n")
+
+
 def test_a_target_that_only_asks_for_files_is_not_a_job(start_run):
     run = start_run()
     run.start(1, rule="all", message=None, logged=False)
