@@ -25,11 +25,13 @@ def _pictured_cells(elites: Sequence[Elite], space: MeasureSpace, size: int) -> 
     counts, first = Counter(names), dict[str, Elite]()
     for name, elite in zip(names, elites, strict=True):
         first.setdefault(name, elite)
-    pictures = {
-        name: picture_of(elite.voxels, round((8 * len(elite.voxels)) ** (1 / 3)), size)
-        for name, elite in first.items()
+    return {
+        name: (
+            counts[name],
+            picture_of(each.voxels, round((8 * len(each.voxels)) ** (1 / 3)), size),
+        )
+        for name, each in first.items()
     }
-    return {name: (counts[name], picture) for name, picture in pictures.items()}
 
 
 def picture_of(packed: bytes, resolution: int, size: int = UNIT - MARGIN) -> str:

@@ -58,9 +58,8 @@ def tip_problems(
 def _print_problems(tips: Sequence[Tip], limits: TipLimits) -> Iterator[str]:
     """Walls of the plates, and overhangs."""
     for name, tip in zip(NAMES, tips, strict=True):
-        for problem in print_problems(
-            to_mesh(union_of_hulls(tip.pieces[:-1])), PrintCheck(wall=limits.wall)
-        ):
+        plate = to_mesh(union_of_hulls(tip.pieces[:-1]))
+        for problem in print_problems(plate, PrintCheck(wall=limits.wall)):
             yield f"{name} cannot be printed: its plate has {problem}"
         overhang = overhang_area(tip.mesh, print_rotation(tip))
         if overhang > OVERHANG:
@@ -107,10 +106,7 @@ def _hand_problems(
 
 
 def bending(design: FingertipDesign, free: float, force: float) -> float:
-    """How far a force, N, bends the end of a plate, of which some is free; metres.
-
-    A groove along it counts in full.
-    """
+    """How far a force, N, bends the end of a plate of free length, m; a groove counts in full."""
     along = design.groove_angle and design.groove_depth and design.groove_direction == "along"
     thick = design.thickness - (design.groove_depth if along else 0.0)
     return 4 * force * free**3 / (MODULUS * design.width * thick**3)

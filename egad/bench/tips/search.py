@@ -64,9 +64,7 @@ def search_tips(
     rows: list[Row] = []
     if path.exists():
         if parquet.notes(path) != notes:
-            raise UserError(
-                f"{path} is of a search with other settings, hand or objects; give another folder"
-            )
+            raise UserError(f"{path} is of other settings, hand or objects; give another folder")
         rows = parquet.records(parquet.read(path, TIP_DESIGNS))
     settings = HandParameters(seed=search.seed, hands=search.trials)
     with workers(jobs) as mapper:

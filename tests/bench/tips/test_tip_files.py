@@ -10,10 +10,12 @@ from egad import Gripper
 from egad.bench.tips import FingertipDesign, TipLimits
 from egad.bench.tips.base import base_of
 from egad.bench.tips.checks import hand_with_tips, tip_problems
+from egad.bench.tips.design import write_prints
 from egad.bench.tips.files import write_hand
 from egad.bench.tips.solids import make_tips
 from egad.errors import UserError
 from egad.grippers import joint_limits, model_of
+from egad.io import read_mesh
 
 PLA = 1240.0
 SHORT = FingertipDesign(length=0.02, gap=0.02)
@@ -140,3 +142,20 @@ def test_the_grip_decides_how_wide_a_jaw_that_turns_opens(tmp_path):
     assert strong > weak  # its lever is shorter
     assert tips[0].free >= 0.03  # the jaws end 1.8 mm apart
     assert behind - ahead == pytest.approx(0.6 * tips[0].free, abs=1e-5)
+
+
+def test_tips_lie_on_the_bed_without_support_and_apart(tmp_path):
+    base = base_of("jaw", Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"), force=10))
+    for length, angle in ((0.03, 8.0), (0.045, 0.0)):
+        tips = make_tips(base, FingertipDesign(length=length, gap=0.02, angle=angle))
+        write_prints(tips, tmp_path, "jaw")
+        bodies = read_mesh(tmp_path / "tips.3mf", None).split()
+        assert [body.extents[2] < 0.03 for body in bodies] == [True] * 2
+        (_, end), (start, _) = sorted(tuple(body.bounds[:, 0]) for body in bodies)
+        assert start > end
+
+
+def test_a_hand_that_is_set_to_open_less_is_refused(tmp_path):
+    gripper = Gripper.from_file(jaw_urdf(tmp_path / "jaw.urdf"), force=10, opening=0.02)
+    with pytest.raises(UserError, match=r"the hand jaw is set to open 20\.0 of"):
+        base_of("jaw", gripper)

@@ -94,8 +94,18 @@ def test_a_search_resumes_and_does_not_depend_on_the_number_of_processes(tmp_pat
     parquet.write(half, TIP_DESIGNS, paths[2], parquet.notes(paths[0]))
     search_tips(base, settings, targets, "none", paths[2], 1)
     assert len({path.read_bytes() for path in paths}) == 1
-    with pytest.raises(UserError, match=r"whole\.parquet is of a search with other settings"):
-        search_tips(base, search(seed=1), targets, "none", paths[0], 1)
+    weak = base_of("boxes", HAND.model_copy(update={"force": 21.0}))
+    larger = [
+        each._replace(mesh=lambda: trimesh.creation.box((0.05, 0.05, 0.05))) for each in targets
+    ]
+    for given in (
+        (base, search(seed=1), targets, "none"),
+        (weak, settings, targets, "none"),
+        (base, settings, larger, "none"),
+        (base, settings, targets, "paper"),
+    ):
+        with pytest.raises(UserError, match=r"whole\.parquet is of other settings, hand or obj"):
+            search_tips(*given, paths[0], 1)
 
 
 def test_whole_columns_are_held_out():
