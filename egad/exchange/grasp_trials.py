@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from html import escape
 from typing import Literal
 
 import numpy as np
@@ -78,6 +79,9 @@ class GraspTrials:
 
     def __repr__(self) -> str:
         return "\n".join(self._lines())
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(repr(self))}</pre>"
 
     def rate(self, place: Place = "free") -> Rate:
         """How often grasps held the object when it was shaken, `free`, or lifted off a `table`."""

@@ -11,8 +11,6 @@ from egad._util.arrays import Floats
 from egad.errors import UserError
 from egad.grippers import Gripper, HandModel, finger_span, joint_limits, model_of
 
-TOLERANCE = 1e-5  # metres
-
 
 class Base(NamedTuple):
     """A hand without its fingertips."""
@@ -44,7 +42,7 @@ def base_of(name: str, gripper: Gripper) -> Base:
     if gripper.file is None:
         return _base_of_boxes(gripper)
     model = model_of(gripper)
-    if gripper.opening < model.openings[-1] - TOLERANCE:
+    if gripper.opening < model.openings[-1] - 1e-5:
         raise UserError(
             f"the hand {name} is set to open {1000 * gripper.opening:.1f} of "
             f"{1000 * model.openings[-1]:.1f} mm; fingertips are for all that its joint allows"

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import trimesh
 
 from egad._util.progress import progress
 from egad._util.workers import Mapper, workers
@@ -58,7 +57,7 @@ def search_tips(
         "search": search.model_dump(mode="json"),
         "hand": base.gripper.model_dump(mode="json", exclude={"file"}),
         "files": [checksum(file) for file in files_of(base.gripper)],
-        "objects": {each.label: shape_digest(each.mesh()) for each in targets},
+        "objects": {each.label: shape_digest(each) for each in targets},
         "rule": rule,
     }
     rows: list[Row] = []
@@ -83,10 +82,9 @@ def search_tips(
     return pd.DataFrame(rows)
 
 
-def shape_digest(mesh: trimesh.Trimesh) -> str:
-    """A digest of the vertices and faces of a mesh."""
-    content = np.asarray(mesh.vertices, "<f8").tobytes() + np.asarray(mesh.faces, "<i8").tobytes()
-    return hashlib.sha256(content).hexdigest()[:16]
+def shape_digest(target: NamedMesh) -> str:
+    """A digest of the triangles of an object."""
+    return hashlib.sha256(target.mesh().triangles.tobytes()).hexdigest()[:16]
 
 
 def elites(rows: Sequence[Row], objects: int) -> list[Row]:
