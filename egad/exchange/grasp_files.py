@@ -168,7 +168,7 @@ def _dexnet(datasets: Any) -> Content:  # noqa: ANN401 (untyped)
         (f"{name}/{hand}", *map(at.attrs.get, ("id", "configuration")), dict(at["metrics"].attrs))
         for dataset in datasets.values()
         for name, item in dataset["objects"].items()
-        for hand, grasps in item["grasps"].items()
+        for hand, grasps in item.get("grasps", {}).items()
         for at in grasps.values()
     ]
     return {"dexnet": sorted(rows, key=lambda row: row[:2])}

@@ -150,6 +150,7 @@ def test_grasps_that_dexnet_describes_are_where_its_classes_put_them(tmp_path):
         grasp.attrs["id"] = 0
         grasp.create_group("metrics").attrs["robust_ferrari_canny"] = 0.002
         file["datasets/d/objects/o/grasps/g"].attrs["num_grasps"] = 1
+        file.create_group("datasets/d/objects/without_grasps")
     found = egad.read_grasps(tmp_path / "a.hdf5")
     assert found.poses[0, :3, 3] == pytest.approx(np.array([0.01, 0.02, 0.03]))
     assert found.poses[0, :3, 0] == pytest.approx(expected[:, 1])
