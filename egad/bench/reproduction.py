@@ -23,10 +23,10 @@ from egad.tables.columns import POSE_PARTS
 NUDGES = tuple(1e-12 * number for number in range(1, 17))  # relative changes of the inertia
 END_TOLERANCE = 1e-6  # metres and parts of a quaternion: less is no other end
 SPREAD_RATIO = 10.0  # an end may be this many times as far off as the ends of nudged attempts
-# More than the shares of attempts of honest tables that are not the same to the last bit
-# (studies/verification/README.md); 99 % of tables with such shares are accepted.
-UNEXPLAINED_SHARE = 0.004  # that end otherwise, and nudged ones do not
-TURNED_SHARE = 0.05  # that have another result, as nudged ones do
+# More than the shares of attempts of honest tables (studies/verification/README.md); 99 % of tables
+# with such shares are accepted.
+UNEXPLAINED_SHARE = 0.004  # of those with other bits: they end otherwise, and nudged ones do not
+TURNED_SHARE = 0.05  # of all: they have another result, as nudged ones do
 ACCEPTED = 0.99
 MAX_SKIPPED = 0.3  # of all attempts
 SHOWN = 5  # reasons given for a table
@@ -70,7 +70,7 @@ class Reproduction:
         return (
             not self.impossible
             and len(self.unexplained) <= binom.ppf(ACCEPTED, different, UNEXPLAINED_SHARE)
-            and len(self.turned) <= binom.ppf(ACCEPTED, different, TURNED_SHARE)
+            and len(self.turned) <= binom.ppf(ACCEPTED, self.attempts, TURNED_SHARE)
             and not self.is_cut_short
         )
 

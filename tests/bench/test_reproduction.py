@@ -89,6 +89,10 @@ def test_a_table_of_which_too_many_results_differ_or_are_skipped_is_refused():
     found = verdict(turned, outcomes=("success", "missed"))
     assert len(found.turned) == 20
     assert not found.is_honest
+    few = changed(range(8), outcome="missed", success=False)  # as in rounds, whose others are same
+    found = verdict(few, outcomes=("success", "missed"))
+    assert (found.same, len(found.turned)) == (ROWS - 8, 8)
+    assert found.is_honest
     skipped = Reproduction(attempts=ROWS, same=ROWS, skipped=ROWS)
     assert skipped.reasons() == [f"{ROWS} attempts follow one that ended otherwise, more than 30%"]
 
