@@ -245,6 +245,11 @@ def objects_in(text: str, units: str | None) -> tuple[list["NamedMesh"], list[Pa
     ], list(files.values())
 
 
+def are_meshes(files: Sequence[Path]) -> bool:
+    """Whether the files of `objects_in` are meshes, which keep their size, not of a dataset."""
+    return bool(files) and files[0].suffix != ".parquet"
+
+
 def check_spare(folder: Path, files: Sequence[Path] = (), table: str = "scales.parquet") -> None:
     """UserError if the folder of `--out` has files that this command did not write (`table`)."""
     foreign = folder.exists() and any(folder.iterdir()) and not (folder / table).exists()

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import CORES, Config, Jobs, Objects, OutFolder, Units, objects_in, settings_in
+from egad.cli import common
 from egad.cli.hands import hand_in
 
 ENGINES = ["mujoco", "pybullet"]
@@ -20,15 +20,15 @@ def design(
         Path,
         typer.Option(help="YAML file: ranges of the dimensions, limits, size of the search, seed"),
     ],
-    out: OutFolder,
-    objects: Objects = "evaluation-set",
-    units: Units = None,
+    out: common.OutFolder,
+    objects: common.Objects = "evaluation-set",
+    units: common.Units = None,
     engines: Annotated[
         list[str],
         typer.Option("--engine", help="physics engine that the tips are judged in; repeatable"),
     ] = ENGINES,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Design fingertips for a hand: search, print, and compare the hand before and after."""
     from egad._util.parameters import from_file
@@ -39,18 +39,16 @@ def design(
     from egad_workflow.provenance import recorded
 
     search = from_file(TipSearch, read_values(space))
-    name, hand = hand_in(settings_in(config), base)
-    targets, files = objects_in(objects, units)
-    rule = "none" if files and files[0].suffix != ".parquet" else "paper"
+    name, hand = hand_in(common.settings_in(config), base)
+    targets, files = common.objects_in(objects, units)
+    rule = "none" if common.are_meshes(files) else "paper"
     inputs = [*files, *files_of(hand)]
     with recorded("design", settings=search, inputs=inputs, arguments={"base": name}):
-        designed = design_tips(
-            name, hand, search, targets, out, rule=rule, engines=engines, jobs=jobs
-        )
-        for engine, card in designed.cards.items():
+        tips = design_tips(name, hand, search, targets, out, rule=rule, engines=engines, jobs=jobs)
+        for engine, card in tips.cards.items():
             card.save(out / f"card-{engine}.parquet")
-    write_tip_pages(designed, out, targets, jobs=jobs)
-    for card in designed.cards.values():
+    write_tip_pages(tips, out, targets, jobs=jobs)
+    for card in tips.cards.values():
         for sentence in card.conclusions():
             typer.echo(sentence)
     typer.echo(f"{out}: the tips, the hand with them, cards, and datasheet.md")

@@ -13,6 +13,7 @@ from egad.cli.common import (
     Objects,
     Units,
     Weights,
+    are_meshes,
     detector_in,
     gripper_in,
     objects_in,
@@ -93,7 +94,7 @@ def hands(
         settings, chosen = detector_in(settings, detector or "detector", weights, command)
         detect = settings.detectors[chosen]
     targets, files = objects_in(objects, units)
-    rule = "none" if files and files[0].suffix != ".parquet" else "paper"
+    rule = "none" if are_meshes(files) else "paper"
     values = {"size": size, "engine": engine, "drops": drops, "errors": errors}
     trials = from_arguments(HandTrials, **values)
     chosen_settings = from_arguments(HandParameters, seed=seed, hands=trials)

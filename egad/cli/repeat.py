@@ -10,6 +10,7 @@ from egad.cli.common import (
     FIRST_TARGET,
     GRASPS,
     RUN,
+    are_meshes,
     gripper_option,
     named_gripper,
     objects_in,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from egad.bench.trials import Trials
     from egad.objects import NamedMesh
 
-NOTE, ARCHIVE = "run", ".parquet"
+NOTE = "run"
 Result = TypeVar("Result", "Trials", "Benchmark")
 OF_TABLE = "that of the table"
 SimulatedIn = Annotated[
@@ -60,7 +61,7 @@ def run_trials(
     from egad_workflow.provenance import recorded
 
     targets, files = objects_in(*objects)
-    if detector.startswith(GRASPS) and rule != "none" and files[:1] and files[0].suffix != ARCHIVE:
+    if detector.startswith(GRASPS) and rule != "none" and are_meshes(files):
         raise UserError(f"--rule is {rule}; with grasps of meshes it is none: they have one size")
     labels, read = _known_grasps(detector, targets, settings.gripper, rule)
     path, schema = out

@@ -93,10 +93,8 @@ class GraspCheck:
         return f"{told}\nmultiply the poses of the file from the {self.side} by\n{rows}"
 
     def _repr_html_(self) -> str:
-        best = sorted(self.shares, key=lambda name: -self.shares[name])[:5]
-        facts = {
-            name: f"{self.shares[name]:.0%} fit" for name in {AS_READ: 0, **dict.fromkeys(best)}
-        }
+        names = [AS_READ, *sorted(self.shares, key=lambda name: -self.shares[name])[:5]]
+        facts = {name: f"{self.shares[name]:.0%} fit" for name in names}
         return facts_html(f"{self.count} grasps: {self.verdict}", facts)
 
     def save(self, path: str | Path) -> None:

@@ -120,14 +120,10 @@ def _splits(settings: SceneParameters, splits: Splits) -> str:
         how += f" {splits.held_out} objects are in no scene: {what} parents and children."
     return (
         f"{how} The largest families are for training, until it has "
-        f"{_percent(1 - scenes.validation - scenes.test)} of the objects."
+        f"{100 * (1 - scenes.validation - scenes.test):g} % of the objects."
         if splits.families
         else how
     )
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:g} %"
 
 
 def _share(flags: "pd.Series[bool]") -> str:
