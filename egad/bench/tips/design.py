@@ -76,7 +76,7 @@ def design_tips(
     if not chosen or not others:
         raise UserError(f"{len(targets)} objects are too few to search on some and judge on others")
     table = search_tips(base, search, chosen, rule, out / DESIGNS, jobs)
-    design = _choose(base, search, table, chosen, rule, jobs)
+    design = choose(base, search, table, chosen, rule, jobs)
     tips = make_tips(base, design)
     hand = hand_with_tips(base, design, tips, out)
     write_prints(tips, out, name)
@@ -89,7 +89,7 @@ def design_tips(
     return DesignedTips(design, tips, hand, table, [each.label for each in chosen], cards)
 
 
-def _choose(
+def choose(
     base: Base,
     search: TipSearch,
     table: pd.DataFrame,
