@@ -63,7 +63,7 @@ def page(
     names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
     return filled(
         __package__,
-        "datasheet.md",
+        "evaluation_datasheet.md",
         dataset=dataset,
         introduction=_introduction(chosen, empty),
         objects=table(OBJECTS, rows),

@@ -93,7 +93,7 @@ def card(
     )
     return filled(
         __package__,
-        "dataset_card.md",
+        "images_card.md",
         dataset=dataset,
         gripper=gripper,
         settings=settings,

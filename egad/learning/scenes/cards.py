@@ -35,7 +35,7 @@ def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
     )
     return filled(
         __package__,
-        "card.md",
+        "scenes_card.md",
         title=title,
         settings=settings,
         found=found,
