@@ -92,7 +92,7 @@ def succeeded(rates: Mapping[str, Mean], engines: Mapping[str, str]) -> None:
         [
             (
                 *(name, engines[name] or DASH, str(rate.attempts)),
-                *(number(100 * rate.value, 1), _interval(rate.interval)),
+                *_rate(rate),
             )
             for name, rate in rates.items()
         ],
@@ -105,17 +105,7 @@ def hand_rates(rates: Mapping[str, Mapping[str, Mean]]) -> None:
     show(
         ["hand", *(title for who in rates for title in (f"{who} %", "95 % interval"))],
         [
-            (
-                name,
-                *(
-                    text
-                    for means in rates.values()
-                    for text in (
-                        number(100 * means[name].value, 1),
-                        _interval(means[name].interval),
-                    )
-                ),
-            )
+            (name, *(text for means in rates.values() for text in _rate(means[name])))
             for name in next(iter(rates.values()))
         ],
     )
@@ -133,8 +123,7 @@ def compared(pairs: Sequence["Pair"]) -> None:
             (
                 f"{pair.first} vs {pair.second}",
                 str(pair.result.attempts),
-                number(100 * pair.result.difference, 1),
-                _interval(pair.result.interval),
+                *_percents(pair.result.difference, pair.result.interval),
                 p_value(pair.result.p_objects),
                 *(_alike(pair.result) if pair.result.alike else [DASH] * 4),
             )
@@ -233,8 +222,8 @@ def predicted(rates: Mapping[str, PredictedRate]) -> None:
         [
             (
                 *(name, str(found.both), str(found.simulated_only)),
-                *(number(100 * found.plain, 1), _interval(found.plain_interval)),
-                *(number(100 * found.value, 1), _interval(found.interval)),
+                *_percents(found.plain, found.plain_interval),
+                *_percents(found.value, found.interval),
                 number(found.gain, 2),
             )
             for name, found in rates.items()
@@ -253,10 +242,8 @@ def cleared(rates: Mapping[str, Sequence[Clearing]], engines: Mapping[str, str])
             (
                 *(name, engines[name], rate.scene, rate.noise, str(rate.rounds)),
                 str(rate.success.attempts),
-                number(100 * rate.success.value, 1),
-                _interval(rate.success.interval),
-                number(100 * rate.cleared.value, 1),
-                _interval(rate.cleared.interval),
+                *_rate(rate.success),
+                *_rate(rate.cleared),
             )
             for name, each in rates.items()
             for rate in each
@@ -274,10 +261,8 @@ def clearing_compared(pairs: Mapping[str, Sequence[ClearingComparison]]) -> None
         [
             (
                 *(name, found.scene, found.noise, str(found.rounds)),
-                number(100 * found.success, 1),
-                _interval(found.success_interval),
-                number(100 * found.cleared, 1),
-                _interval(found.cleared_interval),
+                *_percents(found.success, found.success_interval),
+                *_percents(found.cleared, found.cleared_interval),
                 p_value(found.p_cleared),
             )
             for name, each in pairs.items()
@@ -322,8 +307,13 @@ def number(value: float, digits: int) -> str:
     return DASH if pd.isna(value) else f"{value:.{digits}f}"
 
 
-def _interval(ends: tuple[float, float]) -> str:
-    return " to ".join(number(100 * end, 1) for end in ends)
+def _rate(mean: Mean) -> tuple[str, str]:
+    return _percents(mean.value, mean.interval)
+
+
+def _percents(share: float, interval: tuple[float, float]) -> tuple[str, str]:
+    """A share and its interval, in per cent."""
+    return number(100 * share, 1), " to ".join(number(100 * end, 1) for end in interval)
 
 
 def _rows(table: pd.DataFrame) -> list[pd.Series]:
