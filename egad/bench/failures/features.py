@@ -238,16 +238,8 @@ def _share(failures: Floats, solved: Floats) -> ExplainedShare:
     low, high = np.quantile(solved, RANGE)
     below, above = (failures < low).mean(), (failures > high).mean()
     outside = int(((failures < low) | (failures > high)).sum())
-    ci_low, ci_high = _interval(failures, solved, outside)
-    return ExplainedShare(
-        float(low),
-        float(high),
-        float(below),
-        float(above),
-        float(below + above - 2 * TAIL),
-        ci_low,
-        ci_high,
-    )
+    value, interval = below + above - 2 * TAIL, _interval(failures, solved, outside)
+    return ExplainedShare._make(map(float, (low, high, below, above, value, *interval)))
 
 
 def _interval(failures: Floats, solved: Floats, outside: int) -> Interval:
