@@ -128,10 +128,7 @@ def labels_from(
 ) -> Mapping[str, pd.DataFrame] | None:
     """Grasps by id from those by label, the argument of a public function; `UserError`."""
     if isinstance(detect, DetectorConfig) and detect.known_grasps:
-        raise UserError(
-            f"{detect.name} is for commands and configurations; in Python, the detector is labels, "
-            "with `grasps` that `egad.read_grasps` returns"
-        )
+        raise UserError(f"{detect.name}: in Python, give labels the `grasps` that are read from it")
     if grasps is None:
         return None
     if not knows_scene(detect):

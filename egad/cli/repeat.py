@@ -60,16 +60,11 @@ def run_trials(
     from egad_workflow.provenance import recorded
 
     targets, files = objects_in(*objects)
-    labels: Mapping[str, pd.DataFrame] | None = None
-    read: list[Path] = []
     known = settings.detector.known_grasps
-    if known is not None:
-        if rule != "none" and are_meshes(files):
-            raise UserError(
-                f"--rule is {rule}; with grasps of meshes it is none: they have one size"
-            )
-        lazy, read = known_grasps(known, targets, settings.gripper, rule)
-        labels = dict(lazy)  # an error before anything is simulated
+    if known and rule != "none" and are_meshes(files):
+        raise UserError(f"--rule is {rule}; with grasps of meshes it is none: they have one size")
+    labels, read = known_grasps(known, targets, settings.gripper, rule) if known else (None, [])
+    labels = labels and dict(labels)  # an error in a file comes before anything is simulated
     path, schema = out
     arguments = {"objects": Path(objects[0]).name, "rule": rule}
     values = settings.model_dump(mode="json", exclude={"detector", "gripper"})

@@ -44,9 +44,7 @@ def make_detector(config: DetectorConfig) -> Detector:
     if name in IN_SCENES:
         return IN_SCENES[name]
     if knows_scene(config):
-        raise UserError(
-            f"{name}: it knows where the object is, so it works in simulated trials only"
-        )
+        raise UserError(f"{name} knows where the object is, so it works in simulated trials only")
     if name == GRASPGEN and config.address:
         return GraspGen(config.address)
     if name == "ggcnn":

@@ -127,7 +127,7 @@ def test_known_grasps_need_the_pose_of_the_object():
     assert known.known_grasps == Path.home() / "a.h5"
     assert DetectorConfig(detector="my/grasps:9.py:Own").known_grasps is None
     assert fingerprint(known) == []
-    with pytest.raises(UserError, match=r"grasps:~/a.h5: it knows where the object is"):
+    with pytest.raises(UserError, match=r"grasps:~/a.h5 knows where the object is"):
         make_detector(known)
 
 
