@@ -71,8 +71,8 @@ def _parsed(source: bytes, here: str) -> Module:
     """What is in the source of a module of the package `here`."""
     tree = ast.parse(source)
     for node in ast.walk(tree):
-        if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
-            node.body = node.body[1:] or [ast.Pass()]
+        if isinstance(node, _DOCUMENTED):  # a text below a setting says what it is
+            node.body = [each for each in node.body if not _is_text(each)] or [ast.Pass()]
         elif isinstance(node, ast.Call) and ast.unparse(node.func) == "Field":
             node.keywords = [each for each in node.keywords if "default" in (each.arg or "")]
     tree.body = [
@@ -87,6 +87,10 @@ def _parsed(source: bytes, here: str) -> Module:
         frozenset(pair for node in nodes for pair in _imports(node, here)),
         frozenset(text for text in texts if isinstance(text, str)),
     )
+
+
+def _is_text(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(getattr(node.value, "value", None), str)
 
 
 def _imports(node: ast.AST, here: str) -> Iterator[tuple[str, str]]:

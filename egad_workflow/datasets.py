@@ -12,37 +12,25 @@ MAX_PRIMITIVES = 100_000  # their ids have five digits
 class DatasetSection(Parameters):
     """A set of objects: evolved, from an archive, from mesh files, or random primitives."""
 
-    source: Literal["evolved", "archive", "meshes", "primitives"] = Field(
-        description="`evolved`: by this pipeline; `archive`: from an existing archive; `meshes`: "
-        "read from a folder; `primitives`: random unions of primitives"
-    )
-    archive: UserPath | None = Field(
-        None,
-        description="archive file, or `released` for the one shipped with egad (source: archive)",
-    )
-    folder: UserPath | None = Field(None, description="folder of the meshes (source: meshes)")
-    units: Literal["m", "mm", "cm", "inch"] | None = Field(
-        None, description="unit of the mesh coordinates, unless the files state it (source: meshes)"
-    )
-    pattern: str | None = Field(
-        None,
-        description="glob of the mesh files, relative to the folder; objects are named after what "
-        "its wildcards match; nothing: `*`, all files in the folder itself (source: meshes)",
-    )
-    evaluation_set: UserPath | None = Field(
-        None,
-        description="objects of the evaluation set: `all`, under their own names (as `names` if "
-        "all have such names); `cells`: one of each cell of the grid of `select_eval`; `names`: "
-        "those named A0 to Z9; or a CSV file with the columns id and label (source: meshes); "
-        "nothing: `all` for meshes, `cells` for others",
-    )
-    objects: int | None = Field(
-        None,
-        ge=1,
-        le=MAX_PRIMITIVES,
-        description="number of objects, each made of 2 to 5 boxes, cylinders and spheres (source: "
-        "primitives)",
-    )
+    source: Literal["evolved", "archive", "meshes", "primitives"]
+    """`evolved`: by this pipeline; `archive`: from an existing archive; `meshes`: read from a
+    folder; `primitives`: random unions of primitives"""
+    archive: UserPath | None = None
+    """archive file, or `released` for the one shipped with egad (source: archive)"""
+    folder: UserPath | None = None
+    """folder of the meshes (source: meshes)"""
+    units: Literal["m", "mm", "cm", "inch"] | None = None
+    """unit of the mesh coordinates, unless the files state it (source: meshes)"""
+    pattern: str | None = None
+    """glob of the mesh files, relative to the folder; objects are named after what its wildcards
+    match; nothing: `*`, all files in the folder itself (source: meshes)"""
+    evaluation_set: UserPath | None = None
+    """objects of the evaluation set: `all`, under their own names (as `names` if all have such
+    names); `cells`: one of each cell of the grid of `select_eval`; `names`: those named A0 to Z9;
+    or a CSV file with the columns id and label (source: meshes); nothing: `all` for meshes, `cells`
+    for others"""
+    objects: int | None = Field(None, ge=1, le=MAX_PRIMITIVES)
+    """number of objects, each made of 2 to 5 boxes, cylinders and spheres (source: primitives)"""
 
     @property
     def selection(self) -> str:

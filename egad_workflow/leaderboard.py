@@ -63,26 +63,26 @@ def _is_address(text: str) -> str:
 class Entry(Parameters):
     """What is known of the detector that made the tables of an entry."""
 
-    detector: Text = Field(description="name of the detector")
-    by: Text = Field(description="who submits the entry")
-    hardware: Text = Field(
-        description="processor and operating system that the tables were made on"
-    )
-    protocols: tuple[Name, ...] = Field(
-        min_length=1, description="names of the protocols, each with a table PROTOCOL.parquet"
-    )
-    paper: Text | None = Field(None, description="paper that describes the detector")
-    link: Annotated[Text, AfterValidator(_is_address)] | None = Field(
-        None, description="web address of the code or weights"
-    )
-    sees: Text | None = Field(None, description="what the detector gets, e.g. one depth image")
-    seconds: float | None = Field(
-        None, gt=0, description="median time from the images to the grasps, on that hardware"
-    )
-    license: Text = Field("CC-BY-4.0", description="license of the tables")
-    reference: Text | None = Field(
-        None, description="why the entry does not compete: it is then shown, but not ranked"
-    )
+    detector: Text
+    """name of the detector"""
+    by: Text
+    """who submits the entry"""
+    hardware: Text
+    """processor and operating system that the tables were made on"""
+    protocols: tuple[Name, ...] = Field(min_length=1)
+    """names of the protocols, each with a table PROTOCOL.parquet"""
+    paper: Text | None = None
+    """paper that describes the detector"""
+    link: Annotated[Text, AfterValidator(_is_address)] | None = None
+    """web address of the code or weights"""
+    sees: Text | None = None
+    """what the detector gets, e.g. one depth image"""
+    seconds: float | None = Field(None, gt=0)
+    """median time from the images to the grasps, on that hardware"""
+    license: Text = "CC-BY-4.0"
+    """license of the tables"""
+    reference: Text | None = None
+    """why the entry does not compete: it is then shown, but not ranked"""
 
 
 @dataclass(frozen=True)

@@ -55,97 +55,64 @@ EPOCH = 10_000  # evaluations of an island; the paper's archive took 20 epochs
 class Schedule(Parameters):
     """How the evaluations of evolution are divided into jobs."""
 
-    islands: int = Field(
-        1,
-        ge=1,
-        le=1024,
-        description="archives that evolve independently within an epoch and are then merged",
-    )
-    epochs: int | None = Field(
-        None,
-        ge=1,
-        le=MAX_EPOCHS,
-        description="rounds of independent evolution and merging; nothing: one for every 10,000 "
-        "evaluations of an island, so each further 10,000 extend a finished run",
-    )
+    islands: int = Field(1, ge=1, le=1024)
+    """archives that evolve independently within an epoch and are then merged"""
+    epochs: int | None = Field(None, ge=1, le=MAX_EPOCHS)
+    """rounds of independent evolution and merging; nothing: one for every 10,000 evaluations of an
+    island, so each further 10,000 extend a finished run"""
 
 
 class Targets(Parameters):
     """What `snakemake --cores 2` makes if no file is named."""
 
-    datasets: list[Name] = Field(
-        ["egad"],
-        description="datasets that run through the whole pipeline: grasps, scaling, evaluation "
-        "set, prints, trials",
-    )
-    grippers: list[Name] = Field(
-        ["egad_75mm"],
-        min_length=1,
-        description="grippers to make results for, from the table `grippers`",
-    )
-    detectors: list[Name] = Field(
-        ["antipodal-depth"],
-        min_length=1,
-        description="grasp detectors to test in simulated trials, from the table `detectors`",
-    )
-    clutter: list[Name] = Field(
-        [],
-        description="grasp detectors to test on clearing tables with several objects, from the "
-        "table `detectors`",
-    )
-    failures: list[Name] = Field(
-        [],
-        description="grasp detectors whose failures to search for, from the table `detectors`; a "
-        "failure is an object of the datasets, or a child of one, that can be grasped but that the "
-        "detector does not grasp",
-    )
-    exports: list[Format] = Field(
-        [],
-        description="formats to export for other programs: objects, labelled grasps, or rendered "
-        "images with grasps",
-    )
-    export_objects: ObjectSet = Field(
-        EVALUATION_SET, description="which objects to export, in formats for objects"
-    )
-    graspability: bool = Field(
-        False, description="whether to measure the graspability of all objects for each gripper"
-    )
-    agreement: bool = Field(
-        False, description="whether to execute a sample of the labelled grasps in simulation"
-    )
-    simulated_labels: bool = Field(
-        False,
-        description="whether to simulate labelled grasps of all objects; always done if `exports` "
-        "has acronym, graspgen, graspnet, isaac_grasp or simready",
-    )
-    render: bool = Field(
-        False, description="whether to render depth images with grasps for training"
-    )
-    scenes: bool = Field(
-        False,
-        description="whether to make packed and piled scenes with depth images and grasps labelled "
-        "by simulation, for training",
-    )
+    datasets: list[Name] = Field(["egad"])
+    """datasets that run through the whole pipeline: grasps, scaling, evaluation set, prints,
+    trials"""
+    grippers: list[Name] = Field(["egad_75mm"], min_length=1)
+    """grippers to make results for, from the table `grippers`"""
+    detectors: list[Name] = Field(["antipodal-depth"], min_length=1)
+    """grasp detectors to test in simulated trials, from the table `detectors`"""
+    clutter: list[Name] = Field([])
+    """grasp detectors to test on clearing tables with several objects, from the table
+    `detectors`"""
+    failures: list[Name] = Field([])
+    """grasp detectors whose failures to search for, from the table `detectors`; a failure is an
+    object of the datasets, or a child of one, that can be grasped but that the detector does not
+    grasp"""
+    exports: list[Format] = Field([])
+    """formats to export for other programs: objects, labelled grasps, or rendered images with
+    grasps"""
+    export_objects: ObjectSet = EVALUATION_SET
+    """which objects to export, in formats for objects"""
+    graspability: bool = False
+    """whether to measure the graspability of all objects for each gripper"""
+    agreement: bool = False
+    """whether to execute a sample of the labelled grasps in simulation"""
+    simulated_labels: bool = False
+    """whether to simulate labelled grasps of all objects; always done if `exports` has acronym,
+    graspgen, graspnet, isaac_grasp or simready"""
+    render: bool = False
+    """whether to render depth images with grasps for training"""
+    scenes: bool = False
+    """whether to make packed and piled scenes with depth images and grasps labelled by simulation,
+    for training"""
 
 
 class Settings(Parameters):
     """The whole configuration."""
 
-    seed: Seed = Field(0, description="seed of all random numbers")
-    shards: int = Field(
-        4, ge=1, le=1024, description="jobs per dataset; does not change any result"
-    )
+    seed: Seed = 0
+    """seed of all random numbers"""
+    shards: int = Field(4, ge=1, le=1024)
+    """jobs per dataset; does not change any result"""
     planning_time: PlanningTime = PLANNING_TIME
-    keep_going: bool = Field(
-        False,
-        description="whether to continue with a detector that fails in every attempt at the first "
-        "three objects, or of the first three rounds",
-    )
+    keep_going: bool = False
+    """whether to continue with a detector that fails in every attempt at the first three objects,
+    or of the first three rounds"""
     datasets: dict[Name, DatasetSection] = Field(
-        {"egad": DatasetSection(source="evolved")},
-        min_length=1,
-        description="all datasets, by name",
+        {"egad": DatasetSection(source="evolved")}, min_length=1
     )
+    """all datasets, by name"""
     targets: Targets = Targets()
     schedule: Schedule = Schedule()
     evolution: Evolution = Evolution()
@@ -186,15 +153,12 @@ class Settings(Parameters):
     image_noise: ImageNoise = ImageNoise()
     scenes: TrainingScenes = TrainingScenes()
     release: Release = Release()
-    grippers: dict[Name, Gripper] = Field(
-        GRIPPERS, min_length=1, description="all grippers, by name"
-    )
-    cameras: dict[Name, Camera] = Field(
-        CAMERAS, min_length=1, description="all cameras of rendered images, by name"
-    )
-    detectors: dict[Name, DetectorConfig] = Field(
-        DETECTORS, min_length=1, description="all grasp detectors, by name"
-    )
+    grippers: dict[Name, Gripper] = Field(GRIPPERS, min_length=1)
+    """all grippers, by name"""
+    cameras: dict[Name, Camera] = Field(CAMERAS, min_length=1)
+    """all cameras of rendered images, by name"""
+    detectors: dict[Name, DetectorConfig] = Field(DETECTORS, min_length=1)
+    """all grasp detectors, by name"""
 
     @property
     def epochs(self) -> int:

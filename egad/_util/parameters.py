@@ -50,9 +50,21 @@ _KINDS = {
 
 
 class Parameters(BaseModel):
-    """A group of settings: immutable, without unknown keys."""
+    """A group of settings, immutable, without unknown keys; a text below each says what it is."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        allow_inf_nan=False,
+        use_attribute_docstrings=True,
+        defer_build=True,
+    )
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
+        """Put the text below each setting on one line, before pydantic builds the schema of it."""
+        for field in cls.model_fields.values():
+            field.description = field.description and " ".join(field.description.split())
 
 
 P = TypeVar("P", bound=Parameters)
@@ -60,6 +72,8 @@ P = TypeVar("P", bound=Parameters)
 
 class ParameterGroup(Parameters):
     """The groups of settings that a function or stage reads."""
+
+    model_config = ConfigDict(use_attribute_docstrings=False)  # settings are in the groups
 
 
 @dataclass(frozen=True)

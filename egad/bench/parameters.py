@@ -46,35 +46,22 @@ class CellErrors(UserParameters):
     Values are standard deviations of normal distributions; factors are uniform within ranges.
     """
 
-    calibration: Offset = Field(
-        0.0,
-        description="error of the calibrated camera position along each axis, metres; sampled once "
-        "for 20 attempts at an object, or for a round",
-    )
-    calibration_turn: float = Field(
-        0.0,
-        ge=0,
-        le=10,
-        description="error of the calibrated camera rotation about each axis through the middle of "
-        "the table, where it was calibrated, degrees; sampled together with `calibration`",
-    )
-    positioning: Offset = Field(
-        0.0, description="error of the hand's position along each axis, metres; sampled per attempt"
-    )
-    opening: Offset = Field(
-        0.0, description="error of the hand's opening before it closes, metres; sampled per attempt"
-    )
-    friction: Range = Field(
-        (1.0, 1.0),
-        description="range of the factor on the friction of the pads; sampled per attempt",
-    )
-    mass: Range = Field(
-        (1.0, 1.0), description="range of the factor on the mass of an object; sampled per attempt"
-    )
-    stopping_force: Range = Field(
-        (1.0, 1.0),
-        description="range of the factor on the force that stops the hand; sampled per attempt",
-    )
+    calibration: Offset = 0.0
+    """error of the calibrated camera position along each axis, metres; sampled once for 20 attempts
+    at an object, or for a round"""
+    calibration_turn: float = Field(0.0, ge=0, le=10)
+    """error of the calibrated camera rotation about each axis through the middle of the table,
+    where it was calibrated, degrees; sampled together with `calibration`"""
+    positioning: Offset = 0.0
+    """error of the hand's position along each axis, metres; sampled per attempt"""
+    opening: Offset = 0.0
+    """error of the hand's opening before it closes, metres; sampled per attempt"""
+    friction: Range = (1.0, 1.0)
+    """range of the factor on the friction of the pads; sampled per attempt"""
+    mass: Range = (1.0, 1.0)
+    """range of the factor on the mass of an object; sampled per attempt"""
+    stopping_force: Range = (1.0, 1.0)
+    """range of the factor on the force that stops the hand; sampled per attempt"""
 
     def __str__(self) -> str:
         """The name of these errors, or their values."""
@@ -115,75 +102,53 @@ class ContactRule(Parameters):
         description="what a contact on the way down means: "
         f"{contacts_in_words('collided', 'close')}, as on the robot of EGAD",
     )
-    stopping_force: float = Field(
-        COLLISION_FORCE,
-        gt=0,
-        le=1000,
-        description="contact force that stops the hand on its way down, newtons; the robot of EGAD "
-        "closed its fingers at 10 and gave up at 20",
-    )
+    stopping_force: float = Field(COLLISION_FORCE, gt=0, le=1000)
+    """contact force that stops the hand on its way down, newtons; the robot of EGAD closed its
+    fingers at 10 and gave up at 20"""
 
 
 class TrialProtocol(ContactRule, Lifting):
     """Attempts to grasp single objects in simulation."""
 
-    attempts: int = Field(
-        10, ge=1, description="attempts per object; half of those in the paper, to end sooner"
-    )
-    reset: Literal["continue", "redrop"] = Field(
-        "continue",
-        description="continue: after a success the hand tilts and drops the object, after a "
-        "failure the object stays where it is, as with a real robot; redrop: every attempt starts "
-        "with a drop in a random orientation, the same for all detectors",
-    )
-    image: tuple[Pixels, Pixels] = Field(
-        (640, 480), description="width and height of the depth image, pixels"
-    )
-    field_of_view: float = Field(
-        75.0, gt=1, lt=170, description="horizontal field of view of the camera, degrees"
-    )
-    camera_height: Length = Field(0.6, description="height of the camera above the table, metres")
-    depth_noise: float = Field(
-        0.0,
-        ge=0,
-        le=10,
-        description="standard deviation of the disparity, as in a stereo camera, pixels; about 0.1 "
-        "for a D435; if not 0, the image also has holes beside edges and on steep surfaces",
-    )
-    errors: Errors = Field(
-        NAMED_ERRORS["none"],
-        description="errors of a real cell: none, typical, or a section of your own",
-    )
+    attempts: int = Field(10, ge=1)
+    """attempts per object; half of those in the paper, to end sooner"""
+    reset: Literal["continue", "redrop"] = "continue"
+    """continue: after a success the hand tilts and drops the object, after a failure the object
+    stays where it is, as with a real robot; redrop: every attempt starts with a drop in a random
+    orientation, the same for all detectors"""
+    image: tuple[Pixels, Pixels] = (640, 480)
+    """width and height of the depth image, pixels"""
+    field_of_view: float = Field(75.0, gt=1, lt=170)
+    """horizontal field of view of the camera, degrees"""
+    camera_height: Length = 0.6
+    """height of the camera above the table, metres"""
+    depth_noise: float = Field(0.0, ge=0, le=10)
+    """standard deviation of the disparity, as in a stereo camera, pixels; about 0.1 for a D435; if
+    not 0, the image also has holes beside edges and on steep surfaces"""
+    errors: Errors = NAMED_ERRORS["none"]
+    """errors of a real cell: none, typical, or a section of your own"""
 
 
 class Clutter(Parameters):
     """Rounds of clearing a table of several objects."""
 
-    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
-    scenes: tuple[SceneKind, ...] = Field(
-        SCENE_KINDS,
-        min_length=1,
-        description="kinds of scenes: single: one object, dropped; packed: objects upright side by "
-        "side; pile: objects dropped on top of each other",
-    )
-    protocol: Protocol = Field(
-        NAMED_PROTOCOLS["egad"],
-        description="rules of a published benchmark (egad, vgn, giga, edgegrasp), or a section of "
-        "your own",
-    )
-    noise: tuple[NoiseName, ...] | None = Field(
-        None,
-        min_length=1,
-        description="kinds of noise added to depth images: none; stereo: as with "
-        "`trials.depth_noise` of 0.1 pixels; gamma: as in Dex-Net 2.0 and the later code of VGN; "
-        "dex: as in GIGA; points: 0.8 mm on the points of the cloud only, as in EdgeGrasp; "
-        "nothing: those of the protocol",
-    )
-    rounds: int = Field(100, ge=1, description="rounds for each kind of scene and noise")
-    objects: int = Field(5, ge=1, le=20, description="objects in packed and piled scenes")
-    errors: Errors = Field(
-        NAMED_ERRORS["none"], description="errors of a real cell, as in `trials.errors`"
-    )
+    engine: EngineName = ENGINES[0]
+    """physics engine, as in `trials`"""
+    scenes: tuple[SceneKind, ...] = Field(SCENE_KINDS, min_length=1)
+    """kinds of scenes: single: one object, dropped; packed: objects upright side by side; pile:
+    objects dropped on top of each other"""
+    protocol: Protocol = NAMED_PROTOCOLS["egad"]
+    """rules of a published benchmark (egad, vgn, giga, edgegrasp), or a section of your own"""
+    noise: tuple[NoiseName, ...] | None = Field(None, min_length=1)
+    """kinds of noise added to depth images: none; stereo: as with `trials.depth_noise` of 0.1
+    pixels; gamma: as in Dex-Net 2.0 and the later code of VGN; dex: as in GIGA; points: 0.8 mm on
+    the points of the cloud only, as in EdgeGrasp; nothing: those of the protocol"""
+    rounds: int = Field(100, ge=1)
+    """rounds for each kind of scene and noise"""
+    objects: int = Field(5, ge=1, le=20)
+    """objects in packed and piled scenes"""
+    errors: Errors = NAMED_ERRORS["none"]
+    """errors of a real cell, as in `trials.errors`"""
 
     @property
     def noises(self) -> tuple[NoiseName, ...]:
@@ -205,12 +170,9 @@ class NaiveGrasp(Parameters):
     The engine is that of `simulated_label`.
     """
 
-    grasps: int = Field(
-        160,
-        ge=1,
-        description="grasps of each object in free space, and as many on a table; the standard "
-        "errors of the success rates are at most 0.5 / the square root of this number",
-    )
+    grasps: int = Field(160, ge=1)
+    """grasps of each object in free space, and as many on a table; the standard errors of the
+    success rates are at most 0.5 / the square root of this number"""
 
 
 class NaiveGraspParameters(ParameterGroup):

@@ -19,37 +19,22 @@ Extent = Annotated[float, Field(gt=0, le=1)]
 class SceneCameras(UserParameters):
     """Depth cameras around the table; values with a range are sampled before every attempt."""
 
-    views: int = Field(
-        6, ge=1, le=64, description="number of cameras, evenly spaced around the table"
-    )
-    distance: Range = Field(
-        (0.6, 0.6),
-        description="range of the distance of the cameras from the point that they look at, metres",
-    )
-    tilt: Range = Field(
-        (30.0, 30.0), description="range of the angle between line of sight and vertical, degrees"
-    )
-    azimuth: Range = Field(
-        (0.0, 0.0),
-        description="range of the direction in which the first camera stands, counterclockwise "
-        "from the x axis, degrees",
-    )
-    aim: float = Field(
-        -0.05,
-        ge=-1,
-        le=1,
-        description="height of the point that the cameras look at, above the middle of the table, "
-        "metres",
-    )
-    image: tuple[Pixels, Pixels] = Field(
-        (320, 240), description="width and height of the images, pixels"
-    )
-    focal: float = Field(
-        207.89351730849154,  # 1.047 rad from top to bottom
-        gt=0,
-        description="focal length, pixels: half the image height / the tangent of half the "
-        "vertical field of view",
-    )
+    views: int = Field(6, ge=1, le=64)
+    """number of cameras, evenly spaced around the table"""
+    distance: Range = (0.6, 0.6)
+    """range of the distance of the cameras from the point that they look at, metres"""
+    tilt: Range = (30.0, 30.0)
+    """range of the angle between line of sight and vertical, degrees"""
+    azimuth: Range = (0.0, 0.0)
+    """range of the direction in which the first camera stands, counterclockwise from the x axis,
+    degrees"""
+    aim: float = Field(-0.05, ge=-1, le=1)
+    """height of the point that the cameras look at, above the middle of the table, metres"""
+    image: tuple[Pixels, Pixels] = (320, 240)
+    """width and height of the images, pixels"""
+    focal: float = Field(207.89351730849154, gt=0)  # 1.047 rad from top to bottom
+    """focal length, pixels: half the image height / the tangent of half the vertical field of
+    view"""
 
     @model_validator(mode="after")
     def _ranges_can_be_drawn_from(self) -> Self:
@@ -70,88 +55,59 @@ class ClutterProtocol(UserParameters):
     """
 
     cameras: SceneCameras = SceneCameras()
-    noise: tuple[NoiseName, ...] = Field(
-        NOISES[:2], min_length=1, description="kinds of noise, unless `clutter.noise` is set"
-    )
-    scale: Range = Field(
-        (0.8, 1.0), description="range of object sizes, relative to those in the bundle"
-    )
-    packed_scale: Range | None = Field(
-        None, description="range of object sizes in packed scenes; nothing: as `scale`"
-    )
-    repetition: bool = Field(
-        False, description="whether an object may occur in a scene more than once"
-    )
-    packing_area: Extent = Field(
-        0.2, description="side of the square that contains the origins of packed objects, metres"
-    )
-    packing_tries: int = Field(
-        50,
-        ge=1,
-        description="maximum number of positions to try in packed scenes; objects that find no "
-        "space are left out",
-    )
-    packing_tries_of: Literal["object", "scene"] = Field(
-        "object",
-        description="whether `packing_tries` is the limit for each object, or for all objects of a "
-        "scene together",
-    )
-    drop_height: Length = Field(
-        0.02, description="height from which objects are dropped, metres; see `drop_above`"
-    )
-    drop_above: Literal["objects", "table"] = Field(
-        "objects",
-        description="how `drop_height` is measured: objects: from the objects already there to the "
-        "lowest point of the object; table: from the table to its center of mass",
-    )
-    opening: Literal["predicted", "full"] = Field(
-        "predicted", description="how far the hand opens: as the detector predicts, or fully"
-    )
+    noise: tuple[NoiseName, ...] = Field(NOISES[:2], min_length=1)
+    """kinds of noise, unless `clutter.noise` is set"""
+    scale: Range = (0.8, 1.0)
+    """range of object sizes, relative to those in the bundle"""
+    packed_scale: Range | None = None
+    """range of object sizes in packed scenes; nothing: as `scale`"""
+    repetition: bool = False
+    """whether an object may occur in a scene more than once"""
+    packing_area: Extent = 0.2
+    """side of the square that contains the origins of packed objects, metres"""
+    packing_tries: int = Field(50, ge=1)
+    """maximum number of positions to try in packed scenes; objects that find no space are left
+    out"""
+    packing_tries_of: Literal["object", "scene"] = "object"
+    """whether `packing_tries` is the limit for each object, or for all objects of a scene
+    together"""
+    drop_height: Length = 0.02
+    """height from which objects are dropped, metres; see `drop_above`"""
+    drop_above: Literal["objects", "table"] = "objects"
+    """how `drop_height` is measured: objects: from the objects already there to the lowest point of
+    the object; table: from the table to its center of mass"""
+    opening: Literal["predicted", "full"] = "predicted"
+    """how far the hand opens: as the detector predicts, or fully"""
     contact: Contact = Field(
         "close",
         description="what a contact during the approach means: "
         f"{contacts_in_words('close', 'collided', 'ignore')}. A contact before the approach is "
         "always a failure",
     )
-    stopping_force: float = Field(
-        COLLISION_FORCE, ge=0, le=1000, description="force above which a contact counts, newtons"
-    )
-    force: float | None = Field(
-        None, gt=0, le=1000, description="closing force, newtons; nothing: that of the gripper"
-    )
-    friction: float | None = Field(
-        None, gt=0, le=2, description="friction of the pads; nothing: that of the gripper"
-    )
-    success: Literal["pinched", "touched"] = Field(
-        "pinched",
-        description="when an attempt succeeds: touched: after the retreat, the hand touches an "
-        "object and is open by more than a tenth; pinched: in addition, both fingers pressed on an "
-        "object after they closed",
-    )
-    removed: Literal["pressed", "first"] = Field(
-        "pressed",
-        description="which object is removed after a success: pressed: the one that the hand "
-        "presses on most; first: the first in the list of those that it touches",
-    )
-    choice: Literal["highest", "random"] = Field(
-        "highest",
-        description="which grasp is tried: the one with the highest score, or a random one of "
-        "those that pass `threshold`",
-    )
-    threshold: float | None = Field(
-        None,
-        ge=0,
-        le=1,
-        description="minimum score of a grasp to be tried, on whatever scale the detector uses; "
-        "nothing: no minimum",
-    )
-    failures: int = Field(2, ge=1, description="number of failures in a row that end a round")
-    skips: int = Field(
-        1,
-        ge=1,
-        description="a round ends when the detector has proposed no grasp this many times; before "
-        "that, new images are taken",
-    )
+    stopping_force: float = Field(COLLISION_FORCE, ge=0, le=1000)
+    """force above which a contact counts, newtons"""
+    force: float | None = Field(None, gt=0, le=1000)
+    """closing force, newtons; nothing: that of the gripper"""
+    friction: float | None = Field(None, gt=0, le=2)
+    """friction of the pads; nothing: that of the gripper"""
+    success: Literal["pinched", "touched"] = "pinched"
+    """when an attempt succeeds: touched: after the retreat, the hand touches an object and is open
+    by more than a tenth; pinched: in addition, both fingers pressed on an object after they
+    closed"""
+    removed: Literal["pressed", "first"] = "pressed"
+    """which object is removed after a success: pressed: the one that the hand presses on most;
+    first: the first in the list of those that it touches"""
+    choice: Literal["highest", "random"] = "highest"
+    """which grasp is tried: the one with the highest score, or a random one of those that pass
+    `threshold`"""
+    threshold: float | None = Field(None, ge=0, le=1)
+    """minimum score of a grasp to be tried, on whatever scale the detector uses; nothing: no
+    minimum"""
+    failures: int = Field(2, ge=1)
+    """number of failures in a row that end a round"""
+    skips: int = Field(1, ge=1)
+    """a round ends when the detector has proposed no grasp this many times; before that, new images
+    are taken"""
 
     @property
     def name(self) -> str:

@@ -5,33 +5,19 @@ from typing import Annotated
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    Command,
-    Config,
-    DetectorName,
-    Jobs,
-    KeepGoing,
-    Objects,
-    Rule,
-    Units,
-    Weights,
-    gripper_option,
-    out_option,
-    settings_to_try,
-)
+from egad.cli import common
 from egad.cli.repeat import run_trials
 
 FOLDER = Path("benchmark")
 
 
 def benchmark(
-    detector: DetectorName,
-    weights: Weights = None,
-    command: Command = None,
-    objects: Objects = "evaluation-set",
-    units: Units = None,
-    gripper: Annotated[str, gripper_option()] = "panda",
+    detector: common.DetectorName,
+    weights: common.Weights = None,
+    command: common.Command = None,
+    objects: common.Objects = "evaluation-set",
+    units: common.Units = None,
+    gripper: Annotated[str, common.gripper_option()] = "panda",
     protocol: Annotated[
         str | None,
         typer.Option(
@@ -43,16 +29,16 @@ def benchmark(
         int | None,
         typer.Option(min=1, help="rounds of each kind of scene and noise; default: clutter.rounds"),
     ] = None,
-    keep_going: KeepGoing = False,
-    rule: Rule = None,
+    keep_going: common.KeepGoing = False,
+    rule: common.Rule = None,
     films: Annotated[
         Path | None, typer.Option(help="folder for films of the first round of each kind of scene")
     ] = None,
     out: Annotated[
-        Path | None, out_option("table to write; default: benchmark/DETECTOR.parquet")
+        Path | None, common.out_option("table to write; default: benchmark/DETECTOR.parquet")
     ] = None,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Let a grasp detector clear tables: success rates and shares of objects cleared."""
     from egad.bench import ClearedTables
@@ -70,7 +56,9 @@ def benchmark(
         "--keep-going": ("keep_going", keep_going or None),
         "--rule": ("rescale.rule", rule),
     }
-    settings, gripper, name = settings_to_try(config, options, gripper, detector, weights, command)
+    settings, gripper, name = common.settings_to_try(
+        config, options, gripper, detector, weights, command
+    )
     check_engine(settings.clutter.engine)
     path, scaling = out or FOLDER / f"{name}.parquet", settings.rescale.rule
     check_ending(out, (".parquet",))

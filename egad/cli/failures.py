@@ -134,24 +134,15 @@ def _objects(text: str) -> tuple["Dataset", list[Path]]:
 def _tell(atlas: "FailureAtlas", name: str, folder: Path) -> None:
     from egad.bench.failures import ObjectVerdict
 
-    words = {
-        ObjectVerdict.DETECTOR_SUCCEEDS: f"{name} succeeds",
-        ObjectVerdict.NOT_GRASPABLE: "not graspable: the reference fails, too",
-        ObjectVerdict.NOT_CONFIRMED: "too little evidence",
-        ObjectVerdict.NOT_PRINTABLE: "not printable",
-        ObjectVerdict.NOT_SIMULATED: "cannot be simulated",
-        ObjectVerdict.NOT_MEASURED: "cannot be measured",
-        ObjectVerdict.CELL_FULL: "not tried: its cell is full of failures",
-        ObjectVerdict.FAILURE: f"graspable, and {name} fails",
-    }
     counts = atlas.examined["verdict"].value_counts()
     typer.echo(f"failures of {name}: {len(atlas)}, in {atlas.cells} cells")
     tried = int((atlas.examined["attempts"] > 0).sum())
     typer.echo(f"attempts: {int(atlas.examined['attempts'].sum())}, at {tried} objects")
     typer.echo(f"objects: {len(atlas.examined)}")
-    for verdict, text in words.items():
+    for verdict in ObjectVerdict:
         if verdict in counts:
-            typer.echo(f"{counts[verdict]:6} {text}")
+            name = verdict.replace("_", " ")
+            typer.echo(f"{counts[verdict]:6} {name}: {verdict.meaning}")
     for table, text in TABLES.items():
         typer.echo(f"{folder / table}.parquet: {text}")
     if len(atlas):

@@ -5,21 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from egad.cli.common import (
-    CORES,
-    Command,
-    Config,
-    Jobs,
-    Objects,
-    Units,
-    Weights,
-    are_meshes,
-    detector_in,
-    gripper_in,
-    objects_in,
-    out_option,
-    settings_in,
-)
+from egad.cli import common
 from egad.grippers import Gripper
 from egad_workflow.settings import Settings
 
@@ -37,10 +23,11 @@ def hands(
         ),
     ],
     out: Annotated[
-        Path, out_option("page to write: .html; the attempts are written beside it: .parquet")
+        Path,
+        common.out_option("page to write: .html; the attempts are written beside it: .parquet"),
     ] = Path("hands.html"),
-    objects: Objects = "evaluation-set",
-    units: Units = None,
+    objects: common.Objects = "evaluation-set",
+    units: common.Units = None,
     size: Annotated[
         float,
         typer.Option(
@@ -55,8 +42,8 @@ def hands(
             "antipodal-depth for jaws, suction-depth for cups"
         ),
     ] = None,
-    weights: Weights = None,
-    command: Command = None,
+    weights: common.Weights = None,
+    command: common.Command = None,
     engine: Annotated[str, typer.Option(help="physics engine: mujoco, pybullet or drake")] = (
         "mujoco"
     ),
@@ -71,8 +58,8 @@ def hands(
         int,
         typer.Option(min=0, help="films for each hand, of objects that it never holds"),
     ] = 3,
-    config: Config = None,
-    jobs: Jobs = CORES,
+    config: common.Config = None,
+    jobs: common.Jobs = common.CORES,
 ) -> None:
     """Compare hands: what each can hold, how easily, with a detector, and what it never holds."""
     from egad._util.parameters import from_arguments
@@ -85,16 +72,16 @@ def hands(
 
     check_ending(out, (".html",))
     check_engine(engine)
-    settings = settings_in(config)
+    settings = common.settings_in(config)
     named = [hand_in(settings, text) for text in names]
     check_distinct([name for name, _ in named])
     compared = dict(named)
     detect = None
     if detector is not None or command is not None or weights is not None:
-        settings, chosen = detector_in(settings, detector or "detector", weights, command)
+        settings, chosen = common.detector_in(settings, detector or "detector", weights, command)
         detect = settings.detectors[chosen]
-    targets, files = objects_in(objects, units)
-    rule = "none" if are_meshes(files) else "paper"
+    targets, files = common.objects_in(objects, units)
+    rule = "none" if common.are_meshes(files) else "paper"
     values = {"size": size, "engine": engine, "drops": drops, "errors": errors}
     trials = from_arguments(HandTrials, **values)
     chosen_settings = from_arguments(HandParameters, seed=seed, hands=trials)
@@ -115,7 +102,7 @@ def hand_in(settings: Settings, text: str) -> tuple[str, Gripper]:
     """A hand of a command line, and its name: that of its file, if it is one."""
     if Path(text).is_file():
         return Path(text).stem, Gripper.from_file(text)
-    settings, name = gripper_in(settings, text)
+    settings, name = common.gripper_in(settings, text)
     return name, settings.grippers[name]
 
 

@@ -6,15 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 import typer
 
-from egad.cli.common import (
-    FIRST_TARGET,
-    RUN,
-    are_meshes,
-    gripper_option,
-    named_gripper,
-    objects_in,
-    settings_in,
-)
+from egad.cli import common
 from egad.errors import UserError, check_name
 from egad.grippers import Gripper
 from egad_workflow.settings import Settings
@@ -36,11 +28,11 @@ SimulatedIn = Annotated[
     typer.Option(
         "--in",
         help="folder of the dataset, or `evaluation-set` for tables of `egad.run_trials`; default: "
-        f"{OF_TABLE} of `egad trials run` or `egad benchmark`, else {RUN}",
+        f"{OF_TABLE} of `egad trials run` or `egad benchmark`, else {common.RUN}",
     ),
 ]
 RunGripper = Annotated[
-    str | None, gripper_option(f"{OF_TABLE}, else {FIRST_TARGET}", opening=False)
+    str | None, common.gripper_option(f"{OF_TABLE}, else {common.FIRST_TARGET}", opening=False)
 ]
 
 
@@ -59,9 +51,9 @@ def run_trials(
     from egad.tables import parquet
     from egad_workflow.provenance import recorded
 
-    targets, files = objects_in(*objects)
+    targets, files = common.objects_in(*objects)
     known = settings.detector.known_grasps
-    if known and rule != "none" and are_meshes(files):
+    if known and rule != "none" and common.are_meshes(files):
         raise UserError(f"--rule is {rule}; with grasps of meshes it is none: they have one size")
     labels, read = known_grasps(known, targets, settings.gripper, rule) if known else (None, [])
     labels = labels and dict(labels)  # an error in a file comes before anything is simulated
@@ -103,14 +95,14 @@ def repeatable_in(
     if table is not None:
         return table, *repeatable(table, dataset, gripper, config)
 
-    settings, hand = named_gripper(settings_in(config), gripper)
+    settings, hand = common.named_gripper(common.settings_in(config), gripper)
     targets = settings.targets.clutter if kind == "clutter" else settings.targets.detectors
     if detector is None and not targets:
         raise UserError("--detector is missing: the configuration has no targets.clutter")
     detector = detector or targets[0]
     check_name("--detector", detector, settings.detectors, " in the configuration (--config)")
-    table = (dataset or RUN) / kind / hand / f"{detector}.parquet"
-    return table, settings, hand, _models_in(dataset or RUN, settings, hand)
+    table = (dataset or common.RUN) / kind / hand / f"{detector}.parquet"
+    return table, settings, hand, _models_in(dataset or common.RUN, settings, hand)
 
 
 def repeatable(
@@ -124,19 +116,19 @@ def repeatable(
 
     note = parquet.notes(table).get(NOTE)
     if note is None:
-        settings, hand = named_gripper(settings_in(config), gripper)
-        return settings, hand, _models_in(dataset or RUN, settings, hand)
-    settings = settings_in(config) if config else check(merged(defaults(), note["settings"]))
+        settings, hand = common.named_gripper(common.settings_in(config), gripper)
+        return settings, hand, _models_in(dataset or common.RUN, settings, hand)
+    settings = common.settings_in(config) if config else check(merged(defaults(), note["settings"]))
     if gripper is None:
         hand = note["gripper"]
         grippers = {**settings.grippers, hand: Gripper.model_validate(note["hand"])}
         settings = settings.model_copy(update={"grippers": grippers})
     else:
-        settings, hand = named_gripper(settings, gripper)
+        settings, hand = common.named_gripper(settings, gripper)
     if dataset is not None:
         return settings, hand, _models_in(dataset, settings, hand)
     try:
-        targets, _ = objects_in(note["objects"], note["units"])
+        targets, _ = common.objects_in(note["objects"], note["units"])
     except UserError as error:
         raise UserError(f"{table}: {error}; run it in the folder of the run") from error
     return settings, hand, lazy_models(targets, settings.grippers[hand], settings.rescale.rule)

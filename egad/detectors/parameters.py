@@ -57,34 +57,21 @@ class DetectorConfig(Parameters):
         "package.module:CLASS; or known grasps: grasps:FILE, or grasps:FOLDER with a file for each "
         "object, at the size in which it is grasped",
     )
-    command: tuple[UserPath, ...] | None = Field(
-        None,
-        min_length=1,
-        description="instead of `detector`: the command that starts it in its own environment",
-    )
-    weights: UserPath | None = Field(
-        None, description="file that the detector loads, such as the weights of a network"
-    )
-    execution: Execution = Field(
-        "deepest",
-        description="how deep the grasps of `ggcnn` are executed: deepest: as deep as the image "
-        "allows; published: 10 mm below the surface at the best pixel, as on the robot of EGAD",
-    )
-    threshold: float | None = Field(
-        None,
-        gt=0,
-        lt=1,
-        description="minimum quality of the proposals of `vgn`; nothing: the `threshold` of the "
-        "clutter protocol if it has one, else 0.5 for weights of `egad train` and 0.9 for others",
-    )
-    avoid_collisions: bool = Field(
-        False,
-        description="whether `vgn` multiplies the quality of its proposals by 0.1 if the hand, at "
-        "the grasp or on the last 5 cm before it, would touch the point cloud or the table",
-    )
-    address: str | None = Field(
-        None, description="address of the server of `graspgen`, such as tcp://localhost:5556"
-    )
+    command: tuple[UserPath, ...] | None = Field(None, min_length=1)
+    """instead of `detector`: the command that starts it in its own environment"""
+    weights: UserPath | None = None
+    """file that the detector loads, such as the weights of a network"""
+    execution: Execution = "deepest"
+    """how deep the grasps of `ggcnn` are executed: deepest: as deep as the image allows; published:
+    10 mm below the surface at the best pixel, as on the robot of EGAD"""
+    threshold: float | None = Field(None, gt=0, lt=1)
+    """minimum quality of the proposals of `vgn`; nothing: the `threshold` of the clutter protocol
+    if it has one, else 0.5 for weights of `egad train` and 0.9 for others"""
+    avoid_collisions: bool = False
+    """whether `vgn` multiplies the quality of its proposals by 0.1 if the hand, at the grasp or on
+    the last 5 cm before it, would touch the point cloud or the table"""
+    address: str | None = None
+    """address of the server of `graspgen`, such as tcp://localhost:5556"""
 
     @property
     def name(self) -> str:
@@ -152,19 +139,11 @@ DETECTORS = {name: DetectorConfig(detector=name) for name in SHIPPED}
 class ImageNoise(Parameters):
     """Noise of a real depth camera in the rendered images; off by default."""
 
-    disparity: float = Field(
-        0.0,
-        ge=0,
-        le=10,
-        description="standard deviation of the disparity, pixels; the depth error grows with the "
-        "square of the depth: 0.1 pixels are 1.7 mm at 0.6 m; errors of pixels less than 7 apart "
-        "are correlated",
-    )
-    holes: bool = Field(
-        False,
-        description="whether depth is missing where the second imager sees nothing (beside edges), "
-        "and where the line of sight is within 10 degrees of the surface",
-    )
-    missing: Fraction = Field(
-        0.0, description="fraction of the pixels that have no depth, in small spots"
-    )
+    disparity: float = Field(0.0, ge=0, le=10)
+    """standard deviation of the disparity, pixels; the depth error grows with the square of the
+    depth: 0.1 pixels are 1.7 mm at 0.6 m; errors of pixels less than 7 apart are correlated"""
+    holes: bool = False
+    """whether depth is missing where the second imager sees nothing (beside edges), and where the
+    line of sight is within 10 degrees of the surface"""
+    missing: Fraction = 0.0
+    """fraction of the pixels that have no depth, in small spots"""

@@ -25,16 +25,6 @@ class ForGripper:
     best: Mapping[str, float]
 
 
-INTRODUCTION = """# Evaluation set of {dataset}
-
-{count} of {cells} cells of the grid are filled. Rows A, B, ... go from easy to hard to grasp,
-columns 0, 1, ... from simple to complex. `contact-sheet.pdf` shows all objects on one page.
-{missing}"""
-EVERY_OBJECT = """# Evaluation set of {dataset}
-
-All {count} objects of the dataset, under their own names. `contact-sheet.pdf` shows them on one
-page.
-"""
 OBJECTS = (
     "label",
     "object",
@@ -58,7 +48,6 @@ def page(
 
     `empty` has the labels of cells without an object.
     """
-    head = _introduction(dataset, chosen, empty)
     rows = [
         (
             row["label"],
@@ -72,26 +61,35 @@ def page(
         for row in parquet.records(chosen)
     ]
     names = dict(zip(chosen["label"], chosen["object_label"], strict=True))
-    tables = [_gripper_section(name, each, names) for name, each in grippers.items()]
-    how = {"settings": print_settings(export), "attempts": ATTEMPTS}
-    reporting = "\n" + filled(__package__, "reporting.md", **how)
-    return "\n".join([head, table(OBJECTS, rows) + "".join(tables) + reporting])
-
-
-def _introduction(dataset: str, chosen: pd.DataFrame, empty: list[str]) -> str:
-    if not in_grid(chosen["label"]):
-        return EVERY_OBJECT.format(dataset=dataset, count=len(chosen))
-    borrowed = chosen.loc[chosen["borrowed"].astype(bool), "label"]
-    missing = f"\nNo printable object lies in {' '.join(empty)}.\n" if empty else ""
-    if len(borrowed):
-        missing += (
-            f"\n{' '.join(borrowed)}: no printable object lies in the cell itself; one from a "
-            "neighboring cell takes its place.\n"
-        )
-    count = len(chosen)
-    return INTRODUCTION.format(
-        dataset=dataset, count=count, cells=count + len(empty), missing=missing
+    return filled(
+        __package__,
+        "datasheet.md",
+        dataset=dataset,
+        introduction=_introduction(chosen, empty),
+        objects=table(OBJECTS, rows),
+        grippers="".join(_gripper_section(*each, names) for each in grippers.items()),
+        settings=print_settings(export),
+        attempts=ATTEMPTS,
     )
+
+
+def _introduction(chosen: pd.DataFrame, empty: list[str]) -> str:
+    sheet = "`contact-sheet.pdf` shows them on one page."
+    if not in_grid(chosen["label"]):
+        return f"All {len(chosen)} objects of the dataset, under their own names. {sheet}"
+    parts = [
+        f"{len(chosen)} of {len(chosen) + len(empty)} cells of the grid are filled. Rows A, B, ... "
+        f"go from easy to hard to grasp, columns 0, 1, ... from simple to complex. {sheet}"
+    ]
+    if empty:
+        parts.append(f"No printable object lies in {' '.join(empty)}.")
+    borrowed = chosen.loc[chosen["borrowed"].astype(bool), "label"]
+    if len(borrowed):
+        parts.append(
+            f"{' '.join(borrowed)}: no printable object lies in the cell itself; one from a "
+            "neighboring cell takes its place."
+        )
+    return "\n\n".join(parts)
 
 
 def _gripper_section(name: str, known: ForGripper, objects: Mapping[str, str]) -> str:

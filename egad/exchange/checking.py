@@ -317,7 +317,7 @@ def _best_scale(trial: _Trial, file: FileGrasps) -> Iterator[Explanation]:
             return
         ends, values = found, np.linspace(found[0] / 1.1, found[1] * 1.1, 41)
     factor = sum(ends) / 2
-    yield Explanation(f"the object is {factor:.3g} times as large", _scaled(file, factor))
+    yield Explanation(f"the object is about {factor:.2g} times as large", _scaled(file, factor))
 
 
 def _turned_and_shifted(

@@ -28,52 +28,35 @@ class Smoothing(NamedTuple):
 class Material(Parameters):
     """What objects are made of, which gives their mass."""
 
-    density: float = Field(
-        400.0, gt=0, description="density, kg/m3; printed PLA at 20 % infill: 350-450"
-    )
+    density: float = Field(400.0, gt=0)
+    """density, kg/m3; printed PLA at 20 % infill: 350-450"""
 
 
 class Rescale(Parameters):
     """Scaling of objects to a gripper."""
 
-    rule: ScaleRule = Field(
-        "paper",
-        description="paper: smallest side at most `side_fraction` of the opening; egad-script: "
-        "longest side = opening, then as paper; exact: smallest side = `side_fraction` of the "
-        "opening; none: objects keep their size",
-    )
-    side_fraction: PositiveFraction = Field(
-        SIDE_FRACTION, description="fraction of the opening that the rule uses"
-    )
+    rule: ScaleRule = "paper"
+    """paper: smallest side at most `side_fraction` of the opening; egad-script: longest side =
+    opening, then as paper; exact: smallest side = `side_fraction` of the opening; none: objects
+    keep their size"""
+    side_fraction: PositiveFraction = SIDE_FRACTION
+    """fraction of the opening that the rule uses"""
 
 
 class Bundle(Parameters):
     """Files for simulators: convex parts, URDF and MJCF."""
 
-    method: Literal["cut", "coacd"] = Field(
-        "cut",
-        description="how the convex parts are made: cut: by cutting along planes; coacd: by CoACD, "
-        "which needs `pip install 'egad[coacd]'`",
-    )
-    max_parts: int = Field(
-        MAX_PARTS, ge=1, description="maximum number of convex parts of an object"
-    )
-    volume_error: float = Field(
-        VOLUME_ERROR,
-        gt=0,
-        lt=1,
-        description="largest relative excess volume of the parts; objects that exceed it are "
-        "flagged",
-    )
-    deviation: float = Field(
-        DEVIATION,
-        gt=0,
-        description="99 % of the surface that fingers can touch lies at most this deep in a part, "
-        "metres (method: cut); objects that exceed it are flagged",
-    )
-    max_vertices: int = Field(
-        MAX_VERTICES, ge=8, description="maximum number of vertices of a part"
-    )
-    friction: float = Field(
-        OBJECT.friction, gt=0, le=2, description="sliding friction of the objects"
-    )
+    method: Literal["cut", "coacd"] = "cut"
+    """how the convex parts are made: cut: by cutting along planes; coacd: by CoACD, which needs
+    `pip install 'egad[coacd]'`"""
+    max_parts: int = Field(MAX_PARTS, ge=1)
+    """maximum number of convex parts of an object"""
+    volume_error: float = Field(VOLUME_ERROR, gt=0, lt=1)
+    """largest relative excess volume of the parts; objects that exceed it are flagged"""
+    deviation: float = Field(DEVIATION, gt=0)
+    """99 % of the surface that fingers can touch lies at most this deep in a part, metres (method:
+    cut); objects that exceed it are flagged"""
+    max_vertices: int = Field(MAX_VERTICES, ge=8)
+    """maximum number of vertices of a part"""
+    friction: float = Field(OBJECT.friction, gt=0, le=2)
+    """sliding friction of the objects"""

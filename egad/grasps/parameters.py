@@ -17,11 +17,12 @@ APPROACH_WAY = 0.1  # metres: length of the straight approach of the hand
 class Quality(Parameters):
     """Ferrari-Canny grasp quality, one deterministic value per grasp."""
 
-    friction: float = Field(FRICTION, gt=0, le=2, description="Coulomb friction coefficient")
-    torque_scaling: float = Field(
-        100.0, gt=0, description="weight of a torque relative to a force, 1/m"
-    )
-    finger_radius: Length = Field(0.005, description="contact radius of the soft finger, metres")
+    friction: float = Field(FRICTION, gt=0, le=2)
+    """Coulomb friction coefficient"""
+    torque_scaling: float = Field(100.0, gt=0)
+    """weight of a torque relative to a force, 1/m"""
+    finger_radius: Length = 0.005
+    """contact radius of the soft finger, metres"""
 
 
 class Robust(Parameters):
@@ -31,7 +32,8 @@ class Robust(Parameters):
     0.001 rad, friction 0.1. A torque weighs 1000/m. Source: Dex-Net 2.0, Mahler et al. 2017.
     """
 
-    samples: int = Field(25, ge=1, description="number of perturbed copies of a grasp")
+    samples: int = Field(25, ge=1)
+    """number of perturbed copies of a grasp"""
 
 
 class Spread(NamedTuple):
@@ -52,17 +54,10 @@ ROBUST_TORQUE_SCALING = 1000.0  # 1/m: weight of a torque relative to a force
 class Sampling(Parameters):
     """Antipodal grasp sampler."""
 
-    cone: float = Field(
-        CONE,
-        gt=0,
-        le=2,
-        description="tangent of the largest angle between the grasp axis and the contact normals",
-    )
-    spacing: float = Field(
-        0.0025,
-        ge=0,
-        description="minimum distance between grasps, metres; 4.5 degrees count as 2.5 mm",
-    )
+    cone: float = Field(CONE, gt=0, le=2)
+    """tangent of the largest angle between the grasp axis and the contact normals"""
+    spacing: float = Field(0.0025, ge=0)
+    """minimum distance between grasps, metres; 4.5 degrees count as 2.5 mm"""
 
 
 class RobustSuction(Robust):
@@ -72,50 +67,38 @@ class RobustSuction(Robust):
     grasps (Dex-Net 2.0); that of the weight is ours.
     """
 
-    object_translation_sigma: Sigma = Field(
-        SPREAD.object_translation_sigma,
-        description="standard deviation of the object position, metres per axis",
-    )
-    object_rotation_sigma: Sigma = Field(
-        SPREAD.object_rotation_sigma,
-        description="standard deviation of the object rotation, radians per axis",
-    )
-    com_sigma: Sigma = Field(
-        SPREAD.com_sigma, description="standard deviation of the center of mass, metres per axis"
-    )
-    friction_sigma: Sigma = Field(
-        SPREAD.friction_sigma, description="standard deviation of the friction coefficient"
-    )
-    cup_translation_sigma: Sigma = Field(
-        SPREAD.grasp_translation_sigma,
-        description="standard deviation of the cup position, metres per axis",
-    )
-    cup_rotation_sigma: Sigma = Field(
-        SPREAD.grasp_rotation_sigma,
-        description="standard deviation of the cup rotation, radians per axis",
-    )
-    weight_sigma: Sigma = Field(
-        0.1, description="standard deviation of the weight of the object, relative"
-    )
+    object_translation_sigma: Sigma = SPREAD.object_translation_sigma
+    """standard deviation of the object position, metres per axis"""
+    object_rotation_sigma: Sigma = SPREAD.object_rotation_sigma
+    """standard deviation of the object rotation, radians per axis"""
+    com_sigma: Sigma = SPREAD.com_sigma
+    """standard deviation of the center of mass, metres per axis"""
+    friction_sigma: Sigma = SPREAD.friction_sigma
+    """standard deviation of the friction coefficient"""
+    cup_translation_sigma: Sigma = SPREAD.grasp_translation_sigma
+    """standard deviation of the cup position, metres per axis"""
+    cup_rotation_sigma: Sigma = SPREAD.grasp_rotation_sigma
+    """standard deviation of the cup rotation, radians per axis"""
+    weight_sigma: Sigma = 0.1
+    """standard deviation of the weight of the object, relative"""
 
 
 class SuctionSampling(Parameters):
     """How many suction grasps of an object, and which."""
 
-    seed: Seed = Field(description="seed of the candidates")
-    n: int = Field(100, ge=1, description="number of candidates, all of which are labelled")
+    seed: Seed
+    """seed of the candidates"""
+    n: int = Field(100, ge=1)
+    """number of candidates, all of which are labelled"""
 
 
 class GraspLabel(Parameters):
     """How grasps of every object are sampled and tried from all sides."""
 
-    grasps: int = Field(100, ge=1, description="maximum number of grasps per object")
-    approach_angles: int = Field(
-        APPROACH_ANGLES,
-        ge=1,
-        le=360,
-        description="approach angles tried, evenly spaced around the closing axis",
-    )
+    grasps: int = Field(100, ge=1)
+    """maximum number of grasps per object"""
+    approach_angles: int = Field(APPROACH_ANGLES, ge=1, le=360)
+    """approach angles tried, evenly spaced around the closing axis"""
 
 
 class LabelParameters(ParameterGroup):

@@ -23,39 +23,29 @@ class SuctionCup(UserParameters):
     SuctionNet-1Billion. The tolerance is the residual that GraspGen's solver accepts.
     """
 
-    radius: Length = Field(0.015, description="radius of the ring, metres; a 30 mm cup")
-    height: Length = Field(
-        0.03,
-        description="distance from the ring to the apex, metres; twice the radius if not given",
-    )
-    sides: int = Field(15, ge=5, le=360, description="vertices of the ring")
-    max_strain: float = Field(
-        0.1, gt=0, lt=1, description="relative change of length that each spring allows"
-    )
-    vacuum_force: float = Field(
-        250.0, gt=0, description="force that presses cup and object together, newtons"
-    )
-    friction: float = Field(
-        CUP_RING.friction, gt=0, le=2, description="friction of the ring on the object"
-    )
-    bending: float = Field(
-        0.005,
-        gt=0,
-        description="kappa, newtons: the cup resists pi radius kappa / sqrt(2) of bending torque",
-    )
-    torque_tolerance: float = Field(
-        0.0316,
-        ge=0,
-        description="bending torque beyond the limit given by `bending` that still counts as "
-        "resisted, newton metres",
-    )
-    stem_radius: Length = Field(0.01, description="radius of the stem, metres")
-    stem_length: Length = Field(
-        0.09, description="length of the stem, starting at the apex, metres"
-    )
-    approach: Length = Field(
-        0.1, description="length of the straight approach to the object, metres"
-    )
+    radius: Length = 0.015
+    """radius of the ring, metres; a 30 mm cup"""
+    height: Length = 0.03
+    """distance from the ring to the apex, metres; twice the radius if not given"""
+    sides: int = Field(15, ge=5, le=360)
+    """vertices of the ring"""
+    max_strain: float = Field(0.1, gt=0, lt=1)
+    """relative change of length that each spring allows"""
+    vacuum_force: float = Field(250.0, gt=0)
+    """force that presses cup and object together, newtons"""
+    friction: float = Field(CUP_RING.friction, gt=0, le=2)
+    """friction of the ring on the object"""
+    bending: float = Field(0.005, gt=0)
+    """kappa, newtons: the cup resists pi radius kappa / sqrt(2) of bending torque"""
+    torque_tolerance: float = Field(0.0316, ge=0)
+    """bending torque beyond the limit given by `bending` that still counts as resisted, newton
+    metres"""
+    stem_radius: Length = 0.01
+    """radius of the stem, metres"""
+    stem_length: Length = 0.09
+    """length of the stem, starting at the apex, metres"""
+    approach: Length = 0.1
+    """length of the straight approach to the object, metres"""
 
     @model_validator(mode="before")
     @classmethod
@@ -90,95 +80,55 @@ CUP_SCALE = 0.08  # metres
 class Gripper(UserParameters):
     """A gripper: two jaws that close, or a suction cup."""
 
-    cup: SuctionCup | None = Field(
-        default=None, description="suction cup in place of jaws; nothing: jaws"
-    )
-    sampler: UserPath = Field(
-        default="",
-        description="grasp sampler: empty: antipodal (jaws) or suction (cups); FILE.py:NAME: a "
-        "function of your own",
-    )
+    cup: SuctionCup | None = Field(default=None)
+    """suction cup in place of jaws; nothing: jaws"""
+    sampler: UserPath = Field(default="")
+    """grasp sampler: empty: antipodal (jaws) or suction (cups); FILE.py:NAME: a function of your
+    own"""
 
-    file: FilePath | None = Field(
-        default=None,
-        description="URDF or MJCF file of the hand; opening, sizes and collision shapes come from "
-        "it; `egad gripper inspect FILE` shows what is found",
-    )
-    joint: str | None = Field(
-        default=None,
-        description="name of the joint in the file that closes the hand; nothing: detected",
-    )
-    finger_links: tuple[str, str] | None = Field(
-        default=None, description="names of one link of each finger in the file; nothing: detected"
-    )
-    pad_links: tuple[str, str] | None = Field(
-        default=None, description="names of the links with the pads in the file; nothing: detected"
-    )
-    tcp: Place | None = Field(
-        default=None,
-        description="middle of the closed pads in the frame of the palm's link in the file, "
-        "metres; nothing: detected",
-    )
-    closing_axis: Place | None = Field(
-        default=None,
-        description="closing axis in the frame of the palm's link in the file; nothing: detected",
-    )
-    approach_axis: Place | None = Field(
-        default=None,
-        description="approach axis in the frame of the palm's link in the file; nothing: detected",
-    )
-    opening: Length = Field(
-        description="widest opening, metres; with a file, by default that of the hand; with a cup, "
-        "objects are scaled as for jaws of this opening (default 0.08)"
-    )
-    finger_length: Length = Field(
-        default=0.04, description="length of a finger from palm to fingertip, metres"
-    )
-    finger_width: Length = Field(
-        default=0.02,
-        description="width of a finger, across the closing axis and the approach, metres",
-    )
-    finger_thickness: Length = Field(
-        default=0.01, description="thickness of a finger along the closing axis, metres"
-    )
-    fingertip: Length | None = Field(
-        default=None,
-        description="distance from the middle of the pads to the fingertips, metres; nothing: half "
-        "the width of a finger",
-    )
-    palm: tuple[Length, Length, Length] = Field(
-        default=(0.1, 0.06, 0.05),
-        description="sides of the palm box, metres: along the closing axis, across it, along the "
-        "approach",
-    )
-    mesh: FilePath | None = Field(
-        default=None,
-        description="mesh file, in metres, that replaces the palm box where grasps are checked for "
-        "collisions; x is the closing axis, z the approach, and the origin lies midway between the "
-        "fingers, where they begin",
-    )
-    force: float = Field(
-        default=40.0,
-        gt=0,
-        description="closing force, newtons; of a jaw that turns, at its pads",
-    )
-    torque: float | None = Field(
-        default=None,
-        gt=0,
-        description="torque of the joint of a jaw that turns, newton metres, in place of `force`, "
-        "which follows from the distance of the pads from the hinge",
-    )
-    pads: Literal["silicone", "bare"] = Field(
-        default="silicone",
-        description="finger pads in simulation: silicone, friction 0.8; or bare plastic or metal, "
-        "friction 0.4",
-    )
-    friction: float | None = Field(
-        default=None,
-        gt=0,
-        le=2,
-        description="friction of the pads in simulation; nothing: that of their material",
-    )
+    file: FilePath | None = Field(default=None)
+    """URDF or MJCF file of the hand; opening, sizes and collision shapes come from it; `egad
+    gripper inspect FILE` shows what is found"""
+    joint: str | None = Field(default=None)
+    """name of the joint in the file that closes the hand; nothing: detected"""
+    finger_links: tuple[str, str] | None = Field(default=None)
+    """names of one link of each finger in the file; nothing: detected"""
+    pad_links: tuple[str, str] | None = Field(default=None)
+    """names of the links with the pads in the file; nothing: detected"""
+    tcp: Place | None = Field(default=None)
+    """middle of the closed pads in the frame of the palm's link in the file, metres; nothing:
+    detected"""
+    closing_axis: Place | None = Field(default=None)
+    """closing axis in the frame of the palm's link in the file; nothing: detected"""
+    approach_axis: Place | None = Field(default=None)
+    """approach axis in the frame of the palm's link in the file; nothing: detected"""
+    opening: Length
+    """widest opening, metres; with a file, by default that of the hand; with a cup, objects are
+    scaled as for jaws of this opening (default 0.08)"""
+    finger_length: Length = Field(default=0.04)
+    """length of a finger from palm to fingertip, metres"""
+    finger_width: Length = Field(default=0.02)
+    """width of a finger, across the closing axis and the approach, metres"""
+    finger_thickness: Length = Field(default=0.01)
+    """thickness of a finger along the closing axis, metres"""
+    fingertip: Length | None = Field(default=None)
+    """distance from the middle of the pads to the fingertips, metres; nothing: half the width of a
+    finger"""
+    palm: tuple[Length, Length, Length] = Field(default=(0.1, 0.06, 0.05))
+    """sides of the palm box, metres: along the closing axis, across it, along the approach"""
+    mesh: FilePath | None = Field(default=None)
+    """mesh file, in metres, that replaces the palm box where grasps are checked for collisions; x
+    is the closing axis, z the approach, and the origin lies midway between the fingers, where they
+    begin"""
+    force: float = Field(default=40.0, gt=0)
+    """closing force, newtons; of a jaw that turns, at its pads"""
+    torque: float | None = Field(default=None, gt=0)
+    """torque of the joint of a jaw that turns, newton metres, in place of `force`, which follows
+    from the distance of the pads from the hinge"""
+    pads: Literal["silicone", "bare"] = Field(default="silicone")
+    """finger pads in simulation: silicone, friction 0.8; or bare plastic or metal, friction 0.4"""
+    friction: float | None = Field(default=None, gt=0, le=2)
+    """friction of the pads in simulation; nothing: that of their material"""
 
     @classmethod
     def from_file(cls, file: str | Path, **settings: Any) -> Self:  # noqa: ANN401 (fields)

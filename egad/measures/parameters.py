@@ -34,25 +34,19 @@ BINS = 512  # of the histogram of angular deficits
 class MeasureSpace(Parameters):
     """The two measures that span the space, and the archive of elites."""
 
-    complexity_range: Range = Field(
-        (1.0, 5.0), description="range of complexity that the cells cover"
-    )
-    graspability_range: Range = Field(
-        (0.0005, 0.004),
-        description="range of graspability (a grasp quality: high is easy) that the cells cover",
-    )
-    cells: int = Field(25, ge=1, le=26, description="cells along each axis")
-    elites_per_cell: int = Field(
-        4, ge=1, le=255, description="slots per cell: maximum number of elites in it"
-    )
-    neighbors: int = Field(
-        10, ge=1, description="diversity is the mean distance to this many nearest objects"
-    )
-    confidence: Fraction = Field(
-        0.99,
-        description="the cell of an object is certain if its graspability lies in that cell with "
-        "at least this probability; 0: always certain",
-    )
+    complexity_range: Range = (1.0, 5.0)
+    """range of complexity that the cells cover"""
+    graspability_range: Range = (0.0005, 0.004)
+    """range of graspability (a grasp quality: high is easy) that the cells cover"""
+    cells: int = Field(25, ge=1, le=26)
+    """cells along each axis"""
+    elites_per_cell: int = Field(4, ge=1, le=255)
+    """slots per cell: maximum number of elites in it"""
+    neighbors: int = Field(10, ge=1)
+    """diversity is the mean distance to this many nearest objects"""
+    confidence: Fraction = 0.99
+    """the cell of an object is certain if its graspability lies in that cell with at least this
+    probability; 0: always certain"""
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
@@ -72,11 +66,10 @@ class CustomMeasures(Parameters):
 
     # Any other key is a parameter of the measures whose function has an argument of that name.
 
-    complexity: UserPath = Field("", description="function that replaces complexity; empty: none")
-    graspability: UserPath = Field(
-        "",
-        description="function that replaces graspability, with high values in row A; empty: none",
-    )
+    complexity: UserPath = ""
+    """function that replaces complexity; empty: none"""
+    graspability: UserPath = ""
+    """function that replaces graspability, with high values in row A; empty: none"""
 
     @model_validator(mode="after")
     def _functions_are_named(self) -> Self:
@@ -100,42 +93,38 @@ class CustomMeasures(Parameters):
 class Complexity(Parameters):
     """The entropy of the angular deficits of the vertices."""
 
-    bins: int = Field(BINS, ge=2, description="histogram bins over [-2 pi, 2 pi)")
+    bins: int = Field(BINS, ge=2)
+    """histogram bins over [-2 pi, 2 pi)"""
 
 
 class Graspability(Parameters):
     """A percentile of the quality of sampled grasps. High values are easy."""
 
-    gripper: Name = Field(
-        "yumi", description="gripper that grasps are sampled for, from the table of grippers"
-    )
-    metric: Literal["nominal", "robust"] = Field(
-        "nominal",
-        description="nominal: quality of the grasp itself; robust: mean quality over perturbed "
-        "copies; the published letters follow the nominal quality (rank correlation 0.94 against "
-        "0.43, docs/measures.md)",
-    )
-    candidates: int = Field(
-        512,
-        ge=1,
-        description="initial number of candidate grasps; doubled until the cell is certain",
-    )
-    percentile: float = Field(75, ge=0, le=100, description="percentile of the qualities, percent")
+    gripper: Name = "yumi"
+    """gripper that grasps are sampled for, from the table of grippers"""
+    metric: Literal["nominal", "robust"] = "nominal"
+    """nominal: quality of the grasp itself; robust: mean quality over perturbed copies; the
+    published letters follow the nominal quality (rank correlation 0.94 against 0.43,
+    docs/measures.md)"""
+    candidates: int = Field(512, ge=1)
+    """initial number of candidate grasps; doubled until the cell is certain"""
+    percentile: float = Field(75, ge=0, le=100)
+    """percentile of the qualities, percent"""
 
 
 class SizeEffect(Parameters):
     """How grasp quality changes with the size of an object."""
 
     fractions: list[SideFraction] = Field(
-        [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2],
-        min_length=1,
-        description="sizes to test: smallest side of the minimum-volume box / opening, ascending",
+        [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2], min_length=1
     )
-    percentiles: list[Percent] = Field(
-        [65.0, 75.0, 85.0], min_length=1, description="percentiles of the quality, ascending"
-    )
-    grasps: int = Field(200, ge=1, description="grasps sampled at each size")
-    repeats: int = Field(5, ge=1, description="repetitions with different random numbers")
+    """sizes to test: smallest side of the minimum-volume box / opening, ascending"""
+    percentiles: list[Percent] = Field([65.0, 75.0, 85.0], min_length=1)
+    """percentiles of the quality, ascending"""
+    grasps: int = Field(200, ge=1)
+    """grasps sampled at each size"""
+    repeats: int = Field(5, ge=1)
+    """repetitions with different random numbers"""
 
     @model_validator(mode="after")
     def _lists_ascend(self) -> Self:
@@ -195,22 +184,15 @@ class SizeEffectParameters(ParameterGroup):
 class Postprocess(Parameters):
     """Mesh repair, and measurement with other grasps than those used for selection in evolution."""
 
-    max_candidates: int = Field(
-        MAX_CANDIDATES,
-        ge=1,
-        description="maximum number of candidate grasps per object; sampling stops earlier once "
-        "the cell of the object is certain",
-    )
-    open_surfaces: OpenSurfaces = Field(
-        "reject",
-        description="treatment of surfaces that are still open after small holes are closed, such "
-        "as scans of glasses and bowls: reject them, or thicken them to closed shells",
-    )
-    shell_thickness: Length = Field(
-        SHELL_THICKNESS,
-        description="wall thickness of thickened surfaces, metres, half on each side of the "
-        "surface (open_surfaces: thicken)",
-    )
+    max_candidates: int = Field(MAX_CANDIDATES, ge=1)
+    """maximum number of candidate grasps per object; sampling stops earlier once the cell of the
+    object is certain"""
+    open_surfaces: OpenSurfaces = "reject"
+    """treatment of surfaces that are still open after small holes are closed, such as scans of
+    glasses and bowls: reject them, or thicken them to closed shells"""
+    shell_thickness: Length = SHELL_THICKNESS
+    """wall thickness of thickened surfaces, metres, half on each side of the surface
+    (open_surfaces: thicken)"""
 
 
 class MeasureMeshes(MeasureParameters):

@@ -168,25 +168,17 @@ def animation(frames: list[RgbImage]) -> bytes:
 
 def _feature_shares(failures: pd.DataFrame, solved: pd.DataFrame) -> list[FeatureShare]:
     """Features as shown on the page; those that explain most come first."""
-    found = []
-    for name, share in shares(failures, solved).items():
-        title, unit, factor, meaning = SHAPE_FEATURES[name]
-        found.append(
-            FeatureShare(
-                title,
-                unit,
-                meaning,
-                factor * share.low,
-                factor * share.high,
-                factor * solved[name].dropna().to_numpy(float),
-                factor * failures[name].dropna().to_numpy(float),
-                share.below,
-                share.above,
-                share.value,
-                (share.ci_low, share.ci_high),
-            )
+    units = [SHAPE_FEATURES[str(name)].factor for name in failures]
+    failures, solved = failures.mul(units), solved.mul(units)
+    found = [
+        FeatureShare(
+            SHAPE_FEATURES[name],
+            share,
+            *(table[name].dropna().to_numpy(float) for table in (solved, failures)),
         )
-    return sorted(found, key=lambda each: -each.share)
+        for name, share in shares(failures, solved).items()
+    ]
+    return sorted(found, key=lambda each: -each.share.value)
 
 
 def _dataset(examined: pd.DataFrame, objects: Dataset | None) -> pd.DataFrame:

@@ -7,39 +7,21 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 
 from egad._util.arrays import Floats
+from egad.bench.failures import ObjectVerdict
+from egad.bench.failures.features import ExplainedShare, ShapeFeature
 from egad.bench.stats import Rate
 from egad.measures import MeasureSpace, cell_name, labels
 from egad.report.axes import AxisPair
-from egad.report.colors import FAINT, INK, LINES, SOFT, UNKNOWN
-from egad.report.drawing import new_figure, show_percent
+from egad.report.colors import FAINT, LINES, SOFT
+from egad.report.drawing import new_figure
 from egad.report.failure_map import dataset_map, failure_map, lowest_difference
 from egad.report.page import data_uri, render_template, svg_uri
 from egad.report.trial_charts import outcome_chart, outcome_counts
 
 MAX_OF_CELL = 2  # failures per cell among the worst
 BEYOND = 0.6  # of the range of solved objects; charts of features extend this far on either side
-VERDICTS = {
-    "failure": "the reference holds it, the detector does not",
-    "detector_succeeds": "the detector holds it too often for a failure",
-    "not_graspable": "rejected: the reference does not hold it, either",
-    "not_printable": "rejected: it cannot be printed, because of its walls or its parts",
-    "not_confirmed": "rejected: fresh drops did not show a failure in every engine",
-    "not_simulated": "rejected: it has no convex parts, or does not come to rest",
-    "not_measured": "not tried: complexity or graspability could not be measured",
-    "cell_full": "not tried: its cell was full of failures",
-}
-GUARDS = {
-    "detector_succeeds": "are held by the detector too often",
-    "not_graspable": "are not held by the reference either",
-    "not_printable": "cannot be printed",
-    "not_confirmed": "were not confirmed on fresh drops",
-    "not_simulated": "cannot be simulated",
-    "not_measured": "cannot be measured",
-    "cell_full": "were not tried because their cell is full of failures",
-}
 REASONS = {
     "n_nothing": ("nothing was proposed", LINES[3]),
     "n_not_chosen": ("another of its first ten proposals holds", LINES[5]),
@@ -51,17 +33,10 @@ WHO = ("detector", "reference")
 class FeatureShare(NamedTuple):
     """A shape feature, and how it distinguishes failures from objects that the detector solves."""
 
-    title: str
-    unit: str  # unit of the numbers; empty if they have none
-    meaning: str
-    low: float  # quantile 5 % over the solved objects
-    high: float  # quantile 95 %
+    feature: ShapeFeature
+    share: ExplainedShare  # of the failures; its range is in the unit of the page, as are the next
     solved: Floats  # its value for each solved object
     failures: Floats  # its value for each failure
-    below: float  # share of the failures below the range
-    above: float  # share of the failures above the range
-    share: float  # share of the failures that it explains
-    interval: tuple[float, float]  # ends of the 95 % interval of this share
 
     @property
     def medians(self) -> tuple[float, float]:
@@ -142,7 +117,6 @@ def page(
         cells=len(table[["complexity_cell", "difficulty_cell"]].drop_duplicates()),
         attempts=int(examined["attempts"].sum()),
         tried=int((examined["attempts"] > 0).sum()),
-        guards=_guards(examined),
         verdicts=_verdicts(examined),
         examined=len(examined),
         sources=_sources(examined),
@@ -153,7 +127,6 @@ def page(
         outcomes=lost_outcomes(fresh),
         features=features,
         feature_figure=svg_uri(feature_chart(features)) if features else "",
-        share_figure=svg_uri(share_chart(features)) if features else "",
         examples=[_example(rows[name], fresh, each) for name, each in examples.items()],
     )
 
@@ -192,21 +165,10 @@ def _verdicts(examined: pd.DataFrame) -> list[tuple[str, int, str]]:
     """Number of objects with each verdict, and its meaning."""
     counts = examined["verdict"].value_counts()
     return [
-        (name.replace("_", " "), int(counts[name]), meaning)
-        for name, meaning in VERDICTS.items()
-        if name in counts
+        (each.replace("_", " "), int(counts[each]), each.meaning)
+        for each in ObjectVerdict
+        if each in counts
     ]
-
-
-def _guards(examined: pd.DataFrame) -> str:
-    """How many objects are not failures, and why, in words."""
-    counts = examined["verdict"].value_counts()
-    parts = [f"{counts[name]} {text}" for name, text in GUARDS.items() if name in counts]
-    if not parts:
-        return ""
-    *first, last = parts
-    listed = f"{', '.join(first)}, and {last}" if first else last
-    return f"Of the other objects considered, {listed}."
 
 
 def _sources(examined: pd.DataFrame) -> list[tuple[str, Rate]]:
@@ -262,12 +224,13 @@ def feature_chart(features: Sequence[FeatureShare]) -> str:
         axes = drawing.figure.add_subplot()
         axes.axvspan(0, 1, color=FAINT, lw=0)
         for number, each in enumerate(features):
-            width = max(each.high - each.low, np.finfo(float).eps)
+            low, high = each.share.low, each.share.high
+            width = max(high - low, np.finfo(float).eps)
             for values, y, color, label, size in (
                 (each.solved, 0.17, SOFT, "solved", 3.0),
                 (each.failures, -0.17, LINES[1], "failures", 4.5),
             ):
-                x = np.clip((values - each.low) / width, -BEYOND, 1 + BEYOND)
+                x = np.clip((values - low) / width, -BEYOND, 1 + BEYOND)
                 jitter = np.linspace(-0.09, 0.09, max(len(x), 1))[: len(x)]
                 axes.plot(
                     x,
@@ -279,34 +242,12 @@ def feature_chart(features: Sequence[FeatureShare]) -> str:
                     alpha=0.55,
                     label="" if number else label,
                 )
-        _name_rows(axes, features)
+        axes.set_yticks(-np.arange(len(features)), [each.feature.title for each in features])
+        axes.set(ylim=(-len(features) + 0.5, 0.5))
+        axes.tick_params(axis="y", length=0)
+        axes.spines[["left"]].set_visible(False)
         axes.set_xticks([0, 1], ["5 %", "95 %"])
         axes.set(xlim=(-BEYOND - 0.05, 1 + BEYOND + 0.05))
         axes.set_xlabel("quantile of the objects that the detector solves")
         drawing.figure.legend(loc="outside upper right", ncols=2, fontsize=9)
     return drawing.svg
-
-
-def share_chart(features: Sequence[FeatureShare]) -> str:
-    """SVG of the share of the failures that each feature explains, with intervals of 95 %."""
-    with new_figure(5.4, 0.9 + 0.46 * len(features)) as drawing:
-        axes = drawing.figure.add_subplot()
-        y = -np.arange(len(features))
-        axes.barh(y, [each.share for each in features], height=0.5, color=LINES[1])
-        for place, each in zip(y, features, strict=True):
-            if not np.isnan(each.interval[0]):
-                axes.hlines(place, *each.interval, color=INK, lw=1.2)
-        axes.axvline(0, color=UNKNOWN, lw=1)
-        _name_rows(axes, features)
-        axes.set(xlim=(min(-0.12, *(each.interval[0] for each in features)), 1))
-        show_percent(axes.xaxis)
-        axes.grid(axis="x")
-        axes.set_xlabel("share of the failures that it explains")
-    return drawing.svg
-
-
-def _name_rows(axes: Axes, features: Sequence[FeatureShare]) -> None:
-    axes.set_yticks(-np.arange(len(features)), [each.title for each in features])
-    axes.set(ylim=(-len(features) + 0.5, 0.5))
-    axes.tick_params(axis="y", length=0)
-    axes.spines[["left"]].set_visible(False)

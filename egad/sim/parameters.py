@@ -51,41 +51,32 @@ def is_installed(engine: str) -> bool:
 class Lifting(Parameters):
     """Execution of a grasp."""
 
-    engine: EngineName = Field(
-        ENGINES[0],
-        description="physics engine; pybullet has packages for Python 3.11 and older only; drake "
-        "is an extra, and takes 30 to 50 times as long as mujoco",
-    )
-    arm: Literal["axis", "panda"] = Field(
-        "axis",
-        description="arm that moves the hand: a vertical axis, or a Franka Panda, which takes 2 to "
-        "3 times as long",
-    )
-    lift_height: float = Field(
-        0.4, gt=0, le=1, description="height that a successful grasp lifts the object to, metres"
-    )
-    hold_time: float = Field(
-        2.0, ge=0, description="time that the object must stay at that height, seconds"
-    )
+    engine: EngineName = ENGINES[0]
+    """physics engine; pybullet has packages for Python 3.11 and older only; drake is an extra, and
+    takes 30 to 50 times as long as mujoco"""
+    arm: Literal["axis", "panda"] = "axis"
+    """arm that moves the hand: a vertical axis, or a Franka Panda, which takes 2 to 3 times as
+    long"""
+    lift_height: float = Field(0.4, gt=0, le=1)
+    """height that a successful grasp lifts the object to, metres"""
+    hold_time: float = Field(2.0, ge=0)
+    """time that the object must stay at that height, seconds"""
 
 
 class LabelAgreement(Parameters):
     """Labelled grasps executed in simulation, to validate their quality."""
 
-    grasps: int = Field(
-        2000,
-        ge=1,
-        description="grasps executed, in equal numbers for all objects of the evaluation set",
-    )
+    grasps: int = Field(2000, ge=1)
+    """grasps executed, in equal numbers for all objects of the evaluation set"""
 
 
 class SimulatedLabel(Parameters):
     """Simulated labels of grasps: closed in free space, shaken and lifted."""
 
-    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
-    grasps: int = Field(
-        100, ge=1, description="maximum number of collision-free grasps of each object to simulate"
-    )
+    engine: EngineName = ENGINES[0]
+    """physics engine, as in `trials`"""
+    grasps: int = Field(100, ge=1)
+    """maximum number of collision-free grasps of each object to simulate"""
 
 
 class SimulatedLabelParameters(ParameterGroup):

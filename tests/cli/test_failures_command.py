@@ -9,7 +9,7 @@ from failure_searches import FEW, QUICK, SHAPE, coarse_objects, parts_kept
 from partial_tables import write_rows
 
 from egad._util.progress import MARKS
-from egad.bench.failures import FailureAtlas
+from egad.bench.failures import FailureAtlas, ObjectVerdict
 from egad.tables import parquet
 from egad.tables.evolution import ARCHIVE
 from egad.tables.objects import OBJECTS
@@ -56,7 +56,7 @@ def test_a_search_tells_what_it_found_and_where_and_its_progress_in_attempts(fol
     assert second == f"attempts: {attempts}, at {objects} objects"
     assert third == f"objects: {objects}"
     assert sum(int(line.split()[0]) for line in verdicts) == objects
-    assert f"{len(atlas):6} graspable, and beside fails" in verdicts
+    assert f"{len(atlas):6} failure: {ObjectVerdict.FAILURE.meaning}" in verdicts
     assert "failures/beside/attempts.parquet: the attempts\n" in done.stdout
     assert (folder / "failures/beside/index.html").read_text().startswith("<!DOCTYPE html>")
     assert re.search(r"^attempts: \d+/12", done.stderr, re.MULTILINE)

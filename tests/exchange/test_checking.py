@@ -92,7 +92,7 @@ OTHERS = {
     "graspnet": {
         what for what in MISTAKES if re.match("axes|rever|inv|trans|rotations|quat", what)
     },
-    "contact_graspnet": {"y up", "mirrored object"},  # of the camera
+    "contact_graspnet": {"y up", "-y up", "mirrored object"},  # of the camera
 }
 PAIRS = [(name, what) for name in CHANGES for what in MISTAKES if what not in OTHERS.get(name, ())]
 
@@ -126,6 +126,45 @@ def test_mistakes_are_named(number, name, what, objects, tmp_path):
     poses, near = found.corrected.poses, 0.02 if "deep" in what else 1e-6
     assert poses[:, :3, 3:] == pytest.approx(grasps.poses[:, :3, 3:], abs=near)
     assert poses[:, :3, 2] == pytest.approx(grasps.poses[:, :3, 2], abs=1e-6)
+
+
+def to_center_of_mass(mesh):
+    return mesh.apply_translation(-mesh.center_mass), "relative to the center of mass"
+
+
+def to_middle_of_box(mesh):
+    return mesh.apply_translation(-mesh.bounds.mean(axis=0)), "relative to the middle of the box"
+
+
+def to_larger(mesh):
+    return mesh.apply_scale(1.25), r"the object is about 0\.(7[6-9]|8[0-4]?) times as large"  # 5 %
+
+
+@pytest.mark.parametrize("name", ["acronym", "graspgen", "graspnet", "poses"])
+@pytest.mark.parametrize("changed", [to_center_of_mass, to_middle_of_box, to_larger])
+def test_another_frame_or_size_of_the_object_is_named(changed, name, tmp_path):
+    theirs, words = changed(hammer())
+    grasps = egad.sample_grasps(theirs, "panda", 120)
+    path, said = write_source(name, tmp_path, grasps[grasps.collision_free])
+    found = egad.check_grasps(path, hammer(), "panda", **said)
+    assert found.verdict == "mistake", found
+    assert re.search(words, found.mistakes[0]), found
+
+
+@pytest.mark.parametrize("name", ["graspnet", "poses"])
+def test_widths_of_one_finger_are_named(name, objects, tmp_path):
+    mesh, grasps = objects["cone"]
+    path, said = write_source(name, tmp_path, grasps)
+    if name == "graspnet":
+        rows = np.load(path)
+        rows[:, 1] /= 2
+        np.save(path, rows)
+    else:
+        with np.load(path) as content:
+            np.savez(path, poses=content["poses"], widths=content["widths"] / 2)
+    found = egad.check_grasps(path, mesh, "panda", **said)
+    assert found.verdict == "mistake", found
+    assert found.mistakes == ["the widths are those of one finger: multiply them by 2"]
 
 
 RIGHT = [(name, which) for which in OBJECTS for name in [*CHANGES, "vgn", "isaac_grasp", "poses"]]

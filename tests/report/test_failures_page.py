@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from partial_tables import fill_columns
 
+from egad.bench.failures.features import ExplainedShare, ShapeFeature
 from egad.evolution.voxels import pack
 from egad.measures import MeasureSpace
 from egad.report.axes import USUAL
@@ -38,7 +39,8 @@ def failure(name, column, row, difference, **more):
 
 def feature(title, share=0.2, interval=(0.1, 0.3)):
     values = np.linspace(0, 1, 20)
-    return FeatureShare(title, "mm", "what it is", 0.1, 0.9, values, values, 0, 0, share, interval)
+    explained = ExplainedShare(0.1, 0.9, 0, 0, share, *interval)
+    return FeatureShare(ShapeFeature(title, "mm", 1, "what it is"), explained, values, values)
 
 
 @pytest.fixture
@@ -89,8 +91,8 @@ def words(html):
 def test_the_page_says_in_words_what_was_found(tables):
     text = words(made_page(tables)).replace("\N{NO-BREAK SPACE}", " ")
     assert "found 2 failures in 2 cells of the map, with 80 simulated grasps of 8 objects" in text
-    assert "Of the other objects considered, 5 are held by the detector too often, " in text
-    assert "1 are not held by the reference either, and 1 were not tried" in text
+    assert "detector succeeds the detector holds it too often for a failure 5 55.6 %" in text
+    assert "cell full not tried: its cell was full of failures 1 11.1 %" in text
     assert "Of 4 objects tried from the dataset, 1 is a failure (25.0 %)" in text
     assert "In 12 drops" in text
     assert "none of its first ten proposals holds: 6 (50 %)" in text
@@ -110,7 +112,9 @@ def test_labels_are_those_that_loading_gives(tables):
 
 @pytest.mark.filterwarnings("error")
 def test_a_feature_that_all_solved_objects_share_is_drawn(tables):
-    alike = feature("size")._replace(low=0.5, high=0.5, solved=np.full(20, 0.5))
+    size = feature("size")
+    explained = size.share._replace(low=0.5, high=0.5)
+    alike = size._replace(share=explained, solved=np.full(20, 0.5))
     assert "size" in words(made_page(tables, features=[alike]))
 
 

@@ -9,7 +9,7 @@ and safe anytime-valid inference"). The bets are ours.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -114,16 +114,24 @@ def explanation(attempts: pd.DataFrame, engine: str, most: int) -> dict[str, int
 
 
 class ObjectVerdict(StrEnum):
-    """The verdict on an object for a detector."""
+    """The verdict on an object for a detector; its value is what tables hold."""
 
-    FAILURE = "failure"
-    DETECTOR_SUCCEEDS = "detector_succeeds"
-    NOT_GRASPABLE = "not_graspable"
-    NOT_PRINTABLE = "not_printable"
-    NOT_CONFIRMED = "not_confirmed"
-    NOT_SIMULATED = "not_simulated"
-    NOT_MEASURED = "not_measured"
-    CELL_FULL = "cell_full"
+    meaning: str
+
+    def __new__(cls, value: str, meaning: str = "") -> Self:
+        """A member with its meaning."""
+        member = str.__new__(cls, value)
+        member._value_, member.meaning = value, meaning
+        return member
+
+    FAILURE = "failure", "the reference holds it, the detector does not"
+    DETECTOR_SUCCEEDS = "detector_succeeds", "the detector holds it too often for a failure"
+    NOT_GRASPABLE = "not_graspable", "the reference does not hold it, either"
+    NOT_PRINTABLE = "not_printable", "it cannot be printed, because of its walls or its parts"
+    NOT_CONFIRMED = "not_confirmed", "fresh drops did not show a failure in every engine"
+    NOT_SIMULATED = "not_simulated", "it has no convex parts, or does not come to rest"
+    NOT_MEASURED = "not_measured", "not tried: complexity or graspability could not be measured"
+    CELL_FULL = "cell_full", "not tried: its cell was full of failures"
 
 
 GRASPABLE = (ObjectVerdict.FAILURE, ObjectVerdict.DETECTOR_SUCCEEDS, ObjectVerdict.NOT_CONFIRMED)

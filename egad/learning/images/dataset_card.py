@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from egad._util.markdown import table
+from egad._util.markdown import filled, table
 from egad._util.parameters import Parameters
 from egad.bench import SCENE_KINDS
 from egad.learning.images.arrangement import is_good
@@ -87,30 +87,30 @@ def card(
 ) -> str:
     """The card of a set; `rejected` has the columns of `REJECTED`, `figure` is a file name."""
     render = settings.render
-    good = "held in simulation" if render.simulate else "has a robust quality above render.quality"
-    narrow = 100 * (found.openings < NARROW).mean() if len(found.openings) else 0.0
-    left_out = render.images - found.images
     again = (
-        f"{100 * found.in_vain:.0f} % of the draws for these images showed none, and {left_out} of "
-        f"{render.images} images were left out after ten draws. "
+        f"{100 * found.in_vain:.0f} % of the draws for these images showed none, and "
+        f"{render.images - found.images} of {render.images} images were left out after ten draws. "
     )
-    blocks = [
-        f"# Depth images of {dataset} for {gripper}",
-        f"Objects at rest on a table; seed {settings.seed}. Splits are by object.",
-        _table(found.counts).rstrip(),
-        "A reachable grasp is free if the hand, which opens at most "
-        f"{1000 * settings.gripper.opening:g} mm, touches nothing else, and good if it also "
-        f"{good}. {'' if render.without_grasps else again}{narrow:.0f} % of the good grasps have "
-        f"an opening below {1000 * NARROW:g} mm.",
-        f"![Openings of the good grasps]({figure})",
-        "## Settings",
-        settings_table(
+    return filled(
+        __package__,
+        "dataset_card.md",
+        dataset=dataset,
+        gripper=gripper,
+        settings=settings,
+        counts=_table(found.counts),
+        opening=1000 * settings.gripper.opening,
+        good="held in simulation"
+        if render.simulate
+        else "has a robust quality above render.quality",
+        again="" if render.without_grasps else again,
+        narrow=100 * (found.openings < NARROW).mean() if len(found.openings) else 0.0,
+        limit=1000 * NARROW,
+        figure=figure,
+        table=settings_table(
             render=render, camera=settings.camera, image_noise=settings.image_noise
-        ).rstrip(),
-        "## Objects without images",
-        list_of_rejected(rejected),
-    ]
-    return "\n\n".join(blocks) + "\n"
+        ),
+        rejected=list_of_rejected(rejected),
+    )
 
 
 def settings_table(**groups: Parameters) -> str:

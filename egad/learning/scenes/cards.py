@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from egad._util.markdown import table
+from egad._util.markdown import filled, table
 from egad.learning.images import SPLITS, list_of_rejected, settings_table
 from egad.learning.scenes.parameters import DEPTHS, SceneParameters
 from egad.learning.scenes.planning import Splits
@@ -28,34 +28,27 @@ class SceneSet(NamedTuple):
 
 def card(settings: SceneParameters, title: str, found: SceneSet) -> str:
     """The card of a set of scenes."""
-    missing = found.planned - len(found.scenes)
-    noise = found.scenes["noise"].value_counts()
-    kinds = ", ".join(f"{name} in {noise.get(name, 0)}" for name in settings.scenes.noise)
-    blocks = [
-        f"# {title}",
-        "Objects packed upright side by side or dropped into a pile, at rest on a table; seed "
-        f"{settings.seed}.",
-        f"![One of the scenes: green grasps held, red did not]({PICTURE})",
-        _counts(found),
+    noise, missing = found.scenes["noise"].value_counts(), found.planned - len(found.scenes)
+    left_out = (
         f"{missing} of {found.planned} planned scenes are left out: the simulation went wrong, or "
-        "none of their objects can be simulated."
-        if missing
-        else "",
-        "## Labels",
-        "The fully open hand approaches a random point of the surface that the cameras see, "
-        f"against the normal, until its fingertips are {DEPTHS[0]:g} to {DEPTHS[1]:g} of the "
-        "finger length below it. The middle of the widest run of turns that succeed is kept, or "
-        "else the first turn.",
-        _outcomes(found.grasps),
-        "## Splits",
-        _splits(settings, found.splits),
-        "## Settings",
-        settings_table(scenes=settings.scenes),
-        f"Depth is in steps of 0.1 mm. Noise, by scenes: {kinds}.",
-        "## Objects in no scene",
-        list_of_rejected(found.rejected),
-    ]
-    return "\n\n".join(block.rstrip() for block in blocks if block) + "\n"
+        "none of their objects can be simulated.\n\n"
+    )
+    return filled(
+        __package__,
+        "card.md",
+        title=title,
+        settings=settings,
+        found=found,
+        picture=PICTURE,
+        counts=_counts(found),
+        left_out=left_out if missing else "",
+        depths=DEPTHS,
+        outcomes=_outcomes(found.grasps),
+        splits=_splits(settings, found.splits),
+        table=settings_table(scenes=settings.scenes),
+        noise=", ".join(f"{name} in {noise.get(name, 0)}" for name in settings.scenes.noise),
+        rejected=list_of_rejected(found.rejected),
+    )
 
 
 def _counts(found: SceneSet) -> str:

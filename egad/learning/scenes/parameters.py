@@ -23,57 +23,35 @@ TRAINING_CAMERAS: SceneCameras = SceneCameras(
 class TrainingScenes(Parameters):
     """Scenes of several objects with depth images and grasps labelled by simulation."""
 
-    scenes: int = Field(
-        1000,
-        ge=1,
-        le=10_000_000,
-        description="scenes per dataset, regardless of the number of objects; about 4 s each",
-    )
-    pile: Fraction = Field(
-        0.5, description="fraction of the scenes that are piles; in the others, objects are packed"
-    )
-    objects: float = Field(
-        5.0,
-        ge=1,
-        le=10,
-        description="mean number of objects put into a scene: one plus a Poisson-distributed "
-        "number",
-    )
-    grasps: int = Field(60, ge=1, le=10_000, description="labelled grasps per scene")
-    yaws: int = Field(
-        5,
-        ge=1,
-        le=64,
-        description="rotations about the approach that are simulated for each grasp, evenly spaced "
-        "over half a turn; the grasp succeeds if one of them does",
-    )
-    protocol: Protocol = Field(
-        NAMED_PROTOCOLS["egad"],
-        description="rules of a published benchmark, or a section, as in `clutter.protocol`, for "
-        "sizes, packing, dropping, friction, closing force and success; for labels, the hand opens "
-        "fully, and a contact force above `stopping_force` during the approach is a failure; a "
-        "section must not set cameras or noise: set `scenes.cameras` and `scenes.noise`",
-    )
-    engine: EngineName = Field(ENGINES[0], description="physics engine, as in `trials`")
-    cameras: SceneCameras = Field(
-        TRAINING_CAMERAS,
-        description="cameras of the images; values with a range are sampled for each view",
-    )
-    noise: tuple[NoiseName, ...] = Field(
-        ("none", "dex"),
-        min_length=1,
-        description="kinds of noise added to depth images, as in `clutter.noise`; one is sampled "
-        "per scene",
-    )
-    validation: Fraction = Field(
-        0.1, description="fraction of objects and scenes in the validation set"
-    )
-    test: Fraction = Field(0.1, description="fraction of objects and scenes in the test set")
-    hold_out: bool = Field(
-        True,
-        description="whether the objects of the evaluation set, their parents and their children "
-        "are kept out of all scenes; not if the set is the whole dataset",
-    )
+    scenes: int = Field(1000, ge=1, le=10_000_000)
+    """scenes per dataset, regardless of the number of objects; about 4 s each"""
+    pile: Fraction = 0.5
+    """fraction of the scenes that are piles; in the others, objects are packed"""
+    objects: float = Field(5.0, ge=1, le=10)
+    """mean number of objects put into a scene: one plus a Poisson-distributed number"""
+    grasps: int = Field(60, ge=1, le=10_000)
+    """labelled grasps per scene"""
+    yaws: int = Field(5, ge=1, le=64)
+    """rotations about the approach that are simulated for each grasp, evenly spaced over half a
+    turn; the grasp succeeds if one of them does"""
+    protocol: Protocol = NAMED_PROTOCOLS["egad"]
+    """rules of a published benchmark, or a section, as in `clutter.protocol`, for sizes, packing,
+    dropping, friction, closing force and success; for labels, the hand opens fully, and a contact
+    force above `stopping_force` during the approach is a failure; a section must not set cameras or
+    noise: set `scenes.cameras` and `scenes.noise`"""
+    engine: EngineName = ENGINES[0]
+    """physics engine, as in `trials`"""
+    cameras: SceneCameras = TRAINING_CAMERAS
+    """cameras of the images; values with a range are sampled for each view"""
+    noise: tuple[NoiseName, ...] = Field(("none", "dex"), min_length=1)
+    """kinds of noise added to depth images, as in `clutter.noise`; one is sampled per scene"""
+    validation: Fraction = 0.1
+    """fraction of objects and scenes in the validation set"""
+    test: Fraction = 0.1
+    """fraction of objects and scenes in the test set"""
+    hold_out: bool = True
+    """whether the objects of the evaluation set, their parents and their children are kept out of
+    all scenes; not if the set is the whole dataset"""
 
     @model_validator(mode="after")
     def _something_is_left(self) -> Self:
