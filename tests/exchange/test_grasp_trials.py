@@ -114,7 +114,7 @@ def test_two_fingers_hold_what_coulomb_friction_can_carry(engine, tmp_path):
     for place in ("simulated_outcome", "table_outcome"):
         assert ((table[place] == "success") == (carried > weight)).all()
     for column, values in levels.items():
-        found = tried.by(column)
+        found = tried.by(column, "table")
         assert found[column].astype(float).tolist() == values
         held = (carried > weight).groupby(table[column]).mean()
         assert found["simulated"].tolist() == found["agreement"].tolist() == held.tolist()
