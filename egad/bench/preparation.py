@@ -145,8 +145,7 @@ def grasps_by_id(
 
     What their file calls a failure is left out. Its scores, if none is missing, rank the others.
     """
-    names = set(grasps)  # looks none of them up
-    if missing := [each.label for each in targets if each.label not in names]:
+    if missing := [each.label for each in targets if each.label not in set(grasps)]:  # not read
         known = ", ".join(grasps) or "nothing"
         raise UserError(f"there are no grasps of {missing[0]!r}; there are some of {known}")
     return Lazy({each.id: partial(_without_failures, grasps, each.label) for each in targets})
